@@ -1,0 +1,290 @@
+//! Frames: how a message becomes bytes on a link, and how it is found again among damaged ones.
+//!
+//! ```text
+//! raw  = direction 1 | session 4 | sequence 2 | id 1 | body 0..=238 | crc 4      (little-endian)
+//! wire = COBS(raw) 00                                                            (00 occurs nowhere else)
+//! ```
+//! The CRC-32 (ISO-HDLC, as in zip) covers all before it. A second 00 follows where the frame would else be a
+//! multiple of 64 bytes: a full last USB packet would need a zero-length one after it. Empty frames are skipped.
+
+use crate::limits::{MAX_BODY, MAX_ENCODED, MAX_RAW};
+use heapless::Vec;
+
+/// CRC-32/ISO-HDLC.
+pub const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+const HEADER: usize = 8;
+const TRAILER: usize = 4;
+
+/// Which way a frame travels. A side ignores frames that travel away from it: its own, echoed by a terminal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Direction {
+    /// Host to device.
+    ToDevice = 0xa5,
+    /// Device to host.
+    ToHost = 0x5a,
+}
+
+impl Direction {
+    const fn from_byte(byte: u8) -> Option<Self> {
+        match byte {
+            0xa5 => Some(Self::ToDevice),
+            0x5a => Some(Self::ToHost),
+            _ => None,
+        }
+    }
+}
+
+/// What stands before the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Which way it travels.
+    pub direction: Direction,
+    /// The session it belongs to; 0 in a hello.
+    pub session: u32,
+    /// The command's number; a reply carries its command's.
+    pub sequence: u16,
+    /// The message's id.
+    pub id: u8,
+}
+
+/// A whole, undamaged frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frame<'a> {
+    /// Its header.
+    pub header: Header,
+    /// Its body, still encoded.
+    pub body: &'a [u8],
+}
+
+/// Why bytes are not a frame, or a message does not fit one. Counted where it happens; never sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameError {
+    /// More bytes than a frame may have.
+    TooLong,
+    /// Impossible COBS, too short, wrong CRC or no direction.
+    Damaged,
+}
+
+impl core::fmt::Display for FrameError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::TooLong => "a frame is too long",
+            Self::Damaged => "a frame is damaged",
+        })
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// The bytes of one frame on the link.
+pub type Encoded = Vec<u8, MAX_ENCODED>;
+
+/// Makes a frame around a message's body, which `body` writes into the buffer it is given and whose length it returns.
+///
+/// # Errors
+/// Whatever `body` returns; [`FrameError::TooLong`] if it claims more than [`MAX_BODY`] bytes.
+pub fn encode(
+    header: Header,
+    body: impl FnOnce(&mut [u8]) -> Result<usize, FrameError>,
+) -> Result<Encoded, FrameError> {
+    let mut raw = [0u8; MAX_RAW];
+    let [d, s0, s1, s2, s3, q0, q1, id, rest @ ..] = &mut raw;
+    *d = header.direction as u8;
+    [*s0, *s1, *s2, *s3] = header.session.to_le_bytes();
+    [*q0, *q1] = header.sequence.to_le_bytes();
+    *id = header.id;
+    let length = body(rest.get_mut(..MAX_BODY).ok_or(FrameError::TooLong)?)?;
+    let end = HEADER + length;
+    let crc = CRC.checksum(raw.get(..end).ok_or(FrameError::TooLong)?);
+    raw.get_mut(end..end + TRAILER).ok_or(FrameError::TooLong)?.copy_from_slice(&crc.to_le_bytes());
+    let whole = raw.get(..end + TRAILER).ok_or(FrameError::TooLong)?;
+
+    let mut wire = [0u8; MAX_ENCODED];
+    let used = cobs::try_encode(whole, &mut wire).map_err(|_| FrameError::TooLong)?;
+    let mut encoded =
+        Encoded::from_slice(wire.get(..used).ok_or(FrameError::TooLong)?).map_err(|_| FrameError::TooLong)?;
+    encoded.push(0).map_err(|_| FrameError::TooLong)?;
+    if encoded.len() % 64 == 0 {
+        encoded.push(0).map_err(|_| FrameError::TooLong)?;
+    }
+    Ok(encoded)
+}
+
+/// What the decoder has seen. Counters stop at their largest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DecoderCounters {
+    /// Whole, undamaged frames.
+    pub frames: u32,
+    /// Damaged frames.
+    pub damaged: u32,
+    /// Frames too long for the buffer.
+    pub overlong: u32,
+}
+
+/// Finds frames in a stream of bytes, from any starting point, in a buffer of fixed size.
+///
+/// After damage it is in step again at the next zero byte, so at most one good frame is lost.
+#[derive(Clone, Debug, Default)]
+pub struct Decoder {
+    buffer: Vec<u8, MAX_ENCODED>,
+    overflowed: bool,
+    counters: DecoderCounters,
+}
+
+impl Decoder {
+    /// An empty decoder.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            buffer: Vec::new(),
+            overflowed: false,
+            counters: DecoderCounters { frames: 0, damaged: 0, overlong: 0 },
+        }
+    }
+
+    /// Takes one byte; when it ends an undamaged frame, calls `found` with it and returns what that returns.
+    pub fn push<R>(&mut self, byte: u8, found: impl FnOnce(Frame<'_>) -> R) -> Option<R> {
+        if byte != 0 {
+            if self.buffer.push(byte).is_err() {
+                self.overflowed = true;
+            }
+            return None;
+        }
+        let overflowed = core::mem::take(&mut self.overflowed);
+        let result = if overflowed {
+            self.counters.overlong = self.counters.overlong.saturating_add(1);
+            None
+        } else if self.buffer.is_empty() {
+            None
+        } else if let Some(frame) = open(&mut self.buffer) {
+            self.counters.frames = self.counters.frames.saturating_add(1);
+            Some(found(frame))
+        } else {
+            self.counters.damaged = self.counters.damaged.saturating_add(1);
+            None
+        };
+        self.buffer.clear();
+        result
+    }
+
+    /// What has been seen so far.
+    #[must_use]
+    pub const fn counters(&self) -> DecoderCounters {
+        self.counters
+    }
+}
+
+/// Undoes COBS in place and checks length, CRC and direction.
+fn open(wire: &mut [u8]) -> Option<Frame<'_>> {
+    let length = cobs::decode_in_place(wire).ok()?;
+    let raw = wire.get(..length)?;
+    let (covered, crc) = raw.split_last_chunk::<TRAILER>()?;
+    if CRC.checksum(covered) != u32::from_le_bytes(*crc) {
+        return None;
+    }
+    let (&[direction, s0, s1, s2, s3, q0, q1, id], body) = covered.split_first_chunk::<HEADER>()?;
+    let header = Header {
+        direction: Direction::from_byte(direction)?,
+        session: u32::from_le_bytes([s0, s1, s2, s3]),
+        sequence: u16::from_le_bytes([q0, q1]),
+        id,
+    };
+    Some(Frame { header, body })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    extern crate std;
+
+    fn header(sequence: u16) -> Header {
+        Header { direction: Direction::ToDevice, session: 0x0403_0201, sequence, id: 0x12 }
+    }
+
+    fn frame(sequence: u16, body: &[u8]) -> Encoded {
+        encode(header(sequence), |b| {
+            b.get_mut(..body.len()).ok_or(FrameError::TooLong)?.copy_from_slice(body);
+            Ok(body.len())
+        })
+        .unwrap()
+    }
+
+    fn decode(bytes: &[u8]) -> std::vec::Vec<(u16, std::vec::Vec<u8>)> {
+        let mut decoder = Decoder::new();
+        bytes.iter().filter_map(|&b| decoder.push(b, |f| (f.header.sequence, f.body.to_vec()))).collect()
+    }
+
+    #[test]
+    fn no_frame_of_any_length_fills_its_last_usb_packet() {
+        for length in 0..=MAX_BODY {
+            let encoded = frame(1, &std::vec![7u8; length]);
+            assert_ne!(encoded.len() % 64, 0, "body of {length} bytes");
+            assert_eq!(decode(&encoded).len(), 1);
+        }
+    }
+
+    #[test]
+    fn a_body_beyond_the_limit_is_an_error() {
+        assert_eq!(encode(header(0), |_| Ok(MAX_BODY + 1)), Err(FrameError::TooLong));
+    }
+
+    #[test]
+    fn bytes_without_end_fill_no_more_than_the_buffer_and_the_next_frame_is_found() {
+        let mut decoder = Decoder::new();
+        for _ in 0..100_000 {
+            assert_eq!(decoder.push(0x55, |_| ()), None);
+        }
+        assert_eq!(decoder.push(0, |_| ()), None);
+        assert_eq!(decoder.counters().overlong, 1);
+        let found = frame(9, b"hello").iter().filter_map(|&b| decoder.push(b, |f| f.header.sequence)).count();
+        assert_eq!(found, 1);
+    }
+
+    proptest! {
+        #[test]
+        fn a_frame_comes_out_as_it_went_in(sequence: u16, body in prop::collection::vec(any::<u8>(), 0..=MAX_BODY)) {
+            prop_assert_eq!(decode(&frame(sequence, &body)), std::vec![(sequence, body)]);
+        }
+
+        #[test]
+        fn any_flipped_bits_lose_the_frame_and_invent_none(
+            body in prop::collection::vec(any::<u8>(), 0..40),
+            flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8u8), 1..4),
+        ) {
+            let good = frame(5, &body);
+            let mut bad = good.clone();
+            for (at, bit) in flips {
+                let at = at.index(bad.len());
+                bad[at] ^= 1 << bit;
+            }
+            prop_assume!(bad != good);
+            for (sequence, found) in decode(&bad) {
+                // Flips of trailing delimiters may leave the frame itself whole.
+                prop_assert_eq!((sequence, &found), (5, &body));
+            }
+            let mut stream = bad.to_vec();
+            stream.push(0);
+            stream.extend_from_slice(&frame(6, b"next"));
+            prop_assert!(decode(&stream).contains(&(6, b"next".to_vec())));
+        }
+
+        #[test]
+        fn decoding_from_any_offset_loses_at_most_one_frame(offset in 0usize..60, bodies in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..30), 1..8)) {
+            let mut stream = std::vec::Vec::new();
+            for (i, body) in bodies.iter().enumerate() {
+                stream.extend_from_slice(&frame(i as u16, body));
+            }
+            let offset = offset.min(frame(0, &bodies[0]).len());
+            prop_assert!(decode(&stream[offset..]).len() + 1 >= bodies.len());
+        }
+
+        #[test]
+        fn random_bytes_are_no_frames(noise in prop::collection::vec(any::<u8>(), 0..2000)) {
+            prop_assert!(decode(&noise).is_empty());
+        }
+    }
+}

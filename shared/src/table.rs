@@ -1,0 +1,171 @@
+//! The turning-point table: what the device must send to put an equal peak at any place of the plate.
+//!
+//! Knots are uniform in position over the span; each holds the phase step (so the frequency whose boundary lies
+//! there) and the gain (the inverse of everything between DAC code and plate peak). Between knots both are linear.
+//! This is the one definition of that interpolation: host and device call the same function.
+
+use crate::limits::{MAX_KNOT_STEP, MAX_KNOTS, MIN_KNOTS};
+use crate::refusal::{Field, Refusal};
+use crate::units::{FinePosition, Gain, PhaseStep};
+use serde::{Deserialize, Serialize};
+
+/// One knot of a turning-point table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Knot {
+    /// Phase step in turns per sample, Q0.32, 1..=0.45 turns.
+    pub step: u32,
+    /// Gain, Q1.31, 1..=full scale.
+    pub gain: Gain,
+}
+
+/// What a tone at a place needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Setting {
+    /// Its phase step.
+    pub step: PhaseStep,
+    /// Its gain.
+    pub gain: Gain,
+}
+
+/// The table's value at `position`, with knots read by index through `knot`.
+///
+/// With `t = position * (count - 1)`, `i = floor(t)` and `u = t - i`: `step = s[i] + u (s[i+1] - s[i])`, exact in
+/// Q0.64, and the gain likewise, rounded down to Q1.31. `count` below 2 gives the only knot, or the default for
+/// none.
+pub fn evaluate(count: u16, position: FinePosition, knot: impl Fn(u16) -> Knot) -> Setting {
+    let last = count.saturating_sub(1);
+    // At most 2^31 * 1024: 42 bits.
+    let t = u64::from(position.raw()) * u64::from(last);
+    let index = (t >> 31) as u16;
+    let fraction = (t & 0x7fff_ffff) as i64;
+    let a = knot(index.min(last));
+    let b = knot((index + 1).min(last));
+    // A difference of two Q0.32 steps below 0.45 has 31 bits and a sign; times 31 bits it fits 62 and a sign.
+    let step_difference = i64::from(b.step) - i64::from(a.step);
+    let step = (u64::from(a.step) << 32).wrapping_add_signed((step_difference * fraction) << 1);
+    let gain_difference = i64::from(b.gain.0) - i64::from(a.gain.0);
+    let gain = i64::from(a.gain.0) + ((gain_difference * fraction) >> 31);
+    Setting { step: PhaseStep(step), gain: Gain(gain as u32) }
+}
+
+/// Checks a whole table: 2..=1025 knots, steps strictly monotonic and within 1..=0.45 turns, gains within
+/// 1..=full scale.
+///
+/// # Errors
+/// [`Refusal::OutOfRange`] or [`Refusal::NotMonotonic`], naming the first knot at fault.
+pub fn validate(count: u16, knot: impl Fn(u16) -> Knot) -> Result<(), Refusal> {
+    if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(count)) {
+        return Err(out_of_range(Field::KnotCount, MIN_KNOTS as i64, MAX_KNOTS as i64, i64::from(count)));
+    }
+    let rising = knot(1).step > knot(0).step;
+    let mut previous: Option<u32> = None;
+    for index in 0..count {
+        let Knot { step, gain } = knot(index);
+        if !(1..=MAX_KNOT_STEP).contains(&step) {
+            return Err(out_of_range(Field::KnotStep, 1, i64::from(MAX_KNOT_STEP), i64::from(step)));
+        }
+        if !(1..=Gain::FULL.0).contains(&gain.0) {
+            return Err(out_of_range(Field::KnotGain, 1, i64::from(Gain::FULL.0), i64::from(gain.0)));
+        }
+        if let Some(previous) = previous {
+            let in_order = if rising { step > previous } else { step < previous };
+            if !in_order {
+                return Err(Refusal::NotMonotonic { knot: index });
+            }
+        }
+        previous = Some(step);
+    }
+    Ok(())
+}
+
+/// The table's CRC-32: span start and end in um, sample rate in Hz, knot count, then every knot's step and gain, each
+/// as four bytes (the count as two), little-endian.
+pub fn digest(
+    span_start_um: u32,
+    span_end_um: u32,
+    sample_rate_hz: u32,
+    count: u16,
+    knot: impl Fn(u16) -> Knot,
+) -> u32 {
+    let mut crc = crate::frame::CRC.digest();
+    crc.update(&span_start_um.to_le_bytes());
+    crc.update(&span_end_um.to_le_bytes());
+    crc.update(&sample_rate_hz.to_le_bytes());
+    crc.update(&count.to_le_bytes());
+    for index in 0..count {
+        let Knot { step, gain } = knot(index);
+        crc.update(&step.to_le_bytes());
+        crc.update(&gain.0.to_le_bytes());
+    }
+    crc.finalize()
+}
+
+const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
+    Refusal::OutOfRange { field, min, max, got }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Position;
+    use proptest::prelude::*;
+
+    fn line(count: u16) -> impl Fn(u16) -> Knot {
+        move |i| Knot { step: 1000 + u32::from(i) * 1_000_000 / u32::from(count), gain: Gain(1 << 30) }
+    }
+
+    #[test]
+    fn the_ends_of_the_span_are_the_first_and_the_last_knot() {
+        for count in [2, 3, 513, 1025] {
+            let knot = line(count);
+            assert_eq!(evaluate(count, Position::START.fine(), &knot).step.0, u64::from(knot(0).step) << 32);
+            assert_eq!(
+                evaluate(count, Position::END.fine(), &knot).step.0,
+                u64::from(knot(count - 1).step) << 32
+            );
+        }
+    }
+
+    #[test]
+    fn extreme_knots_do_not_overflow() {
+        let steep = |i: u16| Knot {
+            step: if i == 0 { 1 } else { MAX_KNOT_STEP },
+            gain: if i == 0 { Gain::FULL } else { Gain(1) },
+        };
+        let near_end = evaluate(2, FinePosition::saturating((1 << 31) - 1), steep);
+        assert!(near_end.step.0 >> 32 <= u64::from(MAX_KNOT_STEP) && near_end.gain.0 <= 2);
+        assert_eq!(evaluate(0, FinePosition::END, |_| Knot::default()), Setting::default());
+    }
+
+    proptest! {
+        #[test]
+        fn interpolation_is_the_straight_line_between_knots(raw in 0u32..=1 << 31, a in 1..=MAX_KNOT_STEP, b in 1..=MAX_KNOT_STEP) {
+            let knot = |i: u16| Knot { step: if i == 0 { a } else { b }, gain: Gain(if i == 0 { a } else { b }) };
+            let got = evaluate(2, FinePosition::saturating(raw), knot);
+            let u = f64::from(raw) / f64::from(1u32 << 31);
+            let want = f64::from(a) + u * (f64::from(b) - f64::from(a));
+            prop_assert!((got.step.0 as f64 / 4_294_967_296.0 - want).abs() < 1e-5);
+            prop_assert!((f64::from(got.gain.0) - want).abs() <= 1.0);
+        }
+
+        #[test]
+        fn one_bad_knot_makes_the_table_invalid(at in 1u16..600, kind in 0..4) {
+            let good = line(601);
+            prop_assert_eq!(validate(601, &good), Ok(()));
+            let bad = |i: u16| {
+                let mut knot = good(i);
+                if i == at {
+                    match kind {
+                        0 => knot.step = good(i - 1).step,
+                        1 => knot.step = 0,
+                        2 => knot.step = MAX_KNOT_STEP + 1,
+                        _ => knot.gain = Gain(Gain::FULL.0 + 1),
+                    }
+                }
+                knot
+            };
+            prop_assert!(validate(601, bad).is_err());
+            prop_assert_ne!(digest(0, 1, 1, 601, &good), digest(0, 1, 1, 601, bad));
+        }
+    }
+}
