@@ -1,0 +1,106 @@
+//! The layout is the architecture: the crates' arrows, one lint table, no stray files at the top.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
+}
+
+/// The workspace's crates and the arrows between them; an arrow is (user, used).
+fn crates_and_arrows() -> (BTreeSet<String>, BTreeSet<(String, String)>) {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .current_dir(root())
+        .output()
+        .expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
+    let mut crates = BTreeSet::new();
+    let mut arrows = BTreeSet::new();
+    for package in metadata["packages"].as_array().expect("packages") {
+        let name = package["name"].as_str().expect("name").to_owned();
+        for dependency in package["dependencies"].as_array().expect("dependencies") {
+            let used = dependency["name"].as_str().expect("name");
+            if used.starts_with("slipline") {
+                arrows.insert((name.clone(), used.to_owned()));
+            }
+        }
+        crates.insert(name);
+    }
+    (crates, arrows)
+}
+
+#[test]
+fn there_are_seven_crates_with_exactly_the_arrows_of_the_design() {
+    let (crates, arrows) = crates_and_arrows();
+    let expected = [
+        "slipline-protocol",
+        "slipline-app",
+        "slipline-stm32",
+        "slipline-qemu",
+        "slipline",
+        "slipline-plate",
+        "slipline-tests",
+    ];
+    assert_eq!(crates, expected.map(str::to_owned).into());
+    let expected = [
+        ("slipline-app", "slipline-protocol"),
+        ("slipline-stm32", "slipline-app"),
+        ("slipline-qemu", "slipline-app"),
+        ("slipline", "slipline-app"),
+        ("slipline", "slipline-protocol"),
+        ("slipline", "slipline-plate"),
+        ("slipline-tests", "slipline"),
+        ("slipline-tests", "slipline-app"),
+        ("slipline-tests", "slipline-protocol"),
+        ("slipline-tests", "slipline-plate"),
+    ];
+    assert_eq!(arrows, expected.map(|(user, used)| (user.to_owned(), used.to_owned())).into());
+}
+
+#[test]
+fn every_crate_takes_its_lints_from_the_one_table() {
+    for folder in ["shared", "firmware/app", "firmware/stm32", "firmware/qemu", "host", "host/plate", "tests"] {
+        let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("manifest");
+        assert!(manifest.contains("[lints]\nworkspace = true"), "{folder}");
+    }
+}
+
+#[test]
+fn the_top_level_holds_nothing_but_the_agreed_entries() {
+    let listed = Command::new("git").args(["ls-files"]).current_dir(root()).output().expect("git runs");
+    if !listed.status.success() {
+        // An exported tree without git: nothing to list.
+        assert!(!root().join(".git").exists());
+        return;
+    }
+    let top: BTreeSet<String> = String::from_utf8_lossy(&listed.stdout)
+        .lines()
+        .filter_map(|path| path.split('/').next())
+        .filter(|name| !name.starts_with('.'))
+        .map(str::to_owned)
+        .collect();
+    let agreed = [
+        "CHANGELOG.md",
+        "Cargo.lock",
+        "Cargo.toml",
+        "LICENSE-APACHE",
+        "LICENSE-MIT",
+        "README.md",
+        "firmware",
+        "host",
+        "rust-toolchain.toml",
+        "shared",
+        "tests",
+    ];
+    assert_eq!(top, agreed.map(str::to_owned).into());
+}
+
+#[test]
+fn no_network_listener_of_the_gui_toolkit_is_compiled_in() {
+    // egui's inspection server listens on a TCP port without authentication.
+    let lock = std::fs::read_to_string(root().join("Cargo.lock")).expect("lockfile");
+    assert!(!lock.contains("egui_inspection"));
+}
