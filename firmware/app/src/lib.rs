@@ -1,3 +1,5 @@
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 //! (being written)
+
+pub mod bank;
