@@ -14,9 +14,15 @@
 )]
 
 pub mod code;
+mod glide;
+mod kernel;
 pub mod sine;
+mod steady;
 
-use sine::{high, sine_cosine};
+use kernel::{GlideBasis, GlideSeeds, Kernel, Portable, SteadyBasis, SteadySeeds};
+use steady::Turn;
+
+type Native = Portable;
 
 /// Tone slots of the bank.
 pub const TONES: usize = 16;
@@ -51,6 +57,13 @@ impl ToneBlock {
         Self { step, step_end: step, amplitude, amplitude_end: amplitude }
     }
 
+    /// Whether the tone keeps its step and its amplitude over the block.
+    #[inline]
+    #[must_use]
+    pub const fn is_steady(&self) -> bool {
+        self.step == self.step_end && self.amplitude == self.amplitude_end
+    }
+
     /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo a turn.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "phases are counted modulo one turn")]
@@ -61,10 +74,17 @@ impl ToneBlock {
     }
 }
 
-/// The state of the bank: one exact phase per tone.
+/// The state of the bank: one exact phase per tone. The rest is tables that follow from the tones alone.
 #[derive(Clone, Debug)]
 pub struct Bank {
     phases: [u64; TONES],
+    /// The steps that `steady_basis` and `turns` are made for.
+    steps: [Option<u64>; TONES],
+    turns: [Turn; TONES],
+    steady_basis: SteadyBasis,
+    steady_seeds: SteadySeeds,
+    glide_basis: GlideBasis,
+    glide_seeds: GlideSeeds,
 }
 
 impl Default for Bank {
@@ -77,7 +97,15 @@ impl Bank {
     /// A bank with every phase at zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self { phases: [0; TONES] }
+        Self {
+            phases: [0; TONES],
+            steps: [None; TONES],
+            turns: [Turn::NONE; TONES],
+            steady_basis: SteadyBasis::new(),
+            steady_seeds: SteadySeeds::new(),
+            glide_basis: GlideBasis::new(),
+            glide_seeds: GlideSeeds::new(),
+        }
     }
 
     /// The phase of `tone` at the next block's first sample, 2^64 = one turn. Zero for a slot that does not exist.
@@ -95,25 +123,41 @@ impl Bank {
 
     /// Renders the next block and moves every phase on by `phase_gain(128)`.
     pub fn render(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
-        out.fill(0);
-        for (tone, phase) in tones.iter().zip(&mut self.phases) {
-            let (start, end) = (
-                i64::from(tone.amplitude.min(AMPLITUDE_ONE)),
-                i64::from(tone.amplitude_end.min(AMPLITUDE_ONE)),
-            );
-            for (sample, n) in out.iter_mut().zip(0u32..) {
-                let now = phase.wrapping_add(tone.phase_gain(n));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "a 64-bit phase's upper half; an amplitude in Q29"
-                )]
-                let (angle, amplitude) = (
-                    (now >> 32) as u32,
-                    ((start * (BLOCK as i64 - i64::from(n)) + end * i64::from(n)) >> 9) as i32,
-                );
-                *sample = sample.wrapping_add(high(amplitude, sine_cosine(angle).0) >> 1);
+        self.render_with::<Native>(tones, out);
+    }
+
+    fn render_with<K: Kernel>(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
+        if tones.iter().all(ToneBlock::is_steady) {
+            for (index, (tone, phase)) in tones.iter().zip(&self.phases).enumerate() {
+                let (Some(made_for), Some(turn)) = (self.steps.get_mut(index), self.turns.get_mut(index))
+                else {
+                    continue;
+                };
+                let amplitude = tone.amplitude.min(AMPLITUDE_ONE);
+                if amplitude != 0 && *made_for != Some(tone.step) {
+                    *made_for = Some(tone.step);
+                    *turn = steady::rebuild(tone.step, index, &mut self.steady_basis);
+                }
+                steady::seed(*phase, tone.step, amplitude, turn, index, &mut self.steady_seeds);
             }
+            K::steady(&self.steady_basis, &self.steady_seeds, out);
+        } else {
+            for (index, (tone, phase)) in tones.iter().zip(&self.phases).enumerate() {
+                glide::rebuild(
+                    tone.step,
+                    tone.step_end.wrapping_sub(tone.step).cast_signed(),
+                    index,
+                    &mut self.glide_basis,
+                );
+                glide::seed(*phase, tone, index, &mut self.glide_seeds);
+            }
+            K::glide(&self.glide_basis, &self.glide_seeds, out);
+        }
+        for (tone, phase) in tones.iter().zip(&mut self.phases) {
             *phase = phase.wrapping_add(tone.phase_gain(128));
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,57 @@
+//! The Slipline device application: bytes in, DAC codes out, no hardware.
+//!
+//! ```text
+//! link (thread mode)                                              renderer (interrupt)
+//! bytes -> session -> controller -> program -> [ mailbox ] -> motion -> bank -> codes -> DacStream
+//!   ^         |           |  upload -> slots ------^              |
+//!   +-- replies           |  store -> FlashPages                  +-> Mute
+//!                         +- thermal, faults, supervisor
+//! ```
+//! Run by thin shells: boards, an emulated Cortex-M4, and the host's simulated device. The link's half may refuse and
+//! take time; the renderer's half may not fail, wait or branch on anything but the program and the sample index. One
+//! [`Crossing`] stands between them. There is no clock: time is the sample index.
 #![no_std]
 #![deny(unsafe_code)]
-//! (being written)
+#![expect(
+    async_fn_in_trait,
+    reason = "the ports are used by generics in one task, whose executor sees the type"
+)]
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)
+)]
+
+#[cfg(test)]
+extern crate std;
 
 pub mod bank;
+pub mod boot;
+pub mod controller;
+pub mod crash;
+pub mod digest;
+pub mod faults;
+pub mod headroom;
+pub mod level;
+pub mod link;
+pub mod mailbox;
+pub mod motion;
+pub mod ports;
+pub mod program;
+pub mod ramp;
+pub mod renderer;
+pub mod session;
+pub mod slots;
+pub mod store;
+pub mod supervisor;
+pub mod thermal;
+pub mod timing;
+pub mod upload;
+
+pub use boot::Boot;
+pub use controller::Device;
+pub use crash::CrashRecord;
+pub use link::Link;
+pub use mailbox::{Crossing, Stop};
+pub use renderer::Renderer;
+pub use supervisor::Supervisor;
+pub use timing::Timing;

@@ -34,12 +34,12 @@ pub fn sine_cosine(phase: u32) -> (i32, i32) {
     let [s, c] = TABLE[(phase >> 23) as usize];
     // The bin's lower edge has a residual of all zeros: flipping the top bit makes the centre zero.
     let residual = ((phase << 9) ^ 0x8000_0000).cast_signed();
-    let r = high(residual, RADIANS);
-    let h = high(r, r) >> 1;
-    (add_high(s, c, r).wrapping_sub(high(s, h)), c.wrapping_sub(high(s, r)).wrapping_sub(high(c, h)))
+    let (r, minus_r) = (high(residual, RADIANS), high(residual, -RADIANS));
+    let minus_h = high(r, minus_r) >> 1;
+    (add_high(add_high(s, c, r), s, minus_h), add_high(add_high(c, s, minus_r), c, minus_h))
 }
 
-/// The upper half of a 64-bit product, truncated towards minus infinity: one SMMUL.
+/// The upper half of a 64-bit product, rounded towards minus infinity: one SMMUL.
 #[inline(always)]
 pub(crate) const fn high(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32

@@ -1,0 +1,121 @@
+//! What a start makes of how the last run ended.
+
+use heapless::String;
+use slipline_protocol::event::{Fault, ResetCause};
+use slipline_protocol::limits::MAX_CRASH;
+
+use crate::crash::CrashRecord;
+use crate::thermal::Heat;
+
+/// So many abnormal resets in a row, and the device talks but does not drive.
+pub const SAFE_MODE_RESETS: u8 = 3;
+/// A run of so many milliseconds is sound: abnormal resets before it do not count any more. Then the shell writes
+/// [`CrashRecord::stable`] back.
+pub const STABLE_AFTER_MS: u32 = 60_000;
+
+/// How the device starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boot {
+    /// Why it was reset.
+    pub reset: ResetCause,
+    /// What the last panic said, or nothing.
+    pub crash: String<MAX_CRASH>,
+    /// Talk, but do not drive.
+    pub safe_mode: bool,
+    /// How hot the coil may be.
+    pub heat: Heat,
+}
+
+impl Boot {
+    /// A start after power came on, with a coil that is known to be cold.
+    #[must_use]
+    pub const fn cold() -> Self {
+        Self { reset: ResetCause::PowerOn, crash: String::new(), safe_mode: false, heat: Heat::Cold }
+    }
+
+    /// The fault that the reset itself is.
+    #[must_use]
+    pub const fn fault(&self) -> Option<Fault> {
+        match self.reset {
+            ResetCause::PowerOn | ResetCause::Pin | ResetCause::Software => None,
+            ResetCause::Watchdog => Some(Fault::Watchdog),
+            ResetCause::BrownOut => Some(Fault::BrownOut),
+            ResetCause::Panic | ResetCause::HardFault => Some(Fault::Crash),
+        }
+    }
+}
+
+/// Decides from the reset cause that the hardware tells and from the record that was kept, and makes the record to
+/// keep from now on. Write it back before anything that could crash.
+///
+/// The handlers end with a software reset, so a record of a panic or a hard fault overrules that cause. Power-on
+/// clears the record, the reset pin the count: somebody is there.
+#[must_use]
+pub fn decide(hardware: ResetCause, kept: Option<CrashRecord>) -> (Boot, CrashRecord) {
+    let kept = kept.unwrap_or_default();
+    let crashed = matches!(kept.cause, ResetCause::Panic | ResetCause::HardFault);
+    let (reset, message) = match hardware {
+        ResetCause::Software if crashed => (kept.cause, kept.message),
+        ResetCause::Panic | ResetCause::HardFault => (hardware, kept.message),
+        other => (other, String::new()),
+    };
+    let resets = match reset {
+        ResetCause::PowerOn | ResetCause::Pin => 0,
+        // A supply that dips is no fault of the program's.
+        ResetCause::Software | ResetCause::BrownOut => kept.resets,
+        ResetCause::Watchdog | ResetCause::Panic | ResetCause::HardFault => kept.resets.saturating_add(1),
+    };
+    let boot = Boot { reset, crash: message, safe_mode: resets >= SAFE_MODE_RESETS, heat: Heat::AssumedHot };
+    // The cause is used up: only a new crash writes one again.
+    (boot, CrashRecord { cause: ResetCause::PowerOn, resets, message: String::new() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crash(resets: u8) -> CrashRecord {
+        CrashRecord::crashed(ResetCause::Panic, resets, &"index out of bounds")
+    }
+
+    #[test]
+    fn a_panic_is_told_once_and_counted() {
+        let (boot, kept) = decide(ResetCause::Software, Some(crash(0)));
+        assert_eq!(
+            (boot.reset, boot.crash.as_str(), boot.safe_mode),
+            (ResetCause::Panic, "index out of bounds", false)
+        );
+        assert_eq!(boot.fault(), Some(Fault::Crash));
+        assert_eq!(kept.resets, 1);
+        let (boot, kept) = decide(ResetCause::Software, Some(kept));
+        assert_eq!((boot.reset, boot.crash.as_str(), kept.resets), (ResetCause::Software, "", 1));
+    }
+
+    #[test]
+    fn the_third_abnormal_reset_in_a_row_is_safe_mode() {
+        let mut kept = CrashRecord::default();
+        for n in 1..=5 {
+            let (boot, next) = decide(ResetCause::Watchdog, Some(kept));
+            assert_eq!(boot.safe_mode, n >= 3, "reset {n}");
+            kept = next;
+        }
+        assert!(!decide(ResetCause::Watchdog, Some(kept.clone().stable())).0.safe_mode);
+        assert!(!decide(ResetCause::Pin, Some(kept)).0.safe_mode);
+    }
+
+    #[test]
+    fn the_count_of_resets_never_wraps() {
+        let (boot, kept) = decide(ResetCause::Software, Some(crash(u8::MAX)));
+        assert!(boot.safe_mode && kept.resets == u8::MAX);
+    }
+
+    #[test]
+    fn memory_without_a_record_after_power_on_is_a_clean_start() {
+        let (boot, kept) = decide(ResetCause::PowerOn, None);
+        assert_eq!(
+            (boot.reset, boot.safe_mode, boot.fault(), kept.resets),
+            (ResetCause::PowerOn, false, None, 0)
+        );
+        assert_eq!(boot.heat, Heat::AssumedHot);
+    }
+}

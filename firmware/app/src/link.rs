@@ -1,0 +1,73 @@
+//! The link's half, run: bytes in, bytes out, and a tick now and then.
+
+use core::future::{pending, ready};
+
+use embassy_futures::select::{Either4, select4};
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embedded_io_async::{Read, Write};
+
+use crate::boot::Boot;
+use crate::controller::{Controller, Device};
+use crate::mailbox::Crossing;
+use crate::ports::{FlashPages, System};
+use crate::session::Session;
+
+/// Bytes read at once: a full-speed USB packet.
+const INBOX: usize = 64;
+
+/// Session and controller together, on a stream of bytes.
+pub struct Link<F, S> {
+    session: Session,
+    controller: Controller<F, S>,
+}
+
+impl<F: FlashPages, S: System> Link<F, S> {
+    /// A link on which nothing has been said.
+    #[must_use]
+    pub fn new(device: Device, boot: Boot, flash: F, system: S) -> Self {
+        Self { session: Session::new(), controller: Controller::new(device, boot, flash, system) }
+    }
+
+    /// Loads the kept table, then listens and answers for ever.
+    ///
+    /// One loop, which turns to the first of these that is ready: the tick; bytes that have come, so that a stop is
+    /// seen before any command that waits; bytes to be sent; a command that waits. Nothing waits for the host to read.
+    /// `read` and `write` must lose nothing when their futures are dropped. An error or an end of `read` is a port that
+    /// is gone: it is tried again at the next tick.
+    pub async fn run<M: RawMutex>(
+        &mut self,
+        crossing: &Crossing<M>,
+        mut read: impl Read,
+        mut write: impl Write,
+    ) -> ! {
+        let Self { session, controller } = self;
+        controller.start(crossing);
+        let mut inbox = [0; INBOX];
+        let mut gone = false;
+        loop {
+            crossing.pulse_link();
+            let bytes = async { if gone { pending().await } else { read.read(&mut inbox).await } };
+            let room = async {
+                match session.unsent() {
+                    [] => pending().await,
+                    unsent => write.write(unsent).await,
+                }
+            };
+            let work = async { if session.has_work() { ready(()).await } else { pending().await } };
+            match select4(crossing.tick(), bytes, room, work).await {
+                Either4::First(()) => {
+                    gone = false;
+                    controller.tick(crossing);
+                    session.expire(crossing.now(), controller.timing().transmit);
+                }
+                Either4::Second(Ok(count)) if count > 0 => {
+                    session.receive(inbox.get(..count).unwrap_or_default(), crossing);
+                }
+                Either4::Second(_) => gone = true,
+                Either4::Third(Ok(count)) if count > 0 => session.sent(count, crossing.now()),
+                Either4::Third(_) => session.drop_first(crossing.now()),
+                Either4::Fourth(()) => session.step(controller, crossing),
+            }
+        }
+    }
+}

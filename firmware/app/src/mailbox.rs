@@ -1,0 +1,425 @@
+//! The one thing both halves share.
+//!
+//! ```text
+//! link's half                      Crossing                      renderer's half
+//!   publish(program) ---------->   pending, at its index   ---->  begin_block() -> Orders
+//!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
+//!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), moved(Motion), fault()
+//!   write(slot, knot)        --->  table slots             ---->  evaluate
+//! ```
+//! All that has to agree stands under one lock that is held for some copies only. The renderer's index moves on under
+//! that lock, so what is published for the next block begins at the next block, exactly.
+
+use core::cell::Cell;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_sync::signal::Signal;
+use slipline_protocol::command::DigestWindow;
+use slipline_protocol::event::{Fault, Faults};
+use slipline_protocol::table::Knot;
+use slipline_protocol::units::{Gain, SampleIndex};
+
+use crate::digest::DigestState;
+use crate::faults::FaultLatch;
+use crate::motion::Motion;
+use crate::program::Program;
+use crate::slots::{SlotIndex, TableSlots};
+use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
+
+/// How the output is taken to silence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// [`STOP_RAMP_MS`](slipline_protocol::limits::STOP_RAMP_MS).
+    Normal,
+    /// [`DEAD_MAN_RAMP_MS`](slipline_protocol::limits::DEAD_MAN_RAMP_MS).
+    HostLost,
+    /// [`EMERGENCY_RAMP_MS`](slipline_protocol::limits::EMERGENCY_RAMP_MS).
+    Emergency,
+}
+
+impl Stop {
+    /// The quicker of two.
+    #[must_use]
+    const fn quicker(self, other: Option<Self>) -> Self {
+        match (self, other) {
+            (Self::Emergency, _) | (_, Some(Self::Emergency)) => Self::Emergency,
+            (Self::Normal, _) | (_, Some(Self::Normal)) => Self::Normal,
+            (Self::HostLost, _) => Self::HostLost,
+        }
+    }
+}
+
+/// What the renderer is told at the start of a block.
+#[derive(Clone, Copy, Debug)]
+pub struct Orders {
+    /// A program that begins with this block.
+    pub program: Option<Program>,
+    /// A ramp to silence that begins with this block.
+    pub stop: Option<Stop>,
+    /// Whether drives are accepted.
+    pub armed: bool,
+    /// Silence is guaranteed up to this index after arming.
+    pub ready_at: SampleIndex,
+    /// When the host last said that it lives.
+    pub fed_at: SampleIndex,
+    /// What the thermal fold-back leaves of every amplitude.
+    pub limit: Gain,
+}
+
+/// What the renderer says at the end of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// Nothing sounds from the next block on, until a program says so.
+    pub silent: bool,
+    /// A stop is ramping.
+    pub stopping: bool,
+    /// The sum of the amplitudes at the block's end, Q1.31.
+    pub sum: u64,
+    /// The sum of the squares of all codes' distances from mid-scale since reset; wraps.
+    pub energy: u64,
+    /// Codes clamped since reset.
+    pub clips: u32,
+    /// Underruns since reset.
+    pub underruns: u32,
+    /// The most cycles a block took.
+    pub max_cycles: u32,
+}
+
+/// The state at one moment, as the link's half sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The first index that is not rendered yet.
+    pub next: SampleIndex,
+    /// How the output moves.
+    pub motion: Motion,
+    /// How often that has changed; wraps.
+    pub changes: u32,
+    /// When the pending program begins.
+    pub pending: Option<SampleIndex>,
+    /// A stop has been ordered or is ramping.
+    pub stopping: bool,
+    /// Whether drives are accepted.
+    pub armed: bool,
+    /// No drive begins before this index.
+    pub ready_at: SampleIndex,
+    /// The renderer's last report.
+    pub report: Report,
+    /// The latched faults.
+    pub faults: FaultLatch,
+}
+
+impl View {
+    /// Whether nothing sounds and nothing is about to.
+    #[must_use]
+    pub const fn is_silent(&self) -> bool {
+        self.report.silent && self.pending.is_none()
+    }
+}
+
+/// Why a program could not be published.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotPublished {
+    /// Another one is pending.
+    Pending,
+    /// Its index has passed, or the motion it was made for has changed: make it anew.
+    Late,
+}
+
+/// Signs of life of the three tasks the supervisor watches; each wraps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pulses {
+    /// The renderer: blocks.
+    pub renderer: u32,
+    /// The link: rounds of its loop.
+    pub link: u32,
+    /// Safety: ticks.
+    pub safety: u32,
+}
+
+struct Shared {
+    next: Cell<SampleIndex>,
+    motion: Cell<Motion>,
+    changes: Cell<u32>,
+    pending: Cell<Option<Program>>,
+    stop: Cell<Option<Stop>>,
+    armed: Cell<bool>,
+    ready_at: Cell<SampleIndex>,
+    fed_at: Cell<SampleIndex>,
+    limit: Cell<Gain>,
+    report: Cell<Report>,
+    faults: Cell<FaultLatch>,
+    digest: Cell<DigestState>,
+}
+
+/// What both halves share: a `static` in a firmware, an `Arc` in a host.
+pub struct Crossing<M: RawMutex> {
+    shared: Mutex<M, Shared>,
+    slots: TableSlots,
+    tick: Signal<M, ()>,
+    pulses: [AtomicU32; 3],
+}
+
+impl<M: RawMutex> Default for Crossing<M> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<M: RawMutex> Crossing<M> {
+    /// Silent, disarmed, at index 0.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            shared: Mutex::new(Shared {
+                next: Cell::new(0),
+                motion: Cell::new(Motion::silent()),
+                changes: Cell::new(0),
+                pending: Cell::new(None),
+                stop: Cell::new(None),
+                armed: Cell::new(false),
+                ready_at: Cell::new(0),
+                fed_at: Cell::new(0),
+                limit: Cell::new(Gain::FULL),
+                report: Cell::new(Report {
+                    silent: true,
+                    stopping: false,
+                    sum: 0,
+                    energy: 0,
+                    clips: 0,
+                    underruns: 0,
+                    max_cycles: 0,
+                }),
+                faults: Cell::new(FaultLatch::new()),
+                digest: Cell::new(DigestState::None),
+            }),
+            slots: TableSlots::new(),
+            tick: Signal::new(),
+            pulses: [const { AtomicU32::new(0) }; 3],
+        }
+    }
+
+    /// The first index that is not rendered yet.
+    pub fn now(&self) -> SampleIndex {
+        self.shared.lock(|shared| shared.next.get())
+    }
+
+    /// The table slots.
+    pub const fn slots(&self) -> &TableSlots {
+        &self.slots
+    }
+
+    /// The tasks' signs of life.
+    pub fn pulses(&self) -> Pulses {
+        let [renderer, link, safety] = &self.pulses;
+        let read = |pulse: &AtomicU32| pulse.load(Ordering::Relaxed);
+        Pulses { renderer: read(renderer), link: read(link), safety: read(safety) }
+    }
+
+    /// Everything at one moment.
+    pub fn view(&self) -> View {
+        self.shared.lock(|shared| View {
+            next: shared.next.get(),
+            motion: shared.motion.get(),
+            changes: shared.changes.get(),
+            pending: shared.pending.get().map(|program| program.at),
+            stopping: shared.stop.get().is_some() || shared.report.get().stopping,
+            armed: shared.armed.get(),
+            ready_at: shared.ready_at.get(),
+            report: shared.report.get(),
+            faults: shared.faults.get(),
+        })
+    }
+
+    // ---- what the link's half does -------------------------------------------------------------------------
+
+    /// Hands a program over that was made for `view`.
+    ///
+    /// # Errors
+    /// [`NotPublished`]; nothing has changed then.
+    pub fn publish(&self, program: Program, view: &View) -> Result<(), NotPublished> {
+        self.shared.lock(|shared| {
+            if shared.pending.get().is_some() {
+                return Err(NotPublished::Pending);
+            }
+            if program.at < shared.next.get()
+                || shared.changes.get() != view.changes
+                || shared.stop.get().is_some()
+            {
+                return Err(NotPublished::Late);
+            }
+            shared.pending.set(Some(program));
+            Ok(())
+        })
+    }
+
+    /// Orders a ramp to silence, drops what is pending, and returns the index at which the ramp begins.
+    pub fn stop(&self, stop: Stop) -> SampleIndex {
+        self.shared.lock(|shared| {
+            shared.pending.set(None);
+            shared.stop.set(Some(stop.quicker(shared.stop.get())));
+            shared.next.get()
+        })
+    }
+
+    /// Orders a ramp to silence and then the mute; no drive begins until armed again.
+    pub fn disarm(&self, stop: Stop) -> SampleIndex {
+        let at = self.stop(stop);
+        self.shared.lock(|shared| shared.armed.set(false));
+        at
+    }
+
+    /// Unmutes; drives may begin at the index returned, after some blocks of mid-scale. Starts the dead-man's
+    /// time.
+    pub fn arm(&self) -> SampleIndex {
+        self.shared.lock(|shared| {
+            let next = shared.next.get();
+            if !shared.armed.get() {
+                shared.ready_at.set(next.saturating_add(SETTLE_BLOCKS * BLOCK_SAMPLES));
+                shared.armed.set(true);
+            }
+            shared.fed_at.set(next);
+            shared.ready_at.get()
+        })
+    }
+
+    /// Feeds the dead-man.
+    pub fn feed(&self) {
+        self.shared.lock(|shared| shared.fed_at.set(shared.next.get()));
+    }
+
+    /// Latches a fault and disarms, with a ramp.
+    pub fn fault(&self, fault: Fault, stop: Stop) -> SampleIndex {
+        let at = self.disarm(stop);
+        self.latch(fault);
+        at
+    }
+
+    /// Latches a fault at the present index.
+    pub fn latch(&self, fault: Fault) {
+        self.shared.lock(|shared| shared.faults.set(shared.faults.get().with(fault, shared.next.get())));
+    }
+
+    /// Clears all faults but those in `standing`.
+    pub fn clear_faults(&self, standing: Faults) {
+        self.shared.lock(|shared| shared.faults.set(shared.faults.get().cleared(standing)));
+    }
+
+    /// Sets what the thermal fold-back leaves of every amplitude; the renderer goes there slowly.
+    pub fn set_limit(&self, limit: Gain) {
+        self.shared.lock(|shared| shared.limit.set(limit));
+    }
+
+    /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
+    pub fn slot_is_free(&self, slot: SlotIndex) -> bool {
+        self.shared.lock(|shared| {
+            shared.motion.get().table().slot != slot
+                && shared.pending.get().is_none_or(|program| program.table.slot != slot)
+        })
+    }
+
+    /// Writes a knot into a slot, if it is free.
+    pub fn write_knot(&self, slot: SlotIndex, index: u16, knot: Knot) {
+        if self.slot_is_free(slot) {
+            self.slots.write(slot, index, knot);
+        }
+    }
+
+    /// Begins a digest.
+    pub fn start_digest(&self, window: DigestWindow) {
+        self.shared.lock(|shared| shared.digest.set(DigestState::Waiting(window)));
+    }
+
+    /// Forgets the digest.
+    pub fn drop_digest(&self) {
+        self.shared.lock(|shared| shared.digest.set(DigestState::None));
+    }
+
+    /// How the digest stands.
+    pub fn digest(&self) -> DigestState {
+        self.shared.lock(|shared| shared.digest.get())
+    }
+
+    /// Waits for the renderer's tick, every [`TICK_BLOCKS`](crate::timing::TICK_BLOCKS) blocks.
+    pub async fn tick(&self) {
+        self.tick.wait().await;
+    }
+
+    /// The link's sign of life.
+    pub fn pulse_link(&self) {
+        let [_, link, _] = &self.pulses;
+        link.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Safety's sign of life.
+    pub fn pulse_safety(&self) {
+        let [_, _, safety] = &self.pulses;
+        safety.fetch_add(1, Ordering::Relaxed);
+    }
+
+    // ---- what the renderer's half does ---------------------------------------------------------------------
+
+    /// Sets the index of the first block; before anything else happens.
+    pub(crate) fn begin_at(&self, index: SampleIndex) {
+        self.shared.lock(|shared| {
+            shared.next.set(index);
+            shared.fed_at.set(index);
+        });
+    }
+
+    /// Takes the orders for the block at `index`, and moves the index on: what is published from now on begins later.
+    pub(crate) fn begin_block(&self, index: SampleIndex) -> Orders {
+        let [renderer, _, _] = &self.pulses;
+        renderer.fetch_add(1, Ordering::Relaxed);
+        self.shared.lock(|shared| {
+            shared.next.set(index.saturating_add(BLOCK_SAMPLES));
+            let due = shared.pending.get().filter(|program| program.at <= index);
+            if due.is_some() {
+                shared.pending.set(None);
+            }
+            Orders {
+                program: due,
+                stop: shared.stop.take(),
+                armed: shared.armed.get(),
+                ready_at: shared.ready_at.get(),
+                fed_at: shared.fed_at.get(),
+                limit: shared.limit.get(),
+            }
+        })
+    }
+
+    /// Publishes the motion from this block on.
+    pub(crate) fn moved(&self, motion: Motion) {
+        self.shared.lock(|shared| {
+            shared.motion.set(motion);
+            shared.changes.set(shared.changes.get().wrapping_add(1));
+        });
+    }
+
+    /// Publishes the block's report.
+    pub(crate) fn end_block(&self, report: Report) {
+        self.shared.lock(|shared| shared.report.set(report));
+    }
+
+    /// Publishes how the digest stands.
+    pub(crate) fn set_digest(&self, state: DigestState) {
+        self.shared.lock(|shared| shared.digest.set(state));
+    }
+
+    /// Disarms at once and drops what is pending; for the renderer, which ramps by itself.
+    pub(crate) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
+        self.shared.lock(|shared| {
+            shared.armed.set(false);
+            shared.pending.set(None);
+            if let Some((fault, at)) = fault {
+                shared.faults.set(shared.faults.get().with(fault, at));
+            }
+        });
+    }
+
+    /// Wakes the link's half.
+    pub(crate) fn signal_tick(&self) {
+        self.tick.signal(());
+    }
+}

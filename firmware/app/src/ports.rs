@@ -1,0 +1,123 @@
+//! What the application needs of a board, and nothing else of it.
+//!
+//! The link is `embedded-io-async`'s `Read` and `Write`; the rest stands here. An implementation holds registers, a
+//! file or a vector; it knows no command and takes no decision.
+
+use crate::bank::BLOCK;
+
+/// The DAC's stream of codes.
+pub trait DacStream {
+    /// Waits until there is room, then takes a block.
+    ///
+    /// # Errors
+    /// [`Underrun`] if the DAC ran dry since the last call; the block is taken nevertheless.
+    async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
+}
+
+/// The DAC had no new code in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Underrun;
+
+/// The amplifier's mute pin. The pin's own resistor mutes while the program does not run.
+pub trait Mute {
+    /// Mutes or unmutes. Called before every block.
+    fn set_muted(&mut self, muted: bool);
+}
+
+/// A free-running processor cycle counter, for the worst block's cost.
+pub trait CycleCounter {
+    /// Cycles, wrapping.
+    fn cycles(&mut self) -> u32;
+}
+
+/// No counter: every block costs nothing.
+impl CycleCounter for () {
+    fn cycles(&mut self) -> u32 {
+        0
+    }
+}
+
+/// The unit flash is written and read in, in bytes: a multiple of every supported chip's word (4, 8 and 32).
+pub const FLASH_WORD: usize = 32;
+
+/// One of the two places a record is kept in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlashSlot {
+    /// The first.
+    A,
+    /// The second.
+    B,
+}
+
+impl FlashSlot {
+    /// The other one.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+}
+
+/// The flash did not do it, or a word read back is torn (an ECC error).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FlashError;
+
+/// Two slots of flash that can be erased one by one.
+///
+/// Erasing may stall the processor for seconds: the application calls it only when the output is silent.
+pub trait FlashPages {
+    /// Bytes in each slot; 0 where there is no store.
+    fn slot_len(&self) -> usize;
+
+    /// Erases a slot.
+    ///
+    /// # Errors
+    /// [`FlashError`] if the chip reports one.
+    fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError>;
+
+    /// Writes a word to an erased place; `offset` is a multiple of [`FLASH_WORD`].
+    ///
+    /// # Errors
+    /// [`FlashError`] if the chip reports one or the place lies outside the slot.
+    fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError>;
+
+    /// Reads a word; `offset` is a multiple of [`FLASH_WORD`].
+    ///
+    /// # Errors
+    /// [`FlashError`] if the word is torn or lies outside the slot.
+    fn read(&mut self, slot: FlashSlot, offset: usize, word: &mut [u8; FLASH_WORD])
+    -> Result<(), FlashError>;
+}
+
+/// A board without a store.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoFlash;
+
+impl FlashPages for NoFlash {
+    fn slot_len(&self) -> usize {
+        0
+    }
+
+    fn erase(&mut self, _: FlashSlot) -> Result<(), FlashError> {
+        Err(FlashError)
+    }
+
+    fn write(&mut self, _: FlashSlot, _: usize, _: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
+        Err(FlashError)
+    }
+
+    fn read(&mut self, _: FlashSlot, _: usize, _: &mut [u8; FLASH_WORD]) -> Result<(), FlashError> {
+        Err(FlashError)
+    }
+}
+
+/// What a board can do with itself.
+pub trait System {
+    /// Whether there is a ROM bootloader to enter.
+    fn has_bootloader(&self) -> bool;
+
+    /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
+    fn enter_bootloader(&mut self);
+}

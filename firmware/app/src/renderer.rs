@@ -1,0 +1,258 @@
+//! The renderer: from the mailbox to DAC codes, a block at a time.
+//!
+//! ```text
+//! Orders --> stop? program? dead-man? --> Motion --at(next block)--> 16 ToneBlocks --bank--> samples --> codes
+//! ```
+//! It may not fail, wait, allocate or take decisions that depend on anything but the program, the orders and the
+//! sample index. The dead-man and every ramp to silence live here, so that a link that hangs cannot keep the drive
+//! on. The same orders at the same indices give the same codes on every machine.
+
+#![deny(clippy::float_arithmetic)]
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::event::Fault;
+use slipline_protocol::units::{Gain, SampleIndex};
+
+use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
+use crate::digest::Digester;
+use crate::mailbox::{Crossing, Orders, Report, Stop};
+use crate::motion::Motion;
+use crate::ports::{CycleCounter, DacStream, Mute};
+use crate::ramp::RampShape;
+use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
+
+/// The thermal limit moves by at most this much of full scale a block: from full to nothing in 65 blocks, 21 ms at
+/// 400 kS/s, as slow as the amplitude ramps of a glide.
+const LIMIT_SLEW: u32 = Gain::FULL.0 / 65;
+
+/// The interrupt's half of the application.
+pub struct Renderer {
+    timing: Timing,
+    shape: RampShape,
+    bank: Bank,
+    index: SampleIndex,
+    motion: Motion,
+    /// When the ramp to silence that is under way ends.
+    stop_ends: Option<SampleIndex>,
+    /// Step and amplitude of every tone at the next block's first sample.
+    tones: [(u64, u32); TONES],
+    limit: u32,
+    /// Blocks of mid-scale since the last that was not.
+    quiet_blocks: u64,
+    muted: bool,
+    digester: Digester,
+    report: Report,
+    begun: bool,
+}
+
+impl Renderer {
+    /// A renderer whose first sample has index 0.
+    #[must_use]
+    pub fn new(timing: Timing) -> Self {
+        Self::starting_at(timing, 0)
+    }
+
+    /// A renderer whose first sample has the index given, rounded down to a block.
+    #[must_use]
+    pub fn starting_at(timing: Timing, index: SampleIndex) -> Self {
+        Self {
+            timing,
+            shape: RampShape::new(),
+            bank: Bank::new(),
+            index: index - index % BLOCK_SAMPLES,
+            motion: Motion::silent(),
+            stop_ends: None,
+            tones: [(0, 0); TONES],
+            limit: Gain::FULL.0,
+            quiet_blocks: 0,
+            muted: true,
+            digester: Digester::default(),
+            report: Report { silent: true, ..Report::default() },
+            begun: false,
+        }
+    }
+
+    /// The index of the next block's first sample.
+    #[must_use]
+    pub const fn index(&self) -> SampleIndex {
+        self.index
+    }
+
+    /// Whether the amplifier must be muted while the last rendered block sounds.
+    #[must_use]
+    pub const fn is_muted(&self) -> bool {
+        self.muted
+    }
+
+    /// Renders, mutes or unmutes, and hands over, for ever.
+    pub async fn run<M: RawMutex>(
+        &mut self,
+        crossing: &Crossing<M>,
+        mut dac: impl DacStream,
+        mut mute: impl Mute,
+        mut cycles: impl CycleCounter,
+    ) -> ! {
+        let mut codes = [code::MID_SCALE; BLOCK];
+        loop {
+            let before = cycles.cycles();
+            self.render(crossing, &mut codes);
+            self.report.max_cycles = self.report.max_cycles.max(cycles.cycles().wrapping_sub(before));
+            mute.set_muted(self.muted);
+            if dac.write_block(&codes).await.is_err() {
+                self.underrun(crossing);
+            }
+        }
+    }
+
+    /// Renders the next block.
+    pub fn render<M: RawMutex>(&mut self, crossing: &Crossing<M>, codes: &mut [u16; BLOCK]) {
+        if !self.begun {
+            self.begun = true;
+            crossing.begin_at(self.index);
+        }
+        let index = self.index;
+        let orders = crossing.begin_block(index);
+        self.obey(&orders, crossing);
+
+        let mut samples = [0; BLOCK];
+        let next = index.saturating_add(BLOCK_SAMPLES);
+        let (blocks, sum) = self.tone_blocks(next, orders.limit, crossing);
+        self.bank.render(&blocks, &mut samples);
+        let clipped = code::codes(&samples, codes);
+
+        if let Some(state) = self.digester.take(crossing.digest(), index, codes) {
+            crossing.set_digest(state);
+        }
+        self.finish(next, &blocks, sum, clipped, codes, &orders, crossing);
+        self.index = next;
+        if (index / BLOCK_SAMPLES).is_multiple_of(TICK_BLOCKS) {
+            crossing.signal_tick();
+        }
+    }
+
+    /// The DAC ran dry: counts it, and if anything sounds ramps to silence and latches the fault.
+    ///
+    /// While nothing sounds, as during an erase of the flash, a repeated mid-scale is as good as a new one.
+    pub fn underrun<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
+        self.report.underruns = self.report.underruns.saturating_add(1);
+        if self.motion.is_silent_from(self.index) {
+            return;
+        }
+        crossing.disarm_now(Some((Fault::Underrun, self.index)));
+        self.fade(Stop::Normal, crossing);
+    }
+
+    /// Follows the orders: first the stops, then the dead-man, then the program.
+    fn obey<M: RawMutex>(&mut self, orders: &Orders, crossing: &Crossing<M>) {
+        let index = self.index;
+        if self.stop_ends.is_some_and(|end| index >= end) {
+            self.stop_ends = None;
+        }
+        if let Some(stop) = orders.stop {
+            self.fade(stop, crossing);
+        }
+        let silent = self.motion.is_silent_from(index);
+        let host_lost = orders.armed && index.saturating_sub(orders.fed_at) >= self.timing.dead_man;
+        if host_lost {
+            // A host that falls silent while nothing sounds has done no harm: the device disarms, without a fault.
+            let fault = !silent || orders.program.is_some();
+            crossing.disarm_now(fault.then_some((Fault::HostLost, index)));
+            self.fade(Stop::HostLost, crossing);
+            return;
+        }
+        if let Some(program) = orders.program {
+            // The controller has seen to all this; it is looked at again because this half is the last to look.
+            let sounds = program.targets.iter().any(Option::is_some);
+            let allowed = !sounds || (orders.armed && index >= orders.ready_at);
+            if allowed && self.stop_ends.is_none() {
+                let (motion, phases) = self.motion.follow(&program, crossing.slots(), &self.shape);
+                let starts = motion.at(index, crossing.slots(), &self.shape);
+                for (((slot, phase), tone), placement) in
+                    phases.iter().enumerate().zip(&mut self.tones).zip(&starts)
+                {
+                    if let Some(phase) = *phase {
+                        self.bank.set_phase(slot, phase);
+                        *tone = (placement.setting.step.0, 0);
+                    }
+                }
+                self.motion = motion;
+                crossing.moved(motion);
+            }
+        }
+    }
+
+    /// Begins a ramp to silence, unless one is under way that ends sooner.
+    fn fade<M: RawMutex>(&mut self, stop: Stop, crossing: &Crossing<M>) {
+        let ramp = match stop {
+            Stop::Normal => self.timing.stop_ramp,
+            Stop::HostLost => self.timing.dead_man_ramp,
+            Stop::Emergency => self.timing.emergency_ramp,
+        };
+        let end = self.index.saturating_add(u64::from(ramp));
+        if self.motion.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
+            return;
+        }
+        self.motion = self.motion.fade(self.index, ramp, crossing.slots(), &self.shape);
+        self.stop_ends = Some(end);
+        crossing.moved(self.motion);
+    }
+
+    /// The bank's orders for this block, and the sum of the amplitudes at its end.
+    fn tone_blocks<M: RawMutex>(
+        &mut self,
+        next: SampleIndex,
+        limit: Gain,
+        crossing: &Crossing<M>,
+    ) -> ([ToneBlock; TONES], u64) {
+        let goal = limit.0.min(Gain::FULL.0);
+        self.limit = goal.clamp(
+            self.limit.saturating_sub(LIMIT_SLEW),
+            self.limit.saturating_add(LIMIT_SLEW).min(Gain::FULL.0),
+        );
+        let mut blocks = [ToneBlock::default(); TONES];
+        let mut sum: u64 = 0;
+        let ends = self.motion.at(next, crossing.slots(), &self.shape);
+        for ((block, tone), end) in blocks.iter_mut().zip(&mut self.tones).zip(&ends) {
+            let step_end = end.setting.step.0;
+            let amplitude_end = end.amplitude().times(Gain(self.limit)).0;
+            *block = ToneBlock { step: tone.0, step_end, amplitude: tone.1, amplitude_end };
+            *tone = (step_end, amplitude_end);
+            sum = sum.saturating_add(u64::from(amplitude_end));
+        }
+        (blocks, sum)
+    }
+
+    /// Counts, decides on the mute pin and publishes the report.
+    #[expect(clippy::too_many_arguments, reason = "the block's results, each used once")]
+    fn finish<M: RawMutex>(
+        &mut self,
+        next: SampleIndex,
+        blocks: &[ToneBlock; TONES],
+        sum: u64,
+        clipped: u32,
+        codes: &[u16; BLOCK],
+        orders: &Orders,
+        crossing: &Crossing<M>,
+    ) {
+        let quiet = blocks.iter().all(|block| block.amplitude == 0 && block.amplitude_end == 0);
+        self.quiet_blocks = if quiet { self.quiet_blocks.saturating_add(1) } else { 0 };
+        if orders.armed {
+            self.muted &= self.index < orders.ready_at;
+        } else {
+            self.muted |= self.quiet_blocks > SETTLE_BLOCKS;
+        }
+        let mut energy: u64 = 0;
+        if !quiet {
+            for &code in codes {
+                let distance = u64::from(code.abs_diff(code::MID_SCALE));
+                energy = energy.saturating_add(distance.saturating_mul(distance));
+            }
+        }
+        self.report.silent = self.motion.is_silent_from(next);
+        self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
+        self.report.sum = sum;
+        self.report.energy = self.report.energy.wrapping_add(energy);
+        self.report.clips = self.report.clips.saturating_add(clipped);
+        crossing.end_block(self.report);
+    }
+}

@@ -1,0 +1,298 @@
+//! Sessions: which frames count, which were done before, and what is answered to whom.
+//!
+//! ```text
+//! bytes --receive--> frames --> queue --step--> Controller --> replies --> unsent() --> link
+//!            |
+//!            +-- Stop and EmergencyStop take effect here, before anything queued
+//! ```
+//! A hello with a new nonce begins a session and ends the last one; its reply carries the session's number in its
+//! header. Numbered commands count from 1 and wrap; the number before is answered again from a cache, any other is
+//! refused with the one expected. The device never speaks first.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use heapless::Deque;
+use slipline_protocol::command::Hello;
+use slipline_protocol::event::{Accepted, Counters, Fault};
+use slipline_protocol::frame::{CRC, Encoded};
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
+
+use crate::controller::Controller;
+use crate::mailbox::{Crossing, Stop};
+use crate::ports::{FlashPages, System};
+
+/// Commands decoded and not done yet, at most; a host waits for each reply, so more than one is already a hurry.
+const QUEUE: usize = 8;
+/// Replies not sent yet, at most; then the oldest goes.
+const OUTBOX: usize = 8;
+
+/// A decoded command on its way to the controller.
+struct Incoming {
+    header: Header,
+    command: Result<Command, Refusal>,
+    /// Where a stop, which is done already, takes effect.
+    stopped_at: Option<SampleIndex>,
+}
+
+/// The state of the conversation.
+pub struct Session {
+    decoder: Decoder,
+    queue: Deque<Incoming, QUEUE>,
+    outbox: Deque<Encoded, OUTBOX>,
+    /// Bytes of the outbox's first that have gone.
+    sent: usize,
+    /// When the outbox's first began to wait.
+    waiting_since: SampleIndex,
+    /// 0 before the first hello.
+    id: u32,
+    nonce: [u8; 4],
+    sessions: u32,
+    may_drive: bool,
+    expected: u16,
+    last_reply: Option<(u16, Event)>,
+    duplicates: u32,
+    dropped: u32,
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Session {
+    /// Before the first hello.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            decoder: Decoder::new(),
+            queue: Deque::new(),
+            outbox: Deque::new(),
+            sent: 0,
+            waiting_since: 0,
+            id: 0,
+            nonce: [0; 4],
+            sessions: 0,
+            may_drive: false,
+            expected: 1,
+            last_reply: None,
+            duplicates: 0,
+            dropped: 0,
+        }
+    }
+
+    /// Decodes what has come. Stops take effect at once; the rest waits for [`Session::step`].
+    pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], crossing: &Crossing<M>) {
+        for &byte in bytes {
+            let found = self.decoder.push(byte, |frame| {
+                // What travels to the host is an echo of our own.
+                (frame.header.direction == Direction::ToDevice)
+                    .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
+            });
+            if let Some(Some((header, command))) = found {
+                self.enqueue(header, command, crossing);
+            }
+        }
+    }
+
+    fn enqueue<M: RawMutex>(
+        &mut self,
+        header: Header,
+        command: Result<Command, Refusal>,
+        crossing: &Crossing<M>,
+    ) {
+        let stopped_at = match command {
+            Ok(Command::Stop) => Some(crossing.stop(Stop::Normal)),
+            Ok(Command::EmergencyStop) => Some(crossing.fault(Fault::EmergencyStop, Stop::Emergency)),
+            _ => None,
+        };
+        if stopped_at.is_some() {
+            // What came before a stop must not start anything after it.
+            while self.queue.pop_front().is_some() {
+                self.dropped = self.dropped.saturating_add(1);
+            }
+        }
+        if self.queue.push_back(Incoming { header, command, stopped_at }).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// Whether a command waits.
+    #[must_use]
+    pub fn has_work(&self) -> bool {
+        !self.queue.is_empty()
+    }
+
+    /// Does the first command that waits and puts its reply into the outbox.
+    pub fn step<M: RawMutex, F: FlashPages, S: System>(
+        &mut self,
+        controller: &mut Controller<F, S>,
+        crossing: &Crossing<M>,
+    ) {
+        let Some(incoming) = self.queue.pop_front() else { return };
+        let (session, event) = self.answer(&incoming, controller, crossing);
+        if let Ok(reply) = event.frame(session, incoming.header.sequence) {
+            self.send(reply, crossing.now());
+        }
+    }
+
+    /// The reply and the session it goes out under.
+    fn answer<M: RawMutex, F: FlashPages, S: System>(
+        &mut self,
+        incoming: &Incoming,
+        controller: &mut Controller<F, S>,
+        crossing: &Crossing<M>,
+    ) -> (u32, Event) {
+        let Incoming { header, command, stopped_at } = incoming;
+        if let Some(at) = *stopped_at {
+            return (header.session, Event::Accepted(Accepted { at }));
+        }
+        if let Ok(Command::Hello(hello)) = command {
+            self.greet(hello, controller, crossing);
+            return (self.id, Event::Hello(controller.identity()));
+        }
+        if self.id == 0 || header.session != self.id {
+            return (header.session, Event::Refused(Refusal::StaleSession));
+        }
+        let event = match command {
+            Ok(Command::KeepAlive(keep_alive)) => {
+                controller.keep_alive(*keep_alive, crossing);
+                Event::Status(controller.status(crossing, self.counters()))
+            }
+            Ok(Command::Status) => Event::Status(controller.status(crossing, self.counters())),
+            command => self.numbered(header.sequence, command, controller, crossing),
+        };
+        (self.id, event)
+    }
+
+    /// Begins a session, unless this hello is the one that began the present one.
+    fn greet<M: RawMutex, F: FlashPages, S: System>(
+        &mut self,
+        hello: &Hello,
+        controller: &mut Controller<F, S>,
+        crossing: &Crossing<M>,
+    ) {
+        if self.id != 0 && hello.nonce == self.nonce {
+            self.duplicates = self.duplicates.saturating_add(1);
+            return;
+        }
+        controller.begin_session(crossing);
+        self.sessions = self.sessions.wrapping_add(1);
+        let mut crc = CRC.digest();
+        crc.update(&hello.nonce);
+        crc.update(&self.sessions.to_le_bytes());
+        crc.update(&crossing.now().to_le_bytes());
+        let drawn = crc.finalize();
+        // Neither none nor the one that has just ended.
+        self.id = if drawn == 0 || drawn == self.id { drawn.wrapping_add(1).max(1) } else { drawn };
+        self.nonce = hello.nonce;
+        self.may_drive = Version::OURS.may_drive(hello.version);
+        self.expected = 1;
+        self.last_reply = None;
+    }
+
+    /// Answers a numbered command: from the cache, with a refusal of the number, or by doing it.
+    fn numbered<M: RawMutex, F: FlashPages, S: System>(
+        &mut self,
+        sequence: u16,
+        command: &Result<Command, Refusal>,
+        controller: &mut Controller<F, S>,
+        crossing: &Crossing<M>,
+    ) -> Event {
+        if let Some((done, reply)) = &self.last_reply
+            && *done == sequence
+        {
+            self.duplicates = self.duplicates.saturating_add(1);
+            return reply.clone();
+        }
+        if sequence != self.expected {
+            return Event::Refused(Refusal::BadSequence { expected: self.expected });
+        }
+        let result = match command {
+            Err(refusal) => Err(*refusal),
+            Ok(command) if !self.may_drive && !is_harmless(command) => Err(Refusal::VersionMismatch),
+            Ok(command) => controller.execute(command, crossing),
+        };
+        let event = result.unwrap_or_else(Event::Refused);
+        self.expected = self.expected.wrapping_add(1);
+        self.last_reply = Some((sequence, event.clone()));
+        event
+    }
+
+    /// The link's counters.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        let decoder = self.decoder.counters();
+        Counters {
+            frames: decoder.frames,
+            crc_errors: decoder.damaged,
+            overlong: decoder.overlong,
+            duplicates: self.duplicates,
+            dropped: self.dropped,
+            ..Counters::default()
+        }
+    }
+
+    fn send(&mut self, reply: Encoded, now: SampleIndex) {
+        if self.outbox.is_full() {
+            self.drop_first(now);
+        }
+        if self.outbox.is_empty() {
+            self.waiting_since = now;
+        }
+        // There is room now.
+        let _ = self.outbox.push_back(reply);
+    }
+
+    /// The bytes to send next; empty when there are none.
+    #[must_use]
+    pub fn unsent(&self) -> &[u8] {
+        self.outbox.front().and_then(|reply| reply.get(self.sent..)).unwrap_or_default()
+    }
+
+    /// So many of the unsent bytes have gone.
+    pub fn sent(&mut self, bytes: usize, now: SampleIndex) {
+        self.sent = self.sent.saturating_add(bytes);
+        self.waiting_since = now;
+        if self.unsent().is_empty() {
+            self.outbox.pop_front();
+            self.sent = 0;
+        }
+    }
+
+    /// Drops the reply that has waited too long, if there is one.
+    pub fn expire(&mut self, now: SampleIndex, after: u64) {
+        if !self.outbox.is_empty() && now.saturating_sub(self.waiting_since) >= after {
+            self.drop_first(now);
+        }
+    }
+
+    /// Drops the oldest reply and counts it. If a part of it has gone already, a delimiter takes the rest's place, so
+    /// that the host does not glue the next reply to it.
+    pub fn drop_first(&mut self, now: SampleIndex) {
+        if self.outbox.pop_front().is_some() {
+            self.dropped = self.dropped.saturating_add(1);
+            let broken = core::mem::take(&mut self.sent) > 0;
+            self.waiting_since = now;
+            if broken && let Ok(delimiter) = Encoded::from_slice(&[0]) {
+                let _ = self.outbox.push_front(delimiter);
+            }
+        }
+    }
+}
+
+/// What a host of another version may say: identify, stop, and the way into the bootloader.
+const fn is_harmless(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Hello(_)
+            | Command::KeepAlive(_)
+            | Command::Status
+            | Command::Stop
+            | Command::EmergencyStop
+            | Command::Disarm
+            | Command::BootloaderToken
+            | Command::BootloaderEnter(_)
+    )
+}

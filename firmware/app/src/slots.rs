@@ -1,0 +1,133 @@
+//! The two table slots: one sounds, the other takes an upload.
+//!
+//! The renderer reads a slot while the controller writes the other. Knots are atomics only so that this is sound
+//! without a lock round every knot; what keeps them consistent is that a slot which a live or a pending program
+//! names is never written (see [`Crossing::slot_is_free`](crate::mailbox::Crossing::slot_is_free)).
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use slipline_protocol::limits::MAX_KNOTS;
+use slipline_protocol::table::{self, Knot, Setting};
+use slipline_protocol::units::{FinePosition, Gain};
+
+/// Which slot, and how many knots of it count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TableRef {
+    /// The slot.
+    pub slot: SlotIndex,
+    /// Its knots; 0 where there is no table.
+    pub knots: u16,
+}
+
+/// The name of a slot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SlotIndex {
+    /// The first.
+    #[default]
+    First,
+    /// The second.
+    Second,
+}
+
+impl SlotIndex {
+    /// The other slot.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+        }
+    }
+}
+
+struct KnotCell {
+    step: AtomicU32,
+    gain: AtomicU32,
+}
+
+struct Slot([KnotCell; MAX_KNOTS]);
+
+impl Slot {
+    const fn new() -> Self {
+        Self([const { KnotCell { step: AtomicU32::new(0), gain: AtomicU32::new(0) } }; MAX_KNOTS])
+    }
+}
+
+/// Both slots: 16 KiB.
+pub struct TableSlots {
+    first: Slot,
+    second: Slot,
+}
+
+impl TableSlots {
+    /// Both empty.
+    #[must_use]
+    #[expect(
+        clippy::new_without_default,
+        reason = "16 KiB belong into a static, which needs the const constructor"
+    )]
+    pub const fn new() -> Self {
+        Self { first: Slot::new(), second: Slot::new() }
+    }
+
+    const fn slot(&self, index: SlotIndex) -> &Slot {
+        match index {
+            SlotIndex::First => &self.first,
+            SlotIndex::Second => &self.second,
+        }
+    }
+
+    /// The knot at `index`; the default beyond the slot's end.
+    #[must_use]
+    pub fn knot(&self, slot: SlotIndex, index: u16) -> Knot {
+        self.slot(slot).0.get(usize::from(index)).map_or_else(Knot::default, |cell| Knot {
+            step: cell.step.load(Ordering::Relaxed),
+            gain: Gain(cell.gain.load(Ordering::Relaxed)),
+        })
+    }
+
+    /// Writes the knot at `index`; beyond the slot's end nothing happens.
+    pub(crate) fn write(&self, slot: SlotIndex, index: u16, knot: Knot) {
+        if let Some(cell) = self.slot(slot).0.get(usize::from(index)) {
+            cell.step.store(knot.step, Ordering::Relaxed);
+            cell.gain.store(knot.gain.0, Ordering::Relaxed);
+        }
+    }
+
+    /// What a tone at `position` needs by this table.
+    #[must_use]
+    pub fn evaluate(&self, table: TableRef, position: FinePosition) -> Setting {
+        table::evaluate(table.knots, position, |index| self.knot(table.slot, index))
+    }
+}
+
+/// Which knots the way between two positions touches, first and last, both included.
+#[must_use]
+pub fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
+    let last = table.knots.saturating_sub(1);
+    let place = |p: FinePosition| u64::from(p.raw()) * u64::from(last);
+    let (low, high) = (a.min(b), a.max(b));
+    // At most 1024 after the shift.
+    let first = (place(low) >> 31) as u16;
+    let end = place(high).div_ceil(1 << 31) as u16;
+    (first.min(last), end.max(first.saturating_add(1)).min(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_place_on_the_way_lies_outside_the_knots_named(knots in 2u16..=1025, a in 0u32..=1 << 31, b in 0u32..=1 << 31, u in 0u32..=1000) {
+            let table = TableRef { slot: SlotIndex::First, knots };
+            let (a, b) = (FinePosition::saturating(a), FinePosition::saturating(b));
+            let (first, last) = knots_between(table, a, b);
+            let way = i64::from(b.raw()) - i64::from(a.raw());
+            let p = i64::from(a.raw()) + way * i64::from(u) / 1000;
+            let place = p as f64 / f64::from(1u32 << 31) * f64::from(knots - 1);
+            prop_assert!(f64::from(first) <= place && place <= f64::from(last), "{first} {place} {last}");
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! The table kept in flash: a record in one of two slots, the other holding the one before.
+//!
+//! ```text
+//! slot   = header word | payload words                                          (32 bytes a word)
+//! header = magic 4 | layout 1 | kind 1 | zero 2 | sequence 4 | bytes 4 | payload crc 4 | zero 8 | header crc 4
+//! payload (kind 1) = span start 4 | span end 4 | sample rate 4 | knots 2 | zero 2 | table crc 4 | zero 12
+//!                    then per knot: step 4 | gain 4                              (little-endian, zeros to the word)
+//! payload (kind 0) = nothing: forgotten
+//! ```
+//! A record is written into the slot that does not hold the newest: erase, payload, header last. So whenever the
+//! power fails, the newest record whose header and payload are whole is the complete old or the complete new one. The
+//! sequence number tells the newest; it wraps.
+
+use slipline_protocol::command::TableHeader;
+use slipline_protocol::event::StoredConfig;
+use slipline_protocol::frame::CRC;
+use slipline_protocol::limits::MAX_KNOTS;
+use slipline_protocol::table::{self, Knot};
+use slipline_protocol::units::Gain;
+
+use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
+use crate::upload::check_header;
+
+type Word = [u8; FLASH_WORD];
+
+const MAGIC: [u8; 4] = *b"SLst";
+/// Bumped when the layout changes.
+const LAYOUT: u8 = 1;
+const FORGOTTEN: u8 = 0;
+const TABLE: u8 = 1;
+const KNOTS_PER_WORD: usize = FLASH_WORD / 8;
+
+/// The bytes a slot must have.
+pub const SLOT_BYTES: usize = FLASH_WORD * (2 + MAX_KNOTS.div_ceil(KNOTS_PER_WORD));
+
+/// A slot's header.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct RecordHeader {
+    layout: u8,
+    kind: u8,
+    sequence: u32,
+    bytes: u32,
+    crc: u32,
+}
+
+impl RecordHeader {
+    fn encode(&self) -> Word {
+        let mut word = [0; FLASH_WORD];
+        let crc_at = FLASH_WORD - 4;
+        put(&mut word, 0, &MAGIC);
+        put(&mut word, 4, &[self.layout, self.kind]);
+        put(&mut word, 8, &self.sequence.to_le_bytes());
+        put(&mut word, 12, &self.bytes.to_le_bytes());
+        put(&mut word, 16, &self.crc.to_le_bytes());
+        let crc = CRC.checksum(word.get(..crc_at).unwrap_or_default());
+        put(&mut word, crc_at, &crc.to_le_bytes());
+        word
+    }
+
+    fn decode(word: &Word) -> Option<Self> {
+        let (covered, crc) = word.split_last_chunk::<4>()?;
+        let whole = CRC.checksum(covered) == u32::from_le_bytes(*crc) && word.starts_with(&MAGIC);
+        whole.then_some(Self {
+            layout: *word.get(4)?,
+            kind: *word.get(5)?,
+            sequence: number(word, 8)?,
+            bytes: number(word, 12)?,
+            crc: number(word, 16)?,
+        })
+    }
+}
+
+fn put(word: &mut Word, at: usize, bytes: &[u8]) {
+    for (to, &from) in word.iter_mut().skip(at).zip(bytes) {
+        *to = from;
+    }
+}
+
+fn number(word: &Word, at: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(*word.get(at..)?.first_chunk::<4>()?))
+}
+
+/// What a slot holds.
+enum Content {
+    Blank,
+    Broken,
+    Record(RecordHeader),
+}
+
+fn content(flash: &mut impl FlashPages, slot: FlashSlot) -> Content {
+    let mut word = [0; FLASH_WORD];
+    if flash.read(slot, 0, &mut word).is_err() {
+        return Content::Broken;
+    }
+    match RecordHeader::decode(&word) {
+        Some(header) => Content::Record(header),
+        None if word.iter().all(|&byte| byte == 0xff) => Content::Blank,
+        None => Content::Broken,
+    }
+}
+
+/// The newest record and where it is; else whether something broken lies there.
+fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
+    match (content(flash, FlashSlot::A), content(flash, FlashSlot::B)) {
+        (Content::Record(a), Content::Record(b)) => {
+            // Serial-number arithmetic: the difference's sign tells the newer one through the wrap.
+            let b_is_newer = b.sequence.wrapping_sub(a.sequence).cast_signed() > 0;
+            Ok(if b_is_newer { (FlashSlot::B, b) } else { (FlashSlot::A, a) })
+        }
+        (Content::Record(a), _) => Ok((FlashSlot::A, a)),
+        (_, Content::Record(b)) => Ok((FlashSlot::B, b)),
+        (Content::Blank, Content::Blank) => Err(StoredConfig::Empty),
+        _ => Err(StoredConfig::Damaged),
+    }
+}
+
+/// Reads the kept table, if there is one, and hands its knots to `sink` once all of it has been checked.
+///
+/// # Errors
+/// What became of the store where there is nothing to use.
+pub fn load(
+    flash: &mut impl FlashPages,
+    sample_rate_hz: u32,
+    mut sink: impl FnMut(u16, Knot),
+) -> Result<TableHeader, StoredConfig> {
+    if flash.slot_len() < SLOT_BYTES {
+        return Err(StoredConfig::Empty);
+    }
+    let (slot, record) = newest(flash)?;
+    if record.layout != LAYOUT {
+        return Err(StoredConfig::WrongVersion);
+    }
+    if record.kind == FORGOTTEN {
+        return Err(StoredConfig::Empty);
+    }
+    let header = read_header(flash, slot).ok_or(StoredConfig::Damaged)?;
+    let words = payload_words(&header).ok_or(StoredConfig::Damaged)?;
+    let mut crc = CRC.digest();
+    let mut word = [0; FLASH_WORD];
+    for index in 0..words {
+        flash.read(slot, (index + 1) * FLASH_WORD, &mut word).map_err(|FlashError| StoredConfig::Damaged)?;
+        crc.update(&word);
+    }
+    if crc.finalize() != record.crc || record.kind != TABLE {
+        return Err(StoredConfig::Damaged);
+    }
+    if header.sample_rate_hz != sample_rate_hz {
+        return Err(StoredConfig::WrongVersion);
+    }
+    check_header(&header, sample_rate_hz).map_err(|_| StoredConfig::Damaged)?;
+    for index in 0..words - 1 {
+        flash.read(slot, (index + 2) * FLASH_WORD, &mut word).map_err(|FlashError| StoredConfig::Damaged)?;
+        for part in 0..KNOTS_PER_WORD {
+            let knot = index * KNOTS_PER_WORD + part;
+            let (Some(step), Some(gain)) = (number(&word, part * 8), number(&word, part * 8 + 4)) else {
+                return Err(StoredConfig::Damaged);
+            };
+            if let Ok(knot) = u16::try_from(knot)
+                && knot < header.knots
+            {
+                sink(knot, Knot { step, gain: Gain(gain) });
+            }
+        }
+    }
+    Ok(header)
+}
+
+/// The words after the record's header; `None` for an impossible number of knots.
+fn payload_words(header: &TableHeader) -> Option<usize> {
+    let knots = usize::from(header.knots);
+    (knots <= MAX_KNOTS).then_some(1 + knots.div_ceil(KNOTS_PER_WORD))
+}
+
+fn read_header(flash: &mut impl FlashPages, slot: FlashSlot) -> Option<TableHeader> {
+    let mut word = [0; FLASH_WORD];
+    flash.read(slot, FLASH_WORD, &mut word).ok()?;
+    Some(TableHeader {
+        span_start_um: number(&word, 0)?,
+        span_end_um: number(&word, 4)?,
+        sample_rate_hz: number(&word, 8)?,
+        knots: u16::from_le_bytes(*word.get(12..)?.first_chunk::<2>()?),
+        crc: number(&word, 16)?,
+    })
+}
+
+/// The payload's word at `index`.
+fn payload_word(header: &TableHeader, knot: &impl Fn(u16) -> Knot, index: usize) -> Word {
+    let mut word = [0; FLASH_WORD];
+    let Some(knots_word) = index.checked_sub(1) else {
+        put(&mut word, 0, &header.span_start_um.to_le_bytes());
+        put(&mut word, 4, &header.span_end_um.to_le_bytes());
+        put(&mut word, 8, &header.sample_rate_hz.to_le_bytes());
+        put(&mut word, 12, &header.knots.to_le_bytes());
+        put(&mut word, 16, &header.crc.to_le_bytes());
+        return word;
+    };
+    for part in 0..KNOTS_PER_WORD {
+        if let Ok(index) = u16::try_from(knots_word * KNOTS_PER_WORD + part)
+            && index < header.knots
+        {
+            let Knot { step, gain } = knot(index);
+            put(&mut word, part * 8, &step.to_le_bytes());
+            put(&mut word, part * 8 + 4, &gain.0.to_le_bytes());
+        }
+    }
+    word
+}
+
+/// Keeps a table.
+///
+/// # Errors
+/// [`FlashError`]; the record before is whole then.
+pub fn save(
+    flash: &mut impl FlashPages,
+    header: &TableHeader,
+    knot: impl Fn(u16) -> Knot,
+) -> Result<(), FlashError> {
+    let words = payload_words(header).ok_or(FlashError)?;
+    write_record(flash, TABLE, words, |index| payload_word(header, &knot, index))
+}
+
+/// Keeps that nothing is kept.
+///
+/// # Errors
+/// [`FlashError`]; the record before is whole then.
+pub fn forget(flash: &mut impl FlashPages) -> Result<(), FlashError> {
+    write_record(flash, FORGOTTEN, 0, |_| [0; FLASH_WORD])
+}
+
+fn write_record(
+    flash: &mut impl FlashPages,
+    kind: u8,
+    words: usize,
+    payload: impl Fn(usize) -> Word,
+) -> Result<(), FlashError> {
+    if flash.slot_len() < SLOT_BYTES {
+        return Err(FlashError);
+    }
+    let (slot, sequence) = match newest(flash) {
+        Ok((slot, newest)) => (slot.other(), newest.sequence.wrapping_add(1)),
+        Err(_) => (FlashSlot::A, 1),
+    };
+    flash.erase(slot)?;
+    let mut crc = CRC.digest();
+    for index in 0..words {
+        let word = payload(index);
+        write_and_check(flash, slot, (index + 1) * FLASH_WORD, &word)?;
+        crc.update(&word);
+    }
+    // At most 8 KiB.
+    let bytes = u32::try_from(words * FLASH_WORD).map_err(|_| FlashError)?;
+    let header = RecordHeader { layout: LAYOUT, kind, sequence, bytes, crc: crc.finalize() };
+    write_and_check(flash, slot, 0, &header.encode())
+}
+
+fn write_and_check(
+    flash: &mut impl FlashPages,
+    slot: FlashSlot,
+    offset: usize,
+    word: &Word,
+) -> Result<(), FlashError> {
+    flash.write(slot, offset, word)?;
+    let mut back = [0; FLASH_WORD];
+    flash.read(slot, offset, &mut back)?;
+    if back == *word { Ok(()) } else { Err(FlashError) }
+}
+
+/// Whether a loaded table may be used: its knots valid and their digest the one in its header.
+#[must_use]
+pub fn is_sound(header: &TableHeader, knot: impl Fn(u16) -> Knot) -> bool {
+    table::validate(header.knots, &knot).is_ok()
+        && table::digest(header.span_start_um, header.span_end_um, header.sample_rate_hz, header.knots, &knot)
+            == header.crc
+}

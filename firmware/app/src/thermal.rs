@@ -1,0 +1,192 @@
+//! The coil's temperature, computed from what is sent to it.
+//!
+//! The temperature rise, 1 = its limit, is the sum of two first-order parts, winding and body:
+//! ```text
+//! T = (w + b) / 2,   dw/dt = (P - w) / 8 s,   db/dt = (P - b) / 120 s,   P = 1.3 (mean square / that of a full sine)
+//! ```
+//! so a full-scale sine may sound for half a minute from cold, and not for ever. Between [`WARN`] and the limit the
+//! amplitude is folded back linearly to a half; a half of full scale can sound for ever (`P` = 0.33). The constants
+//! are starting values for a voice coil of some tens of grams, on the safe side; a board with another actuator changes
+//! them here.
+
+use micromath::F32Ext;
+use slipline_protocol::units::{Gain, SampleIndex};
+
+use crate::bank::code;
+
+/// The winding's time constant, in seconds.
+pub const WINDING_S: f32 = 8.0;
+/// The body's time constant, in seconds.
+pub const BODY_S: f32 = 120.0;
+/// The temperature rise that a full-scale sine would reach, 1 = the limit.
+pub const FULL_SINE: f32 = 1.3;
+/// From here on the amplitude is folded back.
+pub const WARN: f32 = 0.8;
+/// What is left of the amplitude at the limit.
+pub const FLOOR: f32 = 0.5;
+
+/// What is known of the coil at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heat {
+    /// It is cold: a simulated one.
+    Cold,
+    /// It may be as hot as it is allowed to be: a reset must not cool it. At rest this is folded back for some
+    /// seconds only, for the winding cools quickly.
+    AssumedHot,
+}
+
+/// The model's state.
+#[derive(Clone, Copy, Debug)]
+pub struct Thermal {
+    winding: f32,
+    body: f32,
+    /// When it was last advanced; `None` before the first time.
+    at: Option<SampleIndex>,
+    energy: u64,
+}
+
+impl Thermal {
+    /// A coil at the start.
+    #[must_use]
+    pub const fn new(heat: Heat) -> Self {
+        let rise = match heat {
+            Heat::Cold => 0.0,
+            Heat::AssumedHot => 1.0,
+        };
+        Self { winding: rise, body: rise, at: None, energy: 0 }
+    }
+
+    /// Goes on to `now`, up to which the squares of all codes' distances from mid-scale add up to `energy`.
+    #[expect(clippy::cast_precision_loss, reason = "a share of a mean; 24 bits are plenty")]
+    pub fn advance(&mut self, now: SampleIndex, energy: u64, sample_rate_hz: u32) {
+        let samples = now.saturating_sub(*self.at.get_or_insert(now));
+        if samples == 0 || sample_rate_hz == 0 {
+            return;
+        }
+        const FULL_SINE_SQUARE: f32 = {
+            let swing = (code::MAX_CODE - code::MID_SCALE) as f32;
+            swing * swing / 2.0
+        };
+        let mean_square = energy.wrapping_sub(self.energy) as f32 / samples as f32;
+        let power = FULL_SINE * mean_square / FULL_SINE_SQUARE;
+        let seconds = samples as f32 / sample_rate_hz as f32;
+        self.winding += share(seconds / WINDING_S) * (power - self.winding);
+        self.body += share(seconds / BODY_S) * (power - self.body);
+        self.at = Some(now);
+        self.energy = energy;
+    }
+
+    /// The temperature rise, 1 = its limit.
+    #[must_use]
+    pub fn rise(&self) -> f32 {
+        f32::midpoint(self.winding, self.body)
+    }
+
+    /// Whether the limit is passed: the fold-back has failed to hold it.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        // Not `rise > 1`: a NaN must count as hot.
+        !(self.rise() <= 1.0)
+    }
+
+    /// Whether the coil is warm enough to fold back.
+    #[must_use]
+    pub fn is_warm(&self) -> bool {
+        !(self.rise() <= WARN)
+    }
+
+    /// What the fold-back leaves of the amplitude.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lies in FLOOR..1")]
+    pub fn limit(&self) -> Gain {
+        if !self.is_warm() {
+            return Gain::FULL;
+        }
+        let over = ((self.rise() - WARN) / (1.0 - WARN)).clamp(0.0, 1.0);
+        let left = 1.0 - over * (1.0 - FLOOR);
+        Gain((left * Gain::FULL.0 as f32) as u32)
+    }
+
+    /// The temperature rise in per mille of its limit.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
+    pub fn per_mille(&self) -> u16 {
+        (self.rise() * 1000.0) as u16
+    }
+}
+
+/// `1 - e^-x`, without the cancellation that would stop slow time constants at fast ticks.
+fn share(x: f32) -> f32 {
+    if x < 0.01 { x - x * x / 2.0 + x * x * x / 6.0 } else { 1.0 - (-x).exp() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: u32 = 400_000;
+    const FULL_SQUARE: u64 = 2047 * 2047 / 2;
+
+    /// Drives with a full sine times `limit` where `obey` says so, for whole ticks of 1024 samples.
+    fn run(thermal: &mut Thermal, seconds: f64, on: bool, obey: bool) {
+        thermal.advance(0, 0, RATE);
+        let ticks = (seconds * f64::from(RATE) / 1024.0) as u64;
+        for _ in 0..ticks {
+            let limit = if obey { f64::from(thermal.limit().0) / f64::from(Gain::FULL.0) } else { 1.0 };
+            let square = if on { (FULL_SQUARE as f64 * limit * limit) as u64 } else { 0 };
+            let (at, energy) = (thermal.at.unwrap_or(0) + 1024, thermal.energy.wrapping_add(square * 1024));
+            thermal.advance(at, energy, RATE);
+        }
+    }
+
+    fn analytic(t: f64) -> f64 {
+        1.3 * (1.0 - 0.5 * (-t / 8.0).exp() - 0.5 * (-t / 120.0).exp())
+    }
+
+    #[test]
+    fn a_full_sine_heats_as_the_two_time_constants_say() {
+        let mut thermal = Thermal::new(Heat::Cold);
+        for second in 1..=60 {
+            run(&mut thermal, 1.0, true, false);
+            let want = analytic(f64::from(second));
+            assert!(
+                (f64::from(thermal.rise()) / want - 1.0).abs() < 0.01,
+                "{second} s: {} {want}",
+                thermal.rise()
+            );
+        }
+    }
+
+    #[test]
+    fn the_foldback_alone_holds_the_limit_for_ever() {
+        let mut thermal = Thermal::new(Heat::Cold);
+        for _ in 0..3600 {
+            run(&mut thermal, 1.0, true, true);
+            assert!(!thermal.is_over());
+        }
+        assert!(thermal.is_warm());
+    }
+
+    #[test]
+    fn a_drive_that_ignores_the_foldback_is_over_the_limit() {
+        let mut thermal = Thermal::new(Heat::Cold);
+        run(&mut thermal, 300.0, true, false);
+        assert!(thermal.is_over());
+    }
+
+    #[test]
+    fn a_coil_that_is_assumed_hot_is_folded_back_to_the_floor_and_cools_at_rest() {
+        let mut thermal = Thermal::new(Heat::AssumedHot);
+        assert!(!thermal.is_over());
+        assert_eq!(thermal.limit(), Gain(Gain::FULL.0 / 2));
+        run(&mut thermal, 10.0, false, true);
+        assert_eq!(thermal.limit(), Gain::FULL);
+    }
+
+    #[test]
+    fn a_temperature_that_is_no_number_counts_as_hot() {
+        let thermal = Thermal { winding: f32::NAN, ..Thermal::new(Heat::Cold) };
+        assert!(thermal.is_over() && thermal.is_warm());
+        assert_ne!(thermal.limit(), Gain::FULL);
+    }
+}

@@ -1,0 +1,136 @@
+//! A table on its way in: in order, without gaps, into the slot that does not sound, checked as a whole.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::command::{TableChunk, TableHeader};
+use slipline_protocol::limits::{MAX_KNOTS, MIN_KNOTS};
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::table;
+use slipline_protocol::units::SampleIndex;
+
+use crate::mailbox::Crossing;
+use crate::slots::{SlotIndex, TableRef};
+
+/// An upload under way.
+#[derive(Clone, Copy, Debug)]
+pub struct Upload {
+    header: TableHeader,
+    slot: SlotIndex,
+    received: u16,
+    moved_at: SampleIndex,
+}
+
+const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
+    Refusal::OutOfRange { field, min, max, got }
+}
+
+/// Checks what a header alone tells.
+///
+/// # Errors
+/// [`Refusal::OutOfRange`].
+pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Refusal> {
+    if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(header.knots)) {
+        return Err(out_of_range(
+            Field::KnotCount,
+            MIN_KNOTS as i64,
+            MAX_KNOTS as i64,
+            i64::from(header.knots),
+        ));
+    }
+    if header.sample_rate_hz != sample_rate_hz {
+        let own = i64::from(sample_rate_hz);
+        return Err(out_of_range(Field::SampleRate, own, own, i64::from(header.sample_rate_hz)));
+    }
+    if header.span_end_um <= header.span_start_um {
+        let min = i64::from(header.span_start_um).saturating_add(1);
+        return Err(out_of_range(Field::Span, min, i64::from(u32::MAX), i64::from(header.span_end_um)));
+    }
+    Ok(())
+}
+
+/// The digest of what a slot holds under a header.
+pub fn digest<M: RawMutex>(header: &TableHeader, slot: SlotIndex, crossing: &Crossing<M>) -> u32 {
+    table::digest(header.span_start_um, header.span_end_um, header.sample_rate_hz, header.knots, |index| {
+        crossing.slots().knot(slot, index)
+    })
+}
+
+impl Upload {
+    /// Begins an upload into `slot`.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] for the header's fields.
+    pub fn begin(
+        header: &TableHeader,
+        slot: SlotIndex,
+        sample_rate_hz: u32,
+        now: SampleIndex,
+    ) -> Result<Self, Refusal> {
+        check_header(header, sample_rate_hz)?;
+        Ok(Self { header: *header, slot, received: 0, moved_at: now })
+    }
+
+    /// Takes the next knots.
+    ///
+    /// # Errors
+    /// [`Refusal::ChunkOrder`] for any but the next; [`Refusal::OutOfRange`] for none or too many. Nothing is taken
+    /// then.
+    pub fn take<M: RawMutex>(
+        &mut self,
+        chunk: &TableChunk,
+        crossing: &Crossing<M>,
+        now: SampleIndex,
+    ) -> Result<(), Refusal> {
+        if chunk.first != self.received {
+            return Err(Refusal::ChunkOrder { expected: self.received });
+        }
+        let left = usize::from(self.header.knots.saturating_sub(self.received));
+        if !(1..=left).contains(&chunk.knots.len()) {
+            return Err(out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
+        }
+        for &knot in &chunk.knots {
+            crossing.write_knot(self.slot, self.received, knot);
+            self.received = self.received.saturating_add(1);
+        }
+        self.moved_at = now;
+        Ok(())
+    }
+
+    /// Checks the whole: all there, valid, and what was announced.
+    ///
+    /// # Errors
+    /// [`Refusal::UploadIncomplete`], [`Refusal::TableCrc`], or what [`table::validate`] finds.
+    pub fn check<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
+        if self.received < self.header.knots {
+            return Err(Refusal::UploadIncomplete { received: self.received });
+        }
+        table::validate(self.header.knots, |index| crossing.slots().knot(self.slot, index))?;
+        if digest(&self.header, self.slot, crossing) != self.header.crc {
+            return Err(Refusal::TableCrc);
+        }
+        Ok(())
+    }
+
+    /// The announced header.
+    #[must_use]
+    pub const fn header(&self) -> &TableHeader {
+        &self.header
+    }
+
+    /// The table as the renderer would name it.
+    #[must_use]
+    pub const fn table(&self) -> TableRef {
+        TableRef { slot: self.slot, knots: self.header.knots }
+    }
+
+    /// Knots received so far.
+    #[must_use]
+    pub const fn received(&self) -> u16 {
+        self.received
+    }
+
+    /// Whether it has not moved for so many samples.
+    #[must_use]
+    pub const fn is_stale(&self, now: SampleIndex, after: u64) -> bool {
+        now.saturating_sub(self.moved_at) >= after
+    }
+}
