@@ -1,1 +1,6 @@
 //! (being written)
+
+pub mod link {
+    pub mod simulated;
+}
+pub mod mirror;

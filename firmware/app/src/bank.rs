@@ -19,10 +19,8 @@ mod kernel;
 pub mod sine;
 mod steady;
 
-use kernel::{GlideBasis, GlideSeeds, Kernel, Portable, SteadyBasis, SteadySeeds};
+use kernel::{GlideBasis, GlideSeeds, Kernel, Native, Portable, SteadyBasis, SteadySeeds};
 use steady::Turn;
-
-type Native = Portable;
 
 /// Tone slots of the bank.
 pub const TONES: usize = 16;
@@ -124,6 +122,11 @@ impl Bank {
     /// Renders the next block and moves every phase on by `phase_gain(128)`.
     pub fn render(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
         self.render_with::<Native>(tones, out);
+    }
+
+    /// As [`Bank::render`], by the portable kernel on every machine: what the assembly is compared with.
+    pub fn render_portable(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
+        self.render_with::<Portable>(tones, out);
     }
 
     fn render_with<K: Kernel>(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {

@@ -16,8 +16,9 @@ pub fn master_gain(level: CentiDecibel) -> Gain {
     // log2(10) / 2000 octaves of amplitude per hundredth of a decibel.
     const OCTAVES: f32 = core::f32::consts::LOG2_10 / 2000.0;
     let octaves = f32::from(level.0) * OCTAVES;
-    let whole = octaves.floor();
-    let mantissa = (core::f32::consts::LN_2 * (octaves - whole)).exp().clamp(1.0, 2.0);
+    // By the trait's name: a plain `.floor()` would be the standard library's wherever that is linked.
+    let whole = F32Ext::floor(octaves);
+    let mantissa = F32Ext::exp(core::f32::consts::LN_2 * (octaves - whole)).clamp(1.0, 2.0);
     // -32768 hundredths are 54 octaves: beyond 31 nothing is left.
     let down = (-whole) as u32;
     // Q1.31 times 2^24 stays in 64 bits; f32 holds 24 bits, so nothing is lost.

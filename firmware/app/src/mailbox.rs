@@ -284,6 +284,14 @@ impl<M: RawMutex> Crossing<M> {
         })
     }
 
+    /// Accepts drives from `ready_at` on; for a mirror, which sounds what a device has accepted.
+    pub fn arm_from(&self, ready_at: SampleIndex) {
+        self.shared.lock(|shared| {
+            shared.ready_at.set(ready_at);
+            shared.armed.set(true);
+        });
+    }
+
     /// Feeds the dead-man.
     pub fn feed(&self) {
         self.shared.lock(|shared| shared.fed_at.set(shared.next.get()));
@@ -314,7 +322,8 @@ impl<M: RawMutex> Crossing<M> {
     /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
     pub fn slot_is_free(&self, slot: SlotIndex) -> bool {
         self.shared.lock(|shared| {
-            shared.motion.get().table().slot != slot
+            let motion = shared.motion.get();
+            (motion.table().slot != slot || motion.is_silent_from(shared.next.get()))
                 && shared.pending.get().is_none_or(|program| program.table.slot != slot)
         })
     }
@@ -360,8 +369,8 @@ impl<M: RawMutex> Crossing<M> {
 
     // ---- what the renderer's half does ---------------------------------------------------------------------
 
-    /// Sets the index of the first block; before anything else happens.
-    pub(crate) fn begin_at(&self, index: SampleIndex) {
+    /// Sets the index of the first block.
+    pub fn begin_at(&self, index: SampleIndex) {
         self.shared.lock(|shared| {
             shared.next.set(index);
             shared.fed_at.set(index);

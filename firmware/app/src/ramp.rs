@@ -26,7 +26,8 @@ impl RampShape {
     pub fn new() -> Self {
         let mut shape = [0; INTERVALS + 1];
         for (i, value) in shape.iter_mut().enumerate() {
-            let sine = (core::f32::consts::FRAC_PI_2 * i as f32 / INTERVALS as f32).sin();
+            // By the trait's name: a plain `.sin()` would be the standard library's wherever that is linked.
+            let sine = F32Ext::sin(core::f32::consts::FRAC_PI_2 * i as f32 / INTERVALS as f32);
             // 2^31 in f32 is exact; the cast saturates.
             *value = ((sine * sine * ONE as f32) as u32).min(ONE);
         }

@@ -117,7 +117,7 @@ impl Thermal {
 
 /// `1 - e^-x`, without the cancellation that would stop slow time constants at fast ticks.
 fn share(x: f32) -> f32 {
-    if x < 0.01 { x - x * x / 2.0 + x * x * x / 6.0 } else { 1.0 - (-x).exp() }
+    if x < 0.01 { x - x * x / 2.0 + x * x * x / 6.0 } else { 1.0 - F32Ext::exp(-x) }
 }
 
 #[cfg(test)]

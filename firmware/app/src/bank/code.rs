@@ -6,6 +6,7 @@
 //! Full scale is 2047 codes, not 2048, so that a tone of full amplitude touches neither end and clips nowhere.
 
 use super::BLOCK;
+use super::kernel::{Kernel, Native};
 
 /// The DAC's rest level.
 pub const MID_SCALE: u16 = 2048;
@@ -13,17 +14,18 @@ pub const MID_SCALE: u16 = 2048;
 pub const MAX_CODE: u16 = 4095;
 
 /// Codes per sample unit with 32 fractional bits: `2047 / 2^27 * 2^32`.
-const CODES_PER_UNIT: i64 = 2047 << 5;
+pub(super) const CODES_PER_UNIT: i32 = 2047 << 5;
+/// Half a code, in units of 2^-32.
+pub(super) const ROUND: u32 = 1 << 31;
 
 /// The codes of a block; returns how many samples had to be clamped.
 pub fn codes(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
-    let mut clipped = 0;
-    for (sample, code) in samples.iter().zip(codes) {
-        let (value, clamped) = one_code(*sample, 1 << 31);
-        *code = value;
-        clipped += u32::from(clamped);
+    if Native::codes(samples, codes) {
+        // Seldom, so it may cost another pass.
+        samples.iter().map(|sample| u32::from(one_code(*sample, ROUND).1)).sum()
+    } else {
+        0
     }
-    clipped
 }
 
 /// As [`codes`], with a rectangular dither of one code drawn from `dither`: the codes' error no longer follows the
@@ -45,8 +47,9 @@ pub fn dithered_codes(samples: &[i32; BLOCK], dither: &mut Dither, codes: &mut [
     clippy::cast_sign_loss,
     reason = "clamped into the range of a code"
 )]
-fn one_code(sample: i32, round: u32) -> (u16, bool) {
-    let code = ((i64::from(sample) * CODES_PER_UNIT + i64::from(round)) >> 32) + i64::from(MID_SCALE);
+pub(super) fn one_code(sample: i32, round: u32) -> (u16, bool) {
+    let code =
+        ((i64::from(sample) * i64::from(CODES_PER_UNIT) + i64::from(round)) >> 32) + i64::from(MID_SCALE);
     let clamped = code.clamp(0, i64::from(MAX_CODE));
     (clamped as u16, clamped != code)
 }

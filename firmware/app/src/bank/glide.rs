@@ -25,10 +25,10 @@ pub(super) fn rebuild(step: u64, change: i64, tone: usize, basis: &mut GlideBasi
             even.iter_mut().zip(odd).zip(even_bend.iter_mut().zip(odd_bend))
         {
             let (s, c) = sine_cosine(upper(phase));
-            let (first, second) = (odd_number << 11, (odd_number * odd_number) << 7);
+            let (first, second) = (odd_number << 26, (odd_number * odd_number) << 22);
             (*even, *odd) = (c, s);
-            *even_bend = pack(high(s, first), high(c, second));
-            *odd_bend = pack(high(c, first), high(s, second));
+            *even_bend = pack(add_high(HALF_UNIT, s, first), add_high(HALF_UNIT, c, second));
+            *odd_bend = pack(add_high(HALF_UNIT, c, first), add_high(HALF_UNIT, s, second));
             phase = phase.wrapping_add(centre);
             odd_number += 2;
         }
@@ -51,8 +51,8 @@ pub(super) fn seed(phase: u64, block: &ToneBlock, tone: usize, seeds: &mut Glide
 
     #[expect(clippy::cast_possible_truncation, reason = "bounded to 2^54, so 2^30 after the shift")]
     let theta = high((bounded >> 24) as i32, 1_686_629_713);
-    let start = (block.amplitude >> 2).cast_signed();
-    let ramp = (block.amplitude_end >> 2).cast_signed() - start;
+    let start = (block.amplitude >> 1).cast_signed();
+    let ramp = (block.amplitude_end >> 1).cast_signed() - start;
     let mut amplitude = start + high(ramp, 15 << 24);
     let mut detune = -(3 * theta + (theta >> 1));
     let straighten = high(theta, 5 << 23);
@@ -72,16 +72,16 @@ pub(super) fn seed(phase: u64, block: &ToneBlock, tone: usize, seeds: &mut Glide
             even.iter_mut().zip(even_bend).zip(odd.iter_mut().zip(odd_bend))
         {
             let (s, c) = sine_cosine(angle);
-            *even = high(amplitude, s);
-            *odd = high(amplitude, c);
+            *even = high(amplitude >> 1, s);
+            *odd = high(amplitude >> 1, c);
             let imaginary = add_high(lean, amplitude, detune);
             let real = add_high(ramp, imaginary, -straighten);
             let curl = high(imaginary, -(detune >> 5));
-            *even_bend = pack_upper(
+            *even_bend = pack(
                 add_high(add_high(HALF_UNIT, real, c), imaginary, -s),
                 add_high(add_high(HALF_UNIT, curl, s), swell, c),
             );
-            *odd_bend = pack_upper(
+            *odd_bend = pack(
                 add_high(add_high(HALF_UNIT, real, s), imaginary, c),
                 add_high(add_high(HALF_UNIT, curl, c), swell, -s),
             );
@@ -94,14 +94,8 @@ pub(super) fn seed(phase: u64, block: &ToneBlock, tone: usize, seeds: &mut Glide
     }
 }
 
-/// Two signed 16-bit numbers in one word.
-#[inline(always)]
-const fn pack(lower: i32, upper: i32) -> i32 {
-    (lower & 0xFFFF) | (upper << 16)
-}
-
 /// The upper halves of two numbers in one word.
 #[inline(always)]
-const fn pack_upper(lower: i32, upper: i32) -> i32 {
-    pack(lower >> 16, (upper >> 16) & 0xFFFF)
+const fn pack(lower: i32, upper: i32) -> i32 {
+    (lower >> 16 & 0xFFFF) | (upper & !0xFFFF)
 }

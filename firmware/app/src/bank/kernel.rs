@@ -12,7 +12,19 @@
 //! The loop over the four-sample groups is one straight run of 176 instructions, 704 bytes: it stays within the 1 KiB
 //! instruction cache of an STM32F4.
 
+use super::code::{ROUND, one_code};
 use super::sine::add_high;
+
+#[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
+mod cortex_m4;
+
+/// The kernel of this machine.
+#[cfg(target_arch = "arm")]
+pub(super) type Native = cortex_m4::CortexM4;
+/// The kernel of this machine.
+#[cfg(not(target_arch = "arm"))]
+pub(super) type Native = Portable;
 use super::{BLOCK, TONES};
 
 /// Samples whose sums are formed together.
@@ -66,8 +78,8 @@ impl SteadySeeds {
 #[repr(C)]
 pub(super) struct GlideBasis {
     pub(super) even_bend: Words<{ GLIDE_HALF / GROUP }>,
-    pub(super) odd_bend: Words<{ GLIDE_HALF / GROUP }>,
     pub(super) even: Words<{ GLIDE_HALF / GROUP }>,
+    pub(super) odd_bend: Words<{ GLIDE_HALF / GROUP }>,
     pub(super) odd: Words<{ GLIDE_HALF / GROUP }>,
 }
 
@@ -83,8 +95,8 @@ impl GlideBasis {
 #[repr(C)]
 pub(super) struct GlideSeeds {
     pub(super) even_bend: [Pair; GLIDE_PARTS / PAIR],
-    pub(super) odd_bend: [Pair; GLIDE_PARTS / PAIR],
     pub(super) even: [Pair; GLIDE_PARTS / PAIR],
+    pub(super) odd_bend: [Pair; GLIDE_PARTS / PAIR],
     pub(super) odd: [Pair; GLIDE_PARTS / PAIR],
 }
 
@@ -102,6 +114,8 @@ pub(super) trait Kernel {
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]);
     /// The same for the eight sub-blocks of 16 samples of a gliding block, `E` and `O` each with their corrections.
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]);
+    /// The codes of a block, rounded and clamped; whether any had to be clamped.
+    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool;
 }
 
 /// The kernel in Rust: the definition, and what runs on a host.
@@ -130,6 +144,16 @@ impl Kernel for Portable {
             products(&basis.odd, odd_seed, &mut odd);
             unfold(&even, &odd, out);
         }
+    }
+
+    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool {
+        let mut clipped = false;
+        for (sample, code) in samples.iter().zip(out) {
+            let (value, clamped) = one_code(*sample, ROUND);
+            *code = value;
+            clipped |= clamped;
+        }
+        clipped
     }
 }
 

@@ -1,0 +1,416 @@
+//! The simulated device: the device application itself, its edges in memory, its time virtual.
+//!
+//! ```text
+//! feed(bytes) -> [ Link::run ] -> take()          polled whenever bytes come and between blocks
+//! advance(n)  -> [ Renderer::run ] -> SentBlock   one block for each step of time
+//! ```
+//! It has no thread and no clock: nothing happens but by a call, so everything it does can be repeated exactly. Faults
+//! of the hardware are injected at the edges, where they would come from.
+
+use std::collections::VecDeque;
+use std::future::{Future, poll_fn};
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use slipline_app::bank::BLOCK;
+use slipline_app::boot::{self, Boot};
+use slipline_app::mailbox::{Crossing, Pulses};
+use slipline_app::ports::{DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, Mute, System, Underrun};
+use slipline_app::store::SLOT_BYTES;
+use slipline_app::thermal::Heat;
+use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing};
+use slipline_protocol::event::ResetCause;
+use slipline_protocol::units::SampleIndex;
+
+/// The supervisor is asked this often.
+const SUPERVISION_MS: u32 = 100;
+/// The watchdog resets the device when it has not been fed for so long.
+pub const WATCHDOG_MS: u32 = 4000;
+
+type Shared = Arc<Crossing<CriticalSectionRawMutex>>;
+type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+/// How a simulated device is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Samples per second, in Hz.
+    pub sample_rate_hz: u32,
+    /// The index of its first sample.
+    pub first_index: SampleIndex,
+    /// What is known of its coil.
+    pub heat: Heat,
+    /// The flash's two slots.
+    pub flash: MemoryFlash,
+    /// The chip's unique id.
+    pub unit: [u8; 12],
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            sample_rate_hz: 400_000,
+            first_index: 0,
+            heat: Heat::Cold,
+            flash: MemoryFlash::default(),
+            unit: *b"simulated-00",
+        }
+    }
+}
+
+/// Two slots of flash in memory; erased bytes are `0xff`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryFlash {
+    /// The bytes of slots A and B.
+    pub slots: [Vec<u8>; 2],
+}
+
+impl Default for MemoryFlash {
+    fn default() -> Self {
+        Self { slots: [vec![0xff; SLOT_BYTES], vec![0xff; SLOT_BYTES]] }
+    }
+}
+
+impl MemoryFlash {
+    fn word(&mut self, slot: FlashSlot, offset: usize) -> Result<&mut [u8], FlashError> {
+        self.slots[slot as usize].get_mut(offset..offset + FLASH_WORD).ok_or(FlashError)
+    }
+}
+
+/// One block as it leaves for the DAC.
+#[derive(Clone, Copy, Debug)]
+pub struct SentBlock<'a> {
+    /// The index of the first code.
+    pub first: SampleIndex,
+    /// The codes.
+    pub codes: &'a [u16; BLOCK],
+    /// Whether the amplifier is muted meanwhile.
+    pub muted: bool,
+}
+
+/// Everything outside the application.
+struct Edges {
+    to_device: VecDeque<u8>,
+    from_device: Vec<u8>,
+    transmit_stalled: bool,
+    room: bool,
+    sent: Option<[u16; BLOCK]>,
+    underrun: bool,
+    muted: bool,
+    flash: MemoryFlash,
+    in_bootloader: bool,
+}
+
+#[derive(Clone)]
+struct Edge(Arc<Mutex<Edges>>);
+
+impl Edge {
+    fn lock(&self) -> MutexGuard<'_, Edges> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl embedded_io_async::ErrorType for Edge {
+    type Error = std::convert::Infallible;
+}
+
+impl embedded_io_async::Read for Edge {
+    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Self::Error> {
+        poll_fn(|_| {
+            let queue = &mut self.lock().to_device;
+            if queue.is_empty() {
+                return Poll::Pending;
+            }
+            let count = buffer.len().min(queue.len());
+            for (to, from) in buffer.iter_mut().zip(queue.drain(..count)) {
+                *to = from;
+            }
+            Poll::Ready(Ok(count))
+        })
+        .await
+    }
+}
+
+impl embedded_io_async::Write for Edge {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
+        poll_fn(|_| {
+            let mut edges = self.lock();
+            if edges.transmit_stalled {
+                return Poll::Pending;
+            }
+            edges.from_device.extend_from_slice(bytes);
+            Poll::Ready(Ok(bytes.len()))
+        })
+        .await
+    }
+
+    async fn flush(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+impl DacStream for Edge {
+    async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
+        poll_fn(|_| {
+            let mut edges = self.lock();
+            if !std::mem::take(&mut edges.room) {
+                return Poll::Pending;
+            }
+            edges.sent = Some(*codes);
+            Poll::Ready(if std::mem::take(&mut edges.underrun) { Err(Underrun) } else { Ok(()) })
+        })
+        .await
+    }
+}
+
+impl Mute for Edge {
+    fn set_muted(&mut self, muted: bool) {
+        self.lock().muted = muted;
+    }
+}
+
+impl FlashPages for Edge {
+    fn slot_len(&self) -> usize {
+        self.lock().flash.slots[0].len()
+    }
+
+    fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
+        self.lock().flash.slots[slot as usize].fill(0xff);
+        Ok(())
+    }
+
+    fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
+        // Programming can only clear bits.
+        for (to, from) in self.lock().flash.word(slot, offset)?.iter_mut().zip(word) {
+            *to &= from;
+        }
+        Ok(())
+    }
+
+    fn read(
+        &mut self,
+        slot: FlashSlot,
+        offset: usize,
+        word: &mut [u8; FLASH_WORD],
+    ) -> Result<(), FlashError> {
+        word.copy_from_slice(self.lock().flash.word(slot, offset)?);
+        Ok(())
+    }
+}
+
+impl System for Edge {
+    fn has_bootloader(&self) -> bool {
+        true
+    }
+
+    fn enter_bootloader(&mut self) {
+        self.lock().in_bootloader = true;
+    }
+}
+
+/// The device application in memory, in virtual time.
+pub struct SimulatedDevice {
+    options: Options,
+    edge: Edge,
+    crossing: Shared,
+    link: Task,
+    renderer: Task,
+    link_frozen: bool,
+    kept: CrashRecord,
+    supervisor: Supervisor,
+    /// The index of the next code to leave for the DAC.
+    now: SampleIndex,
+    fed_at: SampleIndex,
+    asked_at: SampleIndex,
+}
+
+impl SimulatedDevice {
+    /// A device after power came on. Not a sample has passed.
+    #[must_use]
+    pub fn new(options: Options) -> Self {
+        let (decided, kept) = boot::decide(ResetCause::PowerOn, None);
+        let boot = Boot { heat: options.heat, ..decided };
+        Self::start(options, boot, kept)
+    }
+
+    fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
+        let edge = Edge(Arc::new(Mutex::new(Edges {
+            to_device: VecDeque::new(),
+            from_device: Vec::new(),
+            transmit_stalled: false,
+            room: false,
+            sent: None,
+            underrun: false,
+            muted: true,
+            flash: options.flash.clone(),
+            in_bootloader: false,
+        })));
+        let crossing = Shared::default();
+        let device = Device {
+            board: "simulated",
+            build: concat!("slipline ", env!("CARGO_PKG_VERSION")),
+            firmware: firmware_version(),
+            unit: options.unit,
+            simulated: true,
+            sample_rate_hz: options.sample_rate_hz,
+        };
+        let mut link = Link::new(device, boot, edge.clone(), edge.clone());
+        let mut renderer = Renderer::starting_at(Timing::at(options.sample_rate_hz), options.first_index);
+        let now = renderer.index();
+        let (link_crossing, link_edge) = (crossing.clone(), edge.clone());
+        let (renderer_crossing, renderer_edge) = (crossing.clone(), edge.clone());
+        let mut device = Self {
+            options,
+            edge,
+            crossing,
+            link: Box::pin(async move {
+                link.run(&link_crossing, link_edge.clone(), link_edge).await;
+            }),
+            renderer: Box::pin(async move {
+                renderer.run(&renderer_crossing, renderer_edge.clone(), renderer_edge, ()).await;
+            }),
+            link_frozen: false,
+            kept,
+            supervisor: Supervisor::new(),
+            now,
+            fed_at: now,
+            asked_at: now,
+        };
+        // The renderer sets the index before the link looks at it.
+        poll(&mut device.renderer);
+        poll(&mut device.link);
+        device
+    }
+
+    /// Resets the device: the flash and the record of crashes stay, everything else begins anew, index 0 included.
+    pub fn restart(&mut self, cause: ResetCause) {
+        let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
+        let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
+        let (boot, kept) = boot::decide(cause, kept);
+        *self = Self::start(options, boot, kept);
+    }
+
+    /// Lets the firmware panic: its handler leaves a record and resets.
+    pub fn panic(&mut self, message: &str) {
+        self.kept = CrashRecord::crashed(ResetCause::Panic, self.kept.resets, &message);
+        self.restart(ResetCause::Software);
+    }
+
+    /// Gives the device bytes and lets it answer.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        self.edge.lock().to_device.extend(bytes);
+        self.poll_link();
+    }
+
+    /// Moves what the device has sent to the end of `bytes`.
+    pub fn take(&mut self, bytes: &mut Vec<u8>) {
+        bytes.append(&mut self.edge.lock().from_device);
+    }
+
+    /// Lets so many blocks pass; `sink` sees each as it leaves for the DAC.
+    pub fn advance(&mut self, blocks: u64, mut sink: impl FnMut(SentBlock<'_>)) {
+        for _ in 0..blocks {
+            // The pin stands as it was set for the block that leaves now, until the next one is rendered.
+            let muted = self.is_muted();
+            self.edge.lock().room = true;
+            poll(&mut self.renderer);
+            if let Some(codes) = self.edge.lock().sent.take() {
+                sink(SentBlock { first: self.now, codes: &codes, muted });
+            }
+            self.now = self.now.saturating_add(BLOCK as u64);
+            self.poll_link();
+            self.supervise();
+        }
+    }
+
+    fn poll_link(&mut self) {
+        if !self.link_frozen {
+            poll(&mut self.link);
+        }
+    }
+
+    fn supervise(&mut self) {
+        let timing = Timing::at(self.options.sample_rate_hz);
+        if self.now - self.asked_at < timing.samples(SUPERVISION_MS) {
+            return;
+        }
+        self.asked_at = self.now;
+        if self.supervisor.may_feed(self.pulses()) {
+            self.fed_at = self.now;
+        }
+    }
+
+    /// The index of the next code to leave for the DAC.
+    #[must_use]
+    pub const fn now(&self) -> SampleIndex {
+        self.now
+    }
+
+    /// Samples per second, in Hz.
+    #[must_use]
+    pub const fn sample_rate_hz(&self) -> u32 {
+        self.options.sample_rate_hz
+    }
+
+    /// Whether the amplifier is muted.
+    #[must_use]
+    pub fn is_muted(&self) -> bool {
+        self.edge.lock().muted
+    }
+
+    /// Whether the device has left for its bootloader.
+    #[must_use]
+    pub fn is_in_bootloader(&self) -> bool {
+        self.edge.lock().in_bootloader
+    }
+
+    /// Whether the watchdog would have reset the device by now.
+    #[must_use]
+    pub fn is_watchdog_starved(&self) -> bool {
+        self.now - self.fed_at > Timing::at(self.options.sample_rate_hz).samples(WATCHDOG_MS)
+    }
+
+    /// The tasks' signs of life.
+    #[must_use]
+    pub fn pulses(&self) -> Pulses {
+        self.crossing.pulses()
+    }
+
+    /// What the flash holds.
+    #[must_use]
+    pub fn flash(&self) -> MemoryFlash {
+        self.edge.lock().flash.clone()
+    }
+
+    /// Lets the DAC run dry once, before it takes the next block.
+    pub fn inject_underrun(&mut self) {
+        self.edge.lock().underrun = true;
+    }
+
+    /// Whether the host has stopped reading: what the device sends is not taken.
+    pub fn stall_transmit(&mut self, stalled: bool) {
+        self.edge.lock().transmit_stalled = stalled;
+        self.poll_link();
+    }
+
+    /// Whether the link's half hangs; the renderer's goes on, as an interrupt would.
+    pub fn freeze_link(&mut self, frozen: bool) {
+        self.link_frozen = frozen;
+        self.poll_link();
+    }
+}
+
+fn poll(task: &mut Task) {
+    // Nothing wakes it but the next call.
+    let _ = task.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+}
+
+fn firmware_version() -> (u8, u8, u8) {
+    let part = |text: &str| text.parse().unwrap_or(0);
+    (
+        part(env!("CARGO_PKG_VERSION_MAJOR")),
+        part(env!("CARGO_PKG_VERSION_MINOR")),
+        part(env!("CARGO_PKG_VERSION_PATCH")),
+    )
+}

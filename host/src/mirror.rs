@@ -1,0 +1,174 @@
+//! The mirror: every sample a device sends, without its sending them to the host.
+//!
+//! The device names the index at which each change begins. Replayed at the same indices through the same renderer,
+//! the same changes give the same codes, bit for bit: integers only, and one pure function from drive to program.
+//! What no reply names is not mirrored: the thermal fold-back, and the device's own stops (dead-man, faults). After
+//! one of these the mirror is wrong until the device has fallen silent and [`Mirror::silence`] is called.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use slipline_app::bank::BLOCK;
+use slipline_app::mailbox::{Crossing, Stop};
+use slipline_app::program::{plan, plan_swap};
+use slipline_app::ramp::RampShape;
+use slipline_app::slots::TableRef;
+use slipline_app::{Renderer, Timing};
+use slipline_protocol::command::Drive;
+use slipline_protocol::table::Knot;
+use slipline_protocol::units::SampleIndex;
+
+/// A change that the device has accepted.
+#[derive(Clone, Debug)]
+enum Change {
+    Drive(Drive),
+    Table(Arc<[Knot]>),
+    Stop(Stop),
+}
+
+/// A change came too late to be mirrored: its index has been rendered already.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the change at sample {at} came after the mirror had gone on to {now}")]
+pub struct TooLate {
+    /// Where the change begins.
+    pub at: SampleIndex,
+    /// The mirror's next index.
+    pub now: SampleIndex,
+}
+
+/// A renderer on the host, fed with what the device has acknowledged.
+pub struct Mirror {
+    timing: Timing,
+    crossing: Box<Crossing<CriticalSectionRawMutex>>,
+    renderer: Renderer,
+    shape: RampShape,
+    table: TableRef,
+    changes: VecDeque<(SampleIndex, Change)>,
+    diverged: bool,
+}
+
+impl Mirror {
+    /// A mirror of a device that is silent at an index (rounded down to a block) and has no table.
+    #[must_use]
+    pub fn new(sample_rate_hz: u32, index: SampleIndex) -> Self {
+        let timing = Timing::at(sample_rate_hz);
+        let crossing = Box::<Crossing<CriticalSectionRawMutex>>::default();
+        // A mirror sounds whatever was accepted: whether it might is the device's affair.
+        crossing.arm_from(0);
+        let renderer = Renderer::starting_at(timing, index);
+        crossing.begin_at(renderer.index());
+        Self {
+            timing,
+            crossing,
+            renderer,
+            shape: RampShape::new(),
+            table: TableRef::default(),
+            changes: VecDeque::new(),
+            diverged: false,
+        }
+    }
+
+    /// The index of the next code.
+    #[must_use]
+    pub const fn now(&self) -> SampleIndex {
+        self.renderer.index()
+    }
+
+    /// Whether everything acknowledged so far could be replayed.
+    #[must_use]
+    pub const fn is_true(&self) -> bool {
+        !self.diverged
+    }
+
+    /// A drive was accepted and begins at `at`.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_drive(&mut self, drive: &Drive, at: SampleIndex) -> Result<(), TooLate> {
+        self.acknowledge(at, Change::Drive(drive.clone()))
+    }
+
+    /// A table was swapped in at `at`, by a commit or because the device held it already.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_table(&mut self, knots: Arc<[Knot]>, at: SampleIndex) -> Result<(), TooLate> {
+        self.acknowledge(at, Change::Table(knots))
+    }
+
+    /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency stop.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
+        // What was accepted but had not begun is dropped, as in the device; a table is in force all the same.
+        self.changes.retain(|(begins, change)| *begins < at || matches!(change, Change::Table(_)));
+        self.acknowledge(at, Change::Stop(stop))
+    }
+
+    fn acknowledge(&mut self, at: SampleIndex, change: Change) -> Result<(), TooLate> {
+        let now = self.now();
+        if at < now {
+            self.diverged = true;
+            return Err(TooLate { at, now });
+        }
+        let place = self.changes.partition_point(|(other, _)| *other <= at);
+        self.changes.insert(place, (at, change));
+        Ok(())
+    }
+
+    /// The device is known to be silent at `index` (rounded down to a block): the mirror goes there, keeps its table,
+    /// and is true again.
+    pub fn silence(&mut self, index: SampleIndex) {
+        let knots: Arc<[Knot]> =
+            (0..self.table.knots).map(|index| self.crossing.slots().knot(self.table.slot, index)).collect();
+        *self = Self::new(self.timing.sample_rate_hz, index);
+        if !knots.is_empty() {
+            self.changes.push_back((self.now(), Change::Table(knots)));
+        }
+    }
+
+    /// Renders whole blocks up to `until` (rounded down); `sink` takes each with the index of its first code.
+    pub fn render(&mut self, until: SampleIndex, mut sink: impl FnMut(SampleIndex, &[u16; BLOCK])) {
+        let mut codes = [0; BLOCK];
+        while self.now().saturating_add(BLOCK as u64) <= until {
+            let first = self.now();
+            while self.changes.front().is_some_and(|(at, _)| *at <= first) {
+                if let Some((_, change)) = self.changes.pop_front() {
+                    self.apply(change);
+                }
+            }
+            // The mirror's host is always there.
+            self.crossing.feed();
+            self.renderer.render(&self.crossing, &mut codes);
+            sink(first, &codes);
+        }
+    }
+
+    fn apply(&mut self, change: Change) {
+        let at = self.now();
+        let view = self.crossing.view();
+        let planned = match change {
+            Change::Stop(stop) => {
+                self.crossing.stop(stop);
+                return;
+            }
+            Change::Drive(drive) => {
+                plan(&drive, at, self.table, &view.motion, self.crossing.slots(), &self.shape, &self.timing)
+            }
+            Change::Table(knots) => {
+                let slot = self.table.slot.other();
+                let mut count = 0;
+                for &knot in knots.iter() {
+                    self.crossing.write_knot(slot, count, knot);
+                    count += 1;
+                }
+                self.table = TableRef { slot, knots: count };
+                plan_swap(at, self.table, &view.motion, self.crossing.slots(), &self.shape, &self.timing)
+            }
+        };
+        let published = planned.map(|program| self.crossing.publish(program, &view));
+        self.diverged |= !matches!(published, Ok(Ok(())));
+    }
+}
