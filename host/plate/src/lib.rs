@@ -1,22 +1,40 @@
-//! Waves in tapered plates.
+//! Waves in tapered plates: turning points, amplitudes, drive tables, and the plate in time.
+//!
+//! ```text
+//! plate file -> PlateSpec -> Plate -+-> turning point, edge, kappa          (turning)
+//!                                   +-> respond: amplitude over x           (numerov, fourth order)
+//!                                   +-> DriveTable: place -> step and gain  (inverse of DAC to peak)
+//! DAC codes ------------------------+-> TimeLine -> Envelope                (oscillators, exact steps)
+//! ```
+//!
+//! SI units throughout. x = 0 is the driven, wide end. Time goes as e^(-j omega t), so a wave into the plate is
+//! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
+
 #![forbid(unsafe_code)]
 pub mod airy;
+mod analytic;
 mod drive;
 mod drive_table;
+mod envelope;
 mod error;
+mod galerkin;
 mod model;
 mod numerov;
+mod oscillators;
 mod peak;
 mod plate;
 mod plate_file;
 mod presets;
 mod respond;
+pub mod sensation;
 mod sensitivity;
 mod taper;
+mod time_line;
 mod turning;
 
 pub use drive::{Actuator, DriveEnd};
 pub use drive_table::{DriveTable, FREQUENCY_TO_RATE_MAX, KNOTS_MAX, Knot, Level, TableError};
+pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};
 pub use error::{PlateError, PlateFileError};
 pub use model::{Bending, Model};
 pub use num_complex::Complex64;
@@ -27,3 +45,4 @@ pub use presets::{Preset, preset, presets};
 pub use respond::{Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch};
 pub use sensitivity::{Sensitivity, sensitivity, sensitivity_per_percent, table_sensitivity};
 pub use taper::{HALF_WIDTH_MAX_M, HALF_WIDTH_MIN_M, TAPER_POINTS_MAX, Taper};
+pub use time_line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};

@@ -1,0 +1,92 @@
+//! Lights of the driven end, the actuator and the table's robustness.
+
+use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
+use super::{CheckError, Colour, Finding, Site, colour};
+use crate::drive::DriveEnd;
+use crate::drive_table::Chain;
+use crate::plate::Plate;
+
+/// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
+///
+/// 0 for a force drive, infinite for a displacement drive, `None` when the wave cannot enter.
+pub(crate) fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
+    let guide = plate.guide(1);
+    let k0 = |frequency_hz: f64| {
+        let square = guide.wavenumber_squared(0.0, frequency_hz);
+        (square > 0.0).then(|| square.sqrt())
+    };
+    match plate.spec().drive_end {
+        DriveEnd::Displacement => Some(f64::INFINITY),
+        DriveEnd::Force { .. } => Some(0.0),
+        DriveEnd::Resistance { ratio, at_frequency_hz } => {
+            Some(ratio * (frequency_hz / k0(frequency_hz)?) * (k0(at_frequency_hz)? / at_frequency_hz))
+        }
+    }
+}
+
+pub(super) fn match_light(site: &Site<'_>) -> Finding {
+    let ratio = drive_ratio(site.plate, site.frequency_hz).unwrap_or(f64::INFINITY);
+    let mismatch = ratio.max(1.0 / ratio);
+    let reflected =
+        if ratio.is_finite() { 100.0 * ((1.0 - ratio) / (1.0 + ratio)).abs() } else { 100.0 };
+    site.judged(
+        "drive match",
+        Some(ratio),
+        "",
+        colour(mismatch, DRIVE_MISMATCH),
+        mismatch,
+        [
+            format!("The drive end absorbs the returning wave (r = {ratio:.2}, {reflected:.0} % comes back): the plate hardly resonates."),
+            format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): the plate resonates a little."),
+            match site.plate.spec().drive_end {
+                DriveEnd::Displacement => "The drive end holds its displacement and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned(),
+                DriveEnd::Force { .. } => "The drive end holds its force and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned(),
+                DriveEnd::Resistance { .. } => format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): choose its resistance for this frequency."),
+            },
+        ],
+    )
+}
+
+pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
+    let rate = site.checker.conditions.sample_rate_hz;
+    let intended = Chain::new(site.plate, rate)?.level(site.frequency_hz)?.amplitude;
+    let mut worst: f64 = 0.0;
+    for actual in &site.checker.detuned {
+        let found = Chain::new(actual, rate)?.level(site.frequency_hz)?.amplitude;
+        worst = worst.max((20.0 * (found / intended).log10()).abs());
+    }
+    Ok(site.graded(
+        "sensitivity",
+        worst,
+        "dB per % of wave speed",
+        SENSITIVITY_DB,
+        [
+            format!("A wave speed that is 1 % off changes the peak by {worst:.2} dB: the table can be trusted."),
+            format!("A wave speed that is 1 % off changes the peak by {worst:.1} dB: calibrate on your own plate."),
+            format!("A wave speed that is 1 % off changes the peak by {worst:.0} dB: no table holds that, match the drive end."),
+        ],
+    ))
+}
+
+pub(super) fn actuator_light(site: &Site<'_>) -> Finding {
+    let name = "actuator band";
+    let Some(actuator) = site.plate.spec().actuator else {
+        let sentence =
+            "The plate file names no actuator: whether one reaches this frequency was not checked.".to_owned();
+        return site.judged(name, None, "dB", Colour::Amber, 0.0, [String::new(), sentence, String::new()]);
+    };
+    let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
+    let loss_db = -gain_db;
+    site.judged(
+        name,
+        Some(gain_db),
+        "dB",
+        colour(loss_db, ACTUATOR_LOSS_DB),
+        loss_db,
+        [
+            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."),
+            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left."),
+            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band."),
+        ],
+    )
+}

@@ -1,0 +1,308 @@
+//! Validity lights: how far a plate and a boundary can be believed, felt and driven.
+//!
+//! ```text
+//! Plate + Conditions -> Checker -> at(boundary) or over_span() -> Report { lights }
+//!   shape.rs  edge slope, edge curvature, wavelengths, edge width, ghost boundaries
+//!   wave.rs   loss, peak, thin plate
+//!   drive.rs  actuator band, drive match, sensitivity
+//!   sound.rs  sound level, beat
+//! ```
+//! Every limit is a named constant in [`thresholds`], with its reason.
+
+mod drive;
+mod shape;
+mod sound;
+pub mod thresholds;
+mod wave;
+
+use crate::drive_table::{Chain, TableError};
+use crate::plate::Plate;
+use serde::Serialize;
+use thiserror::Error;
+use thresholds::Limits;
+
+pub use shape::{edge_curvature, edge_slope, wavelengths};
+pub use sound::{a_weighting_db, plane_wave_level_db};
+pub use wave::loss_integral;
+
+/// Places over the span that [`Checker::over_span`] looks at.
+pub const SPAN_PLACES: usize = 41;
+
+/// Colour of a light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Colour {
+    /// Nothing to mind.
+    Green,
+    /// It works, with the reservation the sentence names.
+    Amber,
+    /// Do not rely on it.
+    Red,
+}
+
+/// One validity light.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Light {
+    /// What is looked at; the same words for every plate.
+    pub name: &'static str,
+    /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
+    pub value: Option<f64>,
+    /// Unit of `value`; empty for a plain number.
+    pub unit: &'static str,
+    /// The verdict.
+    pub colour: Colour,
+    /// One sentence that says what it means here.
+    pub sentence: String,
+    /// The boundary this was found at, metres: over the span, the one where it is worst.
+    pub boundary_m: f64,
+}
+
+/// All lights of a plate at one boundary or over its span.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Name of the plate.
+    pub plate: String,
+    /// The boundary, metres; `None` over the span.
+    pub boundary_m: Option<f64>,
+    /// The frequencies that were looked at, Hz: the lowest and the highest.
+    pub frequency_hz: (f64, f64),
+    /// The lights, always in the same order.
+    pub lights: Vec<Light>,
+}
+
+impl Report {
+    /// The worst colour of all lights.
+    pub fn worst(&self) -> Colour {
+        self.lights.iter().map(|light| light.colour).max().unwrap_or(Colour::Green)
+    }
+
+    /// The light of that name.
+    pub fn light(&self, name: &str) -> Option<&Light> {
+        self.lights.iter().find(|light| light.name == name)
+    }
+}
+
+/// What the plate is used with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conditions {
+    /// The device's sample rate, Hz.
+    pub sample_rate_hz: f64,
+    /// Level of the tone, 0 to 1 of the turning-point table's full scale.
+    pub level: f64,
+    /// Whether the drive sits beside the centre line, which lets the second width mode in.
+    pub off_centre: bool,
+    /// Boundaries of the other tones that sound at the same time, metres.
+    pub other_boundaries_m: Vec<f64>,
+}
+
+impl Default for Conditions {
+    fn default() -> Self {
+        Self { sample_rate_hz: 400e3, level: 1.0, off_centre: false, other_boundaries_m: Vec::new() }
+    }
+}
+
+/// Why a plate could not be checked.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CheckError {
+    /// A boundary is not on the plate.
+    #[error("{field} = {boundary_m} m: must be {low} to {high} m, on the plate")]
+    Boundary {
+        /// Which one: `boundary` or `other boundary`.
+        field: &'static str,
+        /// The boundary that was asked for, metres.
+        boundary_m: f64,
+        /// Nearest allowed, metres.
+        low: f64,
+        /// Farthest allowed, metres.
+        high: f64,
+    },
+    /// The level is no level.
+    #[error("level = {level}: must be 0 to 1")]
+    Level {
+        /// The level that was given.
+        level: f64,
+    },
+    /// The plate cannot be driven at this sample rate.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
+/// A plate prepared for checks; make it once and ask it for as many boundaries as there are.
+#[derive(Debug)]
+pub struct Checker<'a> {
+    plate: &'a Plate,
+    conditions: Conditions,
+    /// The plate with its waves 1 %, 0.5 % slower and faster.
+    detuned: Vec<Plate>,
+    /// Peak displacement that a table can keep over the whole span, at the conditions' level, metres.
+    peak_m: f64,
+}
+
+/// A light and how bad it is within its colour, so that the worst of a span can be picked.
+struct Finding {
+    light: Light,
+    badness: f64,
+}
+
+/// One boundary, with what the groups of lights need of it.
+struct Site<'a> {
+    checker: &'a Checker<'a>,
+    plate: &'a Plate,
+    boundary_m: f64,
+    frequency_hz: f64,
+}
+
+impl<'a> Checker<'a> {
+    /// Prepares the checks of `plate`.
+    ///
+    /// # Errors
+    /// [`CheckError`] when a condition is out of range, or the sample rate cannot carry the plate's band.
+    pub fn new(plate: &'a Plate, conditions: Conditions) -> Result<Self, CheckError> {
+        let level = conditions.level;
+        if !(0.0..=1.0).contains(&level) {
+            return Err(CheckError::Level { level });
+        }
+        for &boundary_m in &conditions.other_boundaries_m {
+            on_plate(plate, "other boundary", boundary_m)?;
+        }
+        let chain = Chain::new(plate, conditions.sample_rate_hz)?;
+        let mut lowest = f64::INFINITY;
+        for x in places(plate, 2 * SPAN_PLACES - 1) {
+            lowest = lowest.min(chain.level(plate.frequency_for_boundary_hz(x))?.amplitude);
+        }
+        // A material at the very end of its allowed range has neighbours on one side only.
+        let detuned =
+            [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
+        let peak_m = level * lowest * plate.spec().full_scale_m;
+        Ok(Self { plate, conditions, detuned, peak_m })
+    }
+
+    /// Peak displacement the lights suppose, metres: what a turning-point table can keep over the whole span at the
+    /// conditions' level.
+    pub fn peak_m(&self) -> f64 {
+        self.peak_m
+    }
+
+    /// The lights at one boundary.
+    ///
+    /// # Errors
+    /// [`CheckError::Boundary`] when it is not on the plate, [`CheckError::Table`] when its frequency is too high for
+    /// the sample rate.
+    pub fn at(&self, boundary_m: f64) -> Result<Report, CheckError> {
+        let findings = self.findings(boundary_m)?;
+        let frequency_hz = self.plate.frequency_for_boundary_hz(boundary_m);
+        Ok(Report {
+            plate: self.plate.name().to_owned(),
+            boundary_m: Some(boundary_m),
+            frequency_hz: (frequency_hz, frequency_hz),
+            lights: findings.into_iter().map(|finding| finding.light).collect(),
+        })
+    }
+
+    /// The lights over the plate's span: each at the boundary where it is worst.
+    ///
+    /// # Errors
+    /// As [`Checker::at`].
+    pub fn over_span(&self) -> Result<Report, CheckError> {
+        let mut worst: Vec<Finding> = Vec::new();
+        for x in places(self.plate, SPAN_PLACES) {
+            let found = self.findings(x)?;
+            if worst.is_empty() {
+                worst = found;
+                continue;
+            }
+            for (kept, new) in worst.iter_mut().zip(found) {
+                if (new.light.colour, new.badness) > (kept.light.colour, kept.badness) {
+                    *kept = new;
+                }
+            }
+        }
+        Ok(Report {
+            plate: self.plate.name().to_owned(),
+            boundary_m: None,
+            frequency_hz: self.plate.band_hz(),
+            lights: worst.into_iter().map(|finding| finding.light).collect(),
+        })
+    }
+
+    fn findings(&self, boundary_m: f64) -> Result<Vec<Finding>, CheckError> {
+        on_plate(self.plate, "boundary", boundary_m)?;
+        let frequency_hz = self.plate.frequency_for_boundary_hz(boundary_m);
+        let site = Site { checker: self, plate: self.plate, boundary_m, frequency_hz };
+        Ok(vec![
+            shape::slope_light(&site),
+            shape::curvature_light(&site),
+            shape::wavelengths_light(&site),
+            wave::loss_light(&site),
+            wave::peak_light(&site)?,
+            shape::edge_light(&site),
+            shape::ghost_light(&site),
+            wave::thin_plate_light(&site),
+            drive::match_light(&site),
+            drive::sensitivity_light(&site)?,
+            drive::actuator_light(&site),
+            sound::level_light(&site)?,
+            sound::beat_light(&site),
+        ])
+    }
+}
+
+impl Site<'_> {
+    /// A light whose colour follows from `measure` and `limits`; the larger the measure, the worse.
+    fn graded(
+        &self,
+        name: &'static str,
+        value: f64,
+        unit: &'static str,
+        limits: Limits,
+        sentences: [String; 3],
+    ) -> Finding {
+        self.judged(name, Some(value), unit, colour(value, limits), value, sentences)
+    }
+
+    fn judged(
+        &self,
+        name: &'static str,
+        value: Option<f64>,
+        unit: &'static str,
+        colour: Colour,
+        badness: f64,
+        [green, amber, red]: [String; 3],
+    ) -> Finding {
+        let sentence = match colour {
+            Colour::Green => green,
+            Colour::Amber => amber,
+            Colour::Red => red,
+        };
+        // JSON and a reader can do nothing with an infinite number: the sentence tells it.
+        let value = value.filter(|value| value.is_finite());
+        Finding { light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m }, badness }
+    }
+}
+
+/// Green up to the first limit, amber up to the second; NaN is red.
+fn colour(measure: f64, limits: Limits) -> Colour {
+    if measure <= limits.green {
+        Colour::Green
+    } else if measure <= limits.amber {
+        Colour::Amber
+    } else {
+        Colour::Red
+    }
+}
+
+fn places(plate: &Plate, count: usize) -> impl Iterator<Item = f64> {
+    let (start, end) = plate.span_m();
+    (0..count).map(move |i| start + (end - start) * i as f64 / (count - 1) as f64)
+}
+
+fn on_plate(plate: &Plate, field: &'static str, boundary_m: f64) -> Result<(), CheckError> {
+    let (low, high) = (1e-3 * plate.length_m(), plate.length_m());
+    if (low..=high).contains(&boundary_m) {
+        return Ok(());
+    }
+    Err(CheckError::Boundary { field, boundary_m, low, high })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,137 @@
+//! Lights that follow from the solved amplitude and the material.
+
+use super::thresholds::{LOSS, THIN_PLATE_PERCENT};
+use super::{CheckError, Colour, Finding, Site, colour};
+use crate::drive_table::TableError;
+use crate::model::Model;
+use crate::plate::Plate;
+use crate::respond::{Equation, Response, respond};
+use std::f64::consts::TAU;
+
+/// Points of the amplitude that the lights look at; the solver refines them as it needs.
+pub(super) const POINTS: usize = 513;
+
+/// I, the integral of Im k from the driven end to the boundary at `boundary_m`: the wave arrives with e^-I of its
+/// amplitude.
+///
+/// With k^2 = a (K^2 (1 + j eta) - (q/W)^2) it is the integral of a K^2 eta/(2 k); (eta/2) nu acosh(nu/s0) for an
+/// exponential taper.
+pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
+    let guide = plate.guide(1);
+    let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+    let numerator = 0.5 * plate.wave_loss() * guide.axial_squared(frequency_hz);
+    // 1/k has a root singularity at the turning point: x = boundary (1 - u^2) removes it.
+    let steps = 400;
+    let total: f64 = (0..steps)
+        .map(|i| {
+            let u = (f64::from(i) + 0.5) / f64::from(steps);
+            let place = boundary_m * (1.0 - u * u);
+            2.0 * u / guide.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt()
+        })
+        .sum();
+    numerator * total * boundary_m / f64::from(steps)
+}
+
+pub(super) fn loss_light(site: &Site<'_>) -> Finding {
+    let loss = loss_integral(site.plate, site.boundary_m);
+    let percent = 100.0 * (-loss).exp();
+    site.graded(
+        "loss",
+        loss,
+        "",
+        LOSS,
+        [
+            format!(
+                "{percent:.0} % of the wave's amplitude arrives at the boundary: the peak stands above the rest."
+            ),
+            format!(
+                "Only {percent:.1} % of the wave's amplitude arrives at the boundary: the drive end vibrates more than the peak."
+            ),
+            format!("{percent:.2} % of the wave's amplitude arrives: there is no peak left to feel."),
+        ],
+    )
+}
+
+/// The amplitude at the site's frequency.
+pub(super) fn response(site: &Site<'_>) -> Result<Response, CheckError> {
+    respond(site.plate, site.frequency_hz, POINTS, Equation::Corrected).map_err(|_| {
+        CheckError::Table(TableError::Silent { position_m: site.boundary_m, frequency_hz: site.frequency_hz })
+    })
+}
+
+pub(super) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckError> {
+    let response = response(site)?;
+    let (value, colour) = match response.peak {
+        Some(peak) if peak.is_largest => (Some(peak.amplitude), Colour::Green),
+        Some(peak) => (Some(peak.amplitude), Colour::Amber),
+        None => (None, Colour::Red),
+    };
+    let amplitude = value.unwrap_or(0.0);
+    let at_mm = response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
+    Ok(site.judged(
+        "peak",
+        value,
+        "times the drive",
+        colour,
+        -amplitude,
+        [
+            format!("The peak stands at {at_mm:.0} mm with {amplitude:.2} times the drive, the largest amplitude on the plate."),
+            format!("The peak at {at_mm:.0} mm has {amplitude:.2} times the drive, but other places on the plate vibrate more."),
+            "There is no peak before this boundary: the amplitude just falls from the drive on.".to_owned(),
+        ],
+    ))
+}
+
+pub(super) fn thin_plate_light(site: &Site<'_>) -> Finding {
+    let name = "thin plate";
+    let bending = match &site.plate.spec().model {
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => bending,
+        Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
+            let sentence = "The wave's speed does not depend on the thickness.".to_owned();
+            return site.judged(
+                name,
+                None,
+                "%",
+                Colour::Green,
+                0.0,
+                [sentence, String::new(), String::new()],
+            );
+        }
+    };
+    let mut thick = bending.clone();
+    thick.thick_plate = true;
+    let mut thin = bending.clone();
+    thin.thick_plate = false;
+    let omega = TAU * site.frequency_hz;
+    let percent =
+        100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
+    if bending.thick_plate {
+        let sentence = format!(
+            "Shear and rotary inertia are included; without them the wavenumber would be {percent:.1} % too small."
+        );
+        return site.judged(
+            name,
+            Some(0.0),
+            "%",
+            Colour::Green,
+            0.0,
+            [sentence, String::new(), String::new()],
+        );
+    }
+    site.judged(
+        name,
+        Some(percent),
+        "%",
+        colour(percent, THIN_PLATE_PERCENT),
+        percent,
+        [
+            format!("The plate is thin for this wave: the thin-plate wavenumber is {percent:.1} % too small."),
+            format!(
+                "The thin-plate wavenumber is {percent:.1} % too small here: set thick_plate = true to place the boundary better."
+            ),
+            format!(
+                "The thin-plate wavenumber is {percent:.1} % too small: the plate is thick for this wave, set thick_plate = true."
+            ),
+        ],
+    )
+}

@@ -1,0 +1,299 @@
+//! The plate, its driven end and its actuator as a bank of independent complex oscillators.
+//!
+//! z' = -j p z + b u, field = sum of shape z + what follows the drive at once. The time convention is e^(-j omega t)
+//! with omega > 0 only (an analytic signal), so hysteretic loss, which has no real time-domain form, is exact in
+//! bending and exact at each resonance for a membrane.
+
+use crate::drive::{Actuator, DriveEnd};
+use crate::galerkin;
+use crate::model::{Bending, Model};
+use crate::plate::{Guide, Plate};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+const J: Complex64 = Complex64::new(0.0, 1.0);
+
+/// What the oscillators are driven by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Input {
+    /// The drive itself.
+    Drive,
+    /// The drive's time derivative.
+    DriveRate,
+}
+
+/// Independent oscillators and what they do to the plate.
+pub(crate) struct Bank {
+    pub(crate) input: Input,
+    /// Complex angular frequencies p, rad/s; the imaginary part is not positive.
+    pub(crate) pole: Vec<Complex64>,
+    /// Field per oscillator: places x poles, for z = u/(p - omega).
+    pub(crate) shape: DMatrix<Complex64>,
+    /// Field that follows the input at once: one entry per place.
+    pub(crate) direct: DVector<Complex64>,
+}
+
+/// 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue as residues c/(p - omega).
+struct Terms {
+    terms: Vec<(Complex64, Complex64)>,
+}
+
+/// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
+pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> Bank {
+    let guide = plate.guide(mode);
+    let resistance = resistance_over_tension(plate);
+    let osc = match plate.spec().drive_end {
+        DriveEnd::Displacement => galerkin::held(&guide, top_hz, places_m),
+        DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => galerkin::free(&guide, top_hz, places_m),
+    };
+    let centre = TAU * centre_hz;
+    let mut pole = Vec::new();
+    let mut owner = Vec::new();
+    let mut weight = Vec::new();
+    for (n, &eigenvalue) in osc.eigenvalue.iter().enumerate() {
+        for (p, c) in terms(&guide, eigenvalue, centre).terms {
+            pole.push(p);
+            owner.push(n);
+            weight.push(c);
+        }
+    }
+    let shape = DMatrix::from_fn(places_m.len(), pole.len(), |row, i| {
+        weight[i] * osc.excitation[owner[i]] * osc.shape[(row, owner[i])]
+    });
+    let direct = osc.direct.map(Complex64::from);
+    let at_drive: Vec<Complex64> =
+        (0..pole.len()).map(|i| weight[i] * osc.excitation[owner[i]] * osc.at_drive[owner[i]]).collect();
+    let scale = match plate.spec().drive_end {
+        DriveEnd::Force { at_frequency_hz } => {
+            -plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt()
+        }
+        _ => 1.0,
+    };
+    couple(&Uncoupled { pole, shape, direct, at_drive, scale }, resistance, plate.spec().actuator)
+}
+
+/// R/T of the source's resistance, s/m; `None` for the other driven ends.
+fn resistance_over_tension(plate: &Plate) -> Option<f64> {
+    match plate.spec().drive_end {
+        DriveEnd::Resistance { ratio, at_frequency_hz } => {
+            let k0 = plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt();
+            Some(ratio * k0 / (TAU * at_frequency_hz))
+        }
+        _ => None,
+    }
+}
+
+fn terms(guide: &Guide<'_>, eigenvalue: f64, centre: f64) -> Terms {
+    let lossy = Complex64::new(1.0, guide.plate.wave_loss()) * guide.slope;
+    let terms = match &guide.plate.spec().model {
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) if bending.thick_plate => {
+            thick(bending, eigenvalue, lossy, centre)
+        }
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+            // a K^2 = omega lossy/spread: one pole, exact.
+            let rate = bending.spread_m2_per_s() / lossy;
+            vec![(eigenvalue * rate, rate)]
+        }
+        model @ (Model::Membrane { .. } | Model::ShearHorizontal { .. }) => {
+            let speed = model.wave_speed_m_per_s().unwrap_or(f64::NAN);
+            let square = speed * speed / lossy;
+            let p = (eigenvalue * square).sqrt();
+            let c = square / (2.0 * p);
+            // The partner at -p would grow; its mirror image -p* does not, and agrees with it in mid-band.
+            let mirror = -p.conj();
+            vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))]
+        }
+    };
+    Terms { terms }
+}
+
+/// Mindlin's dispersion: one pole, and one far pole that carries what the first leaves over in mid-band.
+fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Vec<(Complex64, Complex64)> {
+    let wanted = eigenvalue / lossy;
+    // The branch is smooth and the loss small: the pole and its slope by differences along the real axis.
+    let h = 1e-4 * wanted.re;
+    let real = |k2: f64| bending.angular_frequency(k2);
+    let first = (real(wanted.re + h) - real(wanted.re - h)) / (2.0 * h);
+    let second = (real(wanted.re + h) - 2.0 * real(wanted.re) + real(wanted.re - h)) / (h * h);
+    let aside = wanted - wanted.re;
+    let pole = real(wanted.re) + first * aside + 0.5 * second * aside * aside;
+    let residue = (first + second * aside) / lossy;
+    let left_over = |omega: f64| {
+        1.0 / (eigenvalue - lossy * bending.wavenumber_squared(omega)) - residue / (pole - omega)
+    };
+    // Next to the pole the difference of two large numbers is lost: take the mean of two places beside it.
+    let away = 0.05 * centre;
+    let rest = 0.5 * (left_over(centre + away) + left_over(centre - away));
+    let far = Complex64::new(-2.0 * centre, -0.5 * centre);
+    vec![(pole, residue), (far, rest * (far - centre))]
+}
+
+struct Uncoupled {
+    pole: Vec<Complex64>,
+    shape: DMatrix<Complex64>,
+    direct: DVector<Complex64>,
+    /// f(0) per oscillator.
+    at_drive: Vec<Complex64>,
+    scale: f64,
+}
+
+/// Adds the source's resistance and the actuator, and separates the result into independent oscillators again.
+fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Actuator>) -> Bank {
+    let count = free.pole.len();
+    if resistance.is_none() && actuator.is_none() {
+        return Bank {
+            input: Input::Drive,
+            pole: free.pole.clone(),
+            shape: free.shape.map(|value| value * free.scale),
+            direct: free.direct.map(|value| value * free.scale),
+        };
+    }
+    // z' = M z + b u; each row is (p - omega) z = F with F = f'(0) or the held displacement.
+    let extra = if actuator.is_some() { 2 } else { 0 };
+    let size = count + extra;
+    let mut matrix = DMatrix::<Complex64>::zeros(size, size);
+    let mut drive = DVector::<Complex64>::zeros(size);
+    for (i, pole) in free.pole.iter().enumerate() {
+        matrix[(i, i)] = -J * pole;
+    }
+    let (poles, residues) = actuator.map_or(([Complex64::ZERO; 2], [Complex64::ZERO; 2]), actuator_poles);
+    for i in 0..extra {
+        matrix[(count + i, count + i)] = -J * poles[i];
+        drive[count + i] = J;
+    }
+    // What F is made of: `own` per oscillator, and the source either directly or by its rate.
+    let (own, source_gain) = match resistance {
+        Some(ratio) => {
+            // F = (R/T) (f(0)' - 2 s') and f(0)' = sum g (-j p z + j F).
+            let sum: Complex64 = free.at_drive.iter().sum();
+            let scale = ratio / (1.0 - J * ratio * sum);
+            (
+                free.at_drive.iter().zip(&free.pole).map(|(g, p)| -J * g * p * scale).collect::<Vec<_>>(),
+                -2.0 * scale,
+            )
+        }
+        None => (vec![Complex64::ZERO; count], Complex64::from(free.scale)),
+    };
+    for row in 0..count {
+        for (column, value) in own.iter().enumerate() {
+            matrix[(row, column)] += J * value;
+        }
+        for i in 0..extra {
+            let through = if resistance.is_some() { -J * poles[i] * residues[i] } else { residues[i] };
+            matrix[(row, count + i)] += J * source_gain * through;
+        }
+        if extra == 0 {
+            drive[row] = J * source_gain;
+        }
+    }
+    let input = if resistance.is_some() && extra == 0 { Input::DriveRate } else { Input::Drive };
+    let mut output = DMatrix::<Complex64>::zeros(free.shape.nrows(), size);
+    output.view_mut((0, 0), (free.shape.nrows(), count)).copy_from(&free.shape);
+    if resistance.is_none() {
+        for (i, residue) in residues.iter().enumerate().take(extra) {
+            let column = free.direct.map(|value| value * free.scale * residue);
+            output.set_column(count + i, &column);
+        }
+    }
+    separate(&matrix, &drive, &output, input)
+}
+
+/// Poles and residues of the actuator: H = sum r/(p - omega).
+fn actuator_poles(actuator: Actuator) -> ([Complex64; 2], [Complex64; 2]) {
+    let omega = TAU * actuator.resonance_hz;
+    // At Q = 1/2 both poles fall together; a millionth aside changes nothing and keeps them apart.
+    let quality = if (actuator.quality - 0.5).abs() < 1e-6 { 0.500_001 } else { actuator.quality };
+    let half = Complex64::new(0.0, -0.5 / quality);
+    let root = Complex64::from(1.0 - 0.25 / (quality * quality)).sqrt();
+    let (first, second) = (omega * (half + root), omega * (half - root));
+    let residue = omega * omega / (first - second);
+    ([first, second], [residue, -residue])
+}
+
+/// Diagonalises z' = M z + b u.
+fn separate(
+    matrix: &DMatrix<Complex64>,
+    drive: &DVector<Complex64>,
+    output: &DMatrix<Complex64>,
+    input: Input,
+) -> Bank {
+    let size = matrix.nrows();
+    // Scaled to order one; Schur's form is unitary, its eigenvectors follow by back-substitution.
+    let scale = matrix.iter().map(|value| value.norm()).fold(0.0, f64::max).max(1e-300);
+    let (unitary, triangle) = nalgebra::Schur::new(matrix / Complex64::from(scale)).unpack();
+    let mut vector = DMatrix::<Complex64>::zeros(size, size);
+    for column in 0..size {
+        vector[(column, column)] = Complex64::ONE;
+        for row in (0..column).rev() {
+            let sum: Complex64 = (row + 1..=column).map(|k| triangle[(row, k)] * vector[(k, column)]).sum();
+            let mut gap = triangle[(column, column)] - triangle[(row, row)];
+            if gap.norm() < 1e-14 {
+                gap = Complex64::from(1e-14);
+            }
+            vector[(row, column)] = sum / gap;
+        }
+    }
+    let right = &unitary * &vector;
+    let reduced = unitary.adjoint() * drive;
+    let amplitude = vector.solve_upper_triangular(&reduced).unwrap_or(reduced);
+    let shape = output * right;
+    // z = b u/(j (p - omega)): with b folded into the shape the oscillator is z' = -j p z + j u.
+    Bank {
+        input,
+        pole: (0..size).map(|i| J * triangle[(i, i)] * scale).collect(),
+        shape: DMatrix::from_fn(shape.nrows(), size, |row, i| shape[(row, i)] * amplitude[i] * -J),
+        direct: DVector::zeros(shape.nrows()),
+    }
+}
+
+impl Bank {
+    /// Steady field at `frequency_hz` per unit of drive: what the time steps converge to.
+    #[cfg(test)]
+    pub(crate) fn steady(&self, frequency_hz: f64) -> Vec<Complex64> {
+        let omega = TAU * frequency_hz;
+        let input = match self.input {
+            Input::Drive => Complex64::ONE,
+            Input::DriveRate => -J * omega,
+        };
+        (0..self.shape.nrows())
+            .map(|row| {
+                let ringing: Complex64 =
+                    self.pole.iter().enumerate().map(|(i, p)| self.shape[(row, i)] / (p - omega)).sum();
+                (ringing + self.direct[row]) * input
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets::presets;
+    use crate::respond::{Equation, respond};
+
+    #[test]
+    fn the_bank_of_every_preset_answers_as_the_frequency_domain_solver() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let (low, high) = plate.band_hz();
+            let places: Vec<f64> = (0..65).map(|i| plate.length_m() * f64::from(i) / 64.0).collect();
+            let bank = build(&plate, 1, 1.2 * high, (low * high).sqrt(), &places);
+            assert!(bank.pole.iter().all(|p| p.im <= 0.0), "{}: an oscillation that grows", preset.name);
+            let mut worst: f64 = 0.0;
+            for i in 0..=10 {
+                let frequency = low + (high - low) * f64::from(i) / 10.0;
+                let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("in band");
+                let peak = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+                for (a, b) in exact.amplitude.iter().zip(bank.steady(frequency)) {
+                    worst = worst.max((a - b).norm() / peak);
+                }
+            }
+            assert!(
+                worst < if plate.spec().loss_factor > 0.05 { 3e-3 } else { 1e-3 },
+                "{}: {worst}",
+                preset.name
+            );
+        }
+    }
+}

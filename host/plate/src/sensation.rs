@@ -1,0 +1,123 @@
+//! What a finger may feel. Every number here is illustrative: calibrate on your own plate.
+//!
+//! Below 20 kHz a plate can only be felt to vibrate; the level is the amplitude over the threshold of vibrotactile
+//! feeling. From 20 kHz on the squeeze film can make it slippery.
+
+/// From this frequency on a vibration is called slippery, below it a vibration, Hz.
+pub const SLIPPERY_FROM_HZ: f64 = 20e3;
+
+/// What a finger may feel at one place (illustrative).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sensation {
+    /// A vibration: amplitude over the threshold of feeling, dB (negative: not felt).
+    Vibration {
+        /// Sensation level, dB.
+        level_db: f64,
+    },
+    /// Slipperiness: friction as a part of the still plate's friction, 0 to 1.
+    Friction {
+        /// mu/mu0.
+        ratio: f64,
+    },
+}
+
+/// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionCurve {
+    /// Amplitude scale a0, metres.
+    pub scale_m: f64,
+    /// Residual friction r, 0 to 1.
+    pub residual: f64,
+    /// Exponent p.
+    pub exponent: f64,
+}
+
+impl Default for FrictionCurve {
+    fn default() -> Self {
+        Self { scale_m: 1e-6, residual: 0.2, exponent: 1.5 }
+    }
+}
+
+impl FrictionCurve {
+    /// mu/mu0 at a displacement amplitude in metres.
+    pub fn ratio(&self, amplitude_m: f64) -> f64 {
+        let depth = (amplitude_m.abs() / self.scale_m).powf(self.exponent);
+        self.residual + (1.0 - self.residual) * (-depth).exp()
+    }
+}
+
+/// Threshold of feeling a vibration, metres of displacement amplitude: 10 um up to 40 Hz, falling 12 dB per octave
+/// to 250 Hz, then rising 12 dB per octave.
+pub fn threshold_m(frequency_hz: f64) -> f64 {
+    const FLAT_M: f64 = 10e-6;
+    const CORNER_HZ: f64 = 40.0;
+    const BEST_HZ: f64 = 250.0;
+    let best_m = FLAT_M * (CORNER_HZ / BEST_HZ).powi(2);
+    if frequency_hz <= CORNER_HZ {
+        FLAT_M
+    } else if frequency_hz <= BEST_HZ {
+        FLAT_M * (CORNER_HZ / frequency_hz).powi(2)
+    } else {
+        best_m * (frequency_hz / BEST_HZ).powi(2)
+    }
+}
+
+/// What is felt at a displacement amplitude and frequency, with the default friction curve.
+pub fn felt(frequency_hz: f64, amplitude_m: f64) -> Sensation {
+    if frequency_hz >= SLIPPERY_FROM_HZ {
+        Sensation::Friction { ratio: FrictionCurve::default().ratio(amplitude_m) }
+    } else {
+        let level = amplitude_m.abs().max(1e-15) / threshold_m(frequency_hz);
+        Sensation::Vibration { level_db: 20.0 * level.log10() }
+    }
+}
+
+/// Squeeze number of the air film under a finger: 12 eta omega l^2/(p0 h^2) with air, a 5 mm contact and a film of
+/// about 11 um; 0.4 at 30 Hz, 275 at 20 kHz. Above about 10 the film carries.
+pub fn squeeze_number(frequency_hz: f64) -> f64 {
+    275.0 * frequency_hz / 20e3
+}
+
+/// Upper bound of the sound level a plane piston of that displacement amplitude radiates, dB SPL.
+pub fn sound_level_db(frequency_hz: f64, amplitude_m: f64) -> f64 {
+    let velocity = std::f64::consts::TAU * frequency_hz * amplitude_m.abs();
+    let pressure_rms = 413.0 * velocity / std::f64::consts::SQRT_2;
+    20.0 * (pressure_rms.max(1e-12) / 20e-6).log10()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn below_20_khz_it_is_a_vibration_and_from_there_on_friction() {
+        assert!(matches!(felt(19_999.0, 1e-6), Sensation::Vibration { .. }));
+        assert!(matches!(felt(20_000.0, 1e-6), Sensation::Friction { .. }));
+    }
+
+    #[test]
+    fn friction_falls_from_one_to_its_residual() {
+        let curve = FrictionCurve::default();
+        assert_eq!(curve.ratio(0.0), 1.0);
+        assert!((curve.ratio(1e-6) - (0.2 + 0.8 * (-1.0_f64).exp())).abs() < 1e-12);
+        assert!((curve.ratio(1e-4) - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_threshold_is_flat_then_falls_12_db_per_octave_to_its_best() {
+        assert_eq!(threshold_m(30.0), threshold_m(40.0));
+        let octave = 20.0 * (threshold_m(100.0) / threshold_m(200.0)).log10();
+        assert!((octave - 12.04).abs() < 0.01, "{octave}");
+        assert!(threshold_m(250.0) < threshold_m(150.0) && threshold_m(250.0) < threshold_m(400.0));
+        let Sensation::Vibration { level_db } = felt(250.0, threshold_m(250.0)) else {
+            panic!("a vibration")
+        };
+        assert!(level_db.abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_micrometre_at_5_khz_may_reach_113_db() {
+        assert!((sound_level_db(5e3, 1e-6) - 113.0).abs() < 1.0);
+        assert!((squeeze_number(30.0) - 0.4).abs() < 0.02);
+    }
+}

@@ -1,0 +1,213 @@
+//! One thread's share of a lattice: its rows, a halo of the neighbours' rows, and the wavefront over them.
+
+use super::kernel::{self, LANES};
+use super::lattice::Plan;
+use std::ops::Range;
+
+/// Numbers in a cache line.
+const LINE: usize = 16;
+
+/// The rows `owned`, with up to `depth` rows of halo on either side.
+#[derive(Debug)]
+pub(super) struct Band {
+    pub(super) owned: Range<usize>,
+    /// All rows that are stored: `owned` and the halos.
+    stored: Range<usize>,
+    stride: usize,
+    first: Field,
+    second: Field,
+    record: Record,
+}
+
+/// The field at one time, in memory that starts on a cache line.
+#[derive(Debug)]
+struct Field {
+    numbers: Vec<f32>,
+    start: usize,
+}
+
+impl Field {
+    fn new(count: usize) -> Self {
+        let numbers = vec![0.0; count + LINE];
+        let start = numbers.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
+        Self { numbers, start }
+    }
+
+    fn all(&self) -> &[f32] {
+        &self.numbers[self.start..]
+    }
+
+    fn all_mut(&mut self) -> &mut [f32] {
+        &mut self.numbers[self.start..]
+    }
+}
+
+/// Envelope of the rows in `rows`, each `stride` numbers, laid out as the field is.
+#[derive(Debug)]
+struct Record {
+    rows: Range<usize>,
+    maximum: Vec<f32>,
+    squares: Vec<f64>,
+}
+
+impl Band {
+    pub(super) fn new(plan: &Plan, owned: Range<usize>, depth: usize) -> Self {
+        let stored = owned.start.saturating_sub(depth)..(owned.end + depth).min(plan.rows());
+        // A row of zeros before and after: the edge's outer side, or what the outermost halo row leans on.
+        let count = (stored.len() + 2) * plan.stride;
+        let rows = plan.recorded.start.max(owned.start)..plan.recorded.end.min(owned.end);
+        let recorded = rows.len() * plan.stride;
+        let record = Record { rows, maximum: vec![0.0; recorded], squares: vec![0.0; recorded] };
+        Self { owned, stored, stride: plan.stride, first: Field::new(count), second: Field::new(count), record }
+    }
+
+    /// Where cell 0 of `row` is.
+    fn cell_zero(&self, row: usize) -> usize {
+        (row + 1 - self.stored.start) * self.stride + LANES
+    }
+
+    /// Advances the owned rows by one step for each number of `drive`.
+    ///
+    /// Row r takes step s + 1 right after row r + 1 took step s. Rows of the halo are computed only as far as the
+    /// owned rows still depend on them.
+    pub(super) fn block(&mut self, plan: &Plan, drive: &[f32], flipped: bool) {
+        let steps = drive.len();
+        let (mut ranges, last_row) = (Vec::with_capacity(steps), self.stored.end);
+        for step in 0..steps {
+            let halo = steps - 1 - step;
+            let from = self.owned.start.saturating_sub(halo).max(self.stored.start);
+            ranges.push(from..(self.owned.end + halo).min(last_row));
+        }
+        for front in self.stored.start..last_row + steps {
+            for (step, rows) in ranges.iter().enumerate() {
+                let Some(row) = front.checked_sub(step) else { break };
+                if rows.contains(&row) {
+                    self.step_row(plan, row, drive[step], flipped ^ (step % 2 == 1));
+                }
+            }
+        }
+    }
+
+    fn step_row(&mut self, plan: &Plan, row: usize, drive: f32, flipped: bool) {
+        let at = self.cell_zero(row);
+        let below = at + self.stride;
+        let above = if row == 0 && plan.mirrored { below } else { at - self.stride };
+        let (past, now) = if flipped {
+            (self.first.all_mut(), self.second.all())
+        } else {
+            (self.second.all_mut(), self.first.all())
+        };
+        let column = &plan.column;
+        past[at - 1] = (column.own[row] * now[at - 1] - column.past * past[at - 1])
+            + (column.inward * now[at] + column.across * (now[above - 1] + now[below - 1]))
+            + column.profile[row] * drive;
+        let (plain, cells, padded) = (plan.plain[row], plan.reach[row], plan.padded(row));
+        kernel::advance(
+            plan.width,
+            &mut past[at..at + plain],
+            &now[at - 1..at + plain + 1],
+            &now[above..above + plain],
+            &now[below..below + plain],
+            plan.weights,
+        );
+        if padded > plain {
+            let own = &plan.edge_own[plan.edge_start[row]..];
+            kernel::advance_edge(
+                plan.width,
+                &mut past[at + plain..at + padded],
+                &now[at + plain - 1..at + padded + 1],
+                &now[above + plain..above + padded],
+                &now[below + plain..below + padded],
+                own,
+                plan.weights,
+            );
+            past[at + cells..at + padded].fill(0.0);
+        }
+        let record = &mut self.record;
+        if record.rows.contains(&row) {
+            let to = (row - record.rows.start) * self.stride;
+            kernel::record(
+                plan.width,
+                &past[at - 1..at + cells],
+                &mut record.maximum[to..to + cells + 1],
+                &mut record.squares[to..to + cells + 1],
+            );
+        }
+    }
+
+    pub(super) fn hush(&mut self, plan: &Plan) {
+        let from = self.cell_zero(self.owned.start) - LANES;
+        let to = from + self.owned.len() * self.stride;
+        kernel::hush(plan.width, &mut self.first.all_mut()[from..to]);
+        kernel::hush(plan.width, &mut self.second.all_mut()[from..to]);
+    }
+
+    pub(super) fn row(&self, plan: &Plan, row: usize, flipped: bool) -> &[f32] {
+        let at = self.cell_zero(row);
+        let field = if flipped { self.second.all() } else { self.first.all() };
+        &field[at - 1..at + plan.reach[row]]
+    }
+
+    pub(super) fn release(&mut self, plan: &Plan, shape: &impl Fn(usize, usize) -> f32) {
+        for row in self.stored.clone() {
+            let at = self.cell_zero(row);
+            for cell in 0..plan.reach[row] {
+                let value = shape(cell, row);
+                self.first.all_mut()[at + cell] = value;
+                self.second.all_mut()[at + cell] = value;
+            }
+        }
+    }
+
+    pub(super) fn envelope(&self, plan: &Plan, row: usize) -> Option<(&[f32], &[f64])> {
+        if !self.record.rows.contains(&row) {
+            return None;
+        }
+        let from = (row - self.record.rows.start) * self.stride;
+        let to = from + plan.reach[row] + 1;
+        Some((&self.record.maximum[from..to], &self.record.squares[from..to]))
+    }
+
+    pub(super) fn reset_envelope(&mut self) {
+        self.record.maximum.fill(0.0);
+        self.record.squares.fill(0.0);
+    }
+
+    /// Appends both fields of `rows`, which are stored here, to `parcel`.
+    fn pack(&self, rows: Range<usize>, parcel: &mut Vec<f32>) {
+        parcel.clear();
+        let (from, to) = self.span(&rows);
+        parcel.extend_from_slice(&self.first.all()[from..to]);
+        parcel.extend_from_slice(&self.second.all()[from..to]);
+    }
+
+    fn unpack(&mut self, rows: Range<usize>, parcel: &[f32]) {
+        let (from, to) = self.span(&rows);
+        let (first, second) = parcel.split_at(to - from);
+        self.first.all_mut()[from..to].copy_from_slice(first);
+        self.second.all_mut()[from..to].copy_from_slice(second);
+    }
+
+    fn span(&self, rows: &Range<usize>) -> (usize, usize) {
+        let from = self.cell_zero(rows.start) - LANES;
+        (from, from + rows.len() * self.stride)
+    }
+
+    /// Packs the first (last) `depth` owned rows, which are the halo of the band before (after).
+    pub(super) fn pack_for_before(&self, depth: usize, parcel: &mut Vec<f32>) {
+        self.pack(self.owned.start..self.owned.start + depth, parcel);
+    }
+
+    pub(super) fn pack_for_after(&self, depth: usize, parcel: &mut Vec<f32>) {
+        self.pack(self.owned.end - depth..self.owned.end, parcel);
+    }
+
+    /// Takes the halo rows that the band before (after) packed.
+    pub(super) fn unpack_from_before(&mut self, parcel: &[f32]) {
+        self.unpack(self.stored.start..self.owned.start, parcel);
+    }
+
+    pub(super) fn unpack_from_after(&mut self, parcel: &[f32]) {
+        self.unpack(self.owned.end..self.stored.end, parcel);
+    }
+}

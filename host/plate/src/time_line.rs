@@ -1,0 +1,347 @@
+//! The plate in time: one width mode, driven by DAC codes at the device's sample rate.
+//!
+//! ```text
+//! codes -> band filter, decimation (analytic) -> oscillators, integrated exactly -> field over x -> envelope
+//! ```
+//! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
+
+use crate::analytic::{BSPLINE, Drive, Plan};
+use crate::drive_table::FREQUENCY_TO_RATE_MAX;
+use crate::envelope::Envelope;
+use crate::oscillators::{self, Bank, Input};
+use crate::plate::Plate;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+use thiserror::Error;
+
+/// Fewest and most places of a line.
+pub const LINE_POINTS: (usize, usize) = (16, 4096);
+/// Highest width mode of a line.
+pub const WIDTH_MODE_MAX: u32 = 9;
+
+/// Why a line could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LineError {
+    /// The sample rate cannot carry the plate's band.
+    #[error("sample rate = {sample_rate_hz} Hz: must be {low:.1} to 1e8 Hz for this plate")]
+    SampleRate {
+        /// The rate that was given, Hz.
+        sample_rate_hz: f64,
+        /// Lowest rate that carries the band, Hz.
+        low: f64,
+    },
+    /// The number of places is not usable.
+    #[error("points = {points}: must be {low} to {high}")]
+    Points {
+        /// The number that was asked for.
+        points: usize,
+        /// Fewest.
+        low: usize,
+        /// Most.
+        high: usize,
+    },
+    /// There is no such width mode.
+    #[error("width mode = {mode}: must be 1 to {high}")]
+    Mode {
+        /// The mode that was asked for.
+        mode: u32,
+        /// Highest mode.
+        high: u32,
+    },
+}
+
+/// One width mode of a plate, running.
+pub struct TimeLine {
+    drive: Drive,
+    plan: Plan,
+    position_m: Vec<f64>,
+    /// Per oscillator: what one step multiplies it by, and what each of the six coefficients adds.
+    advance: Vec<Complex64>,
+    inject: Vec<[Complex64; 6]>,
+    state: Vec<Complex64>,
+    /// The last six spline coefficients, oldest first.
+    coefficient: [Complex64; 6],
+    /// Field per oscillator in metres, one row of places for each, and what follows the drive at once.
+    shape_re: Vec<Vec<f32>>,
+    shape_im: Vec<Vec<f32>>,
+    direct_re: Vec<f32>,
+    direct_im: Vec<f32>,
+    field_re: Vec<f32>,
+    field_im: Vec<f32>,
+    envelope: Envelope,
+    steps: u64,
+    settle_s: f64,
+}
+
+impl TimeLine {
+    /// Prepares `points` places (16 to 4096, uniform from 0 to the plate's end) of width mode `mode` (1 = the first).
+    ///
+    /// # Errors
+    /// [`LineError`] names what is out of range.
+    pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
+        let (low_hz, high_hz) = plate.band_hz();
+        let low = high_hz / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9);
+        if !(low..=1e8).contains(&sample_rate_hz) {
+            return Err(LineError::SampleRate { sample_rate_hz, low });
+        }
+        if !(LINE_POINTS.0..=LINE_POINTS.1).contains(&points) {
+            return Err(LineError::Points { points, low: LINE_POINTS.0, high: LINE_POINTS.1 });
+        }
+        if !(1..=WIDTH_MODE_MAX).contains(&mode) {
+            return Err(LineError::Mode { mode, high: WIDTH_MODE_MAX });
+        }
+        let plan = Plan::new(sample_rate_hz, low_hz, high_hz);
+        let position_m: Vec<f64> =
+            (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();
+        let bank = oscillators::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
+        let step_s = 1.0 / plan.rate_hz();
+        let (advance, inject) = bank.pole.iter().map(|pole| integrate(*pole, plan.centre_hz, step_s)).unzip();
+        let scale = plate.spec().full_scale_m;
+        let row = |column: usize, part: fn(Complex64) -> f64| -> Vec<f32> {
+            bank.shape.column(column).iter().map(|value| (part(*value) * scale) as f32).collect()
+        };
+        let settle_s = settle_time(&bank, low_hz, high_hz);
+        Ok(Self {
+            drive: Drive::new(plan, bank.input == Input::DriveRate),
+            plan,
+            advance,
+            inject,
+            state: vec![Complex64::ZERO; bank.pole.len()],
+            coefficient: [Complex64::ZERO; 6],
+            shape_re: (0..bank.pole.len()).map(|i| row(i, |value| value.re)).collect(),
+            shape_im: (0..bank.pole.len()).map(|i| row(i, |value| value.im)).collect(),
+            direct_re: bank.direct.iter().map(|value| (value.re * scale) as f32).collect(),
+            direct_im: bank.direct.iter().map(|value| (value.im * scale) as f32).collect(),
+            field_re: vec![0.0; points],
+            field_im: vec![0.0; points],
+            envelope: Envelope::new(points),
+            position_m,
+            steps: 0,
+            settle_s,
+        })
+    }
+
+    /// Takes DAC codes as parts of full scale (-1 to 1; not a number counts as 0) and moves the plate on.
+    pub fn push(&mut self, codes: &[f32]) {
+        for code in codes {
+            let code = if code.is_finite() { f64::from(*code) } else { 0.0 };
+            if let Some(coefficient) = self.drive.push(code) {
+                self.step(coefficient);
+            }
+        }
+    }
+
+    /// Takes raw codes of a DAC of `bits` bits (mid-scale = rest).
+    pub fn push_codes(&mut self, codes: &[u16], bits: u32) {
+        let half = f64::from(1_u32 << (bits.clamp(1, 16) - 1));
+        for code in codes {
+            if let Some(coefficient) = self.drive.push((f64::from(*code) - half) / half) {
+                self.step(coefficient);
+            }
+        }
+    }
+
+    fn step(&mut self, coefficient: Complex64) {
+        self.coefficient.rotate_left(1);
+        self.coefficient[5] = coefficient;
+        for ((state, advance), inject) in self.state.iter_mut().zip(&self.advance).zip(&self.inject) {
+            let mut next = *state * advance;
+            for (weight, coefficient) in inject.iter().zip(&self.coefficient) {
+                next += weight * coefficient;
+            }
+            *state = next;
+        }
+        self.steps += 1;
+        self.update_field();
+        self.envelope.add(&self.field_re, &self.field_im);
+    }
+
+    fn update_field(&mut self) {
+        // The drive at the step's end, where only five pieces are not zero.
+        let c = &self.coefficient;
+        let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
+        let (re, im) = (drive.re as f32, drive.im as f32);
+        let direct = self.direct_re.iter().zip(&self.direct_im);
+        for ((field_re, field_im), (a, b)) in self.field_re.iter_mut().zip(&mut self.field_im).zip(direct) {
+            *field_re = a * re - b * im;
+            *field_im = a * im + b * re;
+        }
+        for ((state, row_re), row_im) in self.state.iter().zip(&self.shape_re).zip(&self.shape_im) {
+            let (re, im) = (state.re as f32, state.im as f32);
+            let rows = row_re.iter().zip(row_im);
+            for ((field_re, field_im), (a, b)) in self.field_re.iter_mut().zip(&mut self.field_im).zip(rows) {
+                *field_re += a * re - b * im;
+                *field_im += a * im + b * re;
+            }
+        }
+    }
+
+    /// Places, metres.
+    pub fn positions_m(&self) -> &[f64] {
+        &self.position_m
+    }
+
+    /// Writes the displacement of this moment, metres, as far as `out` reaches.
+    pub fn field_m(&self, out: &mut [f32]) {
+        let turn = (self.steps as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract();
+        let carrier = Complex64::cis(-TAU * turn);
+        let (re, im) = (carrier.re as f32, carrier.im as f32);
+        for ((out, a), b) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
+            *out = a * re - b * im;
+        }
+    }
+
+    /// Maximum and RMS since the last [`TimeLine::reset_envelope`].
+    pub fn envelope(&self) -> &Envelope {
+        &self.envelope
+    }
+
+    /// Starts the envelope anew, for instance once the plate has settled.
+    pub fn reset_envelope(&mut self) {
+        self.envelope.reset();
+    }
+
+    /// Puts the plate to rest and starts the envelope anew.
+    pub fn rest(&mut self) {
+        self.state.fill(Complex64::ZERO);
+        self.coefficient = [Complex64::ZERO; 6];
+        self.field_re.fill(0.0);
+        self.field_im.fill(0.0);
+        self.drive.rest();
+        self.envelope.reset();
+    }
+
+    /// Time after which a change has died down to a thousandth in the band, seconds (including the filter's delay).
+    pub fn settle_time_s(&self) -> f64 {
+        self.settle_s + 2.0 * self.latency_s()
+    }
+
+    /// Time from a code to its effect in the field, seconds: the delay of the band filter.
+    pub fn latency_s(&self) -> f64 {
+        self.drive.delay_s() + 3.0 / self.plan.rate_hz()
+    }
+
+    /// Rate at which the field is updated, Hz.
+    pub fn step_rate_hz(&self) -> f64 {
+        self.plan.rate_hz()
+    }
+}
+
+/// ln(1000) over the slowest decay of an oscillator in the band; at most ten seconds for a plate without loss.
+fn settle_time(bank: &Bank, low_hz: f64, high_hz: f64) -> f64 {
+    let slowest = bank
+        .pole
+        .iter()
+        .filter(|pole| pole.re > 0.8 * TAU * low_hz && pole.re < 1.2 * TAU * high_hz)
+        .map(|pole| -pole.im)
+        .fold(f64::INFINITY, f64::min);
+    if slowest.is_finite() { (6.9 / slowest.max(0.69)).max(4.0 / low_hz) } else { 4.0 / low_hz }
+}
+
+/// Exact step of z' = -j (p - centre) z + j u with u the quintic spline of six coefficients.
+fn integrate(pole: Complex64, centre_hz: f64, step_s: f64) -> (Complex64, [Complex64; 6]) {
+    let z = Complex64::new(0.0, -1.0) * (pole - TAU * centre_hz) * step_s;
+    // moment[i] = integral over the step of e^(z (1 - t)) t^i, which is i! phi_{i+1}(z).
+    let phi = phi_functions(z);
+    let mut factorial = 1.0;
+    let mut moment = [Complex64::ZERO; 6];
+    for (i, moment) in moment.iter_mut().enumerate() {
+        if i > 0 {
+            factorial *= i as f64;
+        }
+        *moment = phi[i + 1] * factorial;
+    }
+    let mut inject = [Complex64::ZERO; 6];
+    for (inject, piece) in inject.iter_mut().zip(&BSPLINE) {
+        let sum: Complex64 = piece.iter().zip(&moment).map(|(c, m)| m * *c).sum();
+        *inject = Complex64::new(0.0, step_s / 120.0) * sum;
+    }
+    (phi[0], inject)
+}
+
+/// phi_0 = e^z, phi_{k+1} = (phi_k - 1/k!)/z.
+fn phi_functions(z: Complex64) -> [Complex64; 7] {
+    let mut phi = [Complex64::ZERO; 7];
+    if z.norm() > 4.0 {
+        phi[0] = z.exp();
+        let mut factorial = 1.0;
+        for k in 0..6 {
+            if k > 0 {
+                factorial *= k as f64;
+            }
+            phi[k + 1] = (phi[k] - 1.0 / factorial) / z;
+        }
+        return phi;
+    }
+    // phi_6 by its series (1/(n + 6)!), the others upward from it, which is stable for small z.
+    let mut term = Complex64::from(1.0 / 720.0);
+    let mut sum = term;
+    for n in 1..40 {
+        term *= z / (n + 6) as f64;
+        sum += term;
+    }
+    phi[6] = sum;
+    let mut factorial = 120.0;
+    for k in (0..6).rev() {
+        phi[k] = phi[k + 1] * z + 1.0 / factorial;
+        factorial /= (k as f64).max(1.0);
+    }
+    phi
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets::presets;
+    use crate::respond::{Equation, respond};
+
+    #[test]
+    fn a_settled_tone_of_codes_has_the_frequency_domain_amplitude_and_peak() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let rate = 400e3;
+            let (low, high) = plate.band_hz();
+            let mut line = TimeLine::new(&plate, rate, 257, 1).expect("a preset fits 400 kS/s");
+            for frequency in [low * 1.05, (low * high).sqrt(), high] {
+                line.rest();
+                let settle = (line.settle_time_s() * rate) as usize;
+                let measure = (rate * (20.0 / frequency)) as usize;
+                let tone = |n: usize| (TAU * frequency * n as f64 / rate).cos() as f32;
+                let codes: Vec<f32> = (0..settle).map(tone).collect();
+                line.push(&codes);
+                line.reset_envelope();
+                let codes: Vec<f32> = (settle..settle + measure).map(tone).collect();
+                line.push(&codes);
+                let exact = respond(&plate, frequency, 257, Equation::Corrected).expect("in band");
+                let turn = std::f64::consts::PI * frequency / rate;
+                let scale = plate.spec().full_scale_m * turn.sin() / turn;
+                let top = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+                let worst = line
+                    .envelope()
+                    .maximum_m()
+                    .iter()
+                    .zip(&exact.amplitude)
+                    .map(|(found, f)| (f64::from(*found) / scale - f.norm()).abs() / top)
+                    .fold(0.0, f64::max);
+                let found = line.envelope().peak(&plate, frequency);
+                assert!(worst < 5e-3, "{} {frequency} Hz: {worst}", preset.name);
+                if let (Some(found), Some(exact_peak)) = (found, exact.peak) {
+                    let off = (found.position_m - exact_peak.position_m).abs();
+                    assert!(off < exact.edge_width_m / 50.0, "{} {frequency} Hz: {off} m", preset.name);
+                }
+                assert_eq!(found.is_some(), exact.peak.is_some(), "{} {frequency} Hz", preset.name);
+            }
+        }
+    }
+
+    #[test]
+    fn phi_functions_agree_where_the_two_ways_meet() {
+        for angle in [0.1_f64, 1.5, 3.0, -1.4] {
+            let direction = Complex64::cis(angle);
+            let (below, above) = (phi_functions(direction * 3.999_999), phi_functions(direction * 4.000_001));
+            for (a, b) in below.iter().zip(above) {
+                assert!((a - b).norm() < 1e-4 * a.norm().max(1e-3), "{angle}");
+            }
+        }
+    }
+}
