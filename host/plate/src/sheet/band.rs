@@ -58,7 +58,14 @@ impl Band {
         let rows = plan.recorded.start.max(owned.start)..plan.recorded.end.min(owned.end);
         let recorded = rows.len() * plan.stride;
         let record = Record { rows, maximum: vec![0.0; recorded], squares: vec![0.0; recorded] };
-        Self { owned, stored, stride: plan.stride, first: Field::new(count), second: Field::new(count), record }
+        Self {
+            owned,
+            stored,
+            stride: plan.stride,
+            first: Field::new(count),
+            second: Field::new(count),
+            record,
+        }
     }
 
     /// Where cell 0 of `row` is.

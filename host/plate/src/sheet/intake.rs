@@ -153,8 +153,7 @@ impl Resonator {
     }
 
     fn step(&mut self, input: f64) -> f64 {
-        let speed =
-            (self.speed + self.g * (input - self.place)) / (1.0 + self.g * (self.g + self.damping));
+        let speed = (self.speed + self.g * (input - self.place)) / (1.0 + self.g * (self.g + self.damping));
         let place = self.place + self.g * speed;
         self.speed = 2.0 * speed - self.speed;
         self.place = 2.0 * place - self.place;

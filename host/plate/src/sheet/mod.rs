@@ -146,7 +146,9 @@ impl SheetGrid {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SheetError {
     /// The plate bends: the scalar wave equation is not its equation.
-    #[error("{plate} is a plate in bending: a sheet carries membranes and shear waves, use a time line for it")]
+    #[error(
+        "{plate} is a plate in bending: a sheet carries membranes and shear waves, use a time line for it"
+    )]
     Bends {
         /// Name of the plate.
         plate: String,
@@ -319,7 +321,8 @@ impl Sheet {
     ///
     /// Steps conserve it to rounding when there is no loss and the driven end is held or free.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let unit = energy::energy(&self.lattice, &self.outline, self.mirrored, self.step_s, self.speed_m_per_s);
+        let unit =
+            energy::energy(&self.lattice, &self.outline, self.mirrored, self.step_s, self.speed_m_per_s);
         unit * self.full_scale_m.powi(2)
     }
 
