@@ -1,2 +1,46 @@
-//! (being written)
-fn main() {}
+//! Slipline on an STM32: the application of `slipline-app` between a link and a DAC.
+//!
+//! ```text
+//! host ==USB or UART==> link --+                                    +--> amplifier's mute pin
+//!                              v                                    |
+//!                   slipline_app::Link (thread) --Crossing--> slipline_app::Renderer (interrupt) --> dac --> PA4
+//!                              ^                                    |
+//! flash slots <--store--> ----+            watchdog <--supervisor--+ both halves' pulses
+//! ```
+//! Nothing in this crate knows a command. `board` says what differs between boards, `dac` owns timer, DAC and DMA,
+//! `priority` says who interrupts whom, `crash` what happens when all else fails.
+#![cfg_attr(target_arch = "arm", no_std, no_main)]
+
+#[cfg(target_arch = "arm")]
+mod board;
+#[cfg(target_arch = "arm")]
+mod crash;
+#[cfg(target_arch = "arm")]
+mod dac;
+#[cfg(target_arch = "arm")]
+mod device;
+#[cfg(any(target_arch = "arm", test))]
+mod lamp;
+#[cfg(target_arch = "arm")]
+mod priority;
+#[cfg(any(target_arch = "arm", test))]
+mod ring;
+#[cfg(target_arch = "arm")]
+mod store;
+#[cfg(target_arch = "arm")]
+mod supply;
+#[cfg(all(target_arch = "arm", feature = "board-nucleo-g474re"))]
+mod uart_link;
+#[cfg(all(target_arch = "arm", not(feature = "board-nucleo-g474re")))]
+mod usb_link;
+
+/// On the host there is nothing to run; `cargo test -p slipline-stm32` runs the tests of the hardware-free parts.
+#[cfg(not(target_arch = "arm"))]
+fn main() {
+    println!(
+        "This is firmware. Build it with\n  \
+         cargo build --release -p slipline-stm32 --target thumbv7em-none-eabihf\n\
+         for the STM32F4DISCOVERY, or with --no-default-features --features board-nucleo-g474re\n\
+         (or board-nucleo-h743zi2) for the others; firmware/BOARDS.md tells how to flash it."
+    );
+}

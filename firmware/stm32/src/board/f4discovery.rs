@@ -1,0 +1,202 @@
+//! STM32F4DISCOVERY: STM32F407VG, USB on the micro-AB socket.
+
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::pac;
+use embassy_stm32::rcc::{
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllSource, Sysclk,
+};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, usb};
+use slipline_protocol::event::ResetCause;
+
+use crate::{dac, priority};
+
+pub(crate) const NAME: &str = "STM32F4DISCOVERY";
+
+// Clocks (RM0090 7.2, data sheet DS8626 table 14). The board's crystal has 8 MHz.
+//   VCO in = 8 / 4 = 2 MHz (PLLM = 4; 2 MHz is the recommended value), VCO = 2 * 168 = 336 MHz (PLLN = 168),
+//   SYSCLK = 336 / 2 = 168 MHz (PLLP = 2), USB = 336 / 7 = 48 MHz exactly (PLLQ = 7).
+//   AHB = 168 MHz, APB1 = 168 / 4 = 42 MHz (its limit), APB2 = 168 / 2 = 84 MHz (its limit).
+//   TIM6 is on APB1; since APB1 is divided, its timers run at twice APB1 = 84 MHz.
+//   84 MHz / 210 = 400 kHz.
+pub(crate) const CORE_HZ: u32 = 168_000_000;
+pub(crate) const TIMER_HZ: u32 = 84_000_000;
+pub(crate) const TIMER_PERIOD: u16 = 210;
+pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
+
+/// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 table 75).
+pub(crate) const DAC_TRIGGER: u8 = 0b000;
+/// DAC1 is served by DMA1 stream 5 only (RM0090 table 42), whose flags are in HISR.
+pub(crate) const DMA_STREAM: usize = 5;
+pub(crate) type DacDma = peripherals::DMA1_CH5;
+pub(crate) type Watchdog = peripherals::IWDG;
+
+/// CHSEL = 7 selects DAC1 for stream 5 (RM0090 table 42).
+pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
+    w.set_chsel(7);
+}
+
+/// Sectors 1 and 2, as offsets from 0x0800_0000; the program leaves them out (memory/f407vg.x).
+pub(crate) const FLASH_SLOTS: [u32; 2] = [0x4000, 0x8000];
+pub(crate) const SLOT_BYTES: usize = 16 * 1024;
+
+/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 36), so 1.36 s to 3.8 s. The longest
+/// stall is a 16 KiB sector's erasure, 500 ms at most at 32 bit parallelism (DS8626 table 40), and the writing of
+/// 8 KiB after it, 2048 words of at most 100 us: 0.7 s, less than half of the shortest period with typical words
+/// (16 us), and below it even with the slowest.
+pub(crate) const WATCHDOG_US: u32 = 2_000_000;
+
+/// System memory (RM0090 2.4; AN2606: PA11/PA12 for DFU).
+pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
+
+bind_interrupts!(struct Irqs {
+    OTG_FS => usb::InterruptHandler<peripherals::USB_OTG_FS>;
+});
+
+#[interrupt]
+fn DMA1_STREAM5() {
+    dac::on_dma();
+}
+
+#[interrupt]
+fn TIM6_DAC() {
+    dac::on_underrun();
+}
+
+#[interrupt]
+fn PVD() {
+    crate::supply::on_dip();
+}
+pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD;
+
+pub(crate) fn config() -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(Hse { freq: Hertz(8_000_000), mode: HseMode::Oscillator });
+    config.rcc.pll_src = PllSource::HSE;
+    config.rcc.pll = Some(Pll {
+        prediv: PllPreDiv::DIV4,
+        mul: PllMul::MUL168,
+        divp: Some(PllPDiv::DIV2),
+        divq: Some(PllQDiv::DIV7),
+        divr: None,
+    });
+    config.rcc.sys = Sysclk::PLL1_P;
+    config.rcc.ahb_pre = AHBPrescaler::DIV1;
+    config.rcc.apb1_pre = APBPrescaler::DIV4;
+    config.rcc.apb2_pre = APBPrescaler::DIV2;
+    config.dma_interrupt_priority = priority::DAC;
+    config
+}
+
+/// embassy-stm32 sets the five wait states that 168 MHz needs and switches the flash's caches off with the same
+/// write. On, they bring the core close to zero wait states (RM0090 3.5.2). Revision A has a faulty prefetch
+/// (ES0182 2.1.3; DBGMCU REV_ID 0x1000), so it stays off there.
+pub(crate) fn tune_flash() {
+    let is_revision_a = pac::DBGMCU.idcode().read().rev_id() == 0x1000;
+    pac::FLASH.acr().modify(|w| {
+        w.set_icen(true);
+        w.set_dcen(true);
+        w.set_prften(!is_revision_a);
+    });
+}
+
+pub(crate) struct Board {
+    /// High: the amplifier may sound.
+    pub(crate) unmute: Output<'static>,
+    pub(crate) lamp: Output<'static>,
+    pub(crate) dac: Peri<'static, peripherals::DAC1>,
+    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
+    pub(crate) dac_stream: Peri<'static, DacDma>,
+    pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
+    pub(crate) flash: Peri<'static, peripherals::FLASH>,
+    pub(crate) watchdog: Peri<'static, peripherals::IWDG>,
+    pub(crate) usb: Usb,
+    /// PA4 is also the word select of the board's audio codec: low on PD4 keeps that chip in reset and its pin out of
+    /// the way.
+    _codec_reset: Output<'static>,
+}
+
+pub(crate) struct Usb {
+    core: Peri<'static, peripherals::USB_OTG_FS>,
+    dp: Peri<'static, peripherals::PA12>,
+    dm: Peri<'static, peripherals::PA11>,
+}
+
+impl Board {
+    pub(crate) fn take(p: Peripherals) -> Self {
+        Self {
+            // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
+            unmute: Output::new(p.PB1, Level::Low, Speed::Low),
+            // LD4, green.
+            lamp: Output::new(p.PD12, Level::Low, Speed::Low),
+            _codec_reset: Output::new(p.PD4, Level::Low, Speed::Low),
+            dac: p.DAC1,
+            dac_timer: p.TIM6,
+            dac_stream: p.DMA1_CH5,
+            dac_pin: p.PA4,
+            flash: p.FLASH,
+            watchdog: p.IWDG,
+            usb: Usb { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
+        }
+    }
+}
+
+impl Usb {
+    /// The OTG core in device mode with its own full-speed PHY. `buffer` holds one received packet per OUT endpoint:
+    /// control and bulk, 64 bytes each, and the FIFO's word granularity.
+    pub(crate) fn driver(self, buffer: &'static mut [u8]) -> usb::Driver<'static, peripherals::USB_OTG_FS> {
+        let mut config = usb::Config::default();
+        // The board's VBUS divider is on PA9, but whether the cable carries 5 V says nothing about the host's health:
+        // the dead-man alone decides (RELIABILITY of the drive), so the sense stays off and the pin free.
+        config.vbus_detection = false;
+        usb::Driver::new_fs(self.core, Irqs, self.dp, self.dm, buffer, config)
+    }
+}
+
+pub(crate) const USB_INTERRUPT: interrupt::Interrupt = interrupt::OTG_FS;
+pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM5;
+
+/// PB1 low. BSRR's upper half resets (RM0090 8.4.7).
+pub(crate) fn mute_now() {
+    pac::GPIOB.bsrr().write(|w| w.set_br(1, true));
+}
+
+/// RCC_CSR (RM0090 7.3.21): every reset sets PINRSTF too, and power-on sets BORRSTF with PORRSTF, so the rarer ones
+/// are asked first. Clears the flags.
+pub(crate) fn reset_cause() -> ResetCause {
+    let flags = pac::RCC.csr().read();
+    pac::RCC.csr().modify(|w| w.set_rmvf(true));
+    if flags.wdgrstf() || flags.wwdgrstf() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf() {
+        ResetCause::Software
+    } else if flags.porrstf() {
+        ResetCause::PowerOn
+    } else if flags.borrstf() {
+        ResetCause::BrownOut
+    } else if flags.padrstf() {
+        ResetCause::Pin
+    } else {
+        ResetCause::PowerOn
+    }
+}
+
+/// FLASH_OPTCR.BOR_LEV: 00 is level 3, reset below 2.70 V; chips leave the factory with 11, off (RM0090 3.9.6).
+pub(crate) fn is_brown_out_guarded() -> bool {
+    pac::FLASH.optcr().read().bor_lev() == 0b00
+}
+
+/// PWR_CR.PLS = 111: the supply detector trips at 2.9 V (DS8626 table 23). Its output is EXTI line 16.
+pub(crate) fn watch_supply() {
+    pac::PWR.cr1().modify(|w| {
+        w.set_pls(0b111);
+        w.set_pvde(true);
+    });
+    pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
+    pac::EXTI.imr(0).modify(|w| w.set_line(16, true));
+}
+
+/// EXTI line 16's pending bit is cleared by writing 1.
+pub(crate) fn clear_supply_dip() {
+    pac::EXTI.pr(0).write(|w| w.set_line(16, true));
+}

@@ -1,0 +1,201 @@
+//! NUCLEO-H743ZI2: STM32H743ZI, USB on the user's micro-AB socket.
+
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::pac;
+use embassy_stm32::rcc::{
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Hsi48Config, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
+    VoltageScale, mux,
+};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, usb};
+use slipline_protocol::event::ResetCause;
+
+use crate::{dac, priority};
+
+pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
+
+// Clocks (RM0433 8.5, data sheet DS12110). The ST-LINK feeds 8 MHz into OSC_IN (bypass mode).
+//   VCO in = 8 / 1 = 8 MHz (DIVM1 = 1), VCO = 8 * 100 = 800 MHz (DIVN1 = 100; wide range, 192 to 836 MHz),
+//   SYSCLK = 800 / 2 = 400 MHz (DIVP1 = 2), the limit of voltage scale 1.
+//   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
+//   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433 table 56).
+//   200 MHz / 500 = 400 kHz.
+//   USB = HSI48, trimmed to the host's start-of-frame by the CRS.
+pub(crate) const CORE_HZ: u32 = 400_000_000;
+pub(crate) const TIMER_HZ: u32 = 200_000_000;
+pub(crate) const TIMER_PERIOD: u16 = 500;
+pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
+
+/// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433 table 222, dac_ch1_trg5).
+pub(crate) const DAC_TRIGGER: u8 = 5;
+/// DMA1 stream 0, whose flags are in LISR. Streams 0 to 7 of DMA1 hang on DMAMUX1 channels 0 to 7 (RM0433 table 120).
+pub(crate) const DMA_STREAM: usize = 0;
+/// DMAMUX1 input 67 is DAC1's channel 1 (RM0433 table 121).
+const DMA_REQUEST: u8 = 67;
+pub(crate) type DacDma = peripherals::DMA1_CH0;
+pub(crate) type Watchdog = peripherals::IWDG1;
+
+/// The request is chosen in the DMAMUX. TRBUFF (bufferable transfers) is for UARTs and stays 0 (ES0392 2.3.1).
+pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
+    pac::DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
+}
+
+/// The last two sectors of 128 KiB in bank 2, as offsets from 0x0800_0000.
+pub(crate) const FLASH_SLOTS: [u32; 2] = [0x1c_0000, 0x1e_0000];
+pub(crate) const SLOT_BYTES: usize = 128 * 1024;
+
+/// The watchdog's oscillator keeps 32 kHz within some 5 % (DS12110 table 44). A sector erases in 2 s at most at 64 bit
+/// parallelism (DS12110 table 54) while the thread, but not the renderer, waits: less than half of this.
+pub(crate) const WATCHDOG_US: u32 = 5_000_000;
+
+/// System memory (AN2606; PA11/PA12 for DFU).
+pub(crate) const SYSTEM_MEMORY: u32 = 0x1ff0_9800;
+
+bind_interrupts!(struct Irqs {
+    OTG_FS => usb::InterruptHandler<peripherals::USB_OTG_FS>;
+});
+
+#[interrupt]
+fn DMA1_STREAM0() {
+    dac::on_dma();
+}
+
+#[interrupt]
+fn TIM6_DAC() {
+    dac::on_underrun();
+}
+
+#[interrupt]
+fn PVD_AVD() {
+    crate::supply::on_dip();
+}
+
+pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_AVD;
+pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM0;
+pub(crate) const USB_INTERRUPT: interrupt::Interrupt = interrupt::OTG_FS;
+
+pub(crate) fn config() -> Config {
+    let mut config = Config::default();
+    config.rcc.hse = Some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
+    config.rcc.hsi48 = Some(Hsi48Config { sync_from_usb: true });
+    config.rcc.pll1 = Some(Pll {
+        source: PllSource::HSE,
+        prediv: PllPreDiv::DIV1,
+        mul: PllMul::MUL100,
+        fracn: None,
+        divp: Some(PllDiv::DIV2),
+        divq: None,
+        divr: None,
+    });
+    config.rcc.sys = Sysclk::PLL1_P;
+    config.rcc.ahb_pre = AHBPrescaler::DIV2;
+    config.rcc.apb1_pre = APBPrescaler::DIV2;
+    config.rcc.apb2_pre = APBPrescaler::DIV2;
+    config.rcc.apb3_pre = APBPrescaler::DIV2;
+    config.rcc.apb4_pre = APBPrescaler::DIV2;
+    config.rcc.voltage_scale = VoltageScale::Scale1;
+    config.rcc.mux.usbsel = mux::Usbsel::HSI48;
+    config.dma_interrupt_priority = priority::DAC;
+    config
+}
+
+/// The instruction cache hides the flash's wait states. The data cache stays off: variables are in the DTCM, which it
+/// does not serve, and the DMA's ring must not be in it.
+pub(crate) fn tune_flash() {
+    // SAFETY: called once, before any interrupt handler runs that could use the system control block.
+    let mut core = unsafe { cortex_m::Peripherals::steal() };
+    core.SCB.enable_icache();
+}
+
+pub(crate) struct Board {
+    /// High: the amplifier may sound.
+    pub(crate) unmute: Output<'static>,
+    pub(crate) lamp: Output<'static>,
+    pub(crate) dac: Peri<'static, peripherals::DAC1>,
+    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
+    pub(crate) dac_stream: Peri<'static, DacDma>,
+    pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
+    pub(crate) flash: Peri<'static, peripherals::FLASH>,
+    pub(crate) watchdog: Peri<'static, Watchdog>,
+    pub(crate) usb: Usb,
+}
+
+pub(crate) struct Usb {
+    core: Peri<'static, peripherals::USB_OTG_FS>,
+    dp: Peri<'static, peripherals::PA12>,
+    dm: Peri<'static, peripherals::PA11>,
+}
+
+impl Board {
+    pub(crate) fn take(p: Peripherals) -> Self {
+        Self {
+            // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
+            unmute: Output::new(p.PE9, Level::Low, Speed::Low),
+            // LD1, green.
+            lamp: Output::new(p.PB0, Level::Low, Speed::Low),
+            dac: p.DAC1,
+            dac_timer: p.TIM6,
+            dac_stream: p.DMA1_CH0,
+            dac_pin: p.PA4,
+            flash: p.FLASH,
+            watchdog: p.IWDG1,
+            usb: Usb { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
+        }
+    }
+}
+
+impl Usb {
+    /// OTG2 (the reference manual's name for the core on PA11 and PA12) in device mode with its own full-speed PHY.
+    /// `buffer` holds one received packet per OUT endpoint.
+    pub(crate) fn driver(self, buffer: &'static mut [u8]) -> usb::Driver<'static, peripherals::USB_OTG_FS> {
+        let mut config = usb::Config::default();
+        // Whether the cable carries 5 V says nothing about the host's health: the dead-man alone decides.
+        config.vbus_detection = false;
+        usb::Driver::new_fs(self.core, Irqs, self.dp, self.dm, buffer, config)
+    }
+}
+
+/// PE9 low. BSRR's upper half resets (RM0433 11.4.7).
+pub(crate) fn mute_now() {
+    pac::GPIOE.bsrr().write(|w| w.set_br(9, true));
+}
+
+/// RCC_RSR (RM0433 8.7.39): power-on sets PORRSTF, BORRSTF and PINRSTF, a brown-out the last two, everything else
+/// PINRSTF, so the rarer ones are asked first. Clears the flags.
+pub(crate) fn reset_cause() -> ResetCause {
+    let flags = pac::RCC.rsr().read();
+    pac::RCC.rsr().modify(|w| w.set_rmvf(true));
+    if flags.iwdg1rstf() || flags.wwdg1rstf() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf() {
+        ResetCause::Software
+    } else if flags.porrstf() {
+        ResetCause::PowerOn
+    } else if flags.borrstf() {
+        ResetCause::BrownOut
+    } else if flags.pinrstf() {
+        ResetCause::Pin
+    } else {
+        ResetCause::PowerOn
+    }
+}
+
+/// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.7 V (RM0433 4.9.8); chips leave the factory with 00, off.
+pub(crate) fn is_brown_out_guarded() -> bool {
+    pac::FLASH.optsr_cur().read().bor_lev() == 0b11
+}
+
+/// PWR_CR1.PLS = 110: the supply detector trips at 2.85 V (RM0433 6.8.1). Its output is EXTI line 16.
+pub(crate) fn watch_supply() {
+    pac::PWR.cr1().modify(|w| {
+        w.set_pls(0b110);
+        w.set_pvde(true);
+    });
+    pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
+    pac::EXTI.imr(0).modify(|w| w.set_line(16, true));
+}
+
+/// EXTI line 16's pending bit is cleared by writing 1.
+pub(crate) fn clear_supply_dip() {
+    pac::EXTI.pr(0).write(|w| w.set_line(16, true));
+}

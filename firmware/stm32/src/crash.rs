@@ -1,0 +1,180 @@
+//! What happens when the program cannot go on, and what is left of it for the next hello.
+//!
+//! Panic, processor fault, unexpected interrupt and stack overflow all end here, in this order: interrupts off,
+//! amplifier muted, DAC to mid-scale (register writes alone), a record of the reason into RAM that no start-up code
+//! clears, reset. Nothing is logged and nothing is awaited: a fault handler that waits for a debugger hangs a device
+//! that drives a coil.
+
+use core::cell::UnsafeCell;
+use core::fmt::Display;
+use core::panic::PanicInfo;
+
+use cortex_m::peripheral::SCB;
+use slipline_app::boot::Boot;
+use slipline_app::crash::CrashRecord;
+use slipline_protocol::event::ResetCause;
+
+use crate::{board, dac};
+
+/// The record's bytes; garbage after power-on, so they are decoded (with their CRC) and never trusted.
+struct Kept(UnsafeCell<[u8; CrashRecord::BYTES]>);
+
+// SAFETY: written at boot before any interrupt is enabled, by the supervisor in thread mode, and by handlers that
+// have switched interrupts off and never return.
+unsafe impl Sync for Kept {}
+
+#[unsafe(link_section = ".uninit.crash")]
+static KEPT: Kept = Kept(UnsafeCell::new([0; CrashRecord::BYTES]));
+
+/// Tells the start-up code to enter the ROM bootloader. Any other value means nothing.
+struct Wish(UnsafeCell<u32>);
+
+// SAFETY: as for `KEPT`.
+unsafe impl Sync for Wish {}
+
+#[unsafe(link_section = ".uninit.wish")]
+static WISH: Wish = Wish(UnsafeCell::new(0));
+const BOOTLOADER: u32 = 0x510b_007d;
+
+fn read() -> Option<CrashRecord> {
+    // SAFETY: see `Kept`; any bytes are valid bytes. Volatile, because the linker's initial value is not the content.
+    CrashRecord::decode(&unsafe { KEPT.0.get().read_volatile() })
+}
+
+fn write(record: &CrashRecord) {
+    // SAFETY: see `Kept`.
+    unsafe { KEPT.0.get().write_volatile(record.encode()) };
+}
+
+/// What the application is told about the start, once, at boot.
+pub(crate) fn boot() -> Boot {
+    let kept = read();
+    // A dip of the supply ends in a software reset too; only the record tells them apart.
+    let dipped = kept.as_ref().is_some_and(|record| record.cause == ResetCause::BrownOut);
+    let hardware = match board::reset_cause() {
+        ResetCause::Software if dipped => ResetCause::BrownOut,
+        cause => cause,
+    };
+    let (boot, keep) = slipline_app::boot::decide(hardware, kept);
+    write(&keep);
+    boot
+}
+
+/// The device has run long enough for its earlier crashes not to count any more.
+pub(crate) fn stable() {
+    if let Some(record) = read() {
+        write(&record.stable());
+    }
+}
+
+/// Mutes, centres the DAC and switches interrupts off.
+fn silence() {
+    cortex_m::interrupt::disable();
+    board::mute_now();
+    dac::silence();
+}
+
+/// Keeps the reason, with how often in a row, and resets.
+fn end(cause: ResetCause, message: &dyn Display) -> ! {
+    let resets = read().map_or(0, |record| record.resets);
+    write(&CrashRecord::crashed(cause, resets, message));
+    SCB::sys_reset();
+}
+
+/// Into the ROM bootloader, by way of a reset: it expects every register as reset leaves it.
+pub(crate) fn reset_into_bootloader() -> ! {
+    silence();
+    // SAFETY: see `Wish`.
+    unsafe { WISH.0.get().write_volatile(BOOTLOADER) };
+    SCB::sys_reset();
+}
+
+/// The supply dips: mutes, and starts anew.
+pub(crate) fn reset_for_brown_out() -> ! {
+    silence();
+    end(ResetCause::BrownOut, &"")
+}
+
+/// First thing after reset: jumps into the ROM bootloader if the last run asked for it.
+pub(crate) fn enter_bootloader_if_wished() {
+    // SAFETY: see `Wish`; no interrupt is enabled yet.
+    let wish = unsafe { WISH.0.get().read_volatile() };
+    // SAFETY: as above. Asked once, entered once: the next reset starts the program.
+    unsafe { WISH.0.get().write_volatile(0) };
+    if wish == BOOTLOADER {
+        // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table begins with its stack
+        // pointer and its reset vector (AN2606).
+        unsafe { cortex_m::asm::bootload(board::SYSTEM_MEMORY as *const u32) }
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    silence();
+    let message = info.message();
+    match info.location() {
+        // A text that does not fit is cut at its end; its beginning says where.
+        Some(at) => end(ResetCause::Panic, &format_args!("{}:{} {message}", short(at.file()), at.line())),
+        None => end(ResetCause::Panic, &message),
+    }
+}
+
+/// The last two parts of a path.
+fn short(path: &str) -> &str {
+    let mut slashes = path.rmatch_indices('/');
+    let _before_name = slashes.next();
+    slashes.next().and_then(|(at, _)| path.get(at + 1..)).unwrap_or(path)
+}
+
+/// Every fault of the processor: the others are not enabled and escalate to this one.
+///
+/// Replaces cortex-m-rt's handler symbol. It first puts the stack pointer back to the top, because the fault may be
+/// that there is no stack left (memory/*.x puts the stack at the lower end of its RAM); the handler never returns, so
+/// nothing on the old stack is needed but the frame, whose address is handed on.
+///
+/// # Safety
+/// Only the processor calls it.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn HardFault() -> ! {
+    core::arch::naked_asm!(
+        "mrs r0, msp",
+        "ldr r1, =_stack_start",
+        "msr msp, r1",
+        "b {handler}",
+        handler = sym hard_fault,
+    )
+}
+
+unsafe extern "C" {
+    /// Lower end of the stack's memory (memory/*.x).
+    static _stack_end: u32;
+    /// Upper end.
+    static _stack_start: u32;
+}
+
+extern "C" fn hard_fault(frame: u32) -> ! {
+    silence();
+    // SAFETY: the system control block is always there. CFSR says which fault it was (ARMv7-M B3.2.15).
+    let status = unsafe { (*SCB::PTR).cfsr.read() };
+    let bottom = &raw const _stack_end as u32;
+    let top = &raw const _stack_start as u32;
+    if (bottom..=top - 32).contains(&frame) && frame.is_multiple_of(4) {
+        // SAFETY: the eight words of the exception frame lie inside the stack; word 6 is the return address.
+        let pc = unsafe { (frame as *const u32).add(6).read_volatile() };
+        end(ResetCause::HardFault, &format_args!("fault at {pc:#010x}, CFSR {status:#010x}"))
+    }
+    end(ResetCause::HardFault, &format_args!("stack overflow at {frame:#010x}, CFSR {status:#010x}"))
+}
+
+/// An interrupt nobody serves would come again for ever.
+///
+/// # Safety
+/// Only the processor calls it.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn DefaultHandler() {
+    silence();
+    // SAFETY: as above. ICSR's lowest nine bits are the active exception; interrupts begin at 16 (ARMv7-M B3.2.4).
+    let exception = unsafe { (*SCB::PTR).icsr.read() } & 0x1ff;
+    end(ResetCause::HardFault, &format_args!("unexpected exception {exception}"))
+}

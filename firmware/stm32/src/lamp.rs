@@ -1,0 +1,48 @@
+//! What the status lamp says (the table in BOARDS.md).
+//!
+//! A pattern is eight steps of 100 ms, played again and again; a set bit is light, the highest bit comes first.
+
+/// What there is to say, the most urgent last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lamp {
+    /// Muted, well, waiting: one short flash.
+    Muted,
+    /// The amplifier is on: steady light.
+    Sounding,
+    /// The brown-out level is not set (BOARDS.md tells how): two short flashes.
+    NoBrownOutLevel,
+    /// The device came up after repeated crashes and will not drive: fast blinking.
+    SafeMode,
+}
+
+impl Lamp {
+    /// The eight steps.
+    pub(crate) const fn pattern(self) -> u8 {
+        match self {
+            Self::Muted => 0b1000_0000,
+            Self::Sounding => 0b1111_1111,
+            Self::NoBrownOutLevel => 0b1010_0000,
+            Self::SafeMode => 0b1010_1010,
+        }
+    }
+
+    /// Whether the lamp is lit in this step of 100 ms.
+    pub(crate) const fn is_lit(self, step: u32) -> bool {
+        self.pattern() >> (7 - step % 8) & 1 == 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Lamp;
+
+    #[test]
+    fn the_four_patterns_can_be_told_apart_by_their_number_of_flashes() {
+        let flashes = |lamp: Lamp| (0..8).filter(|&n| lamp.is_lit(n) && !lamp.is_lit(n + 1)).count();
+        assert_eq!(flashes(Lamp::Muted), 1);
+        assert_eq!(flashes(Lamp::Sounding), 0);
+        assert_eq!(flashes(Lamp::NoBrownOutLevel), 2);
+        assert_eq!(flashes(Lamp::SafeMode), 4);
+        assert!(Lamp::Sounding.is_lit(3));
+    }
+}

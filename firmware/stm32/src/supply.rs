@@ -1,0 +1,24 @@
+//! The supply's dip: the amplifier is muted before the brown-out reset comes.
+//!
+//! Two nets. The supply detector (PVD) trips at about 2.9 V and its interrupt mutes at once: below 2.7 V the DAC's
+//! reference and the amplifier's logic are out of their range. The brown-out reset (BOR) lies below and holds the
+//! chip in reset while the supply is too low to run from flash; its level is an option byte, set once per board
+//! (BOARDS.md), and the lamp tells if that was forgotten.
+
+use crate::board;
+use embassy_stm32::interrupt::InterruptExt;
+
+/// Arms the detector.
+pub(crate) fn watch() {
+    board::watch_supply();
+    board::SUPPLY_INTERRUPT.set_priority(crate::priority::DAC);
+    // SAFETY: the handler only writes registers; nothing it needs is set up later.
+    unsafe { board::SUPPLY_INTERRUPT.enable() };
+}
+
+/// The detector's interrupt. The program cannot know how far the supply falls: it mutes and starts anew, and the next
+/// hello says brown-out.
+pub(crate) fn on_dip() {
+    board::clear_supply_dip();
+    crate::crash::reset_for_brown_out();
+}

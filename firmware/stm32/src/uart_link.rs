@@ -1,0 +1,32 @@
+//! The link over a UART, which the board's ST-LINK shows to the host as a serial port.
+//!
+//! 921600 baud, 8 data bits, no parity, one stop bit: the fastest that every ST-LINK firmware takes. The frames have
+//! their own checks, so a byte lost to noise or to a full buffer costs one frame.
+
+use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
+use static_cell::StaticCell;
+
+use crate::board;
+
+const BAUD: u32 = 921_600;
+/// A quarter of a kilobyte is 2.8 ms of the line: the thread half may be that late.
+const RECEIVE_BYTES: usize = 256;
+/// One whole frame, so that a reply is handed over at once.
+const TRANSMIT_BYTES: usize = 256;
+
+/// Bytes from the host.
+pub(crate) type UartRead = BufferedUartRx<'static>;
+/// Bytes to the host.
+pub(crate) type UartWrite = BufferedUartTx<'static>;
+
+/// Sets up the line.
+pub(crate) fn start(uart: board::Uart) -> (UartRead, UartWrite) {
+    static RECEIVE: StaticCell<[u8; RECEIVE_BYTES]> = StaticCell::new();
+    static TRANSMIT: StaticCell<[u8; TRANSMIT_BYTES]> = StaticCell::new();
+    let mut config = Config::default();
+    config.baudrate = BAUD;
+    let opened: BufferedUart<'static> =
+        uart.open(TRANSMIT.init([0; TRANSMIT_BYTES]), RECEIVE.init([0; RECEIVE_BYTES]), config);
+    let (transmit, receive) = opened.split();
+    (receive, transmit)
+}

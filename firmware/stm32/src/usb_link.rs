@@ -1,0 +1,138 @@
+//! The link over USB: one CDC-ACM serial port, whose bytes the application reads and writes.
+//!
+//! Nothing here is a safety measure. Many hosts never raise DTR, an STM32 does not see its cable being pulled, and a
+//! suspended laptop looks like an idle one: the drive's dead-man in the application is what counts. So DTR is not
+//! asked and a read waits for as long as it takes. A write waits too, but the application drops it, and the reply with
+//! it, when the host has not taken it in time: a host that has stopped reading must not stop the program.
+
+use embassy_stm32::peripherals::USB_OTG_FS;
+use embassy_stm32::usb::Driver;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
+use embassy_usb::driver::EndpointError;
+use embassy_usb::{Builder, UsbDevice};
+use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
+use static_cell::StaticCell;
+
+use crate::board;
+
+/// pid.codes' pair for tests: 0x1209 is its vendor id, product 0x0001 may be used by anyone for development and must
+/// not be shipped. A product needs its own pair; udev's rule and the host's port search name this one.
+const VENDOR: u16 = 0x1209;
+const PRODUCT: u16 = 0x0001;
+
+/// Bytes of a full-speed bulk packet.
+const PACKET: usize = 64;
+/// Receive buffers of the control and the bulk OUT endpoint, with room to spare.
+const OUT_BUFFERS: usize = 4 * PACKET;
+
+type Usb = Driver<'static, USB_OTG_FS>;
+
+/// The device side of the bus; its `run` must be polled for ever.
+pub(crate) type Device = UsbDevice<'static, Usb>;
+
+/// Sets up the device, with the chip's unique id as serial number, and the port's two halves.
+pub(crate) fn start(usb: board::Usb) -> (Device, UsbRead, UsbWrite) {
+    static OUT: StaticCell<[u8; OUT_BUFFERS]> = StaticCell::new();
+    static CONFIGURATION: StaticCell<[u8; 256]> = StaticCell::new();
+    static BOS: StaticCell<[u8; 32]> = StaticCell::new();
+    static CONTROL: StaticCell<[u8; PACKET]> = StaticCell::new();
+    static STATE: StaticCell<State<'static>> = StaticCell::new();
+
+    let driver = usb.driver(OUT.init([0; OUT_BUFFERS]));
+    let mut config = embassy_usb::Config::new(VENDOR, PRODUCT);
+    config.manufacturer = Some("Slipline");
+    config.product = Some("Slipline tactile display");
+    config.serial_number = Some(embassy_stm32::uid::uid_hex());
+    // Boards take less than 100 mA from the bus; the amplifier has its own supply.
+    config.max_power = 200;
+    config.max_packet_size_0 = PACKET as u8;
+
+    let mut builder = Builder::new(
+        driver,
+        config,
+        CONFIGURATION.init([0; 256]),
+        BOS.init([0; 32]),
+        &mut [],
+        CONTROL.init([0; PACKET]),
+    );
+    let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
+    let (sender, receiver) = class.split();
+    let read = UsbRead { receiver, packet: [0; PACKET], start: 0, end: 0 };
+    (builder.build(), read, UsbWrite(sender))
+}
+
+/// There is no host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotConnected;
+
+impl core::fmt::Display for NotConnected {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("no USB host")
+    }
+}
+
+impl core::error::Error for NotConnected {}
+
+impl embedded_io_async::Error for NotConnected {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::NotConnected
+    }
+}
+
+/// Bytes from the host.
+pub(crate) struct UsbRead {
+    receiver: Receiver<'static, Usb>,
+    packet: [u8; PACKET],
+    start: usize,
+    end: usize,
+}
+
+impl ErrorType for UsbRead {
+    type Error = NotConnected;
+}
+
+impl Read for UsbRead {
+    /// Waits for bytes, and for a host first if there is none. Dropping the future loses nothing: a packet is taken
+    /// out of the endpoint and into `self` in one step.
+    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, NotConnected> {
+        while self.start == self.end {
+            match self.receiver.read_packet(&mut self.packet).await {
+                Ok(length) => (self.start, self.end) = (0, length),
+                // Unconfigured or re-enumerated.
+                Err(EndpointError::Disabled) => self.receiver.wait_connection().await,
+                // The buffer is as long as the longest packet.
+                Err(EndpointError::BufferOverflow) => {}
+            }
+        }
+        let waiting = self.packet.get(self.start..self.end).unwrap_or_default();
+        let taken = waiting.len().min(buffer.len());
+        for (to, from) in buffer.iter_mut().zip(waiting) {
+            *to = *from;
+        }
+        self.start += taken;
+        Ok(taken)
+    }
+}
+
+/// Bytes to the host.
+pub(crate) struct UsbWrite(Sender<'static, Usb>);
+
+impl ErrorType for UsbWrite {
+    type Error = NotConnected;
+}
+
+impl Write for UsbWrite {
+    /// Hands over the next packet. Dropping the future before it is done sends nothing: the driver fills the
+    /// endpoint's FIFO in one step, after its waits.
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, NotConnected> {
+        // Never a full packet: the host would keep it back until a shorter one follows.
+        let packet = bytes.get(..bytes.len().min(PACKET - 1)).unwrap_or_default();
+        self.0.write_packet(packet).await.map_err(|_| NotConnected)?;
+        Ok(packet.len())
+    }
+
+    /// Every packet is on its way when `write` returns.
+    async fn flush(&mut self) -> Result<(), NotConnected> {
+        Ok(())
+    }
+}
