@@ -6,7 +6,7 @@
 //! Full scale is 2047 codes, not 2048, so that a tone of full amplitude touches neither end and clips nowhere.
 
 use super::BLOCK;
-use super::kernel::{Kernel, Native};
+use super::kernel::{Kernel, Native, Portable};
 
 /// The DAC's rest level.
 pub const MID_SCALE: u16 = 2048;
@@ -20,7 +20,16 @@ pub(super) const ROUND: u32 = 1 << 31;
 
 /// The codes of a block; returns how many samples had to be clamped.
 pub fn codes(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
-    if Native::codes(samples, codes) {
+    codes_by::<Native>(samples, codes)
+}
+
+/// As [`codes`], by the portable kernel on every machine: what the assembly is compared with.
+pub fn codes_portably(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
+    codes_by::<Portable>(samples, codes)
+}
+
+fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
+    if K::codes(samples, codes) {
         // Seldom, so it may cost another pass.
         samples.iter().map(|sample| u32::from(one_code(*sample, ROUND).1)).sum()
     } else {

@@ -1,0 +1,194 @@
+//! One block at a time of the production bank and code conversion, for a cycle model to call by symbol.
+//!
+//! `bench_setup(tones)` chooses how many of the sixteen slots sound; then every call of `bench_steady()`,
+//! `bench_retune()` or `bench_glide()` renders exactly one block of 128 codes:
+//! - steady: nothing changes, the common case;
+//! - retune: every tone has another frequency than in the block before, at once, so every basis is rebuilt and then
+//!   used: the block after a glide;
+//! - glide: every tone moves in frequency and amplitude.
+#![cfg_attr(target_arch = "arm", no_std, no_main)]
+
+#[cfg(target_arch = "arm")]
+mod device {
+    use core::{cell::UnsafeCell, hint::black_box};
+
+    use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
+    use cortex_m_rt::entry;
+    use cortex_m_semihosting::{debug, hprintln};
+    use slipline_app::bank::{
+        AMPLITUDE_ONE, BLOCK, Bank, MAX_STEP_CHANGE, TONES, ToneBlock,
+        code::{MID_SCALE, codes, codes_portably},
+    };
+
+    /// What the calls work on.
+    struct Bench {
+        bank: Bank,
+        tones: [ToneBlock; TONES],
+        samples: [i32; BLOCK],
+        codes: [u16; BLOCK],
+        clipped: u32,
+    }
+
+    impl Bench {
+        fn render(&mut self) {
+            self.bank.render(&self.tones, &mut self.samples);
+            self.clipped = self.clipped.wrapping_add(codes(&self.samples, &mut self.codes));
+        }
+    }
+
+    struct Shared(UnsafeCell<Bench>);
+    // SAFETY: this image has one thread and no interrupts.
+    unsafe impl Sync for Shared {}
+
+    static BENCH: Shared = Shared(UnsafeCell::new(Bench {
+        bank: Bank::new(),
+        tones: [ToneBlock::steady(0, 0); TONES],
+        samples: [0; BLOCK],
+        codes: [MID_SCALE; BLOCK],
+        clipped: 0,
+    }));
+
+    fn bench() -> &'static mut Bench {
+        // SAFETY: each function below takes the only reference and returns without keeping it.
+        unsafe { &mut *BENCH.0.get() }
+    }
+
+    /// Lets the first `tones` slots sound, at frequencies from 1/40 to 2/5 of the sample rate.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_setup(tones: u32) {
+        let bench = bench();
+        bench.bank = Bank::new();
+        bench.tones = [ToneBlock::default(); TONES];
+        for (tone, slot) in bench.tones.iter_mut().zip(1_u32..=tones) {
+            *tone = ToneBlock::steady(u64::MAX / 40 * u64::from(slot), AMPLITUDE_ONE / TONES as u32);
+        }
+        // The first block builds every basis.
+        bench.render();
+    }
+
+    /// A block in which nothing changes.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_steady() {
+        bench().render();
+    }
+
+    /// A block with another frequency for every tone, which is then kept.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_retune() {
+        let bench = bench();
+        for tone in &mut bench.tones {
+            *tone = ToneBlock::steady(tone.step + MAX_STEP_CHANGE, tone.amplitude);
+        }
+        bench.render();
+    }
+
+    /// A block in which every tone moves in frequency and amplitude.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_glide() {
+        let bench = bench();
+        for tone in &mut bench.tones {
+            let (step, amplitude) = (tone.step_end, tone.amplitude_end);
+            *tone = ToneBlock {
+                step,
+                step_end: step - MAX_STEP_CHANGE,
+                amplitude,
+                amplitude_end: amplitude - (amplitude >> 4),
+            };
+        }
+        bench.render();
+    }
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo) -> ! {
+        hprintln!("{}", info);
+        debug::exit(debug::EXIT_FAILURE);
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+
+    /// Blocks that are averaged; QEMU's timer ticks once in 40 instructions.
+    const BLOCKS: u32 = 64;
+    /// Under `-icount shift=0` an instruction takes 1 ns and the timer runs at 25 MHz.
+    const INSTRUCTIONS_PER_TICK: u32 = 40;
+
+    /// Instructions per tone and sample, in thousandths.
+    fn count(timer: &mut SYST, render: extern "C" fn()) -> u32 {
+        timer.clear_current();
+        let start = SYST::get_current();
+        for _ in 0..BLOCKS {
+            black_box(render)();
+        }
+        let ticks = start.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF;
+        let per_block = ticks * INSTRUCTIONS_PER_TICK / BLOCKS;
+        per_block * 1000 / (TONES * BLOCK) as u32
+    }
+
+    /// Renders pseudo-random tones by the assembly and by the portable kernel; returns the blocks that differ.
+    fn differences() -> u32 {
+        let mut state = 1_u64;
+        let mut draw = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state ^ (state >> 29)
+        };
+        let bench = bench();
+        bench.bank = Bank::new();
+        let mut portable = Bank::new();
+        let (mut different, mut samples, mut codes_portable) = (0, [0; BLOCK], [0; BLOCK]);
+        for block in 0..300 {
+            for tone in &mut bench.tones {
+                let step = tone.step_end;
+                let amplitude = tone.amplitude_end;
+                let (step_end, amplitude_end) = match (block / 3) % 4 {
+                    // Steady with old and new frequencies, gliding softly, then anything at all.
+                    0 => (step, amplitude),
+                    1 => (step.wrapping_add(draw() >> 10), amplitude),
+                    2 => (step.wrapping_sub(draw() >> 10), (draw() >> 33) as u32),
+                    _ => (draw() / 2, (draw() >> 32) as u32),
+                };
+                *tone = ToneBlock { step, step_end, amplitude, amplitude_end };
+            }
+            bench.bank.render(&bench.tones, &mut bench.samples);
+            portable.render_portable(&bench.tones, &mut samples);
+            let clipped = codes(&bench.samples, &mut bench.codes);
+            let clipped_portable = codes_portably(&samples, &mut codes_portable);
+            different += u32::from(
+                samples != bench.samples || codes_portable != bench.codes || clipped != clipped_portable,
+            );
+        }
+        different
+    }
+
+    #[entry]
+    fn main() -> ! {
+        let Some(peripherals) = Peripherals::take() else { unreachable!("taken once") };
+        let mut timer = peripherals.SYST;
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(0x00FF_FFFF);
+        timer.enable_counter();
+
+        hprintln!("blocks that differ from the portable kernel: {} of 300", differences());
+        // Called through an opaque pointer, so that the symbol stays.
+        black_box(bench_setup as extern "C" fn(u32))(TONES as u32);
+        for (name, render) in
+            [("steady", bench_steady as extern "C" fn()), ("retune", bench_retune), ("glide", bench_glide)]
+        {
+            let thousandths = count(&mut timer, render);
+            hprintln!(
+                "{}: {}.{:03} instructions per tone and sample",
+                name,
+                thousandths / 1000,
+                thousandths % 1000
+            );
+        }
+        debug::exit(debug::EXIT_SUCCESS);
+        loop {
+            cortex_m::asm::nop();
+        }
+    }
+}
+
+#[cfg(not(target_arch = "arm"))]
+fn main() {
+    println!("build me with --target thumbv7em-none-eabihf; I am code for a Cortex-M4");
+}
