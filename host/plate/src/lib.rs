@@ -10,7 +10,7 @@
 //! SI units throughout. x = 0 is the driven, wide end. Time goes as e^(-j omega t), so a wave into the plate is
 //! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 pub mod airy;
 mod analytic;
 mod drive;
@@ -28,6 +28,7 @@ mod presets;
 mod respond;
 pub mod sensation;
 mod sensitivity;
+pub mod sheet;
 mod taper;
 mod time_line;
 mod turning;
@@ -44,5 +45,6 @@ pub use plate_file::PLATE_FILE_BYTES_MAX;
 pub use presets::{Preset, preset, presets};
 pub use respond::{Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch};
 pub use sensitivity::{Sensitivity, sensitivity, sensitivity_per_percent, table_sensitivity};
+pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use taper::{HALF_WIDTH_MAX_M, HALF_WIDTH_MIN_M, TAPER_POINTS_MAX, Taper};
 pub use time_line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};
