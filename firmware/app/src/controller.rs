@@ -316,7 +316,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if view.armed {
             return Ok(view.ready_at.max(view.next));
         }
-        if !view.is_silent() || view.stopping {
+        // What may be pending while disarmed is a table swap, which sounds nothing.
+        if !view.report.silent || view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
         self.user_acted_at = view.next;

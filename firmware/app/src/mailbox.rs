@@ -258,7 +258,10 @@ impl<M: RawMutex> Crossing<M> {
     pub fn stop(&self, stop: Stop) -> SampleIndex {
         self.shared.lock(|shared| {
             shared.pending.set(None);
-            shared.stop.set(Some(stop.quicker(shared.stop.get())));
+            // With what was pending gone, silence stays silence: there is nothing to ramp.
+            if !shared.report.get().silent {
+                shared.stop.set(Some(stop.quicker(shared.stop.get())));
+            }
             shared.next.get()
         })
     }
