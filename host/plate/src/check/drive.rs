@@ -1,7 +1,7 @@
 //! Lights of the driven end, the actuator and the table's robustness.
 
 use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
-use super::{CheckError, Colour, Finding, Site, colour};
+use super::{CheckError, Colour, Finding, Site, colour, pick};
 use crate::drive::DriveEnd;
 use crate::drive_table::Chain;
 use crate::plate::Plate;
@@ -27,15 +27,15 @@ pub(crate) fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
 pub(super) fn match_light(site: &Site<'_>) -> Finding {
     let ratio = drive_ratio(site.plate, site.frequency_hz).unwrap_or(f64::INFINITY);
     let mismatch = ratio.max(1.0 / ratio);
-    let reflected =
-        if ratio.is_finite() { 100.0 * ((1.0 - ratio) / (1.0 + ratio)).abs() } else { 100.0 };
+    let reflected = if ratio.is_finite() { 100.0 * ((1.0 - ratio) / (1.0 + ratio)).abs() } else { 100.0 };
+    let colour = colour(mismatch, DRIVE_MISMATCH);
     site.judged(
         "drive match",
         Some(ratio),
         "",
-        colour(mismatch, DRIVE_MISMATCH),
+        colour,
         mismatch,
-        [
+        pick(colour, [
             format!("The drive end absorbs the returning wave (r = {ratio:.2}, {reflected:.0} % comes back): the plate hardly resonates."),
             format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): the plate resonates a little."),
             match site.plate.spec().drive_end {
@@ -43,7 +43,7 @@ pub(super) fn match_light(site: &Site<'_>) -> Finding {
                 DriveEnd::Force { .. } => "The drive end holds its force and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned(),
                 DriveEnd::Resistance { .. } => format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): choose its resistance for this frequency."),
             },
-        ],
+        ]),
     )
 }
 
@@ -72,21 +72,32 @@ pub(super) fn actuator_light(site: &Site<'_>) -> Finding {
     let name = "actuator band";
     let Some(actuator) = site.plate.spec().actuator else {
         let sentence =
-            "The plate file names no actuator: whether one reaches this frequency was not checked.".to_owned();
-        return site.judged(name, None, "dB", Colour::Amber, 0.0, [String::new(), sentence, String::new()]);
+            "The plate file names no actuator: whether one reaches this frequency was not checked."
+                .to_owned();
+        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence);
     };
     let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
     let loss_db = -gain_db;
+    let colour = colour(loss_db, ACTUATOR_LOSS_DB);
     site.judged(
         name,
         Some(gain_db),
         "dB",
-        colour(loss_db, ACTUATOR_LOSS_DB),
+        colour,
         loss_db,
-        [
-            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."),
-            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left."),
-            format!("The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band."),
-        ],
+        pick(
+            colour,
+            [
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."
+                ),
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left."
+                ),
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band."
+                ),
+            ],
+        ),
     )
 }

@@ -248,7 +248,7 @@ impl<'a> Checker<'a> {
 }
 
 impl Site<'_> {
-    /// A light whose colour follows from `measure` and `limits`; the larger the measure, the worse.
+    /// A light whose colour follows from `value` and `limits`; the larger, the worse.
     fn graded(
         &self,
         name: &'static str,
@@ -257,7 +257,8 @@ impl Site<'_> {
         limits: Limits,
         sentences: [String; 3],
     ) -> Finding {
-        self.judged(name, Some(value), unit, colour(value, limits), value, sentences)
+        let colour = colour(value, limits);
+        self.judged(name, Some(value), unit, colour, value, pick(colour, sentences))
     }
 
     fn judged(
@@ -267,16 +268,20 @@ impl Site<'_> {
         unit: &'static str,
         colour: Colour,
         badness: f64,
-        [green, amber, red]: [String; 3],
+        sentence: String,
     ) -> Finding {
-        let sentence = match colour {
-            Colour::Green => green,
-            Colour::Amber => amber,
-            Colour::Red => red,
-        };
         // JSON and a reader can do nothing with an infinite number: the sentence tells it.
         let value = value.filter(|value| value.is_finite());
         Finding { light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m }, badness }
+    }
+}
+
+/// The sentence that belongs to the colour.
+fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
+    match colour {
+        Colour::Green => green,
+        Colour::Amber => amber,
+        Colour::Red => red,
     }
 }
 

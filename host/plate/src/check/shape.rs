@@ -1,7 +1,7 @@
 //! Lights that follow from the taper and the turning point alone.
 
 use super::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
-use super::{Colour, Finding, Site};
+use super::{Colour, Finding, Site, pick};
 use crate::plate::Plate;
 use std::f64::consts::TAU;
 
@@ -98,7 +98,7 @@ pub(super) fn wavelengths_light(site: &Site<'_>) -> Finding {
         "",
         colour,
         -count,
-        [
+        pick(colour, [
             format!(
                 "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
             ),
@@ -106,7 +106,7 @@ pub(super) fn wavelengths_light(site: &Site<'_>) -> Finding {
                 "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it."
             ),
             format!("{count:.2} wavelengths: the boundary is so near the drive that the peak has no room."),
-        ],
+        ]),
     )
 }
 
@@ -153,7 +153,7 @@ pub(super) fn ghost_light(site: &Site<'_>) -> Finding {
         "m",
         colour,
         nearest.max(0.0),
-        [
+        pick(colour, [
             "No higher width mode enters the plate: this boundary is the only one.".to_owned(),
             format!(
                 "Higher width modes have boundaries of their own at {listed}: drive the whole width evenly to keep them weak."
@@ -161,6 +161,6 @@ pub(super) fn ghost_light(site: &Site<'_>) -> Finding {
             format!(
                 "A drive beside the centre line makes further boundaries at {listed}: move it to the centre line or use a shorter span."
             ),
-        ],
+        ]),
     )
 }

@@ -5,7 +5,7 @@ use super::thresholds::{
     ULTRASOUND_DB,
 };
 use super::wave::response;
-use super::{CheckError, Colour, Finding, Site, colour};
+use super::{CheckError, Colour, Finding, Site};
 use crate::respond::Response;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -27,9 +27,7 @@ pub fn a_weighting_db(frequency_hz: f64) -> f64 {
     let square = frequency_hz * frequency_hz;
     let pole = |f: f64| square + f * f;
     let response = 12_194.217_f64.powi(2) * square * square
-        / (pole(20.598_997)
-            * (pole(107.652_65) * pole(737.862_23)).sqrt()
-            * pole(12_194.217));
+        / (pole(20.598_997) * (pole(107.652_65) * pole(737.862_23)).sqrt() * pole(12_194.217));
     20.0 * response.log10() + 2.0
 }
 
@@ -41,9 +39,7 @@ fn level_db(pressure_amplitude_pa: f64) -> f64 {
 /// Upper bound of the level at [`LISTENER_M`], dB SPL: the Rayleigh integral with every part of the plate in phase,
 /// or the plane wave if that is less.
 fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
-    let peak = response
-        .peak
-        .map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
+    let peak = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale_m = site.checker.peak_m / peak;
     let step_m = site.plate.length_m() / (response.position_m.len() - 1) as f64;
     // The first width mode is a half sine: its mean over the width is 2/pi of the centre line.
@@ -78,8 +74,12 @@ pub(super) fn level_light(site: &Site<'_>) -> Result<Finding, CheckError> {
         limits,
         [
             format!("At most {value:.0} {unit} of sound at half a metre."),
-            format!("Up to {value:.0} {unit} of sound at half a metre: keep sessions short or lower the level."),
-            format!("Up to {value:.0} {unit} of sound at half a metre: lower the level or enclose the plate."),
+            format!(
+                "Up to {value:.0} {unit} of sound at half a metre: keep sessions short or lower the level."
+            ),
+            format!(
+                "Up to {value:.0} {unit} of sound at half a metre: lower the level or enclose the plate."
+            ),
         ],
     ))
 }
@@ -103,20 +103,16 @@ pub(super) fn beat_light(site: &Site<'_>) -> Finding {
         }
     }
     let colour = if nearest < BEAT_HZ { Colour::Amber } else { Colour::Green };
-    site.judged(
-        "beat",
-        Some(nearest),
-        "Hz",
-        colour,
-        -nearest,
-        [
-            if nearest.is_finite() {
-                format!("The ultrasonic tones are {nearest:.0} Hz apart: their beat is too fast to feel.")
-            } else {
-                "No two ultrasonic tones sound together: nothing beats.".to_owned()
-            },
-            format!("Two ultrasonic tones are {nearest:.0} Hz apart and beat at a rate skin feels: move them apart, or use it on purpose."),
-            String::new(),
-        ],
-    )
+    let sentence = match colour {
+        Colour::Green if nearest.is_infinite() => {
+            "No two ultrasonic tones sound together: nothing beats.".to_owned()
+        }
+        Colour::Green => {
+            format!("The ultrasonic tones are {nearest:.0} Hz apart: their beat is too fast to feel.")
+        }
+        Colour::Amber | Colour::Red => format!(
+            "Two ultrasonic tones are {nearest:.0} Hz apart and beat at a rate skin feels: move them apart, or use it on purpose."
+        ),
+    };
+    site.judged("beat", Some(nearest), "Hz", colour, -nearest, sentence)
 }

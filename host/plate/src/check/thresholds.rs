@@ -46,8 +46,8 @@ pub const DRIVE_MISMATCH: Limits = Limits { green: 1.415, amber: 2.0 };
 pub const ACTUATOR_LOSS_DB: Limits = Limits { green: 6.0, amber: 20.0 };
 
 /// Difference of the thin plate's wavenumber from the thick plate's (Mindlin), %. 1 % moves a boundary by 1 % of 1/d,
-/// about 2 mm; 3 % by more than half a fingertip.
-pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 3.0 };
+/// about 2 mm at d = 5 per metre; 5 % by a whole fingertip.
+pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 5.0 };
 
 /// From this frequency on a tone is not heard and can make a surface slippery, Hz.
 pub const ULTRASONIC_HZ: f64 = 20e3;

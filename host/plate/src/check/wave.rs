@@ -1,7 +1,7 @@
 //! Lights that follow from the solved amplitude and the material.
 
 use super::thresholds::{LOSS, THIN_PLATE_PERCENT};
-use super::{CheckError, Colour, Finding, Site, colour};
+use super::{CheckError, Colour, Finding, Site, colour, pick};
 use crate::drive_table::TableError;
 use crate::model::Model;
 use crate::plate::Plate;
@@ -74,11 +74,11 @@ pub(super) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckError> {
         "times the drive",
         colour,
         -amplitude,
-        [
+        pick(colour, [
             format!("The peak stands at {at_mm:.0} mm with {amplitude:.2} times the drive, the largest amplitude on the plate."),
             format!("The peak at {at_mm:.0} mm has {amplitude:.2} times the drive, but other places on the plate vibrate more."),
             "There is no peak before this boundary: the amplitude just falls from the drive on.".to_owned(),
-        ],
+        ]),
     ))
 }
 
@@ -88,14 +88,7 @@ pub(super) fn thin_plate_light(site: &Site<'_>) -> Finding {
         Model::BendingSupported(bending) | Model::BendingClamped(bending) => bending,
         Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
             let sentence = "The wave's speed does not depend on the thickness.".to_owned();
-            return site.judged(
-                name,
-                None,
-                "%",
-                Colour::Green,
-                0.0,
-                [sentence, String::new(), String::new()],
-            );
+            return site.judged(name, None, "%", Colour::Green, 0.0, sentence);
         }
     };
     let mut thick = bending.clone();
@@ -103,28 +96,21 @@ pub(super) fn thin_plate_light(site: &Site<'_>) -> Finding {
     let mut thin = bending.clone();
     thin.thick_plate = false;
     let omega = TAU * site.frequency_hz;
-    let percent =
-        100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
+    let percent = 100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
     if bending.thick_plate {
         let sentence = format!(
             "Shear and rotary inertia are included; without them the wavenumber would be {percent:.1} % too small."
         );
-        return site.judged(
-            name,
-            Some(0.0),
-            "%",
-            Colour::Green,
-            0.0,
-            [sentence, String::new(), String::new()],
-        );
+        return site.judged(name, Some(0.0), "%", Colour::Green, 0.0, sentence);
     }
+    let colour = colour(percent, THIN_PLATE_PERCENT);
     site.judged(
         name,
         Some(percent),
         "%",
-        colour(percent, THIN_PLATE_PERCENT),
+        colour,
         percent,
-        [
+        pick(colour, [
             format!("The plate is thin for this wave: the thin-plate wavenumber is {percent:.1} % too small."),
             format!(
                 "The thin-plate wavenumber is {percent:.1} % too small here: set thick_plate = true to place the boundary better."
@@ -132,6 +118,6 @@ pub(super) fn thin_plate_light(site: &Site<'_>) -> Finding {
             format!(
                 "The thin-plate wavenumber is {percent:.1} % too small: the plate is thick for this wave, set thick_plate = true."
             ),
-        ],
+        ]),
     )
 }

@@ -1,0 +1,280 @@
+//! The lights on the presets, against numbers worked out by hand.
+
+use super::*;
+use crate::presets::{preset, presets};
+use crate::{DriveEnd, Taper};
+
+fn report(name: &str, boundary_m: f64) -> Report {
+    let plate = preset(name).expect("a preset");
+    Checker::new(&plate, Conditions::default()).expect("checks").at(boundary_m).expect("on the plate")
+}
+
+fn light<'a>(report: &'a Report, name: &str) -> &'a Light {
+    report.light(name).unwrap_or_else(|| panic!("no light {name}"))
+}
+
+fn value(report: &Report, name: &str) -> f64 {
+    light(report, name).value.unwrap_or(f64::NAN)
+}
+
+#[test]
+fn a_half_width_of_100_mm_is_not_a_small_slope() {
+    // d W0 = 4.62 x 0.1 = 0.462 and d^2 W0^2 = 0.213.
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    spec.taper = Taper::Exponential { half_width_m: 0.1, rate_per_m: 4.62 };
+    spec.drive_end = DriveEnd::Displacement;
+    let plate = Plate::new(spec).expect("plate");
+    let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
+    assert!((value(&report, "edge slope") - 0.462).abs() < 1e-9);
+    assert!((value(&report, "edge curvature") - 0.213_444).abs() < 1e-9);
+    assert_eq!(light(&report, "edge slope").colour, Colour::Amber);
+    assert_eq!(light(&report, "edge curvature").colour, Colour::Amber);
+
+    let narrow = self::report("membrane", 0.16);
+    assert!((value(&narrow, "edge slope") - 0.231).abs() < 1e-9);
+    assert_eq!(light(&narrow, "edge slope").colour, Colour::Green);
+    // W0 = 200 mm: d W0 = 0.92.
+    assert_eq!(light(&self::report("al-sh", 0.3), "edge slope").colour, Colour::Red);
+}
+
+#[test]
+fn the_slope_of_a_linear_taper_is_the_same_everywhere_and_its_edges_do_not_bend() {
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    spec.taper = Taper::Linear { half_width_m: 0.05, end_half_width_m: 0.01 };
+    spec.drive_end = DriveEnd::Displacement;
+    let plate = Plate::new(spec).expect("plate");
+    assert!((edge_slope(&plate, 0.2) - 0.04 / 0.32).abs() < 1e-12);
+    assert!(edge_curvature(&plate, 0.2) < 1e-12);
+}
+
+#[test]
+fn wavelengths_and_loss_are_the_closed_forms_of_an_exponential_taper() {
+    // Phi = nu acosh(nu/s0) - sqrt(nu^2 - s0^2), I = (eta/2) nu acosh(nu/s0); s0 = q/(W0 d), nu = s0 e^(d x0).
+    for (name, half_width_m, eta) in
+        [("membrane", 0.05, 0.03), ("al-bending", 0.02, 0.001), ("paper-rubber", 0.05, 0.1)]
+    {
+        let plate = preset(name).expect("preset");
+        let s0 = std::f64::consts::FRAC_PI_2 / (half_width_m * 4.62);
+        for x0 in [0.08, 0.15, 0.27] {
+            let nu = s0 * (4.62_f64 * x0).exp();
+            let phase = nu * (nu / s0).acosh() - (nu * nu - s0 * s0).sqrt();
+            let turns = wavelengths(&plate, x0);
+            assert!((turns / (phase / std::f64::consts::TAU) - 1.0).abs() < 1e-4, "{name} {x0}: {turns}");
+            let loss = loss_integral(&plate, x0);
+            let exact = 0.5 * eta * nu * (nu / s0).acosh();
+            assert!((loss / exact - 1.0).abs() < 1e-4, "{name} {x0}: {loss} {exact}");
+        }
+    }
+}
+
+#[test]
+fn loss_dims_the_peak_light_from_green_over_amber_to_red() {
+    let mut spec = preset("al-bending").expect("preset").spec().clone();
+    let mut seen = Vec::new();
+    for loss_factor in [0.002, 0.12, 0.4] {
+        spec.loss_factor = loss_factor;
+        let plate = Plate::new(spec.clone()).expect("plate");
+        let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.27).expect("on it");
+        seen.push((value(&report, "loss"), light(&report, "loss").colour, light(&report, "peak").colour));
+    }
+    assert_eq!(seen[0].1, Colour::Green);
+    assert!(seen[1].0 > 3.0 && seen[1].0 < 6.0, "{seen:?}");
+    assert_eq!((seen[1].1, seen[1].2), (Colour::Amber, Colour::Amber), "{seen:?}");
+    assert!(seen[2].0 > 6.0, "{seen:?}");
+    assert_eq!((seen[2].1, seen[2].2), (Colour::Red, Colour::Red), "{seen:?}");
+}
+
+#[test]
+fn edge_widths_are_counted_in_fingertips() {
+    // Aluminium in bending at 40 kHz: 2.729/kappa = 30.1 mm (29.8 mm exactly); membrane at 87 Hz: 102 mm.
+    let forty = report("al-bending", 1.2861 / 4.62);
+    assert!((value(&forty, "edge width") - 3.01).abs() < 0.01, "{}", value(&forty, "edge width"));
+    assert_eq!(light(&forty, "edge width").colour, Colour::Green);
+    let membrane = report("membrane", 0.08);
+    assert!((value(&membrane, "edge width") - 10.2).abs() < 0.1, "{}", value(&membrane, "edge width"));
+    assert_eq!(light(&membrane, "edge width").colour, Colour::Amber);
+}
+
+#[test]
+fn ghosts_lie_ln_m_over_d_before_the_boundary_and_an_off_centre_drive_lets_the_second_in() {
+    let plate = preset("al-bending").expect("preset");
+    let centred = Checker::new(&plate, Conditions::default()).expect("checks");
+    // ln 3/d = 237.8 mm.
+    assert_eq!(light(&centred.at(0.23).expect("on it"), "ghost boundaries").colour, Colour::Green);
+    let report = centred.at(0.27).expect("on it");
+    assert_eq!(light(&report, "ghost boundaries").colour, Colour::Amber);
+    assert!((value(&report, "ghost boundaries") - (0.27 - 3.0_f64.ln() / 4.62)).abs() < 1e-6);
+    let off = Conditions { off_centre: true, ..Conditions::default() };
+    let report = Checker::new(&plate, off).expect("checks").at(0.2).expect("on it");
+    assert_eq!(light(&report, "ghost boundaries").colour, Colour::Red);
+    assert!((value(&report, "ghost boundaries") - (0.2 - 2.0_f64.ln() / 4.62)).abs() < 1e-6);
+}
+
+#[test]
+fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensitivity() {
+    let matched = preset("al-bending").expect("preset");
+    let matched_hz = matched.spec().drive_end.at_frequency_hz().expect("a resistance");
+    let boundary_m = matched.turning_point_m(matched_hz).expect("enters");
+    let report =
+        Checker::new(&matched, Conditions::default()).expect("checks").at(boundary_m).expect("on it");
+    let (fit, sensitivity) = (light(&report, "drive match"), light(&report, "sensitivity"));
+    assert_eq!(fit.colour, Colour::Green, "{fit:?}");
+    assert_eq!(sensitivity.colour, Colour::Green, "{sensitivity:?}");
+    assert!(sensitivity.value.unwrap_or(9.0) < 0.15, "0.07 dB with r = 1: {sensitivity:?}");
+
+    let held = preset("al-bending-displacement").expect("preset");
+    let report = Checker::new(&held, Conditions::default()).expect("checks").over_span().expect("span");
+    let sensitivity = light(&report, "sensitivity");
+    assert_eq!(sensitivity.colour, Colour::Red);
+    assert!((20.0..36.0).contains(&sensitivity.value.unwrap_or(0.0)), "about 25 dB: {sensitivity:?}");
+    assert_eq!(light(&report, "drive match").colour, Colour::Red);
+    assert_eq!(light(&report, "drive match").value, None, "an infinite ratio is told in words");
+}
+
+#[test]
+fn the_drive_ratio_drifts_by_a_fifth_over_an_octave_of_bending() {
+    let plate = preset("al-bending").expect("preset");
+    let ratio = |frequency_hz: f64| drive::drive_ratio(&plate, frequency_hz).expect("it enters");
+    let matched_hz = plate.spec().drive_end.at_frequency_hz().expect("a resistance");
+    assert!((ratio(matched_hz) - 1.0).abs() < 1e-12);
+    // r goes with omega/k0, k0 ~ sqrt(omega): 2^(1/4) up and down, a little less so near the cut-off.
+    for (step, expected) in [(1.0 / 2.0_f64.sqrt(), 0.855), (2.0_f64.sqrt(), 1.18)] {
+        let found = ratio(matched_hz * step);
+        assert!((found - expected).abs() < 0.02, "{step}: {found}");
+    }
+}
+
+#[test]
+fn one_micrometre_at_5_khz_can_reach_113_db_in_front_of_a_wide_plate() {
+    assert!((plane_wave_level_db(5e3, 1e-6) - 113.2).abs() < 0.1, "{}", plane_wave_level_db(5e3, 1e-6));
+    for (frequency_hz, db) in [(1e3, 0.0), (100.0, -19.1), (10e3, -2.5), (31.623, -39.4)] {
+        assert!(
+            (a_weighting_db(frequency_hz) - db).abs() < 0.1,
+            "{frequency_hz}: {}",
+            a_weighting_db(frequency_hz)
+        );
+    }
+}
+
+#[test]
+fn sound_grows_by_20_db_for_ten_times_the_level_and_stays_below_the_plane_wave() {
+    let plate = preset("al-bending").expect("preset");
+    let at_level = |level: f64| {
+        let checker = Checker::new(&plate, Conditions { level, ..Conditions::default() }).expect("checks");
+        let report = checker.at(0.25).expect("on it");
+        (value(&report, "sound level"), checker.peak_m(), report.frequency_hz.0)
+    };
+    let (full, peak_m, frequency_hz) = at_level(1.0);
+    let (tenth, ..) = at_level(0.1);
+    assert!((full - tenth - 20.0).abs() < 1e-9);
+    assert!(full < plane_wave_level_db(frequency_hz, 3.0 * peak_m) && full > 60.0, "{full}");
+    assert_eq!(at_level(0.0).0, 0.0);
+    // The membrane's slow waves hardly radiate: far below the 120 dB and more of a plane wave.
+    let membrane = report("membrane", 0.16);
+    assert!(value(&membrane, "sound level") < 85.0, "{:?}", light(&membrane, "sound level"));
+}
+
+#[test]
+fn two_ultrasonic_tones_closer_than_a_kilohertz_beat() {
+    let plate = preset("al-bending").expect("preset");
+    let near = plate.turning_point_m(30_500.0).expect("enters");
+    let boundary = plate.turning_point_m(30_000.0).expect("enters");
+    let far = plate.turning_point_m(35_000.0).expect("enters");
+    let with = |other_boundaries_m: Vec<f64>| {
+        let conditions = Conditions { other_boundaries_m, ..Conditions::default() };
+        let report = Checker::new(&plate, conditions).expect("checks").at(boundary).expect("on it");
+        (light(&report, "beat").value, light(&report, "beat").colour)
+    };
+    assert_eq!(with(vec![]), (None, Colour::Green));
+    let (value, colour) = with(vec![far, near]);
+    assert!((value.unwrap_or(0.0) - 500.0).abs() < 0.01);
+    assert_eq!(colour, Colour::Amber);
+    assert_eq!(with(vec![far]).1, Colour::Green);
+    // Two tones of a membrane, 20 Hz apart, are not ultrasonic: that is what a texture is made of.
+    assert_eq!(light(&report("membrane", 0.16), "beat").colour, Colour::Green);
+}
+
+#[test]
+fn the_actuator_light_follows_its_resonance() {
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    assert_eq!(
+        light(&report("membrane", 0.16), "actuator band").colour,
+        Colour::Amber,
+        "unknown is not green"
+    );
+    spec.actuator = Some(crate::Actuator { resonance_hz: 200.0, quality: 0.7 });
+    let plate = Plate::new(spec.clone()).expect("plate");
+    let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
+    assert_eq!(light(&report, "actuator band").colour, Colour::Green);
+    // Two octaves and a half above resonance: -12 dB per octave.
+    spec.actuator = Some(crate::Actuator { resonance_hz: 20.0, quality: 0.7 });
+    let plate = Plate::new(spec).expect("plate");
+    let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
+    assert_eq!(light(&report, "actuator band").colour, Colour::Red);
+    let expected = -40.0 * (125.62_f64 / 20.0).log10();
+    assert!((value(&report, "actuator band") - expected).abs() < 0.3, "{}", value(&report, "actuator band"));
+}
+
+#[test]
+fn thin_plate_theory_is_off_by_what_mindlin_says() {
+    // 2 mm aluminium: the thick plate's wavenumber is larger by 1.5 % at 20 kHz, 2.9 % at 40 kHz.
+    let twenty = report("al-bending", 0.939 / 4.62);
+    assert!((value(&twenty, "thin plate") - 1.5).abs() < 0.1, "{}", value(&twenty, "thin plate"));
+    let forty = report("al-bending", 1.286 / 4.62);
+    assert!((value(&forty, "thin plate") - 2.9).abs() < 0.25, "{}", value(&forty, "thin plate"));
+    assert_eq!(light(&forty, "thin plate").colour, Colour::Amber);
+    assert_eq!(light(&report("membrane", 0.16), "thin plate").colour, Colour::Green);
+}
+
+#[test]
+fn a_boundary_too_near_the_drive_has_no_room_for_a_peak() {
+    let report = report("membrane", 0.02);
+    assert_eq!(light(&report, "wavelengths").colour, Colour::Red);
+    assert_eq!(light(&report, "peak").colour, Colour::Red);
+    assert_eq!(report.worst(), Colour::Red);
+}
+
+#[test]
+fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
+    let mut order: Option<Vec<&str>> = None;
+    for preset in presets() {
+        let plate = preset.plate().expect("a preset");
+        let report = Checker::new(&plate, Conditions::default()).expect("checks").over_span().expect("span");
+        let names: Vec<&str> = report.lights.iter().map(|light| light.name).collect();
+        assert_eq!(names.len(), 13);
+        assert_eq!(*order.get_or_insert(names.clone()), names);
+        for light in &report.lights {
+            assert!(light.sentence.ends_with('.') && light.sentence.len() > 20, "{light:?}");
+            assert!(light.value.is_none_or(f64::is_finite), "{light:?}");
+        }
+    }
+}
+
+#[test]
+fn a_span_is_as_bad_as_its_worst_boundary() {
+    let plate = preset("membrane").expect("preset");
+    let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+    let (span, near) = (checker.over_span().expect("span"), checker.at(plate.span_m().0).expect("on it"));
+    assert_eq!(value(&span, "edge width"), value(&near, "edge width"), "the softest edge is the nearest");
+    assert_eq!(light(&span, "edge width").boundary_m, plate.span_m().0);
+    for light in &near.lights {
+        assert!(span.light(light.name).expect("same lights").colour >= light.colour, "{}", light.name);
+    }
+}
+
+#[test]
+fn boundaries_off_the_plate_and_absurd_conditions_are_refused_with_their_range() {
+    let plate = preset("membrane").expect("preset");
+    let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+    for boundary_m in [0.0, -0.1, 0.321, f64::NAN, f64::INFINITY] {
+        let error = checker.at(boundary_m).expect_err("off the plate").to_string();
+        assert!(error.contains("boundary =") && error.contains("0.32 m"), "{error}");
+    }
+    let refused = |conditions: Conditions| Checker::new(&plate, conditions).expect_err("absurd").to_string();
+    assert!(
+        refused(Conditions { level: 1.5, ..Conditions::default() }).contains("level = 1.5: must be 0 to 1")
+    );
+    assert!(refused(Conditions { sample_rate_hz: 100.0, ..Conditions::default() }).contains("sample rate"));
+    let off = Conditions { other_boundaries_m: vec![9.0], ..Conditions::default() };
+    assert!(refused(off).contains("other boundary = 9"));
+}
