@@ -129,6 +129,9 @@ impl Lattice {
 
     /// One step for each number of `drive`, which goes to the driven column (a rectangle has none).
     pub fn advance(&mut self, drive: &[f32]) {
+        if drive.is_empty() {
+            return;
+        }
         let exchange = Exchange::new(self.bands.len());
         let (plan, depth, start, flipped) = (&self.plan, self.depth, self.steps, self.flipped);
         if let Some((first, others)) = self.bands.split_first_mut() {

@@ -3,6 +3,7 @@
 use super::kernel::Width;
 use super::*;
 use crate::{DriveEnd, Equation, Model, PlateSpec, Taper, preset, respond};
+use std::f64::consts::PI;
 
 const RATE: f64 = 100_000.0;
 
@@ -23,14 +24,19 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
     .unwrap()
 }
 
-fn tone(frequency_hz: f64, from: usize, count: usize) -> Vec<f32> {
-    // A raised-cosine start over 2000 codes.
+/// A sine that starts over a raised cosine of 20 ms.
+fn tone_at(rate_hz: f64, frequency_hz: f64, from: usize, count: usize) -> Vec<f32> {
     (from..from + count)
         .map(|n| {
-            let rise = 0.5 - 0.5 * (std::f64::consts::PI * (n as f64 / 2000.0).min(1.0)).cos();
-            (rise * (TAU * frequency_hz * n as f64 / RATE).sin()) as f32
+            let seconds = n as f64 / rate_hz;
+            let rise = 0.5 - 0.5 * (PI * (seconds / 0.02).min(1.0)).cos();
+            (rise * (TAU * frequency_hz * seconds).sin()) as f32
         })
         .collect()
+}
+
+fn tone(frequency_hz: f64, from: usize, count: usize) -> Vec<f32> {
+    tone_at(RATE, frequency_hz, from, count)
 }
 
 fn field(sheet: &Sheet) -> Vec<f32> {
@@ -52,7 +58,7 @@ fn a_lossless_sheet_conserves_its_energy() {
         let burst: Vec<f32> = (0..6000)
             .map(|n| {
                 let n = f64::from(n);
-                ((TAU * 150.0 * n / RATE).sin() * (std::f64::consts::PI * n / 6000.0).sin().powi(2)) as f32
+                ((TAU * 150.0 * n / RATE).sin() * (PI * n / 6000.0).sin().powi(2)) as f32
             })
             .collect();
         sheet.push(&burst);
@@ -147,62 +153,59 @@ fn a_half_sheet_is_the_whole_sheet_of_a_symmetric_drive() {
     assert!((half_energy / whole_energy - 1.0).abs() < 1e-5);
 }
 
-/// Steady |f| on the centre line at `frequency_hz`: root 2 times the RMS over whole periods, in drive units.
-fn steady(plate: &Plate, grid: SheetGrid, frequency_hz: f64, periods: usize) -> (Vec<f64>, Vec<f64>) {
-    let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..grid };
-    let mut sheet = Sheet::new(plate, RATE, grid).unwrap();
-    let period = (RATE / frequency_hz).round() as usize;
-    assert!((period as f64 * frequency_hz / RATE - 1.0).abs() < 1e-9, "whole codes per period");
-    sheet.push(&tone(frequency_hz, 0, periods * period));
+/// Steady |f| on the centre line in drive units: root 2 times the RMS over whole periods, over full scale.
+fn steady(plate: &Plate, along: usize, across: usize, rate_hz: f64, frequency_hz: f64) -> Vec<f64> {
+    let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(along, across) };
+    let mut sheet = Sheet::new(plate, rate_hz, grid).unwrap();
+    let period = (rate_hz / frequency_hz).round() as usize;
+    assert!((period as f64 * frequency_hz / rate_hz - 1.0).abs() < 1e-9, "whole codes per period");
+    let settled = (0.35 * frequency_hz) as usize * period;
+    sheet.push(&tone_at(rate_hz, frequency_hz, 0, settled));
     sheet.reset_envelope();
-    sheet.push(&tone(frequency_hz, periods * period, 10 * period));
-    let envelope = sheet.envelope();
-    let amplitude = envelope.rms_m.iter().map(|rms| f64::from(*rms) * 2f64.sqrt() / 1e-3).collect();
-    (sheet.positions_m().to_vec(), amplitude)
+    sheet.push(&tone_at(rate_hz, frequency_hz, settled, 10 * period));
+    let scale = 2f64.sqrt() / plate.spec().full_scale_m;
+    sheet.envelope().rms_m.iter().map(|rms| f64::from(*rms) * scale).collect()
+}
+
+/// |f| of the modal solution at each of `along` + 1 stations.
+fn modal(plate: &Plate, along: usize, frequency_hz: f64) -> (Vec<f64>, Option<crate::Peak>) {
+    let response = respond(plate, frequency_hz, along + 1, Equation::Corrected).unwrap();
+    (response.amplitude.iter().map(|f| f.norm()).collect(), response.peak)
 }
 
 #[test]
 fn a_gentle_taper_converges_to_the_modal_solution_at_second_order() {
-    // d W0 = 0.01: coupling between width modes, which the modal solution leaves out, is far below 1e-3.
+    // d W0 = 0.01: the coupling of width modes, which the modal solution leaves out, is far below the error here.
     let frequency_hz = 400.0;
     let end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: frequency_hz };
     let plate = membrane(0.01, 1.0, 0.4, 0.02, end);
-    let modal = respond(&plate, frequency_hz, 1601, Equation::Corrected).unwrap();
-    let largest = modal.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    let mut errors = Vec::new();
-    for across in [6, 12, 24] {
-        let along = 25 * across;
-        let (positions, amplitude) = steady(&plate, SheetGrid::new(along, across), frequency_hz, 120);
-        let stride = 1600 as f64 / along as f64;
-        let error = positions
-            .iter()
-            .zip(&amplitude)
-            .enumerate()
-            .map(|(station, (_, amplitude))| {
-                let place = station as f64 * stride;
-                let (low, part) = (place.floor() as usize, place.fract());
-                let f = |i: usize| modal.amplitude[i.min(1600)].norm();
-                (amplitude - (f(low) * (1.0 - part) + f(low + 1) * part)).abs()
-            })
-            .fold(0.0, f64::max);
-        errors.push(error / largest);
-    }
-    println!("errors {errors:?}");
-    assert!(errors[0] / errors[1] > 3.0 && errors[1] / errors[2] > 3.0, "{errors:?}");
-    assert!(errors[2] < 5e-3, "{errors:?}");
+    let errors: Vec<f64> = [6, 12, 24]
+        .map(|across| {
+            let along = 25 * across;
+            // Many codes per step, so that all three grids run at about the same Courant number.
+            let sheet = steady(&plate, along, across, 1e6, frequency_hz);
+            let (modal, _) = modal(&plate, along, frequency_hz);
+            let largest = modal.iter().copied().fold(0.0, f64::max);
+            let worst = sheet.iter().zip(&modal).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            worst / largest
+        })
+        .to_vec();
+    assert!(errors[0] / errors[1] > 3.6 && errors[1] / errors[2] > 3.6, "not second order: {errors:?}");
+    assert!(errors[2] < 2e-3, "{errors:?}");
 }
 
 #[test]
-fn the_default_membrane_has_its_peak_where_the_modal_solution_has_it() {
+fn the_default_membrane_peaks_where_and_as_high_as_the_modal_solution_says() {
+    // d W0 = 0.23: here the two differ by the coupling of the modes, which is small.
     let plate = preset("membrane").unwrap();
-    let frequency_hz = 125.0;
-    let modal = respond(&plate, frequency_hz, 641, Equation::Corrected).unwrap();
-    let peak = modal.peak.unwrap();
-    let (positions, amplitude) = steady(&plate, SheetGrid::new(256, 40), frequency_hz, 40);
-    let scale = 1e-3 / plate.spec().full_scale_m;
-    let top = (1..amplitude.len()).max_by(|&a, &b| amplitude[a].total_cmp(&amplitude[b])).unwrap();
-    println!("peak {} at {}, modal {peak:?}", amplitude[top] / 1e-3 * 1e-3 * scale, positions[top]);
-    assert!((positions[top] - peak.position_m).abs() < 3e-3);
+    let (along, frequency_hz) = (256, 125.0);
+    let sheet = steady(&plate, along, 40, RATE, frequency_hz);
+    let (_, peak) = modal(&plate, along, frequency_hz);
+    let peak = peak.unwrap();
+    let top = (1..sheet.len()).max_by(|&a, &b| sheet[a].total_cmp(&sheet[b])).unwrap();
+    let position_m = top as f64 * plate.length_m() / along as f64;
+    assert!((position_m - peak.position_m).abs() < 2e-3, "{position_m} against {}", peak.position_m);
+    assert!((sheet[top] / peak.amplitude - 1.0).abs() < 0.01, "{} against {}", sheet[top], peak.amplitude);
 }
 
 #[test]
