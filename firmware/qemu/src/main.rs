@@ -1,26 +1,22 @@
-//! (being written)
+//! The Slipline device on an emulated Cortex-M4F: QEMU's machine mps2-an386.
+//!
+//! ```text
+//! qemu-system-arm -M mps2-an386 -nographic -icount shift=0 -serial <link> -serial <codes> -kernel slipline-qemu
+//! ```
+//! The very application of the boards, compiled for the same processor, with UART0 as its link and UART1 as its DAC.
+//! Under `-icount` the sample index and the instructions executed do not depend on the host computer's speed.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 
 #[cfg(target_arch = "arm")]
-mod device {
-    use cortex_m_rt::entry;
+mod cmsdk;
+#[cfg(target_arch = "arm")]
+mod device;
 
-    #[panic_handler]
-    fn panic(_: &core::panic::PanicInfo) -> ! {
-        loop {
-            cortex_m::asm::nop();
-        }
-    }
-
-    #[entry]
-    fn main() -> ! {
-        loop {
-            cortex_m::asm::wfi();
-        }
-    }
-}
-
+/// On the host there is nothing to run.
 #[cfg(not(target_arch = "arm"))]
 fn main() {
-    println!("build me with --target thumbv7em-none-eabihf and run me in qemu-system-arm -M mps2-an386");
+    println!(
+        "This is for an emulator. Build it with\n  \
+         cargo build --release -p slipline-qemu --target thumbv7em-none-eabihf"
+    );
 }
