@@ -6,6 +6,8 @@
 //! A rig is the production code with other edges; hardware, time and chance are arguments. Each file under `tests/`
 //! holds the tests of one subject; where a test answers a row of the reliability table it names it (R-..).
 
+pub mod commands;
 pub mod faulty_link;
+pub mod fuzz;
 pub mod measure;
 pub mod rig;

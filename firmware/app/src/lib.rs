@@ -47,6 +47,7 @@ pub mod thermal;
 pub mod timing;
 pub mod upload;
 
+pub use bank::{BLOCK, TONES};
 pub use boot::Boot;
 pub use controller::Device;
 pub use crash::CrashRecord;

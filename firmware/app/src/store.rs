@@ -272,3 +272,6 @@ pub fn is_sound(header: &TableHeader, knot: impl Fn(u16) -> Knot) -> bool {
         && table::digest(header.span_start_um, header.span_end_um, header.sample_rate_hz, header.knots, &knot)
             == header.crc
 }
+
+#[cfg(test)]
+mod tests;

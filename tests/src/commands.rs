@@ -1,0 +1,46 @@
+//! One of every command.
+
+use slipline_protocol::Command;
+use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk};
+use slipline_protocol::version::Version;
+
+use crate::rig::{Table, drive};
+
+/// One of every command, in the order of their ids.
+///
+/// # Panics
+/// If a command has been added to the protocol and not here.
+#[must_use]
+pub fn every_command() -> Vec<Command> {
+    let table = Table::usual();
+    let chunk = TableChunk {
+        first: 0,
+        knots: heapless::Vec::from_slice(&table.knots[..3]).expect("three knots fit a chunk"),
+    };
+    let commands = vec![
+        Command::Hello(Hello { version: Version::OURS, nonce: *b"else" }),
+        Command::KeepAlive(KeepAlive { beat: 1_000_000 }),
+        Command::Status,
+        Command::Arm,
+        Command::Disarm,
+        Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),
+        Command::Stop,
+        Command::EmergencyStop,
+        Command::ClearFaults,
+        Command::TableBegin(table.header),
+        Command::TableChunk(chunk),
+        Command::TableCommit,
+        Command::TableAbort,
+        Command::TableDigest,
+        Command::DigestStart(DigestWindow { from: 1_000_000, count: 100 }),
+        Command::DigestRead,
+        Command::Store,
+        Command::Forget,
+        Command::BootloaderToken,
+        Command::BootloaderEnter(0),
+    ];
+    let ids: Vec<u8> = commands.iter().map(Command::id).collect();
+    let all: Vec<u8> = Command::TABLE.iter().map(|(id, ..)| *id).collect();
+    assert_eq!(ids, all, "one of every command");
+    commands
+}

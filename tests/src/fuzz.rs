@@ -1,0 +1,152 @@
+//! What the fuzzer hammers on, and what must hold whatever it finds.
+//!
+//! Each function is one target: bytes in, a panic if a promise is broken. The fuzzer's binaries under `fuzz/` call
+//! them; the corpora under `corpus/` are replayed by a plain `cargo test` (tests/fuzz_corpora.rs).
+
+use crate::rig::{BLOCK, MID, Rig, Table, drive};
+use slipline_plate::Plate;
+use slipline_protocol::command::{Hello, KeepAlive};
+use slipline_protocol::event::State;
+use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, MAX_BODY};
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Event};
+
+/// Noise on the link of a device that is driving: as long as no frame is whole, nothing changes but the counters, and
+/// the noise does not keep the drive alive.
+///
+/// # Panics
+/// If that does not hold.
+pub fn rx_bytes(data: &[u8]) {
+    let mut rig = Rig::armed();
+    rig.accepted(&Command::Drive(drive(&[(0, 0.3, 0.5)], 4000)));
+    rig.keep_alive();
+    let frames = rig.status().counters.frames;
+    for chunk in data.chunks(61) {
+        rig.device.feed(chunk);
+        rig.silent_blocks(1);
+        rig.replies.clear();
+    }
+    rig.silent_ms(DEAD_MAN_MS + DEAD_MAN_RAMP_MS + 5);
+    rig.record();
+    rig.silent_blocks(2);
+    assert!(rig.recording.codes.iter().all(|&code| code == MID), "noise kept the drive alive");
+    rig.device.feed(&[0]);
+    let status = rig.status();
+    // The last status is a frame itself. A lucky whole frame may have said anything else.
+    if status.counters.frames == frames + 1 {
+        assert_eq!(status.state, State::Fault);
+    }
+}
+
+/// One message: its id, then its body. What can be read is written again as it was.
+///
+/// # Panics
+/// If that does not hold.
+pub fn decode(data: &[u8]) {
+    let Some((&id, body)) = data.split_first() else { return };
+    let mut again = [0; MAX_BODY];
+    if let Ok(command) = Command::decode(id, body) {
+        let length = command.encode_body(&mut again).expect("what was read fits a body");
+        assert_eq!(Command::decode(id, &again[..length]), Ok(command));
+    }
+    if let Ok(event) = Event::decode(id, body) {
+        let length = event.encode_body(&mut again).expect("what was read fits a body");
+        assert_eq!(Event::decode(id, &again[..length]), Ok(event));
+    }
+}
+
+/// A conversation: each step is one byte that says what happens and what that takes. Afterwards the host is silent,
+/// and the device must be too.
+///
+/// # Panics
+/// If a code leaves the DAC's range, if the device does not answer a status, or if it is not silent at the end.
+pub fn session(data: &[u8]) {
+    let mut rig = Rig::default();
+    let table = Table::usual();
+    let mut bytes = data.iter().copied();
+    let mut beat = 0;
+    for _ in 0..200 {
+        let Some(step) = bytes.next() else { break };
+        let command = match step % 16 {
+            0 => {
+                rig.silent_blocks(u64::from(bytes.next().unwrap_or(1)) * 8);
+                continue;
+            }
+            1 => {
+                let count = usize::from(bytes.next().unwrap_or(0));
+                let noise: Vec<u8> = bytes.by_ref().take(count).collect();
+                rig.device.feed(&noise);
+                rig.replies.clear();
+                continue;
+            }
+            2 => Command::Hello(Hello { version: Version::OURS, nonce: [bytes.next().unwrap_or(0); 4] }),
+            3 => {
+                beat += u32::from(bytes.next().unwrap_or(1));
+                Command::KeepAlive(KeepAlive { beat })
+            }
+            4 => Command::Arm,
+            5 => Command::Disarm,
+            6 | 7 => {
+                let mut byte = || bytes.next().unwrap_or(0);
+                let tones =
+                    [(); 3].map(|()| (byte() % 20, f64::from(byte()) / 255.0, f64::from(byte()) / 255.0));
+                Command::Drive(drive(&tones[..usize::from(byte() % 4)], u32::from(byte()) * 400))
+            }
+            8 => Command::Stop,
+            9 => Command::EmergencyStop,
+            10 => Command::ClearFaults,
+            11 => Command::TableBegin(table.header),
+            12 => {
+                let at = usize::from(bytes.next().unwrap_or(0)) % table.chunks().count();
+                table.chunks().nth(at).map(Command::TableChunk).expect("within the table")
+            }
+            13 => Command::TableCommit,
+            14 => Command::Store,
+            _ => {
+                // A well-framed message of any kind, with any body.
+                let id = bytes.next().unwrap_or(0);
+                let count = usize::from(bytes.next().unwrap_or(0) % 32);
+                let body: Vec<u8> = bytes.by_ref().take(count).collect();
+                match Command::decode(id, &body) {
+                    Ok(command) => command,
+                    Err(_) => continue,
+                }
+            }
+        };
+        if matches!(command, Command::Hello(_)) {
+            rig.hello();
+            beat = 0;
+        } else {
+            let frame = rig.frame(&command);
+            let _ = rig.exchange(&frame);
+        }
+        rig.silent_blocks(1);
+    }
+    assert!(rig.recording.codes.iter().all(|&code| code < 4096));
+    if rig.device.is_in_bootloader() {
+        return;
+    }
+    rig.silent_ms(DEAD_MAN_MS + DEAD_MAN_RAMP_MS + 5);
+    rig.record();
+    rig.silent_blocks(4);
+    assert!(rig.recording.codes.iter().all(|&code| code == MID), "a silent host leaves a silent device");
+    assert!(rig.device.is_muted(), "and a muted one");
+    assert_eq!(rig.recording.codes.len() as u64, 4 * BLOCK);
+    rig.device.feed(&[0]);
+    rig.hello();
+    assert!(matches!(rig.status().state, State::Idle | State::Fault | State::SafeMode));
+}
+
+/// A plate file: an error or a plate, never a panic; a plate survives being written and read again.
+///
+/// # Panics
+/// If that does not hold.
+pub fn load_plate(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    if let Ok(plate) = Plate::from_toml(text) {
+        let again = Plate::from_toml(&plate.to_toml()).expect("what was written can be read");
+        assert_eq!(again.to_toml(), plate.to_toml());
+        let (low, high) = plate.band_hz();
+        assert!(low.is_finite() && high.is_finite());
+    }
+}
