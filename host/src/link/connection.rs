@@ -1,0 +1,365 @@
+//! The link's state machine: open a port, talk, lose it, look for it again.
+//!
+//! ```text
+//! Disconnected --Connect--> Connecting --greeted--> Connected --error, silence--> Lost --> Reconnecting
+//!      ^                        | no answer             | Disconnect                          |  ^
+//!      +------------------------+-----------------------+                 found: greet again <+  | not yet
+//! ```
+//! It owns no thread and no clock: whoever runs it calls [`Connection::step`] with the time and waits no longer than
+//! [`Connection::deadline`]. After a loss the device is looked for by its USB serial number, then by its USB identity,
+//! then by the port's name; it comes back disarmed, and arming it again is left to the user.
+
+use super::dialogue::{Dialogue, Verdict};
+use super::record::Record;
+use super::transport::{Opener, Transport, Waker};
+use super::{LinkState, Outcome, Port, PortInfo, Request, Severity, Snapshot, Ticket, Trouble};
+use std::io;
+use std::time::Duration;
+
+/// A lost device is looked for this often; a board is back on the bus 0.2 s after a reset.
+pub const SEEK_PERIOD: Duration = Duration::from_millis(250);
+/// Reads per step, at most, so that a babbling device cannot keep the worker from its requests.
+const READS: usize = 16;
+/// What does not fit the port now is tried again after so long.
+const WRITE_PAUSE: Duration = Duration::from_millis(1);
+
+/// Draws the number that makes one session's hello differ from another's.
+pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
+
+struct Open {
+    transport: Box<dyn Transport>,
+    dialogue: Dialogue,
+    /// Nobody has seen this transport yet: it is to be registered with the poll.
+    is_new: bool,
+}
+
+enum Phase {
+    Closed,
+    Open(Box<Open>),
+    Seeking { next: Duration },
+}
+
+/// How to know a device again.
+#[derive(Clone, Debug)]
+struct Sought {
+    info: PortInfo,
+    unit: Option<[u8; 12]>,
+}
+
+/// The link to at most one device.
+pub struct Connection<O> {
+    opener: O,
+    waker: Waker,
+    nonces: Nonces,
+    phase: Phase,
+    sought: Option<Sought>,
+    /// What to open once the present device is left.
+    next: Option<(Ticket, Port)>,
+    leave: Option<Ticket>,
+    record: Record,
+    /// There may be more to read than one step took.
+    has_more: bool,
+}
+
+impl<O: Opener> Connection<O> {
+    /// A link with no port open. `waker` is given to the ports it opens.
+    pub fn new(opener: O, waker: Waker, nonces: Nonces) -> Self {
+        let mut record = Record::default();
+        record.view.auto_reconnect = true;
+        Self {
+            opener,
+            waker,
+            nonces,
+            phase: Phase::Closed,
+            sought: None,
+            next: None,
+            leave: None,
+            record,
+            has_more: false,
+        }
+    }
+
+    /// What is known now.
+    #[must_use]
+    pub const fn view(&self) -> &Snapshot {
+        &self.record.view
+    }
+
+    /// (changed at all, worth a repaint) since the last call.
+    pub fn take_changes(&mut self) -> (bool, bool) {
+        self.record.take_changes()
+    }
+
+    /// Whether a port is open.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        matches!(self.phase, Phase::Open(_))
+    }
+
+    /// A transport that has just been opened, once.
+    pub fn take_new_transport(&mut self) -> Option<&mut dyn Transport> {
+        match &mut self.phase {
+            Phase::Open(open) if open.is_new => {
+                open.is_new = false;
+                Some(open.transport.as_mut())
+            }
+            _ => None,
+        }
+    }
+
+    /// Takes a request. What cannot be done now ends at once.
+    pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
+        self.record.set_time(now);
+        if !matches!(request, Request::Drive(_) | Request::Refresh) {
+            self.record.log(Severity::Detail, format!("Request: {}.", request.name()));
+        }
+        match request {
+            Request::Connect(port) => {
+                self.next = Some((ticket, port));
+                match &mut self.phase {
+                    Phase::Open(open) => open.dialogue.leave(&mut self.record, now),
+                    Phase::Closed | Phase::Seeking { .. } => self.open_next(now),
+                }
+            }
+            Request::Disconnect => {
+                if let Phase::Open(open) = &mut self.phase {
+                    open.dialogue.leave(&mut self.record, now);
+                    self.leave = Some(ticket);
+                } else {
+                    self.phase = Phase::Closed;
+                    self.record.link(LinkState::Disconnected);
+                    self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+                }
+            }
+            Request::AutoReconnect(on) => {
+                self.record.view.auto_reconnect = on;
+                self.record.touch();
+                match (&self.record.view.link, on) {
+                    (LinkState::Lost(trouble), true) => {
+                        let trouble = trouble.clone();
+                        self.seek(trouble, now);
+                    }
+                    (LinkState::Reconnecting(trouble), false) => {
+                        let trouble = trouble.clone();
+                        self.shut(&Outcome::NotConnected);
+                        self.record.link(LinkState::Lost(trouble));
+                    }
+                    _ => {}
+                }
+                self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+            }
+            request => match &mut self.phase {
+                Phase::Open(open) => open.dialogue.request(ticket, request, &mut self.record, now),
+                Phase::Closed | Phase::Seeking { .. } => {
+                    self.record.finish(Some(ticket), Outcome::NotConnected);
+                }
+            },
+        }
+    }
+
+    /// Does all that is due: reads, understands, speaks, writes, looks for a lost device.
+    pub fn step(&mut self, now: Duration) {
+        self.record.set_time(now);
+        match self.record.view.link.clone() {
+            LinkState::Lost(trouble) if self.record.view.auto_reconnect => self.seek(trouble, now),
+            _ => {}
+        }
+        if let Phase::Seeking { next } = self.phase
+            && now >= next
+        {
+            self.look(now);
+        }
+        let verdict = self.exchange(now);
+        match verdict {
+            Verdict::GoOn => {}
+            Verdict::Close => self.close(now),
+            Verdict::Lose(trouble) => self.lose(trouble, now),
+        }
+    }
+
+    /// The latest time of the next [`Connection::step`]; `None` while nothing can happen by itself.
+    #[must_use]
+    pub fn deadline(&self, now: Duration) -> Option<Duration> {
+        match &self.phase {
+            _ if self.has_more => Some(now),
+            Phase::Closed => match self.record.view.link {
+                LinkState::Lost(_) if self.record.view.auto_reconnect => Some(now),
+                _ => None,
+            },
+            Phase::Seeking { next } => Some(*next),
+            Phase::Open(open) => {
+                let unwritten = !open.dialogue.is_written();
+                let deadline = open.dialogue.deadline();
+                Some(if unwritten { deadline.min(now + WRITE_PAUSE) } else { deadline })
+            }
+        }
+    }
+
+    fn exchange(&mut self, now: Duration) -> Verdict {
+        let Phase::Open(open) = &mut self.phase else {
+            self.has_more = false;
+            return Verdict::GoOn;
+        };
+        let mut buffer = [0; 4096];
+        self.has_more = true;
+        for _ in 0..READS {
+            match open.transport.read(&mut buffer) {
+                Ok(0) => return Verdict::Lose(Trouble::Gone),
+                Ok(count) => {
+                    let bytes = buffer.get(..count).unwrap_or_default();
+                    match open.dialogue.hear(bytes, &mut self.record, now) {
+                        Verdict::GoOn => {}
+                        verdict => return verdict,
+                    }
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => match Trouble::transfer(&error) {
+                    None => {
+                        self.has_more = false;
+                        break;
+                    }
+                    Some(trouble) => return Verdict::Lose(trouble),
+                },
+            }
+        }
+        match open.dialogue.speak(&mut self.record, now) {
+            Verdict::GoOn => {}
+            verdict => return verdict,
+        }
+        self.record.count(open.dialogue.talk());
+        let output = open.dialogue.output();
+        while !output.is_empty() {
+            match open.transport.write(output) {
+                Ok(0) => return Verdict::Lose(Trouble::Gone),
+                Ok(count) => drop(output.drain(..count.min(output.len()))),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => match Trouble::transfer(&error) {
+                    None => break,
+                    Some(trouble) => return Verdict::Lose(trouble),
+                },
+            }
+        }
+        self.verify_identity()
+    }
+
+    /// After a reconnection: is it the same device?
+    fn verify_identity(&mut self) -> Verdict {
+        let Some(sought) = &mut self.sought else { return Verdict::GoOn };
+        let Some(unit) = self.record.view.identity.as_ref().map(|identity| identity.unit) else {
+            return Verdict::GoOn;
+        };
+        match sought.unit {
+            Some(known) if known != unit => Verdict::Lose(Trouble::Gone),
+            _ => {
+                sought.unit = Some(unit);
+                Verdict::GoOn
+            }
+        }
+    }
+
+    /// Drops the transport; whatever waits ends with `outcome`.
+    fn shut(&mut self, outcome: &Outcome) {
+        self.has_more = false;
+        if let Phase::Open(open) = std::mem::replace(&mut self.phase, Phase::Closed) {
+            open.dialogue.end(&mut self.record, outcome);
+        }
+    }
+
+    /// The farewell is over.
+    fn close(&mut self, now: Duration) {
+        self.shut(&Outcome::NotConnected);
+        self.record.part(None);
+        self.record.link(LinkState::Disconnected);
+        self.record.log(Severity::Info, "Disconnected.");
+        self.record.finish(self.leave.take(), Outcome::Done { at: 0 });
+        self.open_next(now);
+    }
+
+    fn lose(&mut self, trouble: Trouble, now: Duration) {
+        let was_first = self.record.view.link == LinkState::Connecting;
+        let trouble = match (&self.record.view.port, trouble) {
+            (Some(port), Trouble::Silent) if was_first => Trouble::NoAnswer(port.clone()),
+            (_, trouble) => trouble,
+        };
+        let is_leaving = self.leave.is_some() || self.next.is_some();
+        let outcome = if was_first { Outcome::Refused(trouble.to_string()) } else { Outcome::NotConnected };
+        self.shut(&outcome);
+        if is_leaving {
+            return self.close(now);
+        }
+        let was_seeking = matches!(self.record.view.link, LinkState::Reconnecting(_));
+        self.record.part(Some(trouble.clone()));
+        if was_first {
+            self.record.link(LinkState::Disconnected);
+        } else if was_seeking {
+            // A port that is there but does not answer yet: it may still be starting.
+            self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
+        } else {
+            self.record.log(Severity::Error, format!("Connection lost: {trouble}."));
+            self.record.link(LinkState::Lost(trouble));
+        }
+    }
+
+    fn seek(&mut self, trouble: Trouble, now: Duration) {
+        self.record.log(Severity::Info, "Looking for the device.");
+        self.record.link(LinkState::Reconnecting(trouble));
+        self.phase = Phase::Seeking { next: now };
+    }
+
+    fn open_next(&mut self, now: Duration) {
+        let Some((ticket, port)) = self.next.take() else { return };
+        let known = self.opener.list().into_iter().find(|info| info.port == port);
+        let info = known.unwrap_or_else(|| PortInfo {
+            label: port.to_string(),
+            port: port.clone(),
+            is_ours: false,
+            usb_serial: None,
+        });
+        self.record.view.port = Some(port.clone());
+        self.record.begin();
+        self.sought = Some(Sought { info, unit: None });
+        self.record.log(Severity::Info, format!("Connecting to {port}."));
+        self.record.link(LinkState::Connecting);
+        if let Err(trouble) = self.open(&port, Some(ticket), now) {
+            self.phase = Phase::Closed;
+            self.record.part(Some(trouble.clone()));
+            self.record.link(LinkState::Disconnected);
+            self.record.finish(Some(ticket), Outcome::Refused(trouble.to_string()));
+        }
+    }
+
+    fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), Trouble> {
+        let transport = self.opener.open(port, &self.waker)?;
+        let dialogue = Dialogue::begin((self.nonces)(), ticket, now);
+        self.phase = Phase::Open(Box::new(Open { transport, dialogue, is_new: true }));
+        Ok(())
+    }
+
+    /// Looks for the lost device once.
+    fn look(&mut self, now: Duration) {
+        self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
+        let Some(sought) = self.sought.clone() else { return };
+        let ports = self.opener.list();
+        let by_serial =
+            |info: &&PortInfo| sought.info.usb_serial.is_some() && info.usb_serial == sought.info.usb_serial;
+        let by_name = |info: &&PortInfo| info.port == sought.info.port;
+        let by_kind = |info: &&PortInfo| {
+            sought.info.is_ours
+                && info.is_ours
+                && sought.info.port != Port::Simulated
+                && info.port != Port::Simulated
+        };
+        let found = if sought.info.usb_serial.is_some() {
+            ports.iter().find(by_serial).map(|info| info.port.clone())
+        } else {
+            let known = ports.iter().find(by_name).or_else(|| ports.iter().find(by_kind));
+            // Sockets and pseudo-terminals are in no list: try the name.
+            Some(known.map_or_else(|| sought.info.port.clone(), |info| info.port.clone()))
+        };
+        let Some(port) = found else { return };
+        if self.open(&port, None, now).is_ok() {
+            self.record.view.port = Some(port);
+            self.record.begin();
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! One session's talk with a device: numbering, time-outs, repeats. It is told the time and moves bytes only.
+//!
+//! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for the stops,
+//! which wait for nobody; [`Lane::Pulse`] for hello, keep-alives and status; [`Lane::Ordered`] for all that is numbered.
+//! A numbered command is repeated under its own number, so the device does it once; a keep-alive is replaced by
+//! a fresh one, since an old beat feeds nothing.
+
+use slipline_protocol::frame::DecoderCounters;
+use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Decoder, Direction, Event, Refusal, command, event};
+use std::time::Duration;
+
+/// A reply is awaited so long before the command is sent again.
+pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
+/// A keep-alive goes out this often.
+pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
+/// Erasing flash stalls an STM32 for up to 2.6 s; for so long a device that was told to is left in peace.
+pub(crate) const FLASH_PATIENCE: Duration = Duration::from_secs(4);
+
+/// Which queue a command travels in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lane {
+    /// Stop and emergency stop.
+    Urgent,
+    /// Hello, keep-alive, status.
+    Pulse,
+    /// Everything that is numbered.
+    Ordered,
+}
+
+impl Lane {
+    const fn of(command: &Command) -> Self {
+        match command {
+            Command::Stop | Command::EmergencyStop => Self::Urgent,
+            _ if command.is_sequenced() => Self::Ordered,
+            _ => Self::Pulse,
+        }
+    }
+}
+
+/// What came back, with the command it answers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Answer {
+    /// What was said.
+    pub(crate) command: Command,
+    /// What came back.
+    pub(crate) reply: Reply,
+    /// How long it took since the last time it was said.
+    pub(crate) round_trip: Duration,
+}
+
+/// The content of an answer.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Reply {
+    /// The device's version, and the rest of its identity where this program can read it.
+    Hello(Version, Option<Box<event::Identity>>),
+    /// Any other event.
+    Event(Event),
+}
+
+/// The device has not answered although it was asked as often as allowed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Silent;
+
+/// What the conversation has counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tally {
+    pub(crate) commands: u32,
+    pub(crate) retries: u32,
+    pub(crate) timeouts: u32,
+    pub(crate) strays: u32,
+}
+
+#[derive(Clone, Debug)]
+struct Flight {
+    command: Command,
+    /// What is sent if it has to be sent again.
+    repeat: Command,
+    sequence: u16,
+    sent: Duration,
+    repeats: u32,
+}
+
+/// The host's half of one session.
+#[derive(Debug)]
+pub(crate) struct Conversation {
+    nonce: [u8; 4],
+    /// The session's number on the wire: 0 until the device has told it in the header of its hello.
+    session: u32,
+    sequence: u16,
+    beat: u32,
+    pulse_number: u16,
+    urgent: Option<Flight>,
+    pulse: Option<Flight>,
+    ordered: Option<Flight>,
+    decoder: Decoder,
+    out: Vec<u8>,
+    tally: Tally,
+}
+
+impl Conversation {
+    /// A conversation that begins with a hello of this nonce.
+    pub(crate) fn new(nonce: [u8; 4]) -> Self {
+        Self {
+            nonce,
+            session: 0,
+            // A session's first numbered command has number 1.
+            sequence: 1,
+            beat: 0,
+            pulse_number: 0,
+            urgent: None,
+            pulse: None,
+            ordered: None,
+            decoder: Decoder::new(),
+            out: Vec::new(),
+            tally: Tally::default(),
+        }
+    }
+
+    /// The hello of this session.
+    pub(crate) const fn hello(&self) -> Command {
+        Command::Hello(command::Hello { version: Version::OURS, nonce: self.nonce })
+    }
+
+    /// Whether a numbered command may be said now.
+    pub(crate) const fn is_free(&self) -> bool {
+        self.ordered.is_none()
+    }
+
+    /// Whether a hello, keep-alive or status waits for its answer.
+    pub(crate) const fn is_listening(&self) -> bool {
+        self.pulse.is_some()
+    }
+
+    /// The numbered command that waits for its answer.
+    pub(crate) fn pending(&self) -> Option<&Command> {
+        self.ordered.as_ref().map(|flight| &flight.command)
+    }
+
+    /// What has been counted here.
+    pub(crate) const fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// What the decoder has counted.
+    pub(crate) const fn decoder(&self) -> DecoderCounters {
+        self.decoder.counters()
+    }
+
+    /// Says a command. It replaces an unanswered one of its lane; numbered ones are said only when
+    /// [`Conversation::is_free`].
+    pub(crate) fn say(&mut self, command: Command, now: Duration) {
+        self.tally.commands = self.tally.commands.saturating_add(1);
+        let lane = Lane::of(&command);
+        let sequence = if lane == Lane::Ordered { self.sequence } else { self.unsequenced() };
+        self.post(&command, sequence);
+        let flight = Flight { repeat: command.clone(), command, sequence, sent: now, repeats: 0 };
+        *self.lane_mut(lane) = Some(flight);
+    }
+
+    /// Says the next keep-alive. If the one before is unanswered, this is its repeat: a beat that comes twice would
+    /// feed nothing.
+    pub(crate) fn keep_alive(&mut self, now: Duration) {
+        let unanswered = self.pulse.as_ref().map(|flight| flight.repeats);
+        self.beat = self.beat.wrapping_add(1);
+        self.say(Command::KeepAlive(command::KeepAlive { beat: self.beat }), now);
+        let in_flash = self.in_flash();
+        if let (Some(repeats), Some(flight)) = (unanswered, &mut self.pulse) {
+            flight.repeats = if in_flash { repeats } else { repeats + 1 };
+            self.tally.timeouts = self.tally.timeouts.saturating_add(1);
+            self.tally.retries = self.tally.retries.saturating_add(1);
+        }
+    }
+
+    /// If a numbered command is unanswered, never sends it again: should it be lost, something harmless goes out
+    /// under its number. For a drive that a stop has overtaken.
+    pub(crate) fn defuse(&mut self) {
+        if let Some(flight) = &mut self.ordered {
+            flight.repeat = Command::TableDigest;
+        }
+    }
+
+    /// Takes a numbered command's refusal as not counted: its number is `expected` from now on, and it goes out again.
+    pub(crate) fn renumber(&mut self, command: Command, expected: u16, now: Duration) {
+        self.sequence = expected;
+        self.say(command, now);
+    }
+
+    /// Takes bytes from the device; returns what they answer.
+    pub(crate) fn hear(&mut self, bytes: &[u8], now: Duration) -> Vec<Answer> {
+        let mut answers = Vec::new();
+        for &byte in bytes {
+            let heard = self.decoder.push(byte, |frame| {
+                if frame.header.direction != Direction::ToHost {
+                    return None;
+                }
+                Some((frame.header, read(frame.header.id, frame.body)))
+            });
+            let Some(Some((header, reply))) = heard else { continue };
+            let greets = matches!(reply, Some(Reply::Hello(..)));
+            let answer = reply
+                .filter(|_| greets || header.session == self.session)
+                .and_then(|reply| self.land(header.sequence, reply, now));
+            match answer {
+                Some(answer) => {
+                    if greets {
+                        self.session = header.session;
+                    }
+                    answers.push(answer);
+                }
+                None => self.tally.strays = self.tally.strays.saturating_add(1),
+            }
+        }
+        answers
+    }
+
+    /// Sends again what is overdue. Keep-alives are not: [`Conversation::keep_alive`] comes round by itself.
+    ///
+    /// # Errors
+    /// [`Silent`] once a command has been sent and repeated as often as allowed.
+    pub(crate) fn tick(&mut self, now: Duration) -> Result<(), Silent> {
+        for lane in [Lane::Urgent, Lane::Ordered, Lane::Pulse] {
+            let patience = self.patience();
+            let Some(flight) = self.lane_mut(lane) else { continue };
+            if now < flight.sent + patience {
+                continue;
+            }
+            if flight.repeats >= MAX_RETRIES {
+                return Err(Silent);
+            }
+            if matches!(flight.command, Command::KeepAlive(_) | Command::Status) {
+                continue;
+            }
+            flight.repeats += 1;
+            flight.sent = now;
+            let (command, sequence) = (flight.repeat.clone(), flight.sequence);
+            self.post(&command, sequence);
+            self.tally.timeouts = self.tally.timeouts.saturating_add(1);
+            self.tally.retries = self.tally.retries.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    /// When [`Conversation::tick`] has something to do next.
+    pub(crate) fn deadline(&self) -> Option<Duration> {
+        let sent =
+            [&self.urgent, &self.pulse, &self.ordered].into_iter().flatten().map(|flight| flight.sent).min();
+        sent.map(|sent| sent + self.patience())
+    }
+
+    /// The bytes that wait to be written; the caller removes what it has written.
+    pub(crate) const fn output(&mut self) -> &mut Vec<u8> {
+        &mut self.out
+    }
+
+    /// Whether no bytes wait to be written.
+    pub(crate) const fn is_written(&self) -> bool {
+        self.out.is_empty()
+    }
+
+    fn in_flash(&self) -> bool {
+        matches!(self.pending(), Some(Command::Store | Command::Forget))
+    }
+
+    fn patience(&self) -> Duration {
+        if self.in_flash() { FLASH_PATIENCE } else { REPLY_TIMEOUT }
+    }
+
+    fn lane_mut(&mut self, lane: Lane) -> &mut Option<Flight> {
+        match lane {
+            Lane::Urgent => &mut self.urgent,
+            Lane::Pulse => &mut self.pulse,
+            Lane::Ordered => &mut self.ordered,
+        }
+    }
+
+    /// A number that no numbered command under way has, so that answers cannot be mistaken.
+    fn unsequenced(&mut self) -> u16 {
+        self.pulse_number = self.pulse_number.wrapping_add(1);
+        if self.ordered.as_ref().is_some_and(|flight| flight.sequence == self.pulse_number) {
+            self.pulse_number = self.pulse_number.wrapping_add(1);
+        }
+        self.pulse_number
+    }
+
+    fn post(&mut self, command: &Command, sequence: u16) {
+        let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
+        // Every command its types allow fits a frame (a test of the protocol holds that); were it not so, the
+        // missing answer would tell.
+        if let Ok(frame) = command.frame(session, sequence) {
+            self.out.extend_from_slice(&frame);
+        }
+    }
+
+    /// Matches a reply with the command it answers.
+    fn land(&mut self, sequence: u16, reply: Reply, now: Duration) -> Option<Answer> {
+        let greets = matches!(reply, Reply::Hello(..));
+        let lane = [Lane::Ordered, Lane::Urgent, Lane::Pulse].into_iter().find(|&lane| {
+            self.lane_mut(lane).as_ref().is_some_and(|flight| {
+                flight.sequence == sequence && greets == matches!(flight.command, Command::Hello(_))
+            })
+        })?;
+        let flight = self.lane_mut(lane).take()?;
+        let uncounted = matches!(reply, Reply::Event(Event::Refused(Refusal::BadSequence { .. })));
+        if lane == Lane::Ordered && !uncounted {
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        Some(Answer { round_trip: now.saturating_sub(flight.sent), command: flight.command, reply })
+    }
+}
+
+fn read(id: u8, body: &[u8]) -> Option<Reply> {
+    const HELLO: u8 = 0x81;
+    match (id, Event::decode(id, body)) {
+        (_, Ok(Event::Hello(identity))) => Some(Reply::Hello(identity.version, Some(Box::new(identity)))),
+        // Of a foreign version only the first six bytes can be relied on.
+        (HELLO, Err(_)) => match *body {
+            [major, minor, a, b, c, d, ..] => {
+                Some(Reply::Hello(Version { major, minor, schema: [a, b, c, d] }, None))
+            }
+            _ => None,
+        },
+        (_, Ok(event)) => Some(Reply::Event(event)),
+        (_, Err(_)) => None,
+    }
+}

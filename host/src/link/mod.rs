@@ -1,0 +1,35 @@
+//! The link to a device: one worker thread owns the port; everything else sends requests and looks at snapshots.
+//!
+//! ```text
+//! Request --Worker::send--> [ connection -> conversation -> frames ] --Transport--> device
+//! Snapshot <--Worker::snapshot-- [          "                      ] <-------------
+//! ```
+//! [`connection`] is the state machine (connect, lose, look again), [`conversation`] one session's talk (numbering,
+//! time-outs, repeats). Both are told the time and own no thread, so tests and the simulation run them in virtual
+//! time. [`worker`] gives them a thread; [`serial`], `socket` and [`pace`] are the ends they talk through.
+
+pub mod connection;
+mod conversation;
+mod dialogue;
+pub mod opener;
+pub mod pace;
+mod port;
+mod record;
+mod request;
+pub mod serial;
+pub mod simulated;
+mod snapshot;
+#[cfg(unix)]
+pub mod socket;
+pub mod transport;
+mod trouble;
+mod upload;
+pub mod worker;
+
+pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR, list_ports};
+pub use request::{DriveError, DriveRequest, Outcome, Request, Ticket, ToneRequest};
+pub use snapshot::{
+    Acknowledged, Change, JOURNAL_ENTRIES, LOG_LINES, LinkCounters, LinkState, LogEntry, OUTCOMES, RoundTrip,
+    Severity, Snapshot, UploadProgress,
+};
+pub use trouble::Trouble;

@@ -1,0 +1,80 @@
+//! The simulated device in real time.
+//!
+//! The device speaks only when spoken to, and its samples are known from the mirror, so nobody can tell whether it
+//! rendered them at their time or just before it is next spoken to. It does the latter: no thread, no timer, and at
+//! rest no work but what the keep-alives cause.
+
+use super::simulated::SimulatedDevice;
+use super::transport::{Transport, Waker};
+use slipline_app::bank::BLOCK;
+use std::io;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A device that nobody has spoken to for longer skips the time beyond (the computer had slept): its dead-man needs
+/// one second and its ramp, the coil's cooling is not worth more.
+const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
+
+/// A simulated device and how far its time has come.
+pub struct PacedDevice {
+    device: SimulatedDevice,
+    since: Instant,
+    /// Blocks rendered since then.
+    blocks: u64,
+}
+
+impl PacedDevice {
+    /// Starts a device's time now.
+    #[must_use]
+    pub fn new(device: SimulatedDevice) -> Self {
+        Self { device, since: Instant::now(), blocks: 0 }
+    }
+
+    fn catch_up(&mut self) {
+        let rate = u64::from(self.device.sample_rate_hz());
+        let blocks_in =
+            |time: Duration| (time.as_micros() as u64).saturating_mul(rate) / (1_000_000 * BLOCK as u64);
+        let due = blocks_in(self.since.elapsed()).saturating_sub(self.blocks);
+        self.device.advance(due.min(blocks_in(LONGEST_CATCH_UP)), |_| {});
+        self.blocks += due;
+    }
+}
+
+/// The line to a simulated device.
+pub struct PacedLine {
+    device: Arc<Mutex<PacedDevice>>,
+    received: Vec<u8>,
+    waker: Waker,
+}
+
+impl PacedLine {
+    /// A line to this device; `waker` is called when it has answered.
+    #[must_use]
+    pub const fn new(device: Arc<Mutex<PacedDevice>>, waker: Waker) -> Self {
+        Self { device, received: Vec::new(), waker }
+    }
+}
+
+impl Transport for PacedLine {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.received.is_empty() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        let count = buffer.len().min(self.received.len());
+        for (to, from) in buffer.iter_mut().zip(self.received.drain(..count)) {
+            *to = from;
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut paced = self.device.lock().unwrap_or_else(PoisonError::into_inner);
+        paced.catch_up();
+        paced.device.feed(bytes);
+        paced.device.take(&mut self.received);
+        if !self.received.is_empty() {
+            self.waker.wake();
+        }
+        Ok(bytes.len())
+    }
+}

@@ -1,0 +1,164 @@
+//! The picture of the link under construction: what the next snapshot will show.
+
+use super::conversation::Conversation;
+use super::snapshot::{JOURNAL_ENTRIES, LOG_LINES, OUTCOMES};
+use super::{Acknowledged, Change, LogEntry, Outcome, Severity, Snapshot, Ticket, Trouble};
+use crate::link::LinkState;
+use slipline_protocol::event::Status;
+use slipline_protocol::units::SampleIndex;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Answers over which the round trip's running average runs.
+const AVERAGE_OVER: u32 = 16;
+
+/// A snapshot and what has changed in it.
+#[derive(Debug, Default)]
+pub(crate) struct Record {
+    pub(crate) view: Snapshot,
+    now: Duration,
+    entries: u64,
+    /// Something changed since the last snapshot.
+    changed: bool,
+    /// Something changed that is worth a repaint.
+    loud: bool,
+}
+
+impl Record {
+    /// The time from now on.
+    pub(crate) const fn set_time(&mut self, now: Duration) {
+        self.now = now;
+    }
+
+    /// Marks a change that is worth a repaint.
+    pub(crate) const fn touch(&mut self) {
+        self.changed = true;
+        self.loud = true;
+    }
+
+    /// (changed at all, worth a repaint) since the last call.
+    pub(crate) fn take_changes(&mut self) -> (bool, bool) {
+        if self.loud {
+            self.view.revision += 1;
+        }
+        (std::mem::take(&mut self.changed), std::mem::take(&mut self.loud))
+    }
+
+    pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
+        let log = Arc::make_mut(&mut self.view.log);
+        push_bounded(log, LOG_LINES, LogEntry { severity, time: self.now, text: text.into() });
+        self.touch();
+    }
+
+    /// Notes what the device has agreed to.
+    pub(crate) fn acknowledge(&mut self, at: SampleIndex, change: Change) {
+        self.entries += 1;
+        let entry = Arc::new(Acknowledged { number: self.entries, at, change });
+        push_bounded(Arc::make_mut(&mut self.view.journal), JOURNAL_ENTRIES, entry);
+        self.touch();
+    }
+
+    /// Notes how a request ended; requests of the link itself have no ticket.
+    pub(crate) fn finish(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
+        if let Outcome::Refused(sentence) = &outcome {
+            self.log(Severity::Warning, sentence.clone());
+            if let Some(ticket) = ticket {
+                self.view.last_refusal = Some((ticket, sentence.as_str().into()));
+            }
+        }
+        if let Outcome::NotConnected = outcome {
+            self.view.counters.dropped = self.view.counters.dropped.saturating_add(1);
+        }
+        if let Some(ticket) = ticket {
+            push_bounded(Arc::make_mut(&mut self.view.outcomes), OUTCOMES, (ticket, outcome));
+            self.touch();
+        }
+    }
+
+    /// Takes a status that came from the device.
+    pub(crate) fn status(&mut self, status: Status) {
+        let seen = |status: &Status| {
+            let mut seen = *status;
+            seen.now = 0;
+            seen.counters.frames = 0;
+            seen
+        };
+        if let Some(before) = self.view.status {
+            for fault in status.faults.iter().filter(|&fault| !before.faults.contains(fault)) {
+                self.log(Severity::Error, format!("Fault: {}.", fault.text()));
+            }
+        }
+        if self.view.status.as_ref().map(seen) != Some(seen(&status)) {
+            self.touch();
+        }
+        self.view.status = Some(status);
+        self.view.status_time = self.now;
+        self.changed = true;
+    }
+
+    pub(crate) fn round_trip(&mut self, took: Duration) {
+        let trip = &mut self.view.round_trip;
+        trip.last = took;
+        trip.worst = trip.worst.max(took);
+        trip.average = if trip.average.is_zero() {
+            took
+        } else {
+            (trip.average * (AVERAGE_OVER - 1) + took) / AVERAGE_OVER
+        };
+        self.changed = true;
+    }
+
+    /// Counts a drive that a newer one replaced before it was sent.
+    pub(crate) const fn superseded(&mut self) {
+        self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
+    }
+
+    pub(crate) fn link(&mut self, link: LinkState) {
+        if self.view.link != link {
+            self.view.link = link;
+            self.touch();
+        }
+    }
+
+    /// Copies the conversation's counters.
+    pub(crate) fn count(&mut self, conversation: &Conversation) {
+        let tally = conversation.tally();
+        let counters = &mut self.view.counters;
+        counters.commands = tally.commands;
+        counters.retries = tally.retries;
+        counters.timeouts = tally.timeouts;
+        counters.strays = tally.strays;
+        self.view.decoder = conversation.decoder();
+        self.changed = true;
+    }
+
+    /// Forgets what was known of a device that is connected no more.
+    pub(crate) fn part(&mut self, trouble: Option<Trouble>) {
+        let view = &mut self.view;
+        view.identity = None;
+        view.compatibility = None;
+        view.status = None;
+        view.table = slipline_protocol::event::TableReport::default();
+        view.confirmed_table = None;
+        view.upload = None;
+        view.trouble = trouble;
+        self.touch();
+    }
+
+    /// Sets the counters of a connection to nothing.
+    pub(crate) fn begin(&mut self) {
+        let dropped = self.view.counters.dropped;
+        self.view.counters = super::LinkCounters { dropped, ..super::LinkCounters::default() };
+        self.view.round_trip = super::RoundTrip::default();
+        self.view.upload_verified = None;
+        self.touch();
+    }
+}
+
+fn push_bounded<T>(list: &mut VecDeque<T>, limit: usize, item: T) {
+    if list.len() >= limit {
+        list.pop_front();
+    }
+    list.push_back(item);
+}

@@ -1,0 +1,63 @@
+//! A serial port as a transport: native USB (CDC-ACM) or a UART behind a USB bridge.
+//!
+//! The port is opened exclusively, raw, 8N1, with DTR set (some bridges pass nothing without it; nothing here relies
+//! on it). Reads and writes do not wait: where the system can tell when bytes arrive (all but Windows) the worker
+//! sleeps until then, else it reads every few milliseconds.
+
+use super::transport::{Transport, Wakes};
+use super::{Port, Trouble};
+use serialport::{ErrorKind, SerialPort};
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::time::Duration;
+
+/// The rate of boards that talk through a UART; native USB ignores it.
+pub const BAUD_RATE: u32 = 921_600;
+
+#[cfg(unix)]
+type Native = serialport::TTYPort;
+#[cfg(windows)]
+type Native = serialport::COMPort;
+
+/// An open serial port.
+pub struct Serial(Native);
+
+/// Opens a serial port by its system name.
+///
+/// # Errors
+/// [`Trouble`]: no such port, in use, no permission, or what the system says.
+pub fn open(name: &str) -> Result<Serial, Trouble> {
+    let port = Port::Serial(name.to_owned());
+    let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(Duration::ZERO);
+    let native = Native::open(&builder).map_err(|error| match error.kind {
+        // The crate says "no device" for a port that another program has locked, too.
+        ErrorKind::NoDevice if Path::new(name).exists() => Trouble::Busy(port.clone()),
+        _ => Trouble::opening(&port, &io::Error::from(error)),
+    })?;
+    // What an earlier owner left behind belongs to nobody.
+    native.clear(serialport::ClearBuffer::All).ok();
+    Ok(Serial(native))
+}
+
+impl Transport for Serial {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    #[cfg(unix)]
+    fn register(&mut self, poll: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
+        use std::os::fd::AsRawFd;
+        let descriptor = self.0.as_raw_fd();
+        poll.register(&mut mio::unix::SourceFd(&descriptor), token, mio::Interest::READABLE)?;
+        Ok(Wakes::Itself)
+    }
+
+    #[cfg(not(unix))]
+    fn register(&mut self, _poll: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
+        Ok(Wakes::Never)
+    }
+}

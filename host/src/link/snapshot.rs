@@ -1,0 +1,193 @@
+//! What the rest of the program sees of the link: a picture taken after every change.
+
+use super::{Outcome, Port, Ticket, Trouble};
+use crate::table::DeviceTable;
+use slipline_protocol::command::Drive;
+use slipline_protocol::event::{Identity, Status, TableReport};
+use slipline_protocol::frame::DecoderCounters;
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::version::Compatibility;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Where the link stands.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum LinkState {
+    /// No port is open and none is sought. [`Snapshot::trouble`] says why, if it was not asked for.
+    #[default]
+    Disconnected,
+    /// The port is being opened, or the device has not answered the hello yet.
+    Connecting,
+    /// The device answers.
+    Connected,
+    /// The device has gone. It is not looked for (that is switched off, or has just been noticed).
+    Lost(Trouble),
+    /// The device has gone and is being looked for.
+    Reconnecting(Trouble),
+}
+
+/// Where an upload stands, in knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UploadProgress {
+    /// Knots the device has taken.
+    pub sent: u16,
+    /// Knots in all.
+    pub total: u16,
+}
+
+/// How long the device takes to answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RoundTrip {
+    /// The latest answer.
+    pub last: Duration,
+    /// A running average over about 16 answers.
+    pub average: Duration,
+    /// The slowest since the connection began.
+    pub worst: Duration,
+}
+
+/// The link's own counters since the connection began; they stop at their largest value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounters {
+    /// Commands sent, repeats not counted.
+    pub commands: u32,
+    /// Commands sent again because no answer came in time.
+    pub retries: u32,
+    /// Times an answer did not come in time.
+    pub timeouts: u32,
+    /// Drive requests that a newer one replaced before they were sent.
+    pub superseded: u32,
+    /// Requests dropped because there was no connection.
+    pub dropped: u32,
+    /// Answers that belong to no command under way (late or repeated).
+    pub strays: u32,
+}
+
+/// Something the device has agreed to, at a sample index: what the mirror replays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Acknowledged {
+    /// Rises by one with each entry; a gap means entries were missed.
+    pub number: u64,
+    /// The index from which it shows in the samples.
+    pub at: SampleIndex,
+    /// What.
+    pub change: Change,
+}
+
+/// A change of what the device sounds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A session began: the device is silent and disarmed from here.
+    Session,
+    /// It was armed.
+    Armed,
+    /// It was disarmed: a ramp to silence.
+    Disarmed,
+    /// A drive, in the device's own units.
+    Drive(Arc<Drive>),
+    /// A stop: a ramp to silence.
+    Stop,
+    /// An emergency stop: a fast ramp to silence.
+    EmergencyStop,
+    /// This table was swapped in.
+    Table(Arc<DeviceTable>),
+}
+
+/// How much an entry of the log matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// For the curious.
+    Detail,
+    /// What was done.
+    Info,
+    /// Something to look at.
+    Warning,
+    /// Something went wrong.
+    Error,
+}
+
+/// One line of the log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogEntry {
+    /// How much it matters.
+    pub severity: Severity,
+    /// When, since the worker was started.
+    pub time: Duration,
+    /// What.
+    pub text: String,
+}
+
+/// Lines the log keeps.
+pub const LOG_LINES: usize = 500;
+/// Acknowledged changes that are kept for the mirror.
+pub const JOURNAL_ENTRIES: usize = 128;
+/// Outcomes that are kept.
+pub const OUTCOMES: usize = 64;
+
+/// Everything known about link and device at one moment. Cloning is cheap.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Rises with every change.
+    pub revision: u64,
+    /// Where the link stands.
+    pub link: LinkState,
+    /// The port that is open, was open or is sought.
+    pub port: Option<Port>,
+    /// Whether a lost device is looked for.
+    pub auto_reconnect: bool,
+    /// What last went wrong with the link; gone when a connection stands.
+    pub trouble: Option<Trouble>,
+    /// Who the device is, while connected.
+    pub identity: Option<Arc<Identity>>,
+    /// How its firmware stands to this program, while connected.
+    pub compatibility: Option<Compatibility>,
+    /// Its status, while connected; at most a fifth of a second old.
+    pub status: Option<Status>,
+    /// When that status came, since the worker was started: with the rate it tells the present sample index.
+    pub status_time: Duration,
+    /// The device's table.
+    pub table: TableReport,
+    /// The table this program sent and the device has confirmed by its digest.
+    pub confirmed_table: Option<Arc<DeviceTable>>,
+    /// An upload under way.
+    pub upload: Option<UploadProgress>,
+    /// Whether the last upload's digest, read back, was the one sent; `None` while there was none.
+    pub upload_verified: Option<bool>,
+    /// How long answers take.
+    pub round_trip: RoundTrip,
+    /// The link's own counters.
+    pub counters: LinkCounters,
+    /// What this side's decoder has seen.
+    pub decoder: DecoderCounters,
+    /// The last refusal as a sentence, with the request it answers.
+    pub last_refusal: Option<(Ticket, Arc<str>)>,
+    /// What the device has agreed to, oldest first.
+    pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
+    /// How the latest requests ended, oldest first.
+    pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
+    /// The log, oldest first.
+    pub log: Arc<VecDeque<LogEntry>>,
+}
+
+impl Snapshot {
+    /// Whether the device answers.
+    #[must_use]
+    pub fn is_connected(&self) -> bool {
+        self.link == LinkState::Connected
+    }
+
+    /// How a request ended, if it has and it is not too long ago.
+    #[must_use]
+    pub fn outcome(&self, ticket: Ticket) -> Option<&Outcome> {
+        self.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome)
+    }
+
+    /// The chip's unique id in hexadecimal, while connected.
+    #[must_use]
+    pub fn unit(&self) -> Option<String> {
+        self.identity
+            .as_ref()
+            .map(|identity| identity.unit.iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+}

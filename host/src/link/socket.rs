@@ -1,0 +1,42 @@
+//! A Unix domain socket as a transport: an emulator's serial line.
+
+use super::transport::{Transport, Wakes};
+use super::{Port, Trouble};
+use mio::net::UnixStream;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+/// A connected socket.
+pub struct Socket(UnixStream);
+
+/// Connects to the socket at `path`.
+///
+/// # Errors
+/// [`Trouble`]: nobody listens there, no permission, or what the system says.
+pub fn open(path: &Path) -> Result<Socket, Trouble> {
+    UnixStream::connect(path)
+        .map(Socket)
+        .map_err(|error| Trouble::opening(&Port::Unix(path.to_owned()), &error))
+}
+
+impl From<std::os::unix::net::UnixStream> for Socket {
+    /// One end of a connected pair; it must not block.
+    fn from(stream: std::os::unix::net::UnixStream) -> Self {
+        Self(UnixStream::from_std(stream))
+    }
+}
+
+impl Transport for Socket {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn register(&mut self, poll: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
+        poll.register(&mut self.0, token, mio::Interest::READABLE)?;
+        Ok(Wakes::Itself)
+    }
+}

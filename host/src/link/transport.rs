@@ -1,0 +1,67 @@
+//! What a link talks through.
+
+use super::{Port, PortInfo, Trouble};
+use std::io;
+use std::sync::Arc;
+
+/// A byte stream to a device. Neither reading nor writing may wait for more than a few milliseconds.
+pub trait Transport: Send {
+    /// Reads what has arrived. `Ok(0)` means the other end is gone; an error of kind `WouldBlock`, `TimedOut` or
+    /// `Interrupted` that nothing has arrived.
+    ///
+    /// # Errors
+    /// As above, or whatever the system says.
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// Writes as much as the other end takes now. `Ok(0)` and errors mean the same as in [`Transport::read`].
+    ///
+    /// # Errors
+    /// As above, or whatever the system says.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
+
+    /// Asks for `poll` to wake up when bytes arrive; returns whether it will. `false` means the stream has to be
+    /// read every few milliseconds, unless it wakes the worker itself.
+    ///
+    /// # Errors
+    /// Whatever the system says.
+    fn register(&mut self, _poll: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
+        Ok(Wakes::Itself)
+    }
+}
+
+/// How a transport tells that bytes have arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wakes {
+    /// The poll it is registered with returns, or it calls the [`Waker`] it was opened with.
+    Itself,
+    /// It does not: read it every few milliseconds.
+    Never,
+}
+
+/// Wakes the worker from its wait. Cloning is cheap.
+#[derive(Clone)]
+pub struct Waker(Arc<dyn Fn() + Send + Sync>);
+
+impl Waker {
+    /// A waker that calls `wake`.
+    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self(Arc::new(wake))
+    }
+
+    /// Wakes the worker.
+    pub fn wake(&self) {
+        (self.0)();
+    }
+}
+
+/// Finds ports and opens them. The worker has one for the real world; tests and the simulation bring their own.
+pub trait Opener: Send {
+    /// The ports that exist now.
+    fn list(&mut self) -> Vec<PortInfo>;
+
+    /// Opens one. A transport that no poll can watch calls `waker` when bytes arrive.
+    ///
+    /// # Errors
+    /// Why it cannot be opened.
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Box<dyn Transport>, Trouble>;
+}

@@ -1,0 +1,67 @@
+//! What can go wrong with a link, as one sentence each that says what to do.
+
+use super::Port;
+use std::io::{self, ErrorKind};
+
+/// What went wrong with the link.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Trouble {
+    /// The port does not exist.
+    #[error("there is no port {0}: is the device plugged in?")]
+    NoSuchPort(Port),
+    /// Another program has the port.
+    #[error("{0} is in use by another program: close it there first")]
+    Busy(Port),
+    /// The user may not open the port.
+    #[error(
+        "no permission to open {0}: on Linux install the udev rule or join the group dialout, then log in again"
+    )]
+    NoPermission(Port),
+    /// The port opened but nothing answered the hello.
+    #[error("{0} opened but no Slipline device answers there")]
+    NoAnswer(Port),
+    /// A command was repeated as often as allowed and never answered.
+    #[error("the device stopped answering")]
+    Silent,
+    /// The port went away: unplugged, reset, or closed at the other end.
+    #[error("the device went away: unplugged or restarted")]
+    Gone,
+    /// The device no longer knows this session.
+    #[error("the device was restarted, or another program took it over")]
+    SessionEnded,
+    /// Something else the system said.
+    #[error("the port failed: {0}")]
+    Io(String),
+}
+
+impl Trouble {
+    /// What an error while opening a port means.
+    #[must_use]
+    pub fn opening(port: &Port, error: &io::Error) -> Self {
+        match error.kind() {
+            ErrorKind::NotFound | ErrorKind::ConnectionRefused => Self::NoSuchPort(port.clone()),
+            ErrorKind::PermissionDenied => Self::NoPermission(port.clone()),
+            ErrorKind::ResourceBusy | ErrorKind::AddrInUse => Self::Busy(port.clone()),
+            _ => Self::Io(error.to_string()),
+        }
+    }
+
+    /// What an error while reading or writing means; `None` for errors that only mean "not yet".
+    #[must_use]
+    pub fn transfer(error: &io::Error) -> Option<Self> {
+        match error.kind() {
+            ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => None,
+            ErrorKind::BrokenPipe
+            | ErrorKind::UnexpectedEof
+            | ErrorKind::ConnectionReset
+            | ErrorKind::ConnectionAborted
+            | ErrorKind::NotConnected
+            | ErrorKind::NotFound => Some(Self::Gone),
+            _ => match error.raw_os_error() {
+                // EIO and ENXIO: what a tty says after its device was unplugged.
+                Some(5 | 6) if cfg!(unix) => Some(Self::Gone),
+                _ => Some(Self::Io(error.to_string())),
+            },
+        }
+    }
+}

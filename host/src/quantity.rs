@@ -1,0 +1,184 @@
+//! Numbers with units, as people type and read them.
+//!
+//! A number may carry a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
+//! named here. Nothing else is guessed.
+
+/// What a person typed where both a place and a frequency make sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlaceOrFrequency {
+    /// A place on the plate, in metres from the driven end.
+    Place(f64),
+    /// A frequency, in Hz.
+    Frequency(f64),
+}
+
+/// Why a typed value is not taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum QuantityError {
+    /// There is no number in front.
+    #[error("{0:?} does not begin with a number")]
+    NoNumber(String),
+    /// The unit is not one that fits here.
+    #[error("{got:?} is no unit that fits here: use {allowed}")]
+    Unit {
+        /// What came.
+        got: String,
+        /// What would do.
+        allowed: &'static str,
+    },
+}
+
+/// The most characters a typed value may have; longer input is no number.
+const LONGEST: usize = 64;
+
+/// The number in front and the unit behind it; a comma counts as a decimal point.
+fn split(text: &str) -> Result<(f64, &str), QuantityError> {
+    let text = text.trim();
+    let refuse = || QuantityError::NoNumber(text.chars().take(LONGEST).collect());
+    if text.len() > LONGEST {
+        return Err(refuse());
+    }
+    let is_numeric = |(index, c): (usize, char)| {
+        let exponent = matches!(c, 'e' | 'E')
+            && text[index + 1..].starts_with(|next: char| next.is_ascii_digit() || "+-".contains(next));
+        let after_exponent = "+-".contains(c) && (index == 0 || text[..index].ends_with(['e', 'E']));
+        c.is_ascii_digit() || matches!(c, '.' | ',') || exponent || after_exponent
+    };
+    let end = text.char_indices().find(|&at| !is_numeric(at)).map_or(text.len(), |(index, _)| index);
+    let number: f64 = text[..end].replace(',', ".").parse().map_err(|_| refuse())?;
+    if number.is_finite() { Ok((number, text[end..].trim())) } else { Err(refuse()) }
+}
+
+fn length_unit(unit: &str) -> Option<f64> {
+    match unit {
+        "m" => Some(1.0),
+        "cm" => Some(1e-2),
+        "mm" => Some(1e-3),
+        "um" | "µm" | "μm" => Some(1e-6),
+        _ => None,
+    }
+}
+
+fn frequency_unit(unit: &str) -> Option<f64> {
+    match unit.to_ascii_lowercase().as_str() {
+        "hz" => Some(1.0),
+        "khz" => Some(1e3),
+        _ => None,
+    }
+}
+
+/// A length in metres; a bare number is in millimetres.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not m, cm, mm or um.
+pub fn length_m(text: &str) -> Result<f64, QuantityError> {
+    let (number, unit) = split(text)?;
+    let scale = if unit.is_empty() { Some(1e-3) } else { length_unit(unit) };
+    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "mm, cm, m or um"))
+}
+
+/// A place or a frequency; a bare number is a place in millimetres.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not mm, cm, m, Hz or kHz.
+pub fn place_or_frequency(text: &str) -> Result<PlaceOrFrequency, QuantityError> {
+    let (number, unit) = split(text)?;
+    if unit.is_empty() {
+        return Ok(PlaceOrFrequency::Place(number * 1e-3));
+    }
+    length_unit(unit)
+        .map(|scale| PlaceOrFrequency::Place(number * scale))
+        .or_else(|| frequency_unit(unit).map(|scale| PlaceOrFrequency::Frequency(number * scale)))
+        .ok_or_else(|| refused(unit, "mm, cm, m, Hz or kHz"))
+}
+
+/// A plain number with an optional unit that must be `unit`.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number, or carries another unit.
+pub fn plain(text: &str, unit: &'static str) -> Result<f64, QuantityError> {
+    let (number, got) = split(text)?;
+    if got.is_empty() || got == unit { Ok(number) } else { Err(refused(got, unit)) }
+}
+
+fn refused(unit: &str, allowed: &'static str) -> QuantityError {
+    QuantityError::Unit { got: unit.to_owned(), allowed }
+}
+
+/// A length in the unit that suits it: `120.0 mm`, `4.2 µm`.
+#[must_use]
+pub fn show_length(metres: f64) -> String {
+    match metres.abs() {
+        m if !m.is_finite() => "–".to_owned(),
+        m if m >= 1e-3 => format!("{:.1} mm", metres * 1e3),
+        m if m >= 1e-4 => format!("{:.0} µm", metres * 1e6),
+        m if m >= 1e-5 => format!("{:.1} µm", metres * 1e6),
+        m if m >= 1e-6 => format!("{:.2} µm", metres * 1e6),
+        0.0 => "0 µm".to_owned(),
+        _ => format!("{:.1} nm", metres * 1e9),
+    }
+}
+
+/// A place on the plate: always millimetres with one decimal.
+#[must_use]
+pub fn show_place(metres: f64) -> String {
+    format!("{:.1} mm", metres * 1e3)
+}
+
+/// A frequency in the unit that suits it: `126.4 Hz`, `40.00 kHz`.
+#[must_use]
+pub fn show_frequency(hertz: f64) -> String {
+    match hertz.abs() {
+        f if !f.is_finite() => "–".to_owned(),
+        f if f >= 10_000.0 => format!("{:.2} kHz", hertz / 1e3),
+        f if f >= 1000.0 => format!("{:.3} kHz", hertz / 1e3),
+        _ => format!("{hertz:.1} Hz"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_boundary_is_typed_in_millimetres_hertz_or_kilohertz_with_point_or_comma() {
+        for (text, want) in [
+            ("120", PlaceOrFrequency::Place(0.12)),
+            ("120 mm", PlaceOrFrequency::Place(0.12)),
+            (" 12,5cm", PlaceOrFrequency::Place(0.125)),
+            ("0.12 m", PlaceOrFrequency::Place(0.12)),
+            ("40kHz", PlaceOrFrequency::Frequency(40_000.0)),
+            ("40,5 khz", PlaceOrFrequency::Frequency(40_500.0)),
+            ("1.2e2 Hz", PlaceOrFrequency::Frequency(120.0)),
+        ] {
+            match (place_or_frequency(text), want) {
+                (Ok(PlaceOrFrequency::Place(a)), PlaceOrFrequency::Place(b))
+                | (Ok(PlaceOrFrequency::Frequency(a)), PlaceOrFrequency::Frequency(b)) => {
+                    assert!((a - b).abs() < 1e-9 * b.max(1.0), "{text}: {a}");
+                }
+                (got, _) => panic!("{text}: {got:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_or_has_a_foreign_unit_is_refused_in_words() {
+        for text in ["", "mm", "nan", "inf Hz", "1.2.3", "--1", "1e999", &"9".repeat(400)] {
+            assert!(matches!(place_or_frequency(text), Err(QuantityError::NoNumber(_))), "{text}");
+        }
+        assert!(place_or_frequency("120 kg").unwrap_err().to_string().contains("mm, cm, m, Hz or kHz"));
+        assert!(length_m("40 kHz").is_err());
+        assert_eq!(plain("-6,5 dB", "dB"), Ok(-6.5));
+        assert!(plain("3 mm", "dB").is_err());
+    }
+
+    #[test]
+    fn lengths_and_frequencies_are_shown_in_the_unit_that_suits_them() {
+        assert_eq!(show_place(0.12), "120.0 mm");
+        assert_eq!(show_length(4.2e-6), "4.20 µm");
+        assert_eq!(show_length(1.2e-4), "120 µm");
+        assert_eq!(show_frequency(126.44), "126.4 Hz");
+        assert_eq!(show_frequency(40_000.0), "40.00 kHz");
+        assert_eq!(show_frequency(f64::NAN), "–");
+    }
+}

@@ -1,0 +1,271 @@
+//! The turning-point table as the device takes it: fixed-point knots, header and CRC.
+//!
+//! ```text
+//! slipline_plate::DriveTable (Hz, 0..=1) --quantise--> DeviceTable (Q0.32 turns, Q1.31) --chunks--> device
+//! ```
+//! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
+//! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
+
+use slipline_plate::DriveTable;
+use slipline_protocol::command::{TableChunk, TableHeader};
+use slipline_protocol::limits::CHUNK_KNOTS;
+use slipline_protocol::refusal::Refusal;
+use slipline_protocol::table::{self, Knot, Setting};
+use slipline_protocol::units::{FinePosition, Gain, Level, Position};
+
+/// A table that a device can take: valid by the device's own rule.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeviceTable {
+    header: TableHeader,
+    knots: Vec<Knot>,
+    peak_at_full_scale_m: f64,
+}
+
+/// Why a table cannot be put on a device.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DeviceTableError {
+    /// A length, rate, frequency or gain is no number or does not fit its field.
+    #[error("the table's {field} is {got}; allowed are {min} to {max}")]
+    OutOfRange {
+        /// Which value.
+        field: &'static str,
+        /// Its unit is in the field's name.
+        got: f64,
+        /// The lowest allowed value.
+        min: f64,
+        /// The highest allowed value.
+        max: f64,
+    },
+    /// The device's own rule refuses it.
+    #[error("the table is not valid: {0}")]
+    Invalid(Refusal),
+}
+
+impl DeviceTable {
+    /// The fixed-point form of a plate's table.
+    ///
+    /// # Errors
+    /// [`DeviceTableError::OutOfRange`] for a value that does not fit its field (span 0..=4 km, rate 1 Hz..=4 GHz,
+    /// frequency above 0 and up to 0.45 of the rate, gain 0..=1); [`DeviceTableError::Invalid`] for what the device
+    /// would refuse, such as frequencies that do not rise or fall strictly.
+    pub fn quantise(table: &DriveTable) -> Result<Self, DeviceTableError> {
+        let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
+        Self::from_knots(
+            (table.span_start_m, table.span_end_m),
+            table.sample_rate_hz,
+            knots,
+            table.peak_at_full_scale_m,
+        )
+    }
+
+    /// A table from its span in metres, the sample rate in Hz, (frequency in Hz, gain) at knots uniform in position,
+    /// and the peak displacement at level 1 in metres.
+    ///
+    /// # Errors
+    /// As [`DeviceTable::quantise`].
+    pub fn from_knots(
+        span_m: (f64, f64),
+        sample_rate_hz: f64,
+        knots: impl IntoIterator<Item = (f64, f64)>,
+        peak_at_full_scale_m: f64,
+    ) -> Result<Self, DeviceTableError> {
+        let micrometres = |m: f64| whole("span (um)", m * 1e6, 0.0, f64::from(u32::MAX));
+        let sample_rate = whole("sample rate (Hz)", sample_rate_hz, 1.0, f64::from(u32::MAX))?;
+        let rate = f64::from(sample_rate);
+        let knots = knots
+            .into_iter()
+            .map(|(frequency_hz, gain)| {
+                let turns = within("frequency (Hz)", frequency_hz, 0.0, 0.45 * rate)? / rate;
+                let gain = within("gain", gain, 0.0, 1.0)?;
+                Ok(Knot {
+                    step: (turns * 4_294_967_296.0).round() as u32,
+                    gain: Gain((gain * f64::from(Gain::FULL.0)).floor() as u32),
+                })
+            })
+            .collect::<Result<Vec<Knot>, DeviceTableError>>()?;
+        let header = TableHeader {
+            knots: u16::try_from(knots.len()).unwrap_or(u16::MAX),
+            span_start_um: micrometres(span_m.0)?,
+            span_end_um: micrometres(span_m.1)?,
+            sample_rate_hz: sample_rate,
+            crc: 0,
+        };
+        if header.span_end_um <= header.span_start_um {
+            return Err(DeviceTableError::OutOfRange {
+                field: "span's end (um)",
+                got: f64::from(header.span_end_um),
+                min: f64::from(header.span_start_um) + 1.0,
+                max: f64::from(u32::MAX),
+            });
+        }
+        table::validate(header.knots, knot_of(&knots)).map_err(DeviceTableError::Invalid)?;
+        let crc = table::digest(
+            header.span_start_um,
+            header.span_end_um,
+            header.sample_rate_hz,
+            header.knots,
+            knot_of(&knots),
+        );
+        Ok(Self { header: TableHeader { crc, ..header }, knots, peak_at_full_scale_m })
+    }
+
+    /// What the upload begins with.
+    #[must_use]
+    pub const fn header(&self) -> TableHeader {
+        self.header
+    }
+
+    /// The CRC-32 by which the device names it.
+    #[must_use]
+    pub const fn crc(&self) -> u32 {
+        self.header.crc
+    }
+
+    /// The knots.
+    #[must_use]
+    pub fn knots(&self) -> &[Knot] {
+        &self.knots
+    }
+
+    /// The peak displacement at level 1, in metres, the same all over the span.
+    #[must_use]
+    pub const fn peak_at_full_scale_m(&self) -> f64 {
+        self.peak_at_full_scale_m
+    }
+
+    /// The chunk of an upload that begins with knot `first`; `None` past the end.
+    #[must_use]
+    pub fn chunk(&self, first: u16) -> Option<TableChunk> {
+        let rest = self.knots.get(usize::from(first)..)?;
+        let knots = rest.get(..rest.len().min(CHUNK_KNOTS))?;
+        if knots.is_empty() {
+            return None;
+        }
+        Some(TableChunk { first, knots: heapless::Vec::from_slice(knots).ok()? })
+    }
+
+    /// The position on the wire of a boundary at `x` metres; `None` outside the span (by more than a rounding) and
+    /// for NaN.
+    #[must_use]
+    pub fn position(&self, x_m: f64) -> Option<Position> {
+        position_in(&self.header, x_m)
+    }
+
+    /// Where a position lies, in metres.
+    #[must_use]
+    pub fn boundary_m(&self, position: Position) -> f64 {
+        let (start, end) = span_m(&self.header);
+        start + (end - start) * f64::from(position.0) / 65535.0
+    }
+
+    /// What the device plays for a boundary at this position.
+    #[must_use]
+    pub fn setting(&self, position: FinePosition) -> Setting {
+        table::evaluate(self.header.knots, position, knot_of(&self.knots))
+    }
+
+    /// The frequency the device plays for a boundary at this position, in Hz.
+    #[must_use]
+    pub fn frequency_hz(&self, position: Position) -> f64 {
+        let turns = self.setting(position.fine()).step.0 as f64 / 18_446_744_073_709_551_616.0;
+        turns * f64::from(self.header.sample_rate_hz)
+    }
+}
+
+/// A table's span in metres.
+#[must_use]
+pub fn span_m(header: &TableHeader) -> (f64, f64) {
+    (f64::from(header.span_start_um) * 1e-6, f64::from(header.span_end_um) * 1e-6)
+}
+
+/// The position on the wire of a boundary at `x` metres in a table's span; `None` outside the span by more than a
+/// tenth of a micrometre, and for NaN.
+#[must_use]
+pub fn position_in(header: &TableHeader, x_m: f64) -> Option<Position> {
+    const ROUNDING_M: f64 = 1e-7;
+    let (start, end) = span_m(header);
+    if !(start - ROUNDING_M..=end + ROUNDING_M).contains(&x_m) {
+        return None;
+    }
+    let fraction = ((x_m - start) / (end - start)).clamp(0.0, 1.0);
+    Some(Position((fraction * 65535.0).round() as u16))
+}
+
+/// A level on the wire; `None` outside 0..=1 and for NaN.
+#[must_use]
+pub fn level(level: f64) -> Option<Level> {
+    (0.0..=1.0).contains(&level).then(|| Level((level * 65535.0).round() as u16))
+}
+
+fn knot_of(knots: &[Knot]) -> impl Fn(u16) -> Knot + '_ {
+    |index| knots.get(usize::from(index)).copied().unwrap_or_default()
+}
+
+fn within(field: &'static str, got: f64, min: f64, max: f64) -> Result<f64, DeviceTableError> {
+    if (min..=max).contains(&got) {
+        Ok(got)
+    } else {
+        Err(DeviceTableError::OutOfRange { field, got, min, max })
+    }
+}
+
+fn whole(field: &'static str, got: f64, min: f64, max: f64) -> Result<u32, DeviceTableError> {
+    within(field, got.round(), min, max).map(|value| value as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(count: u16) -> DeviceTable {
+        let knots = (0..count).map(|i| (100.0 + f64::from(i), 0.5));
+        DeviceTable::from_knots((0.08, 0.28), 400_000.0, knots, 1e-6).unwrap()
+    }
+
+    #[test]
+    fn a_boundary_goes_to_the_wire_and_back_within_half_a_position() {
+        let table = line(513);
+        for x_m in [0.08, 0.0801, 0.12, 0.2, 0.28] {
+            let back = table.boundary_m(table.position(x_m).unwrap());
+            assert!((back - x_m).abs() <= 0.2 / 65535.0 / 2.0 + 1e-12, "{x_m} {back}");
+        }
+        for x_m in [0.079, 0.281, f64::NAN, f64::INFINITY] {
+            assert_eq!(table.position(x_m), None);
+        }
+    }
+
+    #[test]
+    fn the_chunks_are_the_whole_table_in_order() {
+        let table = line(1025);
+        let mut sent = Vec::new();
+        while let Some(chunk) = table.chunk(sent.len() as u16) {
+            assert_eq!(usize::from(chunk.first), sent.len());
+            sent.extend_from_slice(&chunk.knots);
+        }
+        assert_eq!(sent, table.knots());
+    }
+
+    #[test]
+    fn the_device_plays_the_frequency_the_table_says() {
+        let table = line(513);
+        for (i, want) in [(0u16, 100.0), (32_768, 356.004), (u16::MAX, 612.0)] {
+            assert!((table.frequency_hz(Position(i)) - want).abs() < 1e-3, "{i}");
+        }
+    }
+
+    #[test]
+    fn values_that_do_not_fit_name_their_field_and_range() {
+        let make = |span, rate, knots: &[(f64, f64)]| {
+            DeviceTable::from_knots(span, rate, knots.iter().copied(), 1.0).unwrap_err().to_string()
+        };
+        let good = [(100.0, 0.5), (200.0, 0.5)];
+        assert!(make((0.0, f64::NAN), 4e5, &good).contains("span"));
+        assert!(make((0.2, 0.1), 4e5, &good).contains("span's end"));
+        assert!(make((0.0, 0.1), f64::INFINITY, &good).contains("sample rate"));
+        assert!(make((0.0, 0.1), 4e5, &[(100.0, 0.5), (2e5, 0.5)]).contains("180000"));
+        assert!(make((0.0, 0.1), 4e5, &[(100.0, f64::NAN), (200.0, 0.5)]).contains("gain"));
+        assert!(make((0.0, 0.1), 4e5, &[(100.0, 0.5), (100.0, 0.5)]).contains("strictly"));
+        assert!(make((0.0, 0.1), 4e5, &[(100.0, 0.0), (200.0, 0.5)]).contains("gain"));
+        assert!(make((0.0, 0.1), 4e5, &[(100.0, 0.5)]).contains("number of knots"));
+    }
+}
