@@ -13,6 +13,7 @@
 #![deny(unsafe_code)]
 pub mod airy;
 mod analytic;
+pub mod bessel;
 pub mod check;
 mod drive;
 mod drive_table;

@@ -15,14 +15,15 @@ pub(super) struct Exchange {
     arrived: AtomicUsize,
 }
 
-/// Rows on their way over one seam.
+/// Rows on their way over one seam. Even and odd meetings have parcels of their own: a band may already pack for
+/// the next meeting while its neighbour still unpacks from this one, and cannot get further ahead than that.
 #[derive(Debug, Default)]
 struct Seam {
-    to_after: Mutex<Vec<f32>>,
-    to_before: Mutex<Vec<f32>>,
+    to_after: [Mutex<Vec<f32>>; 2],
+    to_before: [Mutex<Vec<f32>>; 2],
 }
 
-/// Which meeting a thread is on its way to.
+/// Number of the last meeting that a thread was at.
 #[derive(Debug)]
 pub(super) struct Meeting(usize);
 
@@ -41,31 +42,30 @@ impl Exchange {
         if self.bands < 2 {
             return;
         }
+        meeting.0 += 1;
+        let parity = meeting.0 % 2;
         let before = number.checked_sub(1).and_then(|seam| self.seams.get(seam));
         let after = self.seams.get(number);
         if let Some(seam) = before {
-            band.pack_for_before(depth, &mut open(&seam.to_before));
+            band.pack_for_before(depth, &mut open(&seam.to_before[parity]));
         }
         if let Some(seam) = after {
-            band.pack_for_after(depth, &mut open(&seam.to_after));
+            band.pack_for_after(depth, &mut open(&seam.to_after[parity]));
         }
         self.meet(meeting);
         if let Some(seam) = before {
-            band.unpack_from_before(&open(&seam.to_after));
+            band.unpack_from_before(&open(&seam.to_after[parity]));
         }
         if let Some(seam) = after {
-            band.unpack_from_after(&open(&seam.to_before));
+            band.unpack_from_after(&open(&seam.to_before[parity]));
         }
-        // Nobody may pack again before everybody has unpacked.
-        self.meet(meeting);
     }
 
     /// Waits until every band is here. Blocks are tens of microseconds long, so it spins before it yields.
-    fn meet(&self, meeting: &mut Meeting) {
-        meeting.0 += self.bands;
+    fn meet(&self, meeting: &Meeting) {
         self.arrived.fetch_add(1, Ordering::AcqRel);
         let mut spins = 0;
-        while self.arrived.load(Ordering::Acquire) < meeting.0 {
+        while self.arrived.load(Ordering::Acquire) < meeting.0 * self.bands {
             if spins < SPINS {
                 spins += 1;
                 std::hint::spin_loop();

@@ -1,0 +1,139 @@
+//! Speed of the plate simulators, in ratios: threads against one, grids against each other, simulated against real
+//! time. `benches/peers/compare.py` runs the same problems on NumPy, numba, Devito and scipy and prints one table.
+//!
+//! `cargo bench -p slipline-plate --bench speed` prints it; with `-- --lines` as tab-separated lines:
+//! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
+
+use slipline_plate::sheet::Lattice;
+use slipline_plate::{Equation, Sheet, SheetGrid, TimeLine, preset, respond_batch};
+use std::f32::consts::PI;
+use std::time::{Duration, Instant};
+
+/// Grids of the FDTD problem (cells x rows inside fixed edges) and steps per run.
+const GRIDS: [(usize, usize, usize); 3] = [(128, 32, 20_000), (512, 128, 2_000), (2048, 512, 160)];
+/// (c dt/h)^2 of the FDTD problem.
+const COURANT_SQUARED: f32 = 0.25;
+/// Runs of which the fastest counts.
+const RUNS: usize = 15;
+
+struct Report {
+    lines: bool,
+    runs: usize,
+}
+
+impl Report {
+    fn row(&self, problem: &str, engine: &str, value: f64, unit: &str, check: f64, note: &str) {
+        if self.lines {
+            println!("{problem}\t{engine}\t{value}\t{unit}\t{check}");
+        } else {
+            println!("{problem:<28} {engine:<20} {value:>9.1} {unit:<9} {note}");
+        }
+    }
+
+    /// The shortest of the runs: what the machine can do when nobody else is on it.
+    fn fastest(&self, mut run: impl FnMut()) -> Duration {
+        (0..self.runs)
+            .map(|_| {
+                let start = Instant::now();
+                run();
+                start.elapsed()
+            })
+            .min()
+            .unwrap_or_default()
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let has = |name: &str| arguments.iter().any(|argument| argument == name);
+    // Without `--bench` (as `cargo test --benches` calls it) one run shows that everything works.
+    let report = Report { lines: has("--lines"), runs: if has("--bench") { RUNS } else { 1 } };
+    lattice(&report);
+    frequency_domain(&report);
+    time_lines(&report);
+    sheets(&report);
+}
+
+/// 2-D FDTD, 5-point, f32.
+fn lattice(report: &Report) {
+    for (cells, rows, steps) in GRIDS {
+        let mut one = 0.0;
+        for threads in [1, 2] {
+            let make = || {
+                let mut lattice = Lattice::rectangle(cells, rows, COURANT_SQUARED, threads);
+                lattice.release(|cell, row| {
+                    let part = |i: usize, count: usize| (PI * (i + 1) as f32 / (count + 1) as f32).sin();
+                    part(cell, cells) * part(row, rows)
+                });
+                lattice
+            };
+            let still = vec![0.0; steps];
+            let mut lattice = make();
+            lattice.advance(&still);
+            let check = f64::from(lattice.row(rows / 2)[1 + cells / 2]);
+            let time = report.fastest(|| lattice.advance(&still));
+            let speed = (cells * rows * steps) as f64 / time.as_secs_f64() / 1e6;
+            let note = if threads == 1 { String::new() } else { format!("{:.2} x one thread", speed / one) };
+            one = speed;
+            let problem = format!("fdtd {cells}x{rows}");
+            report.row(&problem, &format!("slipline {threads}"), speed, "Mcell/s", check, &note);
+        }
+    }
+}
+
+/// 2000 points x 64 frequencies of the displacement-driven aluminium plate.
+fn frequency_domain(report: &Report) {
+    let Some(plate) = preset("al-bending-displacement") else { return };
+    let frequencies: Vec<f64> = (0..64).map(|i| 20_000.0 + 20_000.0 * f64::from(i) / 63.0).collect();
+    let mut check = 0.0;
+    let time = report.fastest(|| {
+        if let Ok(rows) = respond_batch(&plate, &frequencies, 2000, Equation::Corrected) {
+            check = rows[40].iter().map(|f| f.norm()).fold(0.0, f64::max);
+        }
+    });
+    let milliseconds = time.as_secs_f64() * 1e3;
+    report.row("frequency 2000x64", "slipline 1", milliseconds, "ms", check, "");
+}
+
+/// Modal lines of the ultrasonic plate at 400 kS/s: how many times faster than the plate itself.
+fn time_lines(report: &Report) {
+    let Some(plate) = preset("al-bending") else { return };
+    let rate = 400_000.0;
+    let codes: Vec<f32> = (0..80_000).map(|n| (0.5 * (2.0 * PI * 0.075 * n as f32).sin()) as f32).collect();
+    for points in [128, 512] {
+        let Ok(mut line) = TimeLine::new(&plate, rate, points, 1) else { continue };
+        let time = report.fastest(|| line.push(&codes));
+        let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
+        let factor = codes.len() as f64 / rate / time.as_secs_f64();
+        report.row(&format!("time line {points}"), "slipline 1", factor, "x real", check, "");
+    }
+}
+
+/// Tapered sheets in two dimensions, driven by codes: cells per second and times real time.
+fn sheets(report: &Report) {
+    for name in ["membrane", "paper-rubber"] {
+        let Some(plate) = preset(name) else { continue };
+        let rate = 400_000.0;
+        for (kind, grid) in [
+            ("coarse", SheetGrid::coarse(&plate)),
+            ("fine", SheetGrid::new(512, 80)),
+            ("finest", SheetGrid::new(2048, 320)),
+        ] {
+            let Ok(mut sheet) = Sheet::new(&plate, rate, grid) else { continue };
+            let seconds = (3e7 / sheet.updates_per_second()).clamp(0.01, 1.0);
+            let (low, high) = plate.band_hz();
+            let step = 2.0 * PI * ((low * high).sqrt() / rate) as f32;
+            let codes: Vec<f32> = (0..(seconds * rate) as usize).map(|n| (step * n as f32).sin()).collect();
+            let time = report.fastest(|| sheet.push(&codes));
+            let check = f64::from(sheet.envelope().maximum_m.iter().copied().fold(0.0, f32::max));
+            let factor = codes.len() as f64 / rate / time.as_secs_f64();
+            let note = format!(
+                "{} x {} cells, {:.0} Mcell/s",
+                grid.along,
+                grid.across,
+                factor * sheet.updates_per_second() / 1e6
+            );
+            report.row(&format!("sheet {name} {kind}"), "slipline 1", factor, "x real", check, &note);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The resistance that absorbs the returning wave at the driven end.
+//!
+//! A wave of amplitude A on the centre line carries P = (1/2) Z omega^2 A^2 with Z = rho h v_g (integral of the width
+//! mode's square), v_g = d omega/d k at x = 0; for a membrane this is T k0/omega with T = tension x W. A source at the
+//! centre line whose mechanical resistance is Z takes back all that returns. Z changes with frequency and a real
+//! damper does not: the match is made where the two ends of the band are wrong by the same factor.
+
+use crate::model::Model;
+use crate::plate::Plate;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// The damper at the driven end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Damper {
+    /// Mechanical resistance R, N s/m.
+    pub resistance_n_s_per_m: f64,
+    /// Frequency at which it matches exactly (r = 1), Hz.
+    pub match_frequency_hz: f64,
+    /// Smallest and largest r = R omega/(T k0) over the band.
+    pub ratio_range: (f64, f64),
+}
+
+/// Places of the band at which r is looked at.
+const BAND_PLACES: usize = 201;
+
+/// Frequency in the band where omega/k0 is the geometric mean of its extremes, and r over the band for a damper that
+/// matches there.
+pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)) {
+    let guide = plate.guide(1);
+    let slowness =
+        |frequency_hz: f64| frequency_hz / guide.wavenumber_squared(0.0, frequency_hz).max(1e-300).sqrt();
+    let places: Vec<(f64, f64)> = (0..BAND_PLACES)
+        .map(|i| {
+            let t = i as f64 / (BAND_PLACES - 1) as f64;
+            let frequency_hz = band_hz.0 * (band_hz.1 / band_hz.0).powf(t);
+            (frequency_hz, slowness(frequency_hz))
+        })
+        .collect();
+    let (low, high) = places
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), place| (low.min(place.1), high.max(place.1)));
+    let middle = (low * high).sqrt();
+    let nearest = |a: &&(f64, f64), b: &&(f64, f64)| {
+        (a.1 / middle).ln().abs().total_cmp(&(b.1 / middle).ln().abs())
+    };
+    let at = places.iter().min_by(nearest).map_or(band_hz.0, |place| place.0);
+    let matched = slowness(at);
+    (at, (low / matched, high / matched))
+}
+
+/// Z at the driven end, N s/m, for a sheet of `surface_density` kg/m^2.
+pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: f64) -> f64 {
+    let guide = plate.guide(1);
+    let k0 = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    // d(k^2)/d omega by central difference: k^2 is smooth in omega in every model.
+    let step = 1e-4;
+    let rise = guide.axial_squared(frequency_hz * (1.0 + step)) - guide.axial_squared(frequency_hz * (1.0 - step));
+    let group_speed = 2.0 * k0 / (rise / (2.0 * step * TAU * frequency_hz));
+    surface_density * group_speed * mode_square(&plate.spec().model) * plate.half_width_m(0.0)
+}
+
+/// Integral of the first width mode's square over the width, in half-widths, with 1 on the centre line.
+fn mode_square(model: &Model) -> f64 {
+    match model {
+        // The clamped beam's first mode has a mean square of 1 when its middle is 1.588.
+        Model::BendingClamped(_) => 2.0 / (1.588_15 * 1.588_15),
+        _ => 1.0,
+    }
+}

@@ -1,0 +1,118 @@
+//! A drawing in millimetres: lines to cut and dimensions to read. x to the right from the driven end, z upward.
+
+/// What a shape is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layer {
+    /// To be cut.
+    Cut,
+    /// To be read: dimension lines and their text.
+    Dimension,
+}
+
+impl Layer {
+    /// Name of the layer in the files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "CUT",
+            Self::Dimension => "DIMENSION",
+        }
+    }
+}
+
+/// A shape of a drawing; all numbers in millimetres.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A closed outline.
+    Outline {
+        /// Corners in order; the last is joined to the first.
+        points: Vec<[f64; 2]>,
+    },
+    /// A round hole.
+    Hole {
+        /// Centre.
+        centre: [f64; 2],
+        /// Diameter.
+        diameter: f64,
+    },
+    /// A dimension line with ticks at both ends and its text beside it.
+    Dimension {
+        /// One end.
+        from: [f64; 2],
+        /// Other end; straight right of or above `from`.
+        to: [f64; 2],
+        /// What it says.
+        text: String,
+    },
+}
+
+impl Shape {
+    /// The layer the shape belongs to.
+    pub fn layer(&self) -> Layer {
+        match self {
+            Self::Outline { .. } | Self::Hole { .. } => Layer::Cut,
+            Self::Dimension { .. } => Layer::Dimension,
+        }
+    }
+}
+
+/// A drawing of one part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// What the part is, in a few words.
+    pub title: String,
+    /// Its shapes; the outer outline comes first.
+    pub shapes: Vec<Shape>,
+}
+
+/// Height of the dimension text, mm.
+pub(super) const TEXT_HEIGHT_MM: f64 = 4.0;
+/// Half the length of the tick at a dimension line's end, mm.
+pub(super) const TICK_MM: f64 = 1.5;
+
+impl Drawing {
+    /// Extents of what is cut, mm: `[x_min, z_min, x_max, z_max]`.
+    pub fn cut_extents_mm(&self) -> [f64; 4] {
+        let mut extents = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+        for shape in &self.shapes {
+            match shape {
+                Shape::Outline { points } => points.iter().for_each(|&point| grow(&mut extents, point, 0.0)),
+                Shape::Hole { centre, diameter } => grow(&mut extents, *centre, 0.5 * diameter),
+                Shape::Dimension { .. } => {}
+            }
+        }
+        extents
+    }
+
+    /// Extents of everything, mm, with room for the text.
+    pub(super) fn extents_mm(&self) -> [f64; 4] {
+        let mut extents = self.cut_extents_mm();
+        for shape in &self.shapes {
+            if let Shape::Dimension { from, to, .. } = shape {
+                grow(&mut extents, *from, 2.5 * TEXT_HEIGHT_MM);
+                grow(&mut extents, *to, 2.5 * TEXT_HEIGHT_MM);
+            }
+        }
+        extents
+    }
+}
+
+fn grow(extents: &mut [f64; 4], [x, z]: [f64; 2], radius: f64) {
+    extents[0] = extents[0].min(x - radius);
+    extents[1] = extents[1].min(z - radius);
+    extents[2] = extents[2].max(x + radius);
+    extents[3] = extents[3].max(z + radius);
+}
+
+/// Where a dimension's text stands (its middle) and whether it runs upward.
+pub(super) fn text_place(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], bool) {
+    let upward = (to[1] - from[1]).abs() > (to[0] - from[0]).abs();
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
+    let gap = 0.4 * TEXT_HEIGHT_MM;
+    if upward { ([middle[0] - gap, middle[1]], true) } else { ([middle[0], middle[1] + gap], false) }
+}
+
+/// The line and the two ticks of a dimension.
+pub(super) fn strokes(from: [f64; 2], to: [f64; 2]) -> [[[f64; 2]; 2]; 3] {
+    let tick = |[x, z]: [f64; 2]| [[x - TICK_MM, z - TICK_MM], [x + TICK_MM, z + TICK_MM]];
+    [[from, to], tick(from), tick(to)]
+}

@@ -1,0 +1,206 @@
+//! Plate files: what is read back is what was written, and nothing hostile gets through or panics.
+
+use proptest::prelude::*;
+use slipline_plate::{Plate, PlateError, PlateFileError, preset, presets};
+
+const GOOD: &str = r#"
+name = "mine"
+length_m = 0.3
+loss_factor = 0.01
+span_start_m = 0.08
+span_end_m = 0.25
+
+[taper]
+kind = "exponential"
+half_width_m = 0.05
+rate_per_m = 4.62
+
+[model]
+kind = "membrane"
+wave_speed_m_per_s = 12.0
+
+[drive]
+end = "displacement"
+"#;
+
+fn refusal(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "{from}");
+    Plate::from_toml(&GOOD.replace(from, to)).expect_err(to).to_string()
+}
+
+#[test]
+fn every_preset_reads_writes_and_reads_the_same() {
+    assert_eq!(presets()[0].name, "membrane");
+    for entry in presets() {
+        let plate = Plate::from_toml(entry.toml).unwrap_or_else(|error| panic!("{}: {error}", entry.name));
+        assert_eq!(plate.name(), entry.name);
+        assert!(!entry.description().is_empty() && entry.description().len() < 200);
+        assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
+    }
+}
+
+#[test]
+fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
+    let cases = [
+        (
+            "half_width_m = 0.05",
+            "half_width_m = -1.0",
+            "line 10: taper.half_width_m = -1: must be 0.00001 to 10 m",
+        ),
+        ("half_width_m = 0.05", "half_width_m = 0.0", "taper.half_width_m = 0"),
+        ("half_width_m = 0.05", "half_width_m = nan", "taper.half_width_m = NaN: must be 0.00001 to 10 m"),
+        (
+            "rate_per_m = 4.62",
+            "rate_per_m = inf",
+            "line 11: taper.rate_per_m = inf: must be 0.01 to 1000 1/m",
+        ),
+        ("rate_per_m = 4.62", "rate_per_m = 900.0", "taper.rate_per_m = 900: must be at most"),
+        ("loss_factor = 0.01", "loss_factor = -0.1", "line 4: loss_factor = -0.1: must be 0 to 0.5"),
+        ("length_m = 0.3", "length_m = 1e300", "length_m"),
+        ("span_end_m = 0.25", "span_end_m = 0.05", "span_end_m = 0.05: must be 0.0803 to 0.3 m"),
+        ("span_start_m = 0.08\n", "", "span_start_m is missing"),
+        ("rate_per_m = 4.62\n", "", "line 8: taper.rate_per_m is missing: \"exponential\" needs it"),
+        ("kind = \"membrane\"", "kind = \"jelly\"", "model.kind = \"jelly\": must be one of \"membrane\""),
+        (
+            "wave_speed_m_per_s = 12.0",
+            "wave_speed_m_per_s = 12.0\nthickness_m = 0.1",
+            "model.thickness_m does not belong",
+        ),
+        ("wave_speed_m_per_s = 12.0", "wave_speed_m_per_s = 1e9", "model.wave_speed_m_per_s"),
+        ("end = \"displacement\"", "end = \"resistance\"\nratio = 1.0", "drive.at_frequency_hz is missing"),
+        (
+            "end = \"displacement\"",
+            "end = \"resistance\"\nratio = 1.0\nat_frequency_hz = 20.0",
+            "line 20: drive.at_frequency_hz = 20: must be 60.0",
+        ),
+        ("name = \"mine\"", "name = \"mine\"\ncolour = 3", "line 3: unknown field `colour`"),
+        ("name = \"mine\"", "name = ", "line 2:"),
+        ("name = \"mine\"", "name = \"\"", "name has 0 characters: must be 1 to 80"),
+    ];
+    for (from, to, wanted) in cases {
+        let found = refusal(from, to);
+        assert!(found.contains(wanted), "{to}: {found}");
+    }
+}
+
+#[test]
+fn a_band_that_cannot_enter_is_refused_with_the_lowest_frequency_that_can() {
+    let band = |low: f64, high: f64| {
+        GOOD.replace(
+            "span_start_m = 0.08\nspan_end_m = 0.25",
+            &format!("band_start_hz = {low:?}\nband_end_hz = {high:?}"),
+        )
+    };
+    let plate = Plate::from_toml(&band(87.0, 190.0)).expect("a band that enters");
+    assert!((plate.band_hz().0 - 87.0).abs() < 1e-6 && (plate.band_hz().1 - 190.0).abs() < 1e-6);
+    for (low, high, wanted) in
+        [(40.0, 190.0, "band_start_hz = 40: must be 60."), (87.0, 9e3, "band_end_hz = 9000: must be 87")]
+    {
+        let found = Plate::from_toml(&band(low, high)).expect_err("out of band").to_string();
+        assert!(found.contains(wanted), "{found}");
+    }
+}
+
+#[test]
+fn a_sampled_taper_must_narrow_cover_the_plate_and_be_short() {
+    let sampled = |points: &str| {
+        GOOD.replace(
+            "kind = \"exponential\"\nhalf_width_m = 0.05\nrate_per_m = 4.62",
+            &format!("kind = \"sampled\"\npoints = {points}"),
+        )
+    };
+    assert!(Plate::from_toml(&sampled("[[0.0, 0.05], [0.1, 0.03], [0.3, 0.012]]")).is_ok());
+    for (points, wanted) in [
+        ("[[0.0, 0.05], [0.1, 0.06], [0.3, 0.01]]", "taper.points[1]"),
+        ("[[0.0, 0.05], [0.0, 0.04], [0.3, 0.01]]", "taper.points[1]"),
+        ("[[0.0, 0.05], [0.1, 0.0], [0.3, -0.01]]", "taper.points[1][1] = 0"),
+        ("[[0.0, 0.05], [0.2, 0.01]]", "must cover the plate"),
+        ("[[0.1, 0.05], [0.3, 0.01]]", "the driven end"),
+        ("[]", "taper.points has 0 points: must be 2 to 10000"),
+        ("[[0.0, nan], [0.3, 0.01]]", "taper.points[0][1] = NaN"),
+    ] {
+        let found = Plate::from_toml(&sampled(points)).expect_err(points).to_string();
+        assert!(found.contains(wanted) && found.starts_with("line 10"), "{points}: {found}");
+    }
+    let million: String =
+        (0..60_000).map(|i| format!("[{},{}],", f64::from(i) * 1e-5, 0.1 - f64::from(i) * 1e-6)).collect();
+    let found = Plate::from_toml(&sampled(&format!("[{million}]"))).expect_err("too many points").to_string();
+    assert!(found.contains("bytes: must be at most") || found.contains("must be 2 to 10000"), "{found}");
+}
+
+#[test]
+fn a_huge_file_is_refused_before_it_is_parsed() {
+    let huge = "a".repeat(2 << 20);
+    assert!(matches!(Plate::from_toml(&huge), Err(PlateFileError::TooBig { .. })));
+}
+
+#[test]
+fn a_sampled_exponential_is_the_exponential() {
+    let plate = preset("al-bending").expect("a preset");
+    let mut spec = plate.spec().clone();
+    let points = (0..=34).map(|i| [f64::from(i) * 0.01, plate.half_width_m(f64::from(i) * 0.01)]).collect();
+    spec.taper = slipline_plate::Taper::Sampled { points };
+    let sampled = Plate::new(spec).expect("a valid plate");
+    for frequency in [8e3, 20e3, 39e3] {
+        let (a, b) = (sampled.turning_point_m(frequency), plate.turning_point_m(frequency));
+        assert!((a.expect("enters") - b.expect("enters")).abs() < 1e-9);
+    }
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<f64>(),
+        -1.0..1.0,
+        1e-6..1e6,
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(0.0),
+        Just(-0.0),
+        Just(f64::MIN_POSITIVE),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_numbers_make_a_plate_panic(values in prop::collection::vec(number(), 12), kind in 0..3_usize, model in 0..4_usize) {
+        let mut value = values.into_iter();
+        let mut next = || value.next().map_or_else(|| "1.0".to_owned(), |v| if v.is_nan() { "nan".to_owned() } else { format!("{v:?}") });
+        let taper = match kind {
+            0 => format!("kind = \"exponential\"\nhalf_width_m = {}\nrate_per_m = {}", next(), next()),
+            1 => format!("kind = \"linear\"\nhalf_width_m = {}\nend_half_width_m = {}", next(), next()),
+            _ => format!("kind = \"sampled\"\npoints = [[0.0, {}], [{}, {}]]", next(), next(), next()),
+        };
+        let model = match model {
+            0 => format!("kind = \"membrane\"\nwave_speed_m_per_s = {}", next()),
+            1 => format!("kind = \"shear-horizontal\"\nshear_modulus_pa = {}\ndensity_kg_per_m3 = {}", next(), next()),
+            2 => format!("kind = \"bending-clamped\"\nyoungs_modulus_pa = {}\npoisson_ratio = 0.3\ndensity_kg_per_m3 = 2700.0\nthickness_m = {}", next(), next()),
+            _ => format!("kind = \"bending-supported\"\nyoungs_modulus_pa = 7e10\npoisson_ratio = {}\ndensity_kg_per_m3 = {}\nthickness_m = 0.002", next(), next()),
+        };
+        let text = format!(
+            "name = \"x\"\nlength_m = {}\nloss_factor = {}\nspan_start_m = {}\nspan_end_m = {}\n[taper]\n{taper}\n[model]\n{model}\n[drive]\nend = \"resistance\"\nratio = {}\nat_frequency_hz = {}\n",
+            next(), next(), next(), next(), next(), next()
+        );
+        if let Ok(plate) = Plate::from_toml(&text) {
+            let (low, high) = plate.band_hz();
+            prop_assert!(low > 0.0 && high > low && high.is_finite());
+        }
+    }
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "(name|taper|points|\\[|\\]|=|\"|[0-9.e-]|\n| ){0,60}") {
+        let read: Result<Plate, PlateFileError> = Plate::from_toml(&text);
+        prop_assert!(read.is_err());
+    }
+}
+
+#[test]
+fn errors_can_be_matched_by_field() {
+    let mut spec = preset("membrane").expect("a preset").spec().clone();
+    spec.loss_factor = 2.0;
+    let error = Plate::new(spec).expect_err("too lossy");
+    assert!(
+        matches!(error, PlateError::OutOfRange { ref field, value, .. } if field == "loss_factor" && value == 2.0)
+    );
+}

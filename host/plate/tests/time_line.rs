@@ -1,0 +1,240 @@
+//! The plate in time against the frequency domain: through codes, with and without the table, for presets and for
+//! plates nobody chose.
+
+use proptest::prelude::*;
+use slipline_plate::{
+    Actuator, Bending, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec, Taper, TimeLine,
+    preset, presets, respond,
+};
+use std::f64::consts::TAU;
+
+/// Settles a tone of 12-bit codes on the line and leaves its envelope to be read.
+fn settle(line: &mut TimeLine, rate: f64, frequency: f64, amplitude: f64) {
+    let code = |n: usize| {
+        let value = amplitude * (TAU * frequency * n as f64 / rate).cos();
+        (2048.0 + 2047.0 * value).round() as u16
+    };
+    line.rest();
+    let wait = (line.settle_time_s() * rate) as usize;
+    let cycles = (rate * 12.0 / frequency) as usize;
+    let codes: Vec<u16> = (0..wait + cycles).map(code).collect();
+    line.push_codes(&codes[..wait], 12);
+    line.reset_envelope();
+    line.push_codes(&codes[wait..], 12);
+}
+
+/// A rate that carries the plate's band without making the test long.
+fn rate_for(plate: &Plate) -> f64 {
+    (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
+}
+
+fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeLine, rate: f64) -> Result<(), String> {
+    settle(line, rate, frequency, 0.9);
+    let exact = respond(plate, frequency, 401, Equation::Corrected).map_err(|error| error.to_string())?;
+    let found = line.envelope().peak(plate, frequency);
+    match (found, exact.peak) {
+        (Some(found), Some(wanted)) => {
+            let off = (found.position_m - wanted.position_m).abs();
+            if off > exact.edge_width_m / 20.0 {
+                return Err(format!(
+                    "{frequency} Hz: peak at {} for {}",
+                    found.position_m, wanted.position_m
+                ));
+            }
+            let turn = std::f64::consts::PI * frequency / rate;
+            let actuator = plate.spec().actuator.map_or(1.0, |it| it.response(frequency).norm());
+            let level = 0.9 * wanted.amplitude * actuator * plate.spec().full_scale_m * turn.sin() / turn;
+            let error_db = 20.0 * (found.amplitude / level).log10();
+            if error_db.abs() > 0.5 {
+                return Err(format!("{frequency} Hz: {error_db} dB"));
+            }
+        }
+        (None, None) => {}
+        // At the brink of having a peak the two may disagree; then neither bump is worth the name.
+        (Some(peak), None) | (None, Some(peak)) => {
+            if peak.position_m > 0.02 * plate.length_m() && plate.wave_loss() < 0.02 {
+                return Err(format!("{frequency} Hz: {found:?} for {:?}", exact.peak));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn every_preset_peaks_in_time_where_the_frequency_domain_puts_it() {
+    for entry in presets() {
+        let plate = entry.plate().expect("a preset");
+        let rate = rate_for(&plate);
+        let mut line = TimeLine::new(&plate, rate, 257, 1).expect("a line");
+        let (start, end) = plate.span_m();
+        for i in 0..4 {
+            let x = start + (end - start) * (f64::from(i) + 0.4) / 4.0;
+            peaks_agree(&plate, plate.frequency_for_boundary_hz(x), &mut line, rate)
+                .unwrap_or_else(|fault| panic!("{}: {fault}", entry.name));
+        }
+    }
+}
+
+#[test]
+fn dragged_in_steps_with_the_table_the_settled_peak_stays_within_1_db_for_every_preset() {
+    for entry in presets() {
+        let plate = entry.plate().expect("a preset");
+        let rate = rate_for(&plate);
+        let table = DriveTable::build(&plate, rate, 1025).expect("a table");
+        let mut line = TimeLine::new(&plate, rate, 193, 1).expect("a line");
+        for i in 0..5 {
+            let x =
+                table.span_start_m + (table.span_end_m - table.span_start_m) * (f64::from(i) + 0.61) / 5.0;
+            let frequency = table.frequency_hz(x);
+            settle(&mut line, rate, frequency, table.gain(x));
+            let Some(peak) = line.envelope().peak(&plate, frequency) else { continue };
+            let error = 20.0 * (peak.amplitude / table.peak_at_full_scale_m).log10();
+            assert!(error.abs() < 1.0, "{} at {x}: {error} dB", entry.name);
+        }
+    }
+}
+
+#[test]
+fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
+    let base = preset("al-bending").expect("a preset").spec().clone();
+    let bending = base.model.bending().expect("bending").clone();
+    let variations = [
+        PlateSpec {
+            model: Model::BendingSupported(Bending { thick_plate: true, ..bending.clone() }),
+            ..base.clone()
+        },
+        PlateSpec {
+            model: Model::BendingClamped(bending.clone()),
+            drive_end: DriveEnd::Displacement,
+            ..base.clone()
+        },
+        PlateSpec { actuator: Some(Actuator { resonance_hz: 21e3, quality: 12.0 }), ..base.clone() },
+        PlateSpec {
+            actuator: Some(Actuator { resonance_hz: 30e3, quality: 4.0 }),
+            drive_end: DriveEnd::Force { at_frequency_hz: 20e3 },
+            loss_factor: 0.01,
+            ..base
+        },
+    ];
+    for spec in variations {
+        let plate = Plate::new(spec).expect("a valid plate");
+        let mut line = TimeLine::new(&plate, 400e3, 257, 1).expect("a line");
+        for x in [0.13, 0.26] {
+            peaks_agree(&plate, plate.frequency_for_boundary_hz(x), &mut line, 400e3)
+                .unwrap_or_else(|fault| panic!("{:?}: {fault}", plate.spec()));
+        }
+    }
+}
+
+#[test]
+fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
+    let plate = preset("membrane").expect("a preset");
+    let mut line = TimeLine::new(&plate, 4e3, 64, 1).expect("a line");
+    line.push(&[0.0; 4000]);
+    let mut field = vec![1.0_f32; 64];
+    line.field_m(&mut field);
+    assert!(field.iter().all(|&u| u == 0.0));
+    line.push(&[f32::NAN, f32::INFINITY, 1.0, -1.0]);
+    line.push(&(0..4000).map(|n| (f64::from(n) * 0.2).sin() as f32).collect::<Vec<_>>());
+    line.field_m(&mut field);
+    assert!(field.iter().all(|u| u.is_finite()) && field.iter().any(|u| u.abs() > 1e-6));
+    line.rest();
+    line.push(&[0.0; 2000]);
+    assert!(line.envelope().maximum_m().iter().all(|&u| u == 0.0));
+}
+
+#[test]
+fn a_line_that_cannot_be_made_says_why() {
+    let plate = preset("al-bending").expect("a preset");
+    let fault = |rate: f64, points: usize, mode: u32| {
+        TimeLine::new(&plate, rate, points, mode).err().expect("refused")
+    };
+    assert!(matches!(fault(50e3, 64, 1), LineError::SampleRate { .. }));
+    assert!(matches!(fault(f64::NAN, 64, 1), LineError::SampleRate { .. }));
+    assert!(matches!(fault(400e3, 4, 1), LineError::Points { .. }));
+    assert!(matches!(fault(400e3, 64, 0), LineError::Mode { .. }));
+}
+
+#[test]
+fn the_third_width_mode_dies_out_before_the_first() {
+    let plate = preset("al-sh").expect("a preset");
+    let frequency = plate.frequency_for_boundary_hz(0.45);
+    let reach = |mode: u32| {
+        let mut line = TimeLine::new(&plate, 400e3, 257, mode).expect("a line");
+        settle(&mut line, 400e3, frequency, 0.5);
+        let rms = line.envelope().rms_m();
+        let top = rms.iter().copied().fold(0.0, f32::max);
+        rms.iter().rposition(|&u| u > 0.3 * top).expect("it moves") as f64 / 256.0 * plate.length_m()
+    };
+    let ghost = plate.ghost_boundary_m(frequency, 3).expect("the third mode enters");
+    assert!((reach(1) - reach(3) - (0.45 - ghost)).abs() < 0.05, "{} {}", reach(1), reach(3));
+}
+
+fn any_plate() -> impl Strategy<Value = Plate> {
+    let taper = (0.01..0.2_f64, 1.0..8.0_f64, 0..3_u8);
+    let end = (0..3_u8, 0.3..3.0_f64);
+    (taper, 0.15..0.8_f64, 0..4_u8, 0.002..0.12_f64, end, 0.05..0.35_f64, 0.7..0.98_f64).prop_filter_map(
+        "a plate that can be made",
+        |((half_width, rate, shape), length, model, loss, (end, ratio), start, stop)| {
+            let width = |x: f64| half_width * (-rate * x).exp();
+            let taper = match shape {
+                0 => Taper::Exponential { half_width_m: half_width, rate_per_m: rate },
+                1 => Taper::Linear { half_width_m: half_width, end_half_width_m: width(length) },
+                _ => Taper::Sampled {
+                    points: (0..=8)
+                        .map(|i| f64::from(i) / 8.0 * length)
+                        .map(|x| [x, width(x) / (1.0 + x)])
+                        .collect(),
+                },
+            };
+            let bending = Bending {
+                youngs_modulus_pa: 7e10,
+                poisson_ratio: 0.3,
+                density_kg_per_m3: 2700.0,
+                thickness_m: 0.001,
+                thick_plate: false,
+            };
+            let model = match model {
+                0 => Model::Membrane { wave_speed_m_per_s: 15.0 },
+                1 => Model::ShearHorizontal { shear_modulus_pa: 1e6, density_kg_per_m3: 1100.0 },
+                2 => Model::BendingSupported(bending),
+                _ => Model::BendingClamped(bending),
+            };
+            let mut spec = PlateSpec {
+                name: "random".to_owned(),
+                description: String::new(),
+                taper,
+                length_m: length,
+                model,
+                loss_factor: loss,
+                drive_end: DriveEnd::Displacement,
+                actuator: None,
+                full_scale_m: 1e-5,
+                span_start_m: start * length,
+                span_end_m: stop * length,
+            };
+            let at_frequency_hz = Plate::new(spec.clone()).ok()?.band_hz().1 * 0.8;
+            spec.drive_end = match end {
+                0 => DriveEnd::Displacement,
+                1 => DriveEnd::Force { at_frequency_hz },
+                _ => DriveEnd::Resistance { ratio, at_frequency_hz },
+            };
+            Plate::new(spec).ok()
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, max_global_rejects: 5000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_plates_peak_in_time_where_the_frequency_domain_puts_it(plate in any_plate(), part in 0.0..1.0_f64) {
+        let (start, end) = plate.span_m();
+        let frequency = plate.frequency_for_boundary_hz(start + part * (end - start));
+        let rate = (plate.band_hz().1 * 10.0).clamp(200.0, 1e7);
+        let mut line = TimeLine::new(&plate, rate, 201, 1).expect("a line");
+        if let Err(fault) = peaks_agree(&plate, frequency, &mut line, rate) {
+            return Err(TestCaseError::fail(fault));
+        }
+    }
+}
