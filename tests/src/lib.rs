@@ -10,4 +10,6 @@ pub mod commands;
 pub mod faulty_link;
 pub mod fuzz;
 pub mod measure;
+pub mod qemu;
 pub mod rig;
+pub mod storm;

@@ -1,0 +1,141 @@
+//! A user who cannot sit still: random acts, played on a device and on its mirror.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use slipline::mirror::Mirror;
+use slipline_app::Stop;
+use slipline_protocol::command::{Apply, Drive};
+use slipline_protocol::event::Event;
+use slipline_protocol::refusal::Busy;
+use slipline_protocol::units::{CentiDecibel, Phase};
+use slipline_protocol::{Command, Refusal};
+
+use crate::rig::{BLOCK, RATE_HZ, Rig, Table, tone};
+
+/// What the user does next.
+#[derive(Clone, Debug)]
+pub enum Act {
+    /// A drive.
+    Drive {
+        /// Slot, position, level and phase of each tone.
+        tones: Vec<(u8, f64, f64, u16)>,
+        /// In hundredths of a decibel.
+        master: i16,
+        /// In samples.
+        glide: u32,
+        /// How far ahead it is to begin, if not at the next block.
+        ahead: Option<u64>,
+    },
+    /// A table, by its number.
+    Table(usize),
+    /// A stop.
+    Stop,
+    /// An emergency stop, and then arming again.
+    EmergencyStop,
+    /// Nothing, for 60 ms.
+    Rest,
+}
+
+/// Acts, each with the blocks that pass after it.
+pub fn acts() -> impl Strategy<Value = Vec<(Act, u64)>> {
+    let tones = prop::collection::vec((0..16u8, 0.0..=1.0, 0.0..=1.0, any::<u16>()), 0..5);
+    let glide = prop_oneof![2000u32..4000, 2000u32..40_000];
+    let ahead = prop::option::weighted(0.2, 0u64..4000);
+    let act = prop_oneof![
+        10 => (tones, -2000i16..=0, glide, ahead)
+            .prop_map(|(tones, master, glide, ahead)| Act::Drive { tones, master, glide, ahead }),
+        2 => (0..3usize).prop_map(Act::Table),
+        1 => Just(Act::Stop),
+        1 => Just(Act::EmergencyStop),
+        2 => Just(Act::Rest),
+    ];
+    prop::collection::vec((act, 1u64..40), 1..40)
+}
+
+/// Plays the acts with these tables, the first of them from the start, and returns the device's codes.
+///
+/// # Errors
+/// The test fails if the mirror's codes differ from the device's, if a code was clamped, or if a command was answered
+/// with anything but what can be expected.
+///
+/// # Panics
+/// If the device refuses what it must accept.
+pub fn play(acts: &[(Act, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCaseError> {
+    let mut rig = Rig::default();
+    rig.hello();
+    let mut mirror = Mirror::new(RATE_HZ, 0);
+    rig.stage(&tables[0]);
+    let at = rig.accepted(&Command::TableCommit);
+    mirror.acknowledge_table(Arc::from(tables[0].knots.as_slice()), at)?;
+    rig.arm();
+    for (act, blocks) in acts {
+        match act {
+            Act::Drive { tones, master, glide, ahead } => {
+                let drive = random_drive(tones, *master, *glide, ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead));
+                match rig.send(&Command::Drive(drive.clone())) {
+                    Event::Accepted(accepted) => mirror.acknowledge_drive(&drive, accepted.at)?,
+                    Event::Refused(Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_)) => {}
+                    other => return Err(TestCaseError::fail(format!("{other:?}"))),
+                }
+            }
+            Act::Table(number) => swap(&mut rig, &mut mirror, &tables[*number])?,
+            Act::Stop => {
+                let at = rig.accepted(&Command::Stop);
+                mirror.acknowledge_stop(Stop::Normal, at)?;
+            }
+            Act::EmergencyStop => {
+                let at = rig.accepted(&Command::EmergencyStop);
+                mirror.acknowledge_stop(Stop::Emergency, at)?;
+                rig.live_ms(40);
+                rig.accepted(&Command::ClearFaults);
+                rig.arm();
+            }
+            Act::Rest => rig.live_ms(60),
+        }
+        rig.live_blocks(*blocks);
+    }
+    let mut replayed = Vec::new();
+    mirror.render(rig.device.now(), |_, codes| replayed.extend_from_slice(codes));
+    prop_assert!(mirror.is_true());
+    let difference = replayed.iter().zip(&rig.recording.codes).position(|(a, b)| a != b);
+    prop_assert_eq!(difference, None, "the first code in which mirror and device differ");
+    prop_assert_eq!(replayed.len(), rig.recording.codes.len());
+    prop_assert_eq!(rig.status().counters.clips, 0);
+    Ok(rig.recording.codes)
+}
+
+/// The levels are scaled so that most drives have the headroom, and some have not.
+fn random_drive(tones: &[(u8, f64, f64, u16)], master: i16, glide: u32, at: Option<u64>) -> Drive {
+    let scale = 1.2 / tones.len().max(1) as f64;
+    Drive {
+        tones: tones
+            .iter()
+            .map(|&(slot, position, level, phase)| {
+                let mut tone = tone(slot, position, (level * scale).min(1.0));
+                tone.phase = Phase(phase);
+                tone
+            })
+            .collect(),
+        master: CentiDecibel(master),
+        glide,
+        apply: at.map_or(Apply::Next, Apply::At),
+    }
+}
+
+fn swap(rig: &mut Rig, mirror: &mut Mirror, table: &Table) -> Result<(), TestCaseError> {
+    if rig.send(&Command::TableBegin(table.header)) == Event::Refused(Refusal::Busy(Busy::TableInUse)) {
+        return Ok(());
+    }
+    for chunk in table.chunks() {
+        rig.accepted(&Command::TableChunk(chunk));
+    }
+    match rig.send(&Command::TableCommit) {
+        Event::Accepted(accepted) => {
+            mirror.acknowledge_table(Arc::from(table.knots.as_slice()), accepted.at)?;
+        }
+        Event::Refused(Refusal::Headroom { .. } | Refusal::Busy(_)) => {}
+        other => return Err(TestCaseError::fail(format!("{other:?}"))),
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! How the sound begins and ends: ramps, the mute pin, and the very first codes.
+
+use slipline::link::simulated::Options;
+use slipline_protocol::Command;
+use slipline_protocol::event::{Fault, ResetCause, State};
+use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
+use slipline_tests::measure::{envelope, peak};
+use slipline_tests::rig::{BLOCK, MID, Rig, drive};
+
+/// Sounds 20 kHz at full scale.
+fn driving() -> Rig {
+    let mut rig = Rig::armed();
+    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
+    rig.live_ms(20);
+    rig.record();
+    rig
+}
+
+#[test]
+fn a_stop_is_a_ramp_of_its_stated_length_and_leaves_the_device_armed() {
+    //
+    let mut rig = driving();
+    let at = rig.accepted(&Command::Stop);
+    assert_eq!(rig.status().state, State::Stopping);
+    rig.live_ms(60);
+    let end = rig.recording.end_of_sound().unwrap();
+    let ramp = rig.samples(STOP_RAMP_MS);
+    assert!((20..=50).contains(&STOP_RAMP_MS));
+    assert!(end <= at + ramp + BLOCK && end > at + ramp * 8 / 10, "{} of {ramp}", end - at);
+    // Half-way down half is left: the ramp is a raised cosine.
+    let middle = rig.recording.from(at + ramp / 2 - 100);
+    assert!((900..1150).contains(&peak(&middle[..200])), "{}", peak(&middle[..200]));
+    let peaks = envelope(&rig.recording.from(at)[..ramp as usize], 100);
+    assert!(peaks.windows(2).all(|pair| pair[1] <= pair[0] + 1), "{peaks:?}");
+    assert_eq!(rig.status().state, State::Armed);
+    assert!(!rig.device.is_muted());
+}
+
+#[test]
+fn an_emergency_stop_is_silent_within_its_time_then_mutes_and_latches() {
+    //
+    let mut rig = driving();
+    let at = rig.accepted(&Command::EmergencyStop);
+    assert!(at - rig.recording.first <= BLOCK);
+    rig.live_ms(20);
+    let end = rig.recording.end_of_sound().unwrap();
+    const { assert!(EMERGENCY_RAMP_MS <= 2) };
+    assert!(end <= at + rig.samples(EMERGENCY_RAMP_MS) + BLOCK, "{}", end - at);
+    assert!(!rig.recording.was_muted(end - 1), "not before the ramp is out");
+    assert!(rig.recording.was_muted(end + 8 * BLOCK));
+    let status = rig.status();
+    assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::EmergencyStop)));
+}
+
+#[test]
+fn a_slow_stop_does_not_lengthen_a_quick_one() {
+    //
+    let mut rig = driving();
+    let at = rig.accepted(&Command::EmergencyStop);
+    rig.live_blocks(1);
+    rig.accepted(&Command::Stop);
+    rig.send(&Command::Disarm);
+    rig.live_ms(20);
+    let end = rig.recording.end_of_sound().unwrap();
+    assert!(end <= at + rig.samples(EMERGENCY_RAMP_MS) + BLOCK, "{}", end - at);
+}
+
+#[test]
+fn a_quick_stop_shortens_a_slow_one() {
+    let mut rig = driving();
+    rig.accepted(&Command::Stop);
+    rig.live_blocks(4);
+    let at = rig.accepted(&Command::EmergencyStop);
+    rig.live_ms(60);
+    let end = rig.recording.end_of_sound().unwrap();
+    assert!(end <= at + rig.samples(EMERGENCY_RAMP_MS) + BLOCK, "{}", end - at);
+}
+
+#[test]
+fn after_every_kind_of_reset_the_amplifier_is_muted_over_mid_scale_until_armed() {
+    //
+    for cause in [ResetCause::PowerOn, ResetCause::Pin, ResetCause::Watchdog, ResetCause::BrownOut] {
+        let mut rig = Rig::new(Options::default());
+        rig.device.restart(cause);
+        rig.record();
+        rig.silent_ms(50);
+        assert!(rig.recording.codes.iter().all(|&code| code == MID));
+        assert!(rig.recording.muted.iter().all(|&muted| muted));
+    }
+}
+
+#[test]
+fn the_amplifier_is_unmuted_only_over_mid_scale_and_before_the_first_sound() {
+    // as the pin and the codes were recorded, block by block. The drive comes with the arming, in one breath.
+    let mut rig = Rig::default();
+    rig.hello();
+    rig.upload(&slipline_tests::rig::Table::usual());
+    rig.silent_ms(5);
+    let ready = rig.accepted(&Command::Arm);
+    let at = rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
+    assert_eq!(at, ready);
+    rig.keep_alive();
+    rig.live_ms(10);
+    let unmuted = rig.recording.muted.iter().position(|&muted| !muted).unwrap();
+    let first_sound = rig.recording.first_sound(0).unwrap();
+    assert!(unmuted as u64 * BLOCK <= first_sound);
+    assert!(first_sound >= at);
+    assert!(unmuted >= 4, "some mid-scale has flowed before");
+    assert!(rig.recording.muted[unmuted..].iter().all(|&muted| !muted));
+
+    rig.record();
+    rig.accepted(&Command::Disarm);
+    rig.live_ms(60);
+    let end = rig.recording.end_of_sound().unwrap();
+    let muted = rig.recording.muted.iter().position(|&muted| muted).unwrap() as u64 * BLOCK;
+    assert!(rig.recording.first + muted >= end + 2 * BLOCK, "the ramp is out of the DAC before the mute");
+}
+
+#[test]
+fn dragging_at_a_thousand_drives_a_second_is_taken_without_a_refusal() {
+    let mut rig = driving();
+    for step in 0..500u32 {
+        let place = 0.5 + 0.4 * (f64::from(step) / 50.0).sin();
+        rig.accepted(&Command::Drive(drive(&[(0, place, 0.9)], 2000)));
+        rig.live_blocks(if step % 8 == 0 { 4 } else { 3 });
+    }
+    assert_eq!(rig.status().state, State::Driving);
+}
