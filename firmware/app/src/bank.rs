@@ -37,6 +37,7 @@ pub const MAX_STEP_CHANGE: u64 = 1 << 54;
 
 /// One tone over one block: step and amplitude move linearly from the block's first sample to the next block's first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
 pub struct ToneBlock {
     /// Phase step at the block's first sample, 2^64 = one turn per sample; below 0.45 turns.
     pub step: u64,
@@ -55,11 +56,17 @@ impl ToneBlock {
         Self { step, step_end: step, amplitude, amplitude_end: amplitude }
     }
 
-    /// Whether the tone keeps its step and its amplitude over the block.
-    #[inline]
-    #[must_use]
-    pub const fn is_steady(&self) -> bool {
-        self.step == self.step_end && self.amplitude == self.amplitude_end
+    /// Zero if the tone keeps its step and its amplitude over the block.
+    #[inline(always)]
+    const fn moves(&self) -> u32 {
+        let step = self.step ^ self.step_end;
+        step as u32 | (step >> 32) as u32 | (self.amplitude ^ self.amplitude_end)
+    }
+
+    /// The phase gained over the block, `64 (step + step_end)`, modulo a turn.
+    #[inline(always)]
+    const fn block_gain(&self) -> u64 {
+        self.step.wrapping_add(self.step_end) << 6
     }
 
     /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo a turn.
@@ -76,8 +83,8 @@ impl ToneBlock {
 #[derive(Clone, Debug)]
 pub struct Bank {
     phases: [u64; TONES],
-    /// The steps that `steady_basis` and `turns` are made for.
-    steps: [Option<u64>; TONES],
+    /// The steps that `steady_basis` and `turns` are made for, inverted: all zeros is a step that no tone has.
+    inverted_steps: [u64; TONES],
     turns: [Turn; TONES],
     steady_basis: SteadyBasis,
     steady_seeds: SteadySeeds,
@@ -97,7 +104,7 @@ impl Bank {
     pub const fn new() -> Self {
         Self {
             phases: [0; TONES],
-            steps: [None; TONES],
+            inverted_steps: [0; TONES],
             turns: [Turn::NONE; TONES],
             steady_basis: SteadyBasis::new(),
             steady_seeds: SteadySeeds::new(),
@@ -130,34 +137,21 @@ impl Bank {
     }
 
     fn render_with<K: Kernel>(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
-        if tones.iter().all(ToneBlock::is_steady) {
-            for (index, (tone, phase)) in tones.iter().zip(&self.phases).enumerate() {
-                let (Some(made_for), Some(turn)) = (self.steps.get_mut(index), self.turns.get_mut(index))
-                else {
-                    continue;
-                };
-                let amplitude = tone.amplitude.min(AMPLITUDE_ONE);
-                if amplitude != 0 && *made_for != Some(tone.step) {
-                    *made_for = Some(tone.step);
-                    *turn = steady::rebuild(tone.step, index, &mut self.steady_basis);
+        // All differences first: a loop without an early exit is shorter in the case that counts.
+        if tones.iter().fold(0, |moves, tone| moves | tone.moves()) == 0 {
+            for (slot, (tone, made_for)) in tones.iter().zip(&mut self.inverted_steps).enumerate() {
+                if *made_for != !tone.step && tone.amplitude != 0 {
+                    *made_for = !tone.step;
+                    if let Some(turn) = self.turns.get_mut(slot) {
+                        *turn = steady::rebuild(tone.step, slot, &mut self.steady_basis);
+                    }
                 }
-                steady::seed(*phase, tone.step, amplitude, turn, index, &mut self.steady_seeds);
             }
+            K::seed_steady(&mut self.phases, tones, &self.turns, &mut self.steady_seeds);
             K::steady(&self.steady_basis, &self.steady_seeds, out);
         } else {
-            for (index, (tone, phase)) in tones.iter().zip(&self.phases).enumerate() {
-                glide::rebuild(
-                    tone.step,
-                    tone.step_end.wrapping_sub(tone.step).cast_signed(),
-                    index,
-                    &mut self.glide_basis,
-                );
-                glide::seed(*phase, tone, index, &mut self.glide_seeds);
-            }
+            K::seed_glide(&mut self.phases, tones, &mut self.glide_basis, &mut self.glide_seeds);
             K::glide(&self.glide_basis, &self.glide_seeds, out);
-        }
-        for (tone, phase) in tones.iter().zip(&mut self.phases) {
-            *phase = phase.wrapping_add(tone.phase_gain(128));
         }
     }
 }

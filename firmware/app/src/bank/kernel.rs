@@ -13,7 +13,7 @@
 //! instruction cache of an STM32F4.
 
 use super::code::{ROUND, one_code};
-use super::sine::add_high;
+use super::sine::{add_high, high};
 
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
@@ -25,7 +25,8 @@ pub(super) type Native = cortex_m4::CortexM4;
 /// The kernel of this machine.
 #[cfg(not(target_arch = "arm"))]
 pub(super) type Native = Portable;
-use super::{BLOCK, TONES};
+use super::steady::Turn;
+use super::{BLOCK, TONES, ToneBlock, glide, steady};
 
 /// Samples whose sums are formed together.
 const GROUP: usize = 4;
@@ -107,8 +108,22 @@ impl GlideSeeds {
     }
 }
 
-/// The products of a block and the conversion to codes, on some machine.
+/// What is done for every block, on some machine.
 pub(super) trait Kernel {
+    /// The seeds of sixteen steady tones; moves the phases on.
+    fn seed_steady(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        turns: &[Turn; TONES],
+        seeds: &mut SteadySeeds,
+    );
+    /// The basis and the seeds of sixteen gliding tones; moves the phases on.
+    fn seed_glide(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        basis: &mut GlideBasis,
+        seeds: &mut GlideSeeds,
+    );
     /// `out[centre + tau] = E + O`, `out[centre - tau] = E - O` with `E = sum even seed * even word`, for both
     /// sub-blocks of 64 samples.
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]);
@@ -122,6 +137,32 @@ pub(super) trait Kernel {
 pub(super) struct Portable;
 
 impl Kernel for Portable {
+    fn seed_steady(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        turns: &[Turn; TONES],
+        seeds: &mut SteadySeeds,
+    ) {
+        let seeds = seeds.even.iter_mut().zip(&mut seeds.odd);
+        for (((phase, tone), turn), (even, odd)) in phases.iter_mut().zip(tones).zip(turns).zip(seeds) {
+            steady::seed(*phase, tone, turn, even, odd);
+            *phase = phase.wrapping_add(tone.block_gain());
+        }
+    }
+
+    fn seed_glide(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        basis: &mut GlideBasis,
+        seeds: &mut GlideSeeds,
+    ) {
+        for (slot, (phase, tone)) in phases.iter_mut().zip(tones).enumerate() {
+            glide::rebuild(tone, slot, basis);
+            glide::seed(*phase, tone, slot, seeds);
+            *phase = phase.wrapping_add(tone.block_gain());
+        }
+    }
+
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]) {
         let mut even = [[0; PAIR]; STEADY_HALF];
         let mut odd = even;
@@ -170,8 +211,10 @@ fn products(words: &[[[i32; GROUP]; TONES]], seeds: &Pair, sums: &mut [[i32; PAI
     }
 }
 
-/// The packed corrections: both halves of a word times both halves of a coefficient, in 1/8 of the sum's unit.
+/// The packed corrections, both halves of a word times both halves of a coefficient; their sum times `tau / 8`, and
+/// from 30 to 27 fractional bits.
 fn bend(words: &[[[i32; GROUP]; TONES]], seeds: &Pair, sums: &mut [[i32; PAIR]]) {
+    let mut tau = 1;
     for (group, sums) in words.iter().zip(sums.chunks_exact_mut(GROUP)) {
         for (words, seeds) in group.iter().zip(seeds) {
             for (word, sums) in words.iter().zip(&mut *sums) {
@@ -182,7 +225,10 @@ fn bend(words: &[[[i32; GROUP]; TONES]], seeds: &Pair, sums: &mut [[i32; PAIR]])
                 }
             }
         }
-        sums.iter_mut().flatten().for_each(|sum| *sum >>= 3);
+        for sums in sums {
+            sums.iter_mut().for_each(|sum| *sum = high(*sum, tau << 25));
+            tau += 2;
+        }
     }
 }
 

@@ -18,10 +18,10 @@ pub const ONE: i32 = i32::MAX - 7;
 const BINS: usize = 512;
 
 /// `2 pi 2^-9 2^32 k`: turns a residual phase (2^-41 turns) into radians with 32 fractional bits.
-const RADIANS: i32 = 52_706_980;
+pub(super) const RADIANS: i32 = 52_706_980;
 
 /// Sine and cosine at the centre of each bin, in units of 2^-31.
-static TABLE: [[i32; 2]; BINS] = table();
+pub(super) static TABLE: [[i32; 2]; BINS] = table();
 
 /// Sine and cosine of `phase` (2^32 is one turn), scaled by [`ONE`]. Worst error 2e-8, that is -154 dB.
 #[inline(always)]
@@ -34,9 +34,9 @@ pub fn sine_cosine(phase: u32) -> (i32, i32) {
     let [s, c] = TABLE[(phase >> 23) as usize];
     // The bin's lower edge has a residual of all zeros: flipping the top bit makes the centre zero.
     let residual = ((phase << 9) ^ 0x8000_0000).cast_signed();
-    let (r, minus_r) = (high(residual, RADIANS), high(residual, -RADIANS));
-    let minus_h = high(r, minus_r) >> 1;
-    (add_high(add_high(s, c, r), s, minus_h), add_high(add_high(c, s, minus_r), c, minus_h))
+    let r = high(residual, RADIANS);
+    let h = high(r, r) >> 1;
+    (sub_high(add_high(s, c, r), s, h), sub_high(sub_high(c, s, r), c, h))
 }
 
 /// The upper half of a 64-bit product, rounded towards minus infinity: one SMMUL.
@@ -49,6 +49,13 @@ pub(crate) const fn high(a: i32, b: i32) -> i32 {
 #[inline(always)]
 pub(crate) const fn add_high(sum: i32, a: i32, b: i32) -> i32 {
     sum.wrapping_add(high(a, b))
+}
+
+/// `sum` minus a product, upper half, rounded towards minus infinity: one SMMLS.
+#[inline(always)]
+pub(crate) const fn sub_high(sum: i32, a: i32, b: i32) -> i32 {
+    // An odd product's lower half makes the difference one less than the difference of the upper halves.
+    ((((sum as i64) << 32).wrapping_sub(a as i64 * b as i64)) >> 32) as i32
 }
 
 /// 60 fractional bits: four more than are needed, and the products still fit in an i128.

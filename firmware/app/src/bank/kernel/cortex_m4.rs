@@ -9,13 +9,52 @@
 use core::arch::{asm, naked_asm};
 
 use super::{GlideBasis, GlideSeeds, Kernel, SteadyBasis, SteadySeeds};
-use crate::bank::BLOCK;
-use crate::bank::code::MAX_CODE;
+use crate::bank::code::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
+use crate::bank::glide::{HALF_UNIT, THETA};
+use crate::bank::sine::{RADIANS, TABLE};
+use crate::bank::steady::Turn;
+use crate::bank::{BLOCK, TONES, ToneBlock};
 
 /// The kernels in assembly.
 pub(in crate::bank) struct CortexM4;
 
+// What the assembly takes for granted about the memory it walks through.
+const _: () = {
+    assert!(TONES == 16 && BLOCK == 128);
+    assert!(size_of::<ToneBlock>() == 24 && size_of::<Turn>() == 8);
+    assert!(
+        core::mem::offset_of!(ToneBlock, step_end) == 8 && core::mem::offset_of!(ToneBlock, amplitude) == 16
+    );
+    assert!(core::mem::offset_of!(SteadySeeds, odd) == 128);
+    assert!(core::mem::offset_of!(GlideBasis, even) == 512 && core::mem::offset_of!(GlideSeeds, even) == 512);
+    assert!(
+        core::mem::offset_of!(GlideBasis, odd_bend) == 1024
+            && core::mem::offset_of!(GlideSeeds, odd_bend) == 1024
+    );
+    assert!(core::mem::offset_of!(GlideBasis, odd) == 1536 && core::mem::offset_of!(GlideSeeds, odd) == 1536);
+};
+
 impl Kernel for CortexM4 {
+    fn seed_steady(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        turns: &[Turn; TONES],
+        seeds: &mut SteadySeeds,
+    ) {
+        // SAFETY: the function reads and writes sixteen phases, reads sixteen tones and turns, and writes the seeds.
+        unsafe { seed_steady(phases, tones, turns, seeds) }
+    }
+
+    fn seed_glide(
+        phases: &mut [u64; TONES],
+        tones: &[ToneBlock; TONES],
+        basis: &mut GlideBasis,
+        seeds: &mut GlideSeeds,
+    ) {
+        // SAFETY: the function reads and writes sixteen phases, reads sixteen tones, and writes basis and seeds.
+        unsafe { seed_glide(phases, tones, basis, seeds) }
+    }
+
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]) {
         // SAFETY: the function reads exactly the two structures and writes exactly the block, as their types say.
         unsafe { steady(basis, seeds, out) }
@@ -55,8 +94,8 @@ impl Kernel for CortexM4 {
                 from = inout(reg) samples.as_ptr() => _,
                 end = in(reg) samples.as_ptr().wrapping_add(BLOCK),
                 to = inout(reg) out.as_mut_ptr() => _,
-                scale = in(reg) crate::bank::code::CODES_PER_UNIT,
-                mid = in(reg) u32::from(crate::bank::code::MID_SCALE),
+                scale = in(reg) CODES_PER_UNIT,
+                mid = in(reg) u32::from(MID_SCALE),
                 out("r2") _, out("r3") _, out("r4") _, out("r5") _,
                 options(nostack),
             );
@@ -310,19 +349,25 @@ macro_rules! load_seeds {
     };
 }
 
-/// The sums of a pass of packed corrections, scaled to those of the main pass.
+/// The sums of a pass of packed corrections, times `tau / 8` and scaled to those of the main pass. Sets the flags to
+/// "equal" if these were the second group's.
 macro_rules! bends {
     () => {
         concat!(
             tone!("0", "1", set "smuad"),
             other_tones!("smlad"),
-            "asr r1, r1, #3\nasr r2, r2, #3\nasr r3, r3, #3\nasr r4, r4, #3\n",
-            "asr r5, r5, #3\nasr r6, r6, #3\nasr r7, r7, #3\nasr r8, r8, #3\n",
+            "ldr r9, [sp, #12]\ncmp r0, r9\n",
+            // 1, 3, 5, 7 or 9, 11, 13, 15, with 25 fractional bits
+            "ite eq\nmoveq r9, #0x12000000\nmovne r9, #0x02000000\n",
+            "add r10, r9, #0x04000000\nadd r11, r10, #0x04000000\nadd r12, r11, #0x04000000\n",
+            "smmul r1, r1, r9\nsmmul r2, r2, r10\nsmmul r3, r3, r11\nsmmul r4, r4, r12\n",
+            "smmul r5, r5, r9\nsmmul r6, r6, r10\nsmmul r7, r7, r11\nsmmul r8, r8, r12\n",
         )
     };
 }
 
-/// After a group whose sums' address `r9` is stored at `[sp, $slot]`: on by `$next` bytes to the second group at label
+/// After a group whose sums' address `r9` is stored at `[sp, $slot]`, with the flags at "equal" if it was a pair's
+/// second: on by `$next` bytes to the second group at label
 /// `$group`, or on by `$onward` to the next pair at label `$pair`, until `$end`. Leaves the words' address at the
 /// start of the next pass.
 macro_rules! next_group {
@@ -406,6 +451,8 @@ unsafe extern "C" fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i3
         tone!("0", "1", add "smmla"),
         other_tones!("smmla"),
         "ldr r9, [sp]",
+        "ldr r10, [sp, #12]",
+        "cmp r0, r10",
         store_sums!("64"),
         next_group!("0", "16", "30", "112", "3", "16", "31"),
         "sub r9, r9, #512",
@@ -455,5 +502,408 @@ unsafe extern "C" fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i3
         "add sp, sp, #28",
         "vpop {{s16-s31}}",
         "pop {{r4-r11, pc}}",
+    )
+}
+
+/// Sine and cosine of the phase `$angle` into `$s` and `$c`, with the table's address in `$table` and [`RADIANS`] in
+/// `$radians`; uses `$a` and `$b`. 14 cycles.
+macro_rules! sine_cosine {
+    ($angle:literal, $table:literal, $radians:literal, $s:literal, $c:literal, $sine:literal, $cosine:literal, $a:literal, $b:literal) => {
+        concat!(
+            "lsr ",
+            $s,
+            ", ",
+            $angle,
+            ", #23\n",
+            "lsl ",
+            $a,
+            ", ",
+            $angle,
+            ", #9\n",
+            "add ",
+            $s,
+            ", ",
+            $table,
+            ", ",
+            $s,
+            ", lsl #3\n",
+            "eor ",
+            $a,
+            ", ",
+            $a,
+            ", #0x80000000\n",
+            "ldr ",
+            $sine,
+            ", [",
+            $s,
+            "]\n",
+            "ldr ",
+            $cosine,
+            ", [",
+            $s,
+            ", #4]\n",
+            "smmul ",
+            $b,
+            ", ",
+            $a,
+            ", ",
+            $radians,
+            "\n", // r
+            "smmul ",
+            $a,
+            ", ",
+            $b,
+            ", ",
+            $b,
+            "\n",
+            "asr ",
+            $a,
+            ", ",
+            $a,
+            ", #1\n", // r^2 / 2
+            "smmla ",
+            $s,
+            ", ",
+            $cosine,
+            ", ",
+            $b,
+            ", ",
+            $sine,
+            "\n",
+            "smmls ",
+            $c,
+            ", ",
+            $sine,
+            ", ",
+            $b,
+            ", ",
+            $cosine,
+            "\n",
+            "smmls ",
+            $s,
+            ", ",
+            $sine,
+            ", ",
+            $a,
+            ", ",
+            $s,
+            "\n",
+            "smmls ",
+            $c,
+            ", ",
+            $cosine,
+            ", ",
+            $a,
+            ", ",
+            $c,
+            "\n",
+        )
+    };
+}
+
+/// `seed` of [`crate::bank::steady`] for sixteen tones, about 50 cycles each.
+#[unsafe(naked)]
+unsafe extern "C" fn seed_steady(
+    phases: &mut [u64; TONES],
+    tones: &[ToneBlock; TONES],
+    turns: &[Turn; TONES],
+    seeds: &mut SteadySeeds,
+) {
+    naked_asm!(
+        ".fpu fpv4-sp-d16",
+        "push {{r4-r11, lr}}",
+        "add r4, r0, #128",
+        "vmov s0, r4",
+        "movw r11, #:lower16:{table}",
+        "movt r11, #:upper16:{table}",
+        "movw r12, #{radians} & 0xFFFF",
+        "movt r12, #{radians} >> 16",
+        "2:",
+        "ldr r4, [r0]",
+        "ldr r5, [r0, #4]",
+        "ldr r6, [r1]",
+        "ldr r7, [r1, #4]",
+        "ldr r8, [r1, #16]",
+        "lsl r9, r7, #6",
+        "orr r9, r9, r6, lsr #26",
+        "lsl r6, r6, #6",
+        "adds r4, r4, r6",
+        "adc r5, r5, r9", // the phase at sample 64
+        "sub r10, r5, r7, lsr #1", // at the centre
+        "adds r4, r4, r6",
+        "adc r5, r5, r9", // at the next block
+        "str r4, [r0], #4",
+        "str r5, [r0], #4",
+        "lsr r8, r8, #1",
+        "usat r8, #30, r8",
+        sine_cosine!("r10", "r11", "r12", "r4", "lr", "r6", "r7", "r5", "r9"),
+        "smmul r4, r8, r4",
+        "smmul r5, r8, lr",
+        "ldrd r6, r7, [r2], #8",
+        "smmul r8, r4, r6",
+        "smmul r9, r5, r6",
+        "smmls r10, r5, r7, r8",
+        "smmla r8, r5, r7, r8",
+        "smmla lr, r4, r7, r9",
+        "smmls r9, r4, r7, r9",
+        "str r8, [r3, #4]",
+        "str lr, [r3, #128]",
+        "str r9, [r3, #132]",
+        "str r10, [r3], #8",
+        "vmov r4, s0",
+        "add r1, r1, #24",
+        "cmp r0, r4",
+        "bne 2b",
+        "pop {{r4-r11, pc}}",
+        table = sym TABLE,
+        radians = const RADIANS,
+    )
+}
+
+/// The seeds of one sub-block, `$at` bytes on from `r0`. r1 the table, r2 the phase and r3 its gain, r4 the amplitude,
+/// r5 the detuning, r6 the swell, r7 [`RADIANS`]; s2-s8 what they change by and the block's other constants.
+macro_rules! sub_block {
+    ($at:literal) => {
+        concat!(
+            sine_cosine!("r2", "r1", "r7", "r8", "lr", "r9", "r10", "r11", "r12"),
+            "asr r9, r4, #1\n",
+            "smmul r10, r9, r8\n",
+            "smmul r9, r9, lr\n",
+            "str r10, [r0, #512 + ",
+            $at,
+            "]\n",
+            "str r9, [r0, #1536 + ",
+            $at,
+            "]\n",
+            "pkhtb r8, r8, lr, asr #16\n", // sine over cosine
+            "vmov r9, s6\n",
+            "smmla r9, r4, r5, r9\n", // imaginary
+            "vmov r10, s7\n",
+            "vmov r11, s8\n",
+            "smmls r10, r9, r11, r10\n", // real
+            "smmul r11, r9, r5\n",       // curl
+            "pkhtb r9, r9, r10, asr #16\n",
+            "pkhtb r10, r6, r11, asr #21\n",
+            "mov r11, #0x8000\n",
+            "smlsd r12, r9, r8, r11\n",
+            "smladx r9, r9, r8, r11\n",
+            "smlsdx lr, r10, r8, r11\n",
+            "smlad r10, r10, r8, r11\n",
+            "pkhtb r12, lr, r12, asr #16\n",
+            "pkhtb r9, r10, r9, asr #16\n",
+            "str r12, [r0, #",
+            $at,
+            "]\n",
+            "str r9, [r0, #1024 + ",
+            $at,
+            "]\n",
+            "vmov r10, s2\n",
+            "vmov r11, s3\n",
+            "vmov r12, s4\n",
+            "vmov lr, s5\n",
+            "add r2, r2, r3\n",
+            "add r3, r3, r10\n",
+            "add r4, r4, r11\n",
+            "add r5, r5, r12\n",
+            "add r6, r6, lr\n",
+        )
+    };
+}
+
+/// The basis words of one sample: cosine in lr, sine in r8, half a unit in r6; `$tau` is `-2 tau` with 26 fractional
+/// bits, `$at` the sample's place in the tone's column at r0.
+macro_rules! basis_words {
+    ($tau:literal, $at:literal) => {
+        concat!(
+            "mov r9, #",
+            $tau,
+            "\n",
+            "smmla r10, lr, r9, r6\n",
+            "smmla r11, r8, r9, r6\n",
+            "pkhtb r10, r10, r8, asr #18\n",
+            "pkhtb r11, r11, lr, asr #18\n",
+            "str r10, [r0, #",
+            $at,
+            "]\n",
+            "str lr, [r0, #512 + ",
+            $at,
+            "]\n",
+            "str r11, [r0, #1024 + ",
+            $at,
+            "]\n",
+            "str r8, [r0, #1536 + ",
+            $at,
+            "]\n",
+        )
+    };
+}
+
+/// From one sample to the next: turns the angle of cosine lr and sine r8 by that of r5 and r4.
+macro_rules! turn {
+    () => {
+        concat!(
+            "smmul r10, r8, r5\nsmmul r11, lr, r5\n",
+            "smmla r10, lr, r4, r10\nsmmls r11, r8, r4, r11\n",
+            "lsl r8, r10, #1\nlsl lr, r11, #1\n",
+        )
+    };
+}
+
+/// `rebuild` and `seed` of [`crate::bank::glide`] for sixteen tones, about 600 cycles each.
+#[unsafe(naked)]
+unsafe extern "C" fn seed_glide(
+    phases: &mut [u64; TONES],
+    tones: &[ToneBlock; TONES],
+    basis: &mut GlideBasis,
+    seeds: &mut GlideSeeds,
+) {
+    // s0 RADIANS, s1 THETA, s2-s8 as `sub_block` says, s9 phases, s10 tones, s11 basis, s12 seeds, s13 the phases'
+    // end, s14 half the basis's step, s15 the end of half the seeds.
+    naked_asm!(
+        ".fpu fpv4-sp-d16",
+        "push {{r4-r11, lr}}",
+        "vmov s9, r0",
+        "vmov s10, r1",
+        "vmov s11, r2",
+        "vmov s12, r3",
+        "add r4, r0, #128",
+        "vmov s13, r4",
+        "movw r4, #{radians} & 0xFFFF",
+        "movt r4, #{radians} >> 16",
+        "vmov s0, r4",
+        "movw r4, #{theta} & 0xFFFF",
+        "movt r4, #{theta} >> 16",
+        "vmov s1, r4",
+        "2:",
+        "vmov r0, s9",
+        "vmov r1, s10",
+        "ldr r2, [r0]",
+        "ldr r3, [r0, #4]",
+        "ldr r4, [r1]",
+        "ldr r5, [r1, #4]",
+        "ldr r6, [r1, #8]",
+        "ldr r7, [r1, #12]",
+        "ldr r8, [r1, #16]",
+        "ldr r9, [r1, #20]",
+        // The next block's phase: 64 (step + step_end) on.
+        "adds r10, r4, r6",
+        "adc r11, r5, r7",
+        "lsl r11, r11, #6",
+        "orr r11, r11, r10, lsr #26",
+        "adds r12, r2, r10, lsl #6",
+        "adc r11, r3, r11",
+        "str r12, [r0], #4",
+        "str r11, [r0], #4",
+        "add r1, r1, #24",
+        "vmov s9, r0",
+        "vmov s10, r1",
+        // The change, in 2^-40 turns.
+        "subs r6, r6, r4",
+        "sbc r7, r7, r5",
+        "ssat r7, #23, r7",
+        "lsl r7, r7, #8",
+        "orr r7, r7, r6, lsr #24",
+        // The first centre's phase, and the way to the next.
+        "lsl r10, r5, #3",
+        "orr r10, r10, r4, lsr #29",
+        "sub r10, r10, r5, lsr #1",
+        "add r2, r3, r10",
+        "mov r11, #225 << 14",
+        "smmla r2, r7, r11, r2",
+        "lsl r3, r5, #4",
+        "orr r3, r3, r4, lsr #28",
+        "mov r11, #31 << 20",
+        "smmla r3, r7, r11, r3",
+        "asr r11, r7, #7",
+        "vmov s2, r11",
+        "mov r11, #127 << 16",
+        "smmla r12, r7, r11, r5",
+        "lsr r12, r12, #1",
+        "vmov s14, r12",
+        // Amplitude, detuning and the rest.
+        "vmov r11, s1",
+        "smmul r10, r7, r11", // theta
+        "lsr r8, r8, #1",
+        "lsr r9, r9, #1",
+        "usat r8, #30, r8",
+        "usat r9, #30, r9",
+        "sub r7, r9, r8", // ramp
+        "mov r11, #15 << 24",
+        "smmla r4, r7, r11, r8",
+        "asr r8, r7, #3",
+        "vmov s3, r8",
+        "vmov s4, r10",
+        "mov r9, #{half}",
+        "add r12, r7, r9",
+        "vmov s7, r12",
+        "sub r5, r10, r10, lsl #2",
+        "sub r5, r5, r10, asr #1",
+        "mov r11, #5 << 23",
+        "smmul r11, r10, r11",
+        "vmov s8, r11",
+        "smmla r12, r7, r11, r9",
+        "vmov s6, r12",
+        "asr r11, r10, #2",
+        "smmla r6, r4, r11, r9",
+        "asr r12, r5, #4",
+        "smmla r6, r7, r12, r6",
+        "smmul r8, r8, r11",
+        "asr r10, r10, #4",
+        "smmla r8, r7, r10, r8",
+        "vmov s5, r8",
+        "vmov r0, s12",
+        "vmov r7, s0",
+        "movw r1, #:lower16:{table}",
+        "movt r1, #:upper16:{table}",
+        "add r8, r0, #256",
+        "vmov s15, r8",
+        "add r8, r0, #8",
+        "vmov s12, r8",
+        // Four sub-blocks, and once more.
+        "3:",
+        sub_block!("0"),
+        sub_block!("4"),
+        sub_block!("128"),
+        sub_block!("132"),
+        "vmov r8, s15",
+        "add r0, r0, #256",
+        "cmp r0, r8",
+        "beq 3b",
+        // The basis.
+        "vmov r2, s14",
+        "vmov r0, s11",
+        "mov r6, #{half}",
+        "add r3, r0, #16",
+        "vmov s11, r3",
+        sine_cosine!("r2", "r1", "r7", "r8", "lr", "r9", "r10", "r11", "r12"),
+        "smmul r4, r8, lr",
+        "smmul r5, lr, lr",
+        "lsl r4, r4, #2",
+        "smmls r5, r8, r8, r5",
+        "lsl r5, r5, #1",
+        basis_words!("-1 << 26", "0"),
+        turn!(),
+        basis_words!("-3 << 26", "4"),
+        turn!(),
+        basis_words!("-5 << 26", "8"),
+        turn!(),
+        basis_words!("-7 << 26", "12"),
+        turn!(),
+        basis_words!("-9 << 26", "256"),
+        turn!(),
+        basis_words!("-11 << 26", "260"),
+        turn!(),
+        basis_words!("-13 << 26", "264"),
+        turn!(),
+        basis_words!("-15 << 26", "268"),
+        "vmov r0, s9",
+        "vmov r1, s13",
+        "cmp r0, r1",
+        "bne 2b",
+        "pop {{r4-r11, pc}}",
+        table = sym TABLE,
+        radians = const RADIANS,
+        theta = const THETA,
+        half = const HALF_UNIT,
     )
 }
