@@ -9,7 +9,7 @@ use crate::plate::Plate;
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
 ///
 /// 0 for a force drive, infinite for a displacement drive, `None` when the wave cannot enter.
-pub(crate) fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
+pub fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
     let guide = plate.guide(1);
     let k0 = |frequency_hz: f64| {
         let square = guide.wavenumber_squared(0.0, frequency_hz);

@@ -21,6 +21,7 @@ use serde::Serialize;
 use thiserror::Error;
 use thresholds::Limits;
 
+pub use drive::drive_ratio;
 pub use shape::{edge_curvature, edge_slope, wavelengths};
 pub use sound::{a_weighting_db, plane_wave_level_db};
 pub use wave::loss_integral;

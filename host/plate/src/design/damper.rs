@@ -41,9 +41,8 @@ pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)
         .iter()
         .fold((f64::INFINITY, 0.0_f64), |(low, high), place| (low.min(place.1), high.max(place.1)));
     let middle = (low * high).sqrt();
-    let nearest = |a: &&(f64, f64), b: &&(f64, f64)| {
-        (a.1 / middle).ln().abs().total_cmp(&(b.1 / middle).ln().abs())
-    };
+    let nearest =
+        |a: &&(f64, f64), b: &&(f64, f64)| (a.1 / middle).ln().abs().total_cmp(&(b.1 / middle).ln().abs());
     let at = places.iter().min_by(nearest).map_or(band_hz.0, |place| place.0);
     let matched = slowness(at);
     (at, (low / matched, high / matched))
@@ -55,7 +54,8 @@ pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: 
     let k0 = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     // d(k^2)/d omega by central difference: k^2 is smooth in omega in every model.
     let step = 1e-4;
-    let rise = guide.axial_squared(frequency_hz * (1.0 + step)) - guide.axial_squared(frequency_hz * (1.0 - step));
+    let rise =
+        guide.axial_squared(frequency_hz * (1.0 + step)) - guide.axial_squared(frequency_hz * (1.0 - step));
     let group_speed = 2.0 * k0 / (rise / (2.0 * step * TAU * frequency_hz));
     surface_density * group_speed * mode_square(&plate.spec().model) * plate.half_width_m(0.0)
 }

@@ -15,8 +15,7 @@ mod outline;
 mod svg;
 
 use crate::airy;
-use crate::check::loss_integral;
-use crate::check::wavelengths;
+use crate::check::{loss_integral, thresholds, wavelengths};
 use crate::drive::DriveEnd;
 use crate::error::{PlateError, within};
 use crate::model::{Bending, Model};
@@ -167,13 +166,10 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     let model = model(request);
     model.validate()?;
     let taper = taper_for(request, &model)?;
-    let Taper::Exponential { rate_per_m, .. } = taper.law else {
-        unreachable!("the designer makes exponential tapers only")
-    };
     let mut spec = PlateSpec {
         name: request.name.clone(),
         description: describe(request),
-        taper: taper.law,
+        taper: Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m },
         length_m: request.length_m,
         model,
         loss_factor: request.material.loss_factor,
@@ -191,17 +187,15 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     let resistance_n_s_per_m = damper::wave_impedance(&plate, surface_density, match_frequency_hz);
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
-    let worst_loss = low.loss_integral.max(high.loss_integral);
     let alone_to = |mode: u32| {
         let enters_at_hz = plate.guide(mode).cut_off_hz(0.0);
         plate.turning_point_m(enters_at_hz).unwrap_or(0.0).min(taper.far_m)
     };
     Ok(Design {
-        rate_per_m,
+        rate_per_m: taper.rate_per_m,
         low,
         high,
-        loss_factor_limit: crate::check::thresholds::LOSS.green * request.material.loss_factor.max(1e-9)
-            / worst_loss.max(1e-12 * request.material.loss_factor.max(1e-9)),
+        loss_factor_limit: loss_factor_limit(&plate)?,
         single_boundary_to_m: alone_to(3),
         single_boundary_off_centre_to_m: alone_to(2),
         damper: Damper { resistance_n_s_per_m, match_frequency_hz, ratio_range },
@@ -234,7 +228,8 @@ impl Design {
 }
 
 struct FoundTaper {
-    law: Taper,
+    half_width_m: f64,
+    rate_per_m: f64,
     near_m: f64,
     far_m: f64,
 }
@@ -283,7 +278,7 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     }
     let rate_per_m = (far_k / near_k).ln() / (far_m - near_m);
     let half_width_m = number / near_k * (rate_per_m * near_m).exp();
-    Ok(FoundTaper { law: Taper::Exponential { half_width_m, rate_per_m }, near_m, far_m })
+    Ok(FoundTaper { half_width_m, rate_per_m, near_m, far_m })
 }
 
 fn model(request: &Request) -> Model {
@@ -324,6 +319,14 @@ fn describe(request: &Request) -> String {
         request.band_hz.0,
         request.band_hz.1
     )
+}
+
+/// The loss integral is proportional to the loss factor: scaled from a plate of known loss.
+fn loss_factor_limit(plate: &Plate) -> Result<f64, PlateError> {
+    let loss_factor = 0.1;
+    let lossy = Plate::new(PlateSpec { loss_factor, ..plate.spec().clone() })?;
+    let (start, end) = lossy.span_m();
+    Ok(thresholds::LOSS.green * loss_factor / loss_integral(&lossy, start).max(loss_integral(&lossy, end)))
 }
 
 fn band_end(plate: &Plate, frequency_hz: f64) -> BandEnd {

@@ -45,12 +45,8 @@ fn draw(text: &mut String, shape: &Shape) {
             text.push_str("Z\"/>\n");
         }
         Shape::Hole { centre: [x, z], diameter } => {
-            let _ = writeln!(
-                text,
-                "    <circle cx=\"{x:.4}\" cy=\"{:.4}\" r=\"{:.4}\"/>",
-                -z,
-                0.5 * diameter
-            );
+            let _ =
+                writeln!(text, "    <circle cx=\"{x:.4}\" cy=\"{:.4}\" r=\"{:.4}\"/>", -z, 0.5 * diameter);
         }
         Shape::Dimension { from, to, text: label } => {
             for [[x1, z1], [x2, z2]] in strokes(*from, *to) {

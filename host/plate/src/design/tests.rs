@@ -1,0 +1,305 @@
+//! Designed plates do what was asked, and their cut files can be read back.
+
+use super::*;
+use crate::Plate;
+
+fn aluminium() -> Request {
+    let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
+    Request::new("alu", Material::named("aluminium").expect("known"), 2e-3, wave, (20e3, 40e3), 0.3)
+}
+
+fn membrane() -> Request {
+    let wave = Wave::Membrane { wave_speed_m_per_s: 12.0 };
+    Request::new("skin", Material::named("latex").expect("known"), 0.5e-3, wave, (80.0, 220.0), 0.4)
+}
+
+#[test]
+fn the_turning_points_of_the_band_ends_are_where_the_margins_say_after_a_round_trip_through_the_file() {
+    for (edge, thick_plate) in [(Edge::Supported, false), (Edge::Supported, true), (Edge::Clamped, true)] {
+        let mut request = aluminium();
+        request.wave = Wave::Bending { edge, thick_plate };
+        request.start_margin_m = Some(0.06);
+        request.end_margin_m = Some(0.035);
+        let designed = design(&request).expect("possible");
+        let read = Plate::from_toml(&designed.plate.to_toml()).expect("a valid plate file");
+        assert_eq!(read, designed.plate);
+        let near = read.turning_point_m(20e3).expect("enters");
+        let far = read.turning_point_m(40e3).expect("enters");
+        assert!((near - 0.06).abs() < 1e-9 && (far - 0.265).abs() < 1e-9, "{near} {far}");
+        assert_eq!(read.span_m(), (0.06, 0.265));
+        let (low, high) = read.band_hz();
+        assert!((low - 20e3).abs() < 1e-3 && (high - 40e3).abs() < 1e-3, "{low} {high}");
+    }
+}
+
+#[test]
+fn a_thin_supported_plate_has_the_taper_worked_out_by_hand() {
+    let mut request = aluminium();
+    request.wave = Wave::Bending { edge: Edge::Supported, thick_plate: false };
+    request.start_margin_m = Some(0.06);
+    request.end_margin_m = Some(0.04);
+    let designed = design(&request).expect("possible");
+    // An octave of bending: d (x2 - x1) = ln(2)/2. Turning widths 7.82 and 5.53 mm.
+    let rate = 0.5 * 2.0_f64.ln() / 0.2;
+    assert!((designed.rate_per_m / rate - 1.0).abs() < 1e-9);
+    assert!((designed.low.half_width_m - 7.82e-3).abs() < 1e-5, "{}", designed.low.half_width_m);
+    assert!((designed.high.half_width_m - 5.53e-3).abs() < 1e-5, "{}", designed.high.half_width_m);
+    let wide = designed.plate.half_width_m(0.0);
+    assert!((wide / (designed.low.half_width_m * (rate * 0.06).exp()) - 1.0).abs() < 1e-9);
+    // 2.729/(2 d kb^2)^(1/3) with kb = (pi/2)/W_t.
+    let wavenumber = std::f64::consts::FRAC_PI_2 / designed.high.half_width_m;
+    let edge_m = 2.7286 / (2.0 * rate * wavenumber * wavenumber).cbrt();
+    assert!((designed.high.edge_width_m / edge_m - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn margins_left_open_give_the_first_peak_and_the_last_tail_their_room() {
+    for request in [aluminium(), membrane()] {
+        let designed = design(&request).expect("possible");
+        let plate = &designed.plate;
+        let near = plate.kappa_per_m(request.band_hz.0).expect("enters") * designed.low.boundary_m;
+        assert!((near - 2.338).abs() < 0.01, "{near}");
+        let room = request.length_m - designed.high.boundary_m;
+        let far = plate.kappa_per_m(request.band_hz.1).expect("enters") * room;
+        assert!((far - 2.172).abs() < 0.01, "{far}");
+        let first =
+            crate::respond(plate, request.band_hz.0, 1001, crate::Equation::Corrected).expect("solves");
+        assert!(first.peak.is_some_and(|peak| peak.position_m > 0.0), "the nearest boundary has its peak");
+    }
+}
+
+#[test]
+fn the_damper_is_the_membranes_wave_impedance_and_is_off_by_the_same_factor_at_both_ends() {
+    let request = membrane();
+    let designed = design(&request).expect("possible");
+    let damper = designed.damper;
+    // T k0/omega with T = rho h c^2 W0.
+    let (c, wide) = (12.0, designed.plate.half_width_m(0.0));
+    let omega = TAU * damper.match_frequency_hz;
+    let k0 = ((omega / c).powi(2) - (std::f64::consts::FRAC_PI_2 / wide).powi(2)).sqrt();
+    let tension = 950.0 * 0.5e-3 * c * c;
+    let resistance = tension * wide * k0 / omega;
+    assert!((damper.resistance_n_s_per_m / resistance - 1.0).abs() < 1e-6, "{damper:?} {resistance}");
+    assert!((designed.tension_n_per_m.unwrap_or(0.0) - tension).abs() < 1e-9);
+    let (low, high) = damper.ratio_range;
+    assert!((low * high - 1.0).abs() < 0.02 && high > 1.0 && high < 2.0, "{damper:?}");
+    // The plate's own drive end agrees with the range.
+    let at = |f: f64| crate::check::drive_ratio(&designed.plate, f).expect("enters");
+    assert!((at(80.0) / high - 1.0).abs() < 1e-3 && (at(220.0) / low - 1.0).abs() < 1e-3);
+    assert!((at(damper.match_frequency_hz) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_bending_plates_damper_is_twice_its_flux_over_its_wavenumber() {
+    let mut request = aluminium();
+    request.wave = Wave::Bending { edge: Edge::Supported, thick_plate: false };
+    let designed = design(&request).expect("possible");
+    // omega = s (k^2 + (q/W)^2): v_g = 2 s k0 with s = sqrt(D/rho h) = 3.114 m^2/s.
+    let wide = designed.plate.half_width_m(0.0);
+    let omega = TAU * designed.damper.match_frequency_hz;
+    let k0 = (omega / 3.114 - (std::f64::consts::FRAC_PI_2 / wide).powi(2)).sqrt();
+    let resistance = 2700.0 * 2e-3 * wide * 2.0 * 3.114 * k0;
+    let found = designed.damper.resistance_n_s_per_m;
+    assert!((found / resistance - 1.0).abs() < 2e-3, "{found} {resistance}");
+}
+
+#[test]
+fn loss_limits_and_mode_free_travel_are_the_closed_forms() {
+    let designed = design(&membrane()).expect("possible");
+    // The third width mode enters when the boundary is ln 3/d from the driven end, the second at ln 2/d.
+    let d = designed.rate_per_m;
+    let third = (3.0_f64.ln() / d).min(designed.high.boundary_m);
+    assert!((designed.single_boundary_to_m - third).abs() < 1e-9);
+    let second = (2.0_f64.ln() / d).min(designed.high.boundary_m);
+    assert!((designed.single_boundary_off_centre_to_m - second).abs() < 1e-9);
+    assert!((designed.mode_free_travel_m() - (third - designed.low.boundary_m)).abs() < 1e-9);
+    let scaled = designed.high.loss_integral * designed.loss_factor_limit / 0.05;
+    assert!((scaled - 3.0).abs() < 1e-6, "{scaled}");
+}
+
+#[test]
+fn requests_that_cannot_be_met_name_the_field_and_what_is_allowed() {
+    let refused = |change: &dyn Fn(&mut Request)| {
+        let mut request = aluminium();
+        change(&mut request);
+        design(&request).expect_err("impossible").to_string()
+    };
+    for (field, error) in [
+        ("thickness_m = 0:", refused(&|r| r.thickness_m = 0.0)),
+        ("length_m = NaN", refused(&|r| r.length_m = f64::NAN)),
+        ("band high = 20000", refused(&|r| r.band_hz = (20e3, 20e3))),
+        ("band low = -1", refused(&|r| r.band_hz.0 = -1.0)),
+        ("start_margin_m = 0.4", refused(&|r| r.start_margin_m = Some(0.4))),
+        ("end_margin_m = -0.1", refused(&|r| r.end_margin_m = Some(-0.1))),
+        ("length_m = 0.01:", refused(&|r| r.length_m = 0.01)),
+        ("rim_m = 0:", refused(&|r| r.rim_m = 0.0)),
+        ("name", refused(&|r| r.name = String::new())),
+        ("material.loss_factor = 7", refused(&|r| r.material.loss_factor = 7.0)),
+    ] {
+        assert!(error.starts_with(field) && error.contains("must be"), "{field}: {error}");
+    }
+    let error = refused(&|r| {
+        r.start_margin_m = Some(0.2);
+        r.end_margin_m = Some(0.2);
+    });
+    assert!(error.contains("margins"), "{error}");
+    let error = Material::named("unobtainium").expect_err("unknown").to_string();
+    assert!(error.contains("unobtainium") && error.contains("aluminium"), "{error}");
+    assert!(material_names().all(|name| Material::named(name).is_ok_and(|m| m.validate().is_ok())));
+}
+
+#[test]
+fn the_svg_is_well_formed_and_as_large_as_the_part_in_millimetres() {
+    for request in [aluminium(), membrane()] {
+        let designed = design(&request).expect("possible");
+        let (wide, length) = (designed.plate.half_width_m(0.0) * 1e3, request.length_m * 1e3);
+        let frame = designed.frame_drawing();
+        let expected = [-35.0, -wide - 20.0, length + 20.0, wide + 20.0];
+        close(&svg_cut_extents(&frame.to_svg()), &expected);
+        close(&frame.cut_extents_mm(), &expected);
+        let plate = designed.plate_drawing();
+        let expected = if designed.edges_free_to_turn {
+            [0.0, -wide, length, wide]
+        } else {
+            [0.0, -wide - 20.0, length + 20.0, wide + 20.0]
+        };
+        close(&svg_cut_extents(&plate.to_svg()), &expected);
+        assert!(plate.to_svg().contains(&format!("{:.2} mm", expected[2])), "the length is written");
+    }
+}
+
+#[test]
+fn the_dxf_is_release_12_and_as_large_as_the_part_in_millimetres() {
+    for request in [aluminium(), membrane()] {
+        let designed = design(&request).expect("possible");
+        for drawing in [designed.plate_drawing(), designed.frame_drawing()] {
+            close(&dxf_cut_extents(&drawing.to_dxf()), &drawing.cut_extents_mm());
+        }
+    }
+}
+
+#[test]
+fn the_cut_edge_stays_within_a_hundredth_of_a_millimetre_of_the_taper() {
+    let designed = design(&membrane()).expect("possible");
+    let drawing = designed.frame_drawing();
+    let window = drawing
+        .shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            Shape::Outline { points } => Some(points),
+            _ => None,
+        })
+        .nth(1)
+        .expect("the window is the second outline");
+    let upper: Vec<[f64; 2]> = window.iter().copied().filter(|p| p[1] > 0.0 && p[0] >= 0.0).collect();
+    assert!(upper.len() > 10);
+    for pair in upper.windows(2) {
+        let middle = [0.5 * (pair[0][0] + pair[1][0]), 0.5 * (pair[0][1] + pair[1][1])];
+        let exact = designed.plate.half_width_m(middle[0] * 1e-3) * 1e3;
+        assert!((middle[1] - exact).abs() < 0.01, "{middle:?} {exact}");
+    }
+}
+
+#[test]
+fn bolts_stand_in_the_rim_and_never_in_the_window() {
+    let designed = design(&membrane()).expect("possible");
+    let (wide, length) = (designed.plate.half_width_m(0.0) * 1e3, 400.0);
+    let mut holes = 0;
+    for shape in designed.frame_drawing().shapes {
+        if let Shape::Hole { centre: [x, z], diameter } = shape {
+            holes += 1;
+            let clear = 0.5 * diameter + 5.0;
+            assert!(z.abs() >= wide + clear || x >= length + clear, "({x}, {z})");
+        }
+    }
+    assert!(holes >= 12, "{holes}");
+}
+
+#[test]
+fn names_with_markup_do_not_break_the_files() {
+    let mut request = membrane();
+    request.name = "a<b>&\"c\" \u{e9}".to_owned();
+    let designed = design(&request).expect("possible");
+    svg_cut_extents(&designed.frame_drawing().to_svg());
+    dxf_cut_extents(&designed.frame_drawing().to_dxf());
+    assert!(Plate::from_toml(&designed.plate.to_toml()).is_ok());
+}
+
+fn close(found: &[f64; 4], expected: &[f64; 4]) {
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-3, "{found:?} {expected:?}");
+    }
+}
+
+fn grow(extents: &mut [f64; 4], x: f64, z: f64, r: f64) {
+    *extents = [extents[0].min(x - r), extents[1].min(z - r), extents[2].max(x + r), extents[3].max(z + r)];
+}
+
+const NOTHING: [f64; 4] = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+
+/// Extents of the cut layer, as an XML reader sees them; the view box must hold them at 1 unit = 1 mm.
+fn svg_cut_extents(svg: &str) -> [f64; 4] {
+    let document = roxmltree::Document::parse(svg).expect("well-formed");
+    let root = document.root_element();
+    let number = |node: roxmltree::Node<'_, '_>, name: &str| -> f64 {
+        node.attribute(name).expect(name).trim_end_matches("mm").parse().expect(name)
+    };
+    let view: Vec<f64> =
+        root.attribute("viewBox").expect("view box").split(' ').map(|n| n.parse().expect("number")).collect();
+    assert_eq!([number(root, "width"), number(root, "height")], [view[2], view[3]], "true size");
+    let cut = root.children().find(|node| node.attribute("id") == Some("cut")).expect("cut layer");
+    let mut extents = NOTHING;
+    for node in cut.children().filter(roxmltree::Node::is_element) {
+        match node.tag_name().name() {
+            "path" => {
+                let path = node.attribute("d").expect("d").trim();
+                let path = path.strip_prefix('M').and_then(|p| p.strip_suffix('Z')).expect("closed");
+                for pair in path.split('L') {
+                    let (x, y) = pair.trim().split_once(' ').expect("a pair");
+                    grow(&mut extents, x.parse().expect("x"), -y.parse::<f64>().expect("y"), 0.0);
+                }
+            }
+            "circle" => grow(&mut extents, number(node, "cx"), -number(node, "cy"), number(node, "r")),
+            other => panic!("{other} is not cut"),
+        }
+    }
+    assert!(extents[0] >= view[0] && extents[2] <= view[0] + view[2], "{extents:?} {view:?}");
+    assert!(-extents[3] >= view[1] && -extents[1] <= view[1] + view[3], "{extents:?} {view:?}");
+    extents
+}
+
+/// Extents of the cut layer, from the file's group codes; sections and polylines must be properly closed.
+fn dxf_cut_extents(dxf: &str) -> [f64; 4] {
+    let lines: Vec<&str> = dxf.lines().collect();
+    assert!(dxf.is_ascii() && lines.len().is_multiple_of(2), "pairs of lines");
+    let pairs: Vec<(i32, &str)> =
+        lines.chunks(2).map(|pair| (pair[0].trim().parse().expect("a group code"), pair[1])).collect();
+    assert!(pairs.windows(2).any(|w| w[0] == (9, "$ACADVER") && w[1] == (1, "AC1009")), "release 12");
+    assert_eq!(pairs.last(), Some(&(0, "EOF")));
+    let (mut extents, mut sections, mut open) = (NOTHING, 0, false);
+    let starts: Vec<usize> = (0..pairs.len()).filter(|&i| pairs[i].0 == 0).collect();
+    for (n, &start) in starts.iter().enumerate() {
+        let body = &pairs[start..starts.get(n + 1).copied().unwrap_or(pairs.len())];
+        let number = |code: i32| {
+            body.iter().find(|pair| pair.0 == code).and_then(|pair| pair.1.parse::<f64>().ok()).unwrap_or(0.0)
+        };
+        let cut = body.contains(&(8, "CUT"));
+        match body[0].1 {
+            "SECTION" => sections += 1,
+            "ENDSEC" => sections -= 1,
+            "POLYLINE" => {
+                assert!(!open && number(70) == 1.0 && number(66) == 1.0, "closed");
+                open = true;
+            }
+            "VERTEX" => {
+                assert!(open && cut);
+                grow(&mut extents, number(10), number(20), 0.0);
+            }
+            "SEQEND" => open = false,
+            "CIRCLE" if cut => grow(&mut extents, number(10), number(20), number(40)),
+            _ => {}
+        }
+    }
+    assert_eq!((sections, open), (0, false));
+    extents
+}
