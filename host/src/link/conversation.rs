@@ -277,11 +277,10 @@ impl Conversation {
 
     /// A number that no numbered command under way has, so that answers cannot be mistaken.
     fn unsequenced(&mut self) -> u16 {
+        // Half the numbers away from every numbered command that is or comes in flight meanwhile: an answer must
+        // not land in another lane.
         self.pulse_number = self.pulse_number.wrapping_add(1);
-        if self.ordered.as_ref().is_some_and(|flight| flight.sequence == self.pulse_number) {
-            self.pulse_number = self.pulse_number.wrapping_add(1);
-        }
-        self.pulse_number
+        self.sequence.wrapping_add(0x4000 | (self.pulse_number & 0x3fff))
     }
 
     fn post(&mut self, command: &Command, sequence: u16) {

@@ -1,0 +1,367 @@
+//! The emulated device: the image of `firmware/qemu` in QEMU, with a small synchronous host on its serial line.
+//!
+//! ```text
+//! Host --Unix socket--> QEMU [ UART0 -> application -> DAC -> UART1 ] --Unix socket--> Emulator::show
+//! ```
+//! Time passes by itself here, as on a board: on an idle computer about as fast as the clock on the wall, else slower,
+//! never faster. What is compared is therefore always named by sample index.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command as Process, Stdio};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use slipline_app::bank::BLOCK;
+use slipline_protocol::command::{Command, Hello, KeepAlive};
+use slipline_protocol::event::{Event, Identity, Status};
+use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::version::Version;
+use slipline_protocol::{Decoder, Refusal};
+
+use crate::rig::Table;
+
+/// However slow the machine: an answer that takes longer is none.
+const PATIENCE: Duration = Duration::from_secs(30);
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Builds the image, once per test program, and returns its path.
+///
+/// # Panics
+/// If it does not build.
+pub fn image() -> &'static Path {
+    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
+    IMAGE.get_or_init(|| {
+        let output = Process::new(env!("CARGO"))
+            .args(["build", "--release", "--target", TARGET, "-p", "slipline-qemu", "--bin", "slipline-qemu"])
+            .args(["--message-format", "json"])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .stderr(Stdio::inherit())
+            .output()
+            .expect("cargo runs");
+        assert!(output.status.success(), "the image for the emulator does not build");
+        let messages = String::from_utf8_lossy(&output.stdout);
+        let path =
+            messages.lines().rev().find_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
+        PathBuf::from(path.expect("cargo names the image"))
+    })
+}
+
+/// How the emulated UART0 is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// A Unix domain socket.
+    Socket,
+    /// A pseudo-terminal, which looks like a board's serial port.
+    Terminal,
+}
+
+/// A running emulator; it ends with this value.
+pub struct Emulator {
+    process: Child,
+    link: PathBuf,
+    codes: UnixStream,
+    folder: PathBuf,
+    /// Keeps the pseudo-terminal open while no host does.
+    _terminal: Option<File>,
+}
+
+impl Emulator {
+    /// Starts the emulator with the image.
+    ///
+    /// # Panics
+    /// If QEMU is not installed or does not start.
+    #[must_use]
+    pub fn start(line: Line) -> Self {
+        static STARTED: AtomicU32 = AtomicU32::new(0);
+        let number = STARTED.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("slipline-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
+        let (link, codes) = (folder.join("link"), folder.join("codes"));
+        let socket = |path: &Path| format!("unix:{},server=on,wait=off", path.display());
+        let mut process = Process::new("qemu-system-arm")
+            .args([
+                "-M",
+                "mps2-an386",
+                "-display",
+                "none",
+                "-monitor",
+                "none",
+                "-icount",
+                "shift=0",
+                "-serial",
+            ])
+            .arg(match line {
+                Line::Socket => socket(&link),
+                Line::Terminal => "pty".to_owned(),
+            })
+            .args(["-serial", &socket(&codes), "-kernel"])
+            .arg(image())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("qemu-system-arm is installed");
+        let link = match line {
+            Line::Socket => link,
+            Line::Terminal => terminal_of(&mut process),
+        };
+        let terminal = (line == Line::Terminal).then(|| {
+            let open = File::options().read(true).write(true).open(&link).expect("the terminal can be opened");
+            // QEMU looks once a second whether somebody has opened it; a board's port is there at once.
+            std::thread::sleep(Duration::from_millis(1500));
+            open
+        });
+        let codes = connect(&codes);
+        Self { process, link, codes, folder, _terminal: terminal }
+    }
+
+    /// Where the link's other end is.
+    #[must_use]
+    pub fn link(&self) -> &Path {
+        &self.link
+    }
+
+    /// A host on the link.
+    #[must_use]
+    pub fn host(&self) -> Host {
+        Host::new(connect(&self.link))
+    }
+
+    /// Another host that goes on with a session: it may look, and nobody keeps the device alive.
+    #[must_use]
+    pub fn onlooker(&self, session: u32) -> Host {
+        Host { session, ..self.host() }
+    }
+
+    /// Asks for the next blocks that the DAC plays, without waiting for them; at most 255.
+    ///
+    /// # Panics
+    /// If the emulator has ended.
+    pub fn ask(&mut self, blocks: u8) {
+        self.codes.write_all(&[blocks]).expect("the emulator runs");
+    }
+
+    /// Waits for blocks asked for: index of the first code, and the codes.
+    ///
+    /// # Panics
+    /// If they do not come.
+    pub fn shown(&mut self, blocks: usize) -> Vec<(SampleIndex, [u16; BLOCK])> {
+        (0..blocks)
+            .map(|_| {
+                let mut bytes = [0; 8 + 2 * BLOCK];
+                self.codes.read_exact(&mut bytes).expect("the blocks asked for come");
+                let (index, codes) = bytes.split_first_chunk().expect("a block is longer than its index");
+                let mut block = [0; BLOCK];
+                for (code, pair) in block.iter_mut().zip(codes.chunks_exact(2)) {
+                    *code = u16::from_le_bytes([pair[0], pair[1]]);
+                }
+                (SampleIndex::from_le_bytes(*index), block)
+            })
+            .collect()
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // Both may fail only if there is nothing left to end or to remove.
+        let _ended = self.process.kill().and_then(|()| self.process.wait());
+        let _removed = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// QEMU names the terminal it has opened on its standard output.
+fn terminal_of(process: &mut Child) -> PathBuf {
+    let output = process.stdout.take().expect("its output is piped");
+    let line = BufReader::new(output)
+        .lines()
+        .map_while(Result::ok)
+        .find(|line| line.contains("/dev/"))
+        .expect("QEMU names its terminal");
+    let start = line.find("/dev/").unwrap_or(0);
+    PathBuf::from(line[start..].split_whitespace().next().unwrap_or_default())
+}
+
+/// Connects as soon as the emulator listens.
+fn connect(path: &Path) -> UnixStream {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        match UnixStream::connect(path) {
+            Ok(stream) => {
+                stream.set_read_timeout(Some(PATIENCE)).expect("a time-out can be set");
+                return stream;
+            }
+            Err(error) => assert!(Instant::now() < deadline, "the emulator does not listen: {error}"),
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// A host that says one thing at a time and waits for the answer.
+pub struct Host {
+    line: UnixStream,
+    decoder: Decoder,
+    session: u32,
+    sequence: u16,
+    beat: u32,
+    beat_due: Instant,
+}
+
+impl Host {
+    fn new(line: UnixStream) -> Self {
+        Self { line, decoder: Decoder::new(), session: 0, sequence: 0, beat: 0, beat_due: Instant::now() }
+    }
+
+    /// Begins a session.
+    ///
+    /// # Panics
+    /// If the device does not say who it is.
+    pub fn hello(&mut self) -> Identity {
+        let hello = Command::Hello(Hello { version: Version::OURS, nonce: *b"test" });
+        self.say(&hello, 0, 0);
+        let (session, event) = self.answer();
+        self.session = session;
+        match event {
+            Event::Hello(identity) => identity,
+            other => panic!("a hello is answered by an identity, not {other:?}"),
+        }
+    }
+
+    /// The session's number.
+    #[must_use]
+    pub const fn session(&self) -> u32 {
+        self.session
+    }
+
+    fn say(&mut self, command: &Command, session: u32, sequence: u16) {
+        let frame = command.frame(session, sequence).expect("a command fits a frame");
+        self.line.write_all(&frame).expect("the emulator runs");
+    }
+
+    fn answer(&mut self) -> (u32, Event) {
+        let mut byte = [0];
+        loop {
+            match self.line.read(&mut byte) {
+                Ok(1..) => {}
+                Ok(_) => panic!("the emulator has ended"),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(error) => panic!("no answer: {error}"),
+            }
+            let event = self.decoder.push(byte[0], |frame| {
+                (
+                    frame.header.session,
+                    Event::decode(frame.header.id, frame.body).expect("events can be read"),
+                )
+            });
+            if let Some(event) = event {
+                return event;
+            }
+        }
+    }
+
+    /// Sends a command and returns the answer.
+    pub fn send(&mut self, command: &Command) -> Event {
+        if command.is_sequenced() {
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        self.say(command, self.session, self.sequence);
+        self.answer().1
+    }
+
+    /// Sends a command that must be accepted and returns the index.
+    ///
+    /// # Panics
+    /// If it is not.
+    pub fn accepted(&mut self, command: &Command) -> SampleIndex {
+        match self.send(command) {
+            Event::Accepted(accepted) => accepted.at,
+            other => panic!("{command:?} should be accepted, not {other:?}"),
+        }
+    }
+
+    /// Sends a command that must be refused and returns why.
+    ///
+    /// # Panics
+    /// If it is not.
+    pub fn refused(&mut self, command: &Command) -> Refusal {
+        match self.send(command) {
+            Event::Refused(refusal) => refusal,
+            other => panic!("{command:?} should be refused, not {other:?}"),
+        }
+    }
+
+    /// Uploads a table and swaps it in; returns the index of the swap.
+    pub fn upload(&mut self, table: &Table) -> SampleIndex {
+        self.accepted(&Command::TableBegin(table.header));
+        for chunk in table.chunks() {
+            self.accepted(&Command::TableChunk(chunk));
+        }
+        self.accepted(&Command::TableCommit)
+    }
+
+    /// How the device is.
+    ///
+    /// # Panics
+    /// If it does not say.
+    pub fn status(&mut self) -> Status {
+        match self.send(&Command::Status) {
+            Event::Status(status) => status,
+            other => panic!("a status should come, not {other:?}"),
+        }
+    }
+
+    /// Lives until the device has come to an index.
+    pub fn live_until(&mut self, index: SampleIndex) -> Status {
+        self.pass(|host| {
+            host.keep_alive_if_due();
+            let status = host.status();
+            (status.now >= index).then_some(status)
+        })
+    }
+
+    /// Asks for the status, but shows no sign of life, until it fits.
+    pub fn watch_until(&mut self, fits: impl Fn(&Status) -> bool) -> Status {
+        self.pass(|host| Some(host.status()).filter(&fits))
+    }
+
+    fn pass<T>(&mut self, mut step: impl FnMut(&mut Self) -> Option<T>) -> T {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            if let Some(found) = step(self) {
+                return found;
+            }
+            assert!(Instant::now() < deadline, "the emulated device does not get there");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Sends a keep-alive if the last one is old enough.
+    pub fn keep_alive_if_due(&mut self) {
+        if Instant::now() >= self.beat_due {
+            self.beat_due = Instant::now() + Duration::from_millis(KEEP_ALIVE_PERIOD_MS.into());
+            self.beat += 1;
+            self.send(&Command::KeepAlive(KeepAlive { beat: self.beat }));
+        }
+    }
+
+    /// Asks for the status again and again and never reads an answer, until the line is full or the questions are
+    /// all sent.
+    ///
+    /// # Panics
+    /// If the emulator has ended.
+    pub fn flood_with_questions(&mut self, questions: usize) {
+        let frame = Command::Status.frame(self.session, self.sequence).expect("a command fits a frame");
+        self.line.set_write_timeout(Some(Duration::from_millis(200))).expect("a time-out can be set");
+        for _ in 0..questions {
+            match self.line.write_all(&frame) {
+                Ok(()) => {}
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
+                    break;
+                }
+                Err(error) => panic!("the emulator has ended: {error}"),
+            }
+        }
+    }
+}
