@@ -114,6 +114,8 @@ pub fn session(data: &[u8]) {
             }
         };
         if matches!(command, Command::Hello(_)) {
+            // As every host does: end whatever half a frame lies on the line.
+            rig.device.feed(&[0]);
             rig.hello();
             beat = 0;
         } else {
