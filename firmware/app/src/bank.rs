@@ -19,7 +19,7 @@ mod kernel;
 pub mod sine;
 mod steady;
 
-use kernel::{GlideBasis, GlideSeeds, Kernel, Native, Portable, SteadyBasis, SteadySeeds};
+use kernel::{GlideBasis, GlideSeeds, Kernel, Native, Portable, SteadyBasis, SteadySeeds, Survey};
 use steady::Turn;
 
 /// Tone slots of the bank.
@@ -56,11 +56,10 @@ impl ToneBlock {
         Self { step, step_end: step, amplitude, amplitude_end: amplitude }
     }
 
-    /// Zero if the tone keeps its step and its amplitude over the block.
-    #[inline(always)]
-    const fn moves(&self) -> u32 {
-        let step = self.step ^ self.step_end;
-        step as u32 | (step >> 32) as u32 | (self.amplitude ^ self.amplitude_end)
+    /// Whether the tone keeps its step and its amplitude over the block.
+    #[must_use]
+    pub const fn is_steady(&self) -> bool {
+        self.step == self.step_end && self.amplitude == self.amplitude_end
     }
 
     /// The phase gained over the block, `64 (step + step_end)`, modulo a turn.
@@ -137,22 +136,24 @@ impl Bank {
     }
 
     fn render_with<K: Kernel>(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
-        // All differences first: a loop without an early exit is shorter in the case that counts.
-        if tones.iter().fold(0, |moves, tone| moves | tone.moves()) == 0 {
-            for (slot, (tone, made_for)) in tones.iter().zip(&mut self.inverted_steps).enumerate() {
-                if *made_for != !tone.step && tone.amplitude != 0 {
-                    *made_for = !tone.step;
-                    if let Some(turn) = self.turns.get_mut(slot) {
-                        *turn = steady::rebuild(tone.step, slot, &mut self.steady_basis);
-                    }
-                }
-            }
-            K::seed_steady(&mut self.phases, tones, &self.turns, &mut self.steady_seeds);
-            K::steady(&self.steady_basis, &self.steady_seeds, out);
-        } else {
+        let survey = K::survey(tones, &self.inverted_steps);
+        if survey == Survey::Gliding {
             K::seed_glide(&mut self.phases, tones, &mut self.glide_basis, &mut self.glide_seeds);
             K::glide(&self.glide_basis, &self.glide_seeds, out);
+            return;
         }
+        if survey == Survey::Retuned {
+            for (slot, (tone, made_for)) in tones.iter().zip(&mut self.inverted_steps).enumerate() {
+                if *made_for != !tone.step
+                    && let Some(turn) = self.turns.get_mut(slot)
+                {
+                    *made_for = !tone.step;
+                    K::rebuild(tone.step, slot, &mut self.steady_basis, turn);
+                }
+            }
+        }
+        K::seed_steady(&mut self.phases, tones, &self.turns, &mut self.steady_seeds);
+        K::steady(&self.steady_basis, &self.steady_seeds, out);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::ToneBlock;
 use super::kernel::{GlideBasis, GlideSeeds};
-use super::sine::{add_high, high, sine_cosine, sub_high};
+use super::sine::{add_high, high, sine_cosine, sub_high, turned};
 use super::steady::{loudness, upper};
 
 /// Half of the packed numbers' unit, before their lower sixteen bits are cut off.
@@ -41,10 +41,7 @@ pub(super) fn rebuild(block: &ToneBlock, tone: usize, basis: &mut GlideBasis) {
             (*even, *odd) = (c, s);
             *even_bend = pack(add_high(HALF_UNIT, c, tau << 26), s >> 18);
             *odd_bend = pack(add_high(HALF_UNIT, s, tau << 26), c >> 18);
-            (s, c) = (
-                add_high(high(s, turn_cosine), c, turn_sine) << 1,
-                sub_high(high(c, turn_cosine), s, turn_sine) << 1,
-            );
+            (s, c) = turned(s, c, turn_sine, turn_cosine);
             tau -= 2;
         }
     }

@@ -108,8 +108,23 @@ impl GlideSeeds {
     }
 }
 
+/// What a block asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Survey {
+    /// Every tone is steady at a step that the basis is made for.
+    Unchanged,
+    /// Every tone is steady, some at a new step.
+    Retuned,
+    /// Some tone changes its step or its amplitude.
+    Gliding,
+}
+
 /// What is done for every block, on some machine.
 pub(super) trait Kernel {
+    /// Which kernel a block needs; `inverted_steps` are those that the steady basis is made for.
+    fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey;
+    /// The basis of one steady tone, and the turn from the block's centre to those of its halves.
+    fn rebuild(step: u64, slot: usize, basis: &mut SteadyBasis, turn: &mut Turn);
     /// The seeds of sixteen steady tones; moves the phases on.
     fn seed_steady(
         phases: &mut [u64; TONES],
@@ -137,6 +152,20 @@ pub(super) trait Kernel {
 pub(super) struct Portable;
 
 impl Kernel for Portable {
+    fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey {
+        if !tones.iter().all(ToneBlock::is_steady) {
+            Survey::Gliding
+        } else if tones.iter().zip(inverted_steps).all(|(tone, inverted)| tone.step == !inverted) {
+            Survey::Unchanged
+        } else {
+            Survey::Retuned
+        }
+    }
+
+    fn rebuild(step: u64, slot: usize, basis: &mut SteadyBasis, turn: &mut Turn) {
+        *turn = steady::rebuild(step, slot, basis);
+    }
+
     fn seed_steady(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],

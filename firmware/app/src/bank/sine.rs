@@ -39,6 +39,19 @@ pub fn sine_cosine(phase: u32) -> (i32, i32) {
     (sub_high(add_high(s, c, r), s, h), sub_high(sub_high(c, s, r), c, h))
 }
 
+/// Sine and cosine of the sum of two angles. The shift makes up for the halving in each product; all are rounded to
+/// nearest (SMMULR, SMMLAR, SMMLSR), so that a chain of turns does not drift to one side.
+#[inline(always)]
+pub(super) fn turned(s: i32, c: i32, turn_sine: i32, turn_cosine: i32) -> (i32, i32) {
+    const HALF: i64 = 1 << 31;
+    let product = |a: i32, b: i32| a as i64 * b as i64;
+    let onto = |upper: i64, product: i64| ((((upper >> 32) << 32) + product + HALF) >> 32) as i32;
+    (
+        onto(product(s, turn_cosine) + HALF, product(c, turn_sine)) << 1,
+        onto(product(c, turn_cosine) + HALF, -product(s, turn_sine)) << 1,
+    )
+}
+
 /// The upper half of a 64-bit product, rounded towards minus infinity: one SMMUL.
 #[inline(always)]
 pub(crate) const fn high(a: i32, b: i32) -> i32 {

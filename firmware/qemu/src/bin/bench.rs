@@ -24,14 +24,24 @@ mod device {
     struct Bench {
         bank: Bank,
         tones: [ToneBlock; TONES],
+        /// A glide, as fast as the bank's accuracy is stated for, and the way back.
+        glides: [[ToneBlock; TONES]; 2],
+        /// Whether the next glide goes down.
+        down: bool,
         samples: [i32; BLOCK],
         codes: [u16; BLOCK],
         clipped: u32,
     }
 
     impl Bench {
-        fn render(&mut self) {
-            self.bank.render(&self.tones, &mut self.samples);
+        /// Renders one block: a steady one, or the glide up or down.
+        fn render(&mut self, glide: Option<bool>) {
+            let tones = match (glide, &self.glides) {
+                (None, _) => &self.tones,
+                (Some(false), [up, _]) => up,
+                (Some(true), [_, down]) => down,
+            };
+            self.bank.render(tones, &mut self.samples);
             self.clipped = self.clipped.wrapping_add(codes(&self.samples, &mut self.codes));
         }
     }
@@ -43,6 +53,8 @@ mod device {
     static BENCH: Shared = Shared(UnsafeCell::new(Bench {
         bank: Bank::new(),
         tones: [ToneBlock::steady(0, 0); TONES],
+        glides: [[ToneBlock::steady(0, 0); TONES]; 2],
+        down: false,
         samples: [0; BLOCK],
         codes: [MID_SCALE; BLOCK],
         clipped: 0,
@@ -62,14 +74,29 @@ mod device {
         for (tone, slot) in bench.tones.iter_mut().zip(1_u32..=tones) {
             *tone = ToneBlock::steady(u64::MAX / 40 * u64::from(slot), AMPLITUDE_ONE / TONES as u32);
         }
+        let [up, down] = &mut bench.glides;
+        for ((tone, up), down) in bench.tones.iter().zip(up).zip(down) {
+            *up = ToneBlock {
+                step_end: tone.step + MAX_STEP_CHANGE,
+                amplitude_end: tone.amplitude - tone.amplitude / 16,
+                ..*tone
+            };
+            *down = ToneBlock {
+                step: up.step_end,
+                step_end: up.step,
+                amplitude: up.amplitude_end,
+                amplitude_end: up.amplitude,
+            };
+        }
+        bench.down = false;
         // The first block builds every basis.
-        bench.render();
+        bench.render(None);
     }
 
     /// A block in which nothing changes.
     #[unsafe(no_mangle)]
     extern "C" fn bench_steady() {
-        bench().render();
+        bench().render(None);
     }
 
     /// A block with another frequency for every tone, which is then kept.
@@ -79,23 +106,15 @@ mod device {
         for tone in &mut bench.tones {
             *tone = ToneBlock::steady(tone.step + MAX_STEP_CHANGE, tone.amplitude);
         }
-        bench.render();
+        bench.render(None);
     }
 
-    /// A block in which every tone moves in frequency and amplitude.
+    /// A block in which every tone moves in frequency and amplitude, back and forth.
     #[unsafe(no_mangle)]
     extern "C" fn bench_glide() {
         let bench = bench();
-        for tone in &mut bench.tones {
-            let (step, amplitude) = (tone.step_end, tone.amplitude_end);
-            *tone = ToneBlock {
-                step,
-                step_end: step - MAX_STEP_CHANGE,
-                amplitude,
-                amplitude_end: amplitude - (amplitude >> 4),
-            };
-        }
-        bench.render();
+        bench.down = !bench.down;
+        bench.render(Some(!bench.down));
     }
 
     #[panic_handler]

@@ -8,7 +8,7 @@
 
 use core::arch::{asm, naked_asm};
 
-use super::{GlideBasis, GlideSeeds, Kernel, SteadyBasis, SteadySeeds};
+use super::{GlideBasis, GlideSeeds, Kernel, SteadyBasis, SteadySeeds, Survey};
 use crate::bank::code::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
 use crate::bank::glide::{HALF_UNIT, THETA};
 use crate::bank::sine::{RADIANS, TABLE};
@@ -25,7 +25,9 @@ const _: () = {
     assert!(
         core::mem::offset_of!(ToneBlock, step_end) == 8 && core::mem::offset_of!(ToneBlock, amplitude) == 16
     );
-    assert!(core::mem::offset_of!(SteadySeeds, odd) == 128);
+    assert!(
+        core::mem::offset_of!(SteadySeeds, odd) == 128 && core::mem::offset_of!(SteadyBasis, odd) == 2048
+    );
     assert!(core::mem::offset_of!(GlideBasis, even) == 512 && core::mem::offset_of!(GlideSeeds, even) == 512);
     assert!(
         core::mem::offset_of!(GlideBasis, odd_bend) == 1024
@@ -34,7 +36,37 @@ const _: () = {
     assert!(core::mem::offset_of!(GlideBasis, odd) == 1536 && core::mem::offset_of!(GlideSeeds, odd) == 1536);
 };
 
+/// Four samples from `{from}`, rounded, clamped (which Q remembers) and packed to `{to}`.
+macro_rules! four_codes {
+    () => {
+        concat!(
+            "ldm {from}!, {{r2, r3, r4, r5}}\n",
+            "smmlar r2, r2, {scale}, {mid}\nsmmlar r3, r3, {scale}, {mid}\n",
+            "smmlar r4, r4, {scale}, {mid}\nsmmlar r5, r5, {scale}, {mid}\n",
+            "usat r2, #12, r2\nusat r3, #12, r3\nusat r4, #12, r4\nusat r5, #12, r5\n",
+            "pkhbt r2, r2, r3, lsl #16\npkhbt r4, r4, r5, lsl #16\n",
+            "str r4, [{to}, #4]\nstr r2, [{to}], #8\n",
+        )
+    };
+}
+
 impl Kernel for CortexM4 {
+    fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey {
+        // SAFETY: the function reads sixteen tones and sixteen steps and writes nothing.
+        match unsafe { survey(tones, inverted_steps) } {
+            0 => Survey::Unchanged,
+            1 => Survey::Retuned,
+            _ => Survey::Gliding,
+        }
+    }
+
+    fn rebuild(step: u64, slot: usize, basis: &mut SteadyBasis, turn: &mut Turn) {
+        if slot < TONES {
+            // SAFETY: the function writes the turn and the slot's column of the basis, 16 bytes in each of 16 rows.
+            unsafe { rebuild(step, core::ptr::from_mut(basis).cast::<[i32; 4]>().add(slot), turn) }
+        }
+    }
+
     fn seed_steady(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],
@@ -68,25 +100,16 @@ impl Kernel for CortexM4 {
     fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool {
         const { assert!(MAX_CODE == 4095, "the instruction below saturates to 12 bits") };
         let clamped: u32;
-        // SAFETY: 32 rounds read four samples and write four codes each: 128 of both. The only flags changed are
-        // those of the comparison and Q, which no compiled code relies on.
+        // SAFETY: eight rounds read sixteen samples and write sixteen codes each: 128 of both. The only flags changed
+        // are those of the comparison and Q, which no compiled code relies on.
         unsafe {
             asm!(
                 "msr apsr_nzcvq, {zero}",
                 "2:",
-                "ldm {from}!, {{r2, r3, r4, r5}}",
-                "smmlar r2, r2, {scale}, {mid}",
-                "smmlar r3, r3, {scale}, {mid}",
-                "smmlar r4, r4, {scale}, {mid}",
-                "smmlar r5, r5, {scale}, {mid}",
-                "usat r2, #12, r2",
-                "usat r3, #12, r3",
-                "usat r4, #12, r4",
-                "usat r5, #12, r5",
-                "pkhbt r2, r2, r3, lsl #16",
-                "pkhbt r4, r4, r5, lsl #16",
-                "str r4, [{to}, #4]",
-                "str r2, [{to}], #8",
+                four_codes!(),
+                four_codes!(),
+                four_codes!(),
+                four_codes!(),
                 "cmp {from}, {end}",
                 "bne 2b",
                 "mrs {zero}, apsr",
@@ -601,6 +624,111 @@ macro_rules! sine_cosine {
     };
 }
 
+/// 2 if a tone moves, else 1 if a step is new, else 0; about 25 cycles a tone, and none after the first that moves.
+#[unsafe(naked)]
+unsafe extern "C" fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> u32 {
+    naked_asm!(
+        "push {{r4-r11, lr}}",
+        "mov r12, #-1", // all ones as long as every step is the inverted one's inverse
+        "add lr, r1, #128",
+        "2:",
+        "ldm r0!, {{r3-r8}}",
+        "ldm r1!, {{r9, r10}}",
+        "eor r5, r5, r3",
+        "eor r6, r6, r4",
+        "eor r7, r7, r8",
+        "orr r5, r5, r6",
+        "eor r9, r9, r3",
+        "orrs r5, r5, r7",
+        "bne 3f",
+        "eor r10, r10, r4",
+        "and r12, r12, r9",
+        "and r12, r12, r10",
+        "cmp r1, lr",
+        "bne 2b",
+        "adds r12, r12, #1",
+        "ite eq",
+        "moveq r0, #0",
+        "movne r0, #1",
+        "pop {{r4-r11, pc}}",
+        "3:",
+        "mov r0, #2",
+        "pop {{r4-r11, pc}}",
+    )
+}
+
+/// From one sample to the next: turns the angle of cosine lr and sine r8 by that of r5 and r4.
+macro_rules! turn {
+    () => {
+        concat!(
+            "smmulr r10, r8, r5\nsmmulr r11, lr, r5\n",
+            "smmlar r10, lr, r4, r10\nsmmlsr r11, r8, r4, r11\n",
+            "lsl r8, r10, #1\nlsl lr, r11, #1\n",
+        )
+    };
+}
+
+/// Eight samples' words in a row: two groups.
+macro_rules! steady_words {
+    ($at:literal) => {
+        concat!("str lr, [r2, #", $at, "]\nstr r8, [r2, #2048 + ", $at, "]\n")
+    };
+}
+
+/// `rebuild` of [`crate::bank::steady`], about 350 cycles.
+#[unsafe(naked)]
+unsafe extern "C" fn rebuild(step: u64, column: *mut [i32; 4], turn: &mut Turn) {
+    naked_asm!(
+        ".fpu fpv4-sp-d16",
+        "push {{r4-r11, lr}}",
+        "movw r6, #:lower16:{table}",
+        "movt r6, #:upper16:{table}",
+        "movw r7, #{radians} & 0xFFFF",
+        "movt r7, #{radians} >> 16",
+        "lsl r8, r1, #5",
+        "orr r8, r8, r0, lsr #27",
+        sine_cosine!("r8", "r6", "r7", "r4", "r5", "r9", "r10", "r11", "r12"),
+        "str r5, [r3]",
+        "str r4, [r3, #4]",
+        sine_cosine!("r1", "r6", "r7", "r4", "r5", "r9", "r10", "r11", "r12"),
+        "lsrs r1, r1, #1",
+        "rrx r0, r0", // half the step: the first sample's phase
+        "lsl r3, r1, #4",
+        "orr r3, r3, r0, lsr #28",
+        "lsl r9, r0, #4",
+        "vmov s0, r9",
+        "add r9, r2, #2048",
+        "vmov s1, r9",
+        "2:",
+        sine_cosine!("r1", "r6", "r7", "r8", "lr", "r9", "r10", "r11", "r12"),
+        steady_words!("0"),
+        turn!(),
+        steady_words!("4"),
+        turn!(),
+        steady_words!("8"),
+        turn!(),
+        steady_words!("12"),
+        turn!(),
+        steady_words!("256"),
+        turn!(),
+        steady_words!("260"),
+        turn!(),
+        steady_words!("264"),
+        turn!(),
+        steady_words!("268"),
+        "vmov r9, s0",
+        "vmov r10, s1",
+        "adds r0, r0, r9",
+        "adc r1, r1, r3",
+        "add r2, r2, #512",
+        "cmp r2, r10",
+        "bne 2b",
+        "pop {{r4-r11, pc}}",
+        table = sym TABLE,
+        radians = const RADIANS,
+    )
+}
+
 /// `seed` of [`crate::bank::steady`] for sixteen tones, about 50 cycles each.
 #[unsafe(naked)]
 unsafe extern "C" fn seed_steady(
@@ -734,17 +862,6 @@ macro_rules! basis_words {
             "str r8, [r0, #1536 + ",
             $at,
             "]\n",
-        )
-    };
-}
-
-/// From one sample to the next: turns the angle of cosine lr and sine r8 by that of r5 and r4.
-macro_rules! turn {
-    () => {
-        concat!(
-            "smmul r10, r8, r5\nsmmul r11, lr, r5\n",
-            "smmla r10, lr, r4, r10\nsmmls r11, r8, r4, r11\n",
-            "lsl r8, r10, #1\nlsl lr, r11, #1\n",
         )
     };
 }
