@@ -99,7 +99,7 @@ fn frequency_domain(report: &Report) {
 fn time_lines(report: &Report) {
     let Some(plate) = preset("al-bending") else { return };
     let rate = 400_000.0;
-    let codes: Vec<f32> = (0..80_000).map(|n| (0.5 * (2.0 * PI * 0.075 * n as f32).sin()) as f32).collect();
+    let codes: Vec<f32> = (0..80_000).map(|n| 0.5 * (2.0 * PI * 0.075 * n as f32).sin()).collect();
     for points in [128, 512] {
         let Ok(mut line) = TimeLine::new(&plate, rate, points, 1) else { continue };
         let time = report.fastest(|| line.push(&codes));

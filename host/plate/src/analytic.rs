@@ -5,7 +5,9 @@
 //! comes out are the coefficients of a quintic B-spline whose curve is the drive between the decimated samples
 //! too, so that the oscillators can be integrated exactly. The hold's droop is kept, the spline's is undone.
 
+use crate::kernel;
 use num_complex::Complex64;
+use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
 /// Which part of the spectrum is kept and how it is sampled.
@@ -22,6 +24,8 @@ pub(crate) struct Plan {
     low_hz: f64,
     high_hz: f64,
     transition_hz: f64,
+    /// Half of what is kept, Hz.
+    pub(crate) half_band_hz: f64,
     /// The centre turns by `turn/CYCLE` of a circle per output sample.
     turn: usize,
 }
@@ -55,6 +59,7 @@ impl Plan {
             low_hz: low_edge,
             high_hz: high_edge,
             transition_hz,
+            half_band_hz: half_band,
             turn,
         }
     }
@@ -124,6 +129,7 @@ fn bessel_i0(x: f64) -> f64 {
 
 /// The running filter: codes in, spline coefficients out.
 pub(crate) struct Drive {
+    arch: Arch,
     plan: Plan,
     /// Taps in time order (oldest first), split for the dot product.
     tap_re: Vec<f64>,
@@ -145,6 +151,7 @@ impl Drive {
         let taps = plan.taps(rate_of_drive);
         let count = taps.len();
         Self {
+            arch: Arch::new(),
             plan,
             tap_re: taps.iter().rev().map(|tap| tap.re).collect(),
             tap_im: taps.iter().rev().map(|tap| tap.im).collect(),
@@ -204,24 +211,13 @@ impl Drive {
         }
         self.wait = self.plan.fine;
         let window = &self.history[self.write..self.write + count];
-        let value = Complex64::new(dot(window, &self.tap_re), dot(window, &self.tap_im));
+        let filter = kernel::Filter { window, tap_re: &self.tap_re, tap_im: &self.tap_im };
+        let (re, im) = self.arch.dispatch(filter);
+        let value = Complex64::new(re, im);
         let mixed = value * Complex64::cis(TAU * self.phase as f64 / CYCLE as f64);
         self.phase = (self.phase + self.plan.turn) % CYCLE;
         Some(mixed)
     }
-}
-
-/// Dot product in eight lanes, which the compiler can keep in vector registers.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in chunks_a.zip(chunks_b) {
-        for lane in 0..8 {
-            lanes[lane] += x[lane] * y[lane];
-        }
-    }
-    lanes.iter().sum::<f64>() + rest
 }
 
 /// Pieces of the quintic B-spline: `BSPLINE[j][i]` is the coefficient of t^i of the piece that weighs c[k - 2 + j]

@@ -1,5 +1,6 @@
 //! Finding the turning-point peak on a grid, and saying so when there is none.
 
+use crate::plate::Plate;
 use num_complex::Complex64;
 
 /// The turning-point peak of an amplitude distribution.
@@ -11,6 +12,19 @@ pub struct Peak {
     pub amplitude: f64,
     /// Whether it is the largest amplitude on the plate (with loss, the driven end may be larger).
     pub is_largest: bool,
+}
+
+impl Peak {
+    /// The turning-point peak of a measured field: `field` holds a tone's complex amplitude at places uniform from 0
+    /// to the plate's end.
+    ///
+    /// `None` if there is none to be seen, if the frequency does not enter, or if there are fewer than 3 places.
+    pub fn of(field: &[Complex64], plate: &Plate, frequency_hz: f64) -> Option<Self> {
+        let turning_point_m = plate.turning_point_m(frequency_hz)?;
+        let kappa = plate.kappa_per_m(frequency_hz)?;
+        let intervals = field.len().checked_sub(1).filter(|&intervals| intervals >= 2)?;
+        find(field, plate.length_m() / intervals as f64, turning_point_m, kappa)
+    }
 }
 
 /// Looks for the last local maximum of |f| before the turning point.

@@ -10,7 +10,7 @@ use crate::taper::{Taper, WidthLaw};
 use std::f64::consts::TAU;
 
 /// Most wavelengths a plate may hold between the driven end and the boundary; keeps every computation bounded.
-pub const WAVELENGTHS_MAX: f64 = 200.0;
+pub const WAVELENGTHS_MAX: f64 = 60.0;
 /// Lowest and highest frequency a boundary may need, Hz.
 pub const FREQUENCY_RANGE_HZ: (f64, f64) = (0.5, 1e7);
 

@@ -8,14 +8,18 @@
 use crate::analytic::{BSPLINE, Drive, Plan};
 use crate::drive_table::FREQUENCY_TO_RATE_MAX;
 use crate::envelope::Envelope;
+use crate::kernel::{self, Oscillators};
 use crate::oscillators::{self, Bank, Input};
 use crate::plate::Plate;
 use num_complex::Complex64;
+use pulp::Arch;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
 /// Fewest and most places of a line.
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
+/// Oscillators further from the middle of the band than this many half bands follow the drive at once.
+const REACH: f64 = 3.5;
 /// Highest width mode of a line.
 pub const WIDTH_MODE_MAX: u32 = 9;
 
@@ -52,24 +56,24 @@ pub enum LineError {
 
 /// One width mode of a plate, running.
 pub struct TimeLine {
+    arch: Arch,
     drive: Drive,
     plan: Plan,
     position_m: Vec<f64>,
-    /// Per oscillator: what one step multiplies it by, and what each of the six coefficients adds.
-    advance: Vec<Complex64>,
-    inject: Vec<[Complex64; 6]>,
-    state: Vec<Complex64>,
+    oscillators: Oscillators,
     /// The last six spline coefficients, oldest first.
     coefficient: [Complex64; 6],
-    /// Field per oscillator in metres, one row of places for each, and what follows the drive at once.
-    shape_re: Vec<Vec<f32>>,
-    shape_im: Vec<Vec<f32>>,
-    direct_re: Vec<f32>,
-    direct_im: Vec<f32>,
+    /// Field in metres per signal (see [`kernel::tiles`]): the drive, its change, its bend, and each oscillator.
+    shape: Vec<f32>,
+    signal: Vec<[f32; 2]>,
+    /// Field over whole tiles of places.
     field_re: Vec<f32>,
     field_im: Vec<f32>,
     envelope: Envelope,
     steps: u64,
+    /// The field is evaluated at every `stride`-th step, still twice as often as the band can change it.
+    stride: u64,
+    field_step: u64,
     settle_s: f64,
 }
 
@@ -94,29 +98,30 @@ impl TimeLine {
         let position_m: Vec<f64> =
             (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();
         let bank = oscillators::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
-        let step_s = 1.0 / plan.rate_hz();
-        let (advance, inject) = bank.pole.iter().map(|pole| integrate(*pole, plan.centre_hz, step_s)).unzip();
-        let scale = plate.spec().full_scale_m;
-        let row = |column: usize, part: fn(Complex64) -> f64| -> Vec<f32> {
-            bank.shape.column(column).iter().map(|value| (part(*value) * scale) as f32).collect()
-        };
         let settle_s = settle_time(&bank, low_hz, high_hz);
+        let (bank, quick) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
+        let scale = plate.spec().full_scale_m;
+        let shape = kernel::tiles(points, 3 + bank.pole.len(), |row, signal| {
+            let value =
+                if signal < 3 { quick.shape[(row, signal)] } else { bank.shape[(row, signal - 3)] } * scale;
+            [value.re as f32, value.im as f32]
+        });
+        let covered = points.div_ceil(kernel::TILE) * kernel::TILE;
         Ok(Self {
+            arch: Arch::new(),
             drive: Drive::new(plan, bank.input == Input::DriveRate),
             plan,
-            advance,
-            inject,
-            state: vec![Complex64::ZERO; bank.pole.len()],
+            oscillators: prepare(&bank, &plan),
             coefficient: [Complex64::ZERO; 6],
-            shape_re: (0..bank.pole.len()).map(|i| row(i, |value| value.re)).collect(),
-            shape_im: (0..bank.pole.len()).map(|i| row(i, |value| value.im)).collect(),
-            direct_re: bank.direct.iter().map(|value| (value.re * scale) as f32).collect(),
-            direct_im: bank.direct.iter().map(|value| (value.im * scale) as f32).collect(),
-            field_re: vec![0.0; points],
-            field_im: vec![0.0; points],
+            shape,
+            signal: vec![[0.0; 2]; 3 + bank.pole.len()],
+            field_re: vec![0.0; covered],
+            field_im: vec![0.0; covered],
             envelope: Envelope::new(points),
             position_m,
             steps: 0,
+            stride: ((plan.rate_hz() / (2.5 * plan.half_band_hz)) as u64).max(1),
+            field_step: 0,
             settle_s,
         })
     }
@@ -144,36 +149,42 @@ impl TimeLine {
     fn step(&mut self, coefficient: Complex64) {
         self.coefficient.rotate_left(1);
         self.coefficient[5] = coefficient;
-        for ((state, advance), inject) in self.state.iter_mut().zip(&self.advance).zip(&self.inject) {
-            let mut next = *state * advance;
-            for (weight, coefficient) in inject.iter().zip(&self.coefficient) {
-                next += weight * coefficient;
-            }
-            *state = next;
-        }
+        self.arch.dispatch(kernel::Step {
+            oscillators: &mut self.oscillators,
+            coefficient_re: self.coefficient.map(|c| c.re),
+            coefficient_im: self.coefficient.map(|c| c.im),
+        });
         self.steps += 1;
-        self.update_field();
-        self.envelope.add(&self.field_re, &self.field_im);
+        if self.steps.is_multiple_of(self.stride) {
+            self.update_field();
+            let points = self.position_m.len();
+            self.envelope.add(&self.field_re[..points], &self.field_im[..points]);
+        }
     }
 
     fn update_field(&mut self) {
-        // The drive at the step's end, where only five pieces are not zero.
+        // The drive at the step's end, where only five pieces are not zero, and its derivatives: what goes as
+        // e^(-j (omega - centre) t) turns (omega - centre) into j d/dt.
         let c = &self.coefficient;
+        let rate = self.plan.rate_hz();
         let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
-        let (re, im) = (drive.re as f32, drive.im as f32);
-        let direct = self.direct_re.iter().zip(&self.direct_im);
-        for ((field_re, field_im), (a, b)) in self.field_re.iter_mut().zip(&mut self.field_im).zip(direct) {
-            *field_re = a * re - b * im;
-            *field_im = a * im + b * re;
+        let slope = (c[5] - c[1] + (c[4] - c[2]) * 10.0) * (rate / 24.0);
+        let bend = (c[1] + c[5] + (c[2] + c[4]) * 2.0 - c[3] * 6.0) * (rate * rate / 6.0);
+        let quick = [drive, slope * Complex64::I, -bend];
+        for (signal, value) in self.signal.iter_mut().zip(quick) {
+            *signal = [value.re as f32, value.im as f32];
         }
-        for ((state, row_re), row_im) in self.state.iter().zip(&self.shape_re).zip(&self.shape_im) {
-            let (re, im) = (state.re as f32, state.im as f32);
-            let rows = row_re.iter().zip(row_im);
-            for ((field_re, field_im), (a, b)) in self.field_re.iter_mut().zip(&mut self.field_im).zip(rows) {
-                *field_re += a * re - b * im;
-                *field_im += a * im + b * re;
-            }
+        let states = self.oscillators.re.iter().zip(&self.oscillators.im);
+        for (signal, (re, im)) in self.signal[3..].iter_mut().zip(states) {
+            *signal = [*re as f32, *im as f32];
         }
+        self.arch.dispatch(kernel::Field {
+            shape: &self.shape,
+            signal: &self.signal,
+            re: &mut self.field_re,
+            im: &mut self.field_im,
+        });
+        self.field_step = self.steps;
     }
 
     /// Places, metres.
@@ -183,7 +194,7 @@ impl TimeLine {
 
     /// Writes the displacement of this moment, metres, as far as `out` reaches.
     pub fn field_m(&self, out: &mut [f32]) {
-        let turn = (self.steps as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract();
+        let turn = (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract();
         let carrier = Complex64::cis(-TAU * turn);
         let (re, im) = (carrier.re as f32, carrier.im as f32);
         for ((out, a), b) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
@@ -203,7 +214,8 @@ impl TimeLine {
 
     /// Puts the plate to rest and starts the envelope anew.
     pub fn rest(&mut self) {
-        self.state.fill(Complex64::ZERO);
+        self.oscillators.re.fill(0.0);
+        self.oscillators.im.fill(0.0);
         self.coefficient = [Complex64::ZERO; 6];
         self.field_re.fill(0.0);
         self.field_im.fill(0.0);
@@ -223,7 +235,7 @@ impl TimeLine {
 
     /// Rate at which the field is updated, Hz.
     pub fn step_rate_hz(&self) -> f64 {
-        self.plan.rate_hz()
+        self.plan.rate_hz() / self.stride as f64
     }
 }
 
@@ -236,6 +248,25 @@ fn settle_time(bank: &Bank, low_hz: f64, high_hz: f64) -> f64 {
         .map(|pole| -pole.im)
         .fold(f64::INFINITY, f64::min);
     if slowest.is_finite() { (6.9 / slowest.max(0.69)).max(4.0 / low_hz) } else { 4.0 / low_hz }
+}
+
+/// The steps of every oscillator.
+fn prepare(bank: &Bank, plan: &Plan) -> Oscillators {
+    let mut oscillators = Oscillators {
+        re: vec![0.0; bank.pole.len()],
+        im: vec![0.0; bank.pole.len()],
+        ..Oscillators::default()
+    };
+    for pole in &bank.pole {
+        let (advance, inject) = integrate(*pole, plan.centre_hz, 1.0 / plan.rate_hz());
+        oscillators.advance_re.push(advance.re);
+        oscillators.advance_im.push(advance.im);
+        for (k, inject) in inject.into_iter().enumerate() {
+            oscillators.inject_re[k].push(inject.re);
+            oscillators.inject_im[k].push(inject.im);
+        }
+    }
+    oscillators
 }
 
 /// Exact step of z' = -j (p - centre) z + j u with u the quintic spline of six coefficients.

@@ -104,7 +104,7 @@ fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
             ..base.clone()
         },
         PlateSpec {
-            model: Model::BendingClamped(bending.clone()),
+            model: Model::BendingClamped(bending),
             drive_end: DriveEnd::Displacement,
             ..base.clone()
         },

@@ -1,0 +1,133 @@
+//! The three inner loops of the time-domain plate, compiled for the widest vectors the machine has.
+//!
+//! Only products and sums, each lane by itself, no fused steps: every machine gets the same bits, except where a sum
+//! runs over lanes (the filter's dot product, which adds eight partial sums in a fixed order).
+
+use pulp::{Simd, WithSimd};
+
+/// Places that are summed together in registers.
+pub(crate) const TILE: usize = 16;
+
+/// Dot products of a window with the real and the imaginary taps.
+pub(crate) struct Filter<'a> {
+    pub(crate) window: &'a [f64],
+    pub(crate) tap_re: &'a [f64],
+    pub(crate) tap_im: &'a [f64],
+}
+
+impl WithSimd for Filter<'_> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> (f64, f64) {
+        let (mut re, mut im) = ([0.0; 8], [0.0; 8]);
+        let (window, window_rest) = self.window.as_chunks::<8>();
+        let (tap_re, re_rest) = self.tap_re.as_chunks::<8>();
+        let (tap_im, im_rest) = self.tap_im.as_chunks::<8>();
+        for ((w, a), b) in window.iter().zip(tap_re).zip(tap_im) {
+            for lane in 0..8 {
+                re[lane] += w[lane] * a[lane];
+                im[lane] += w[lane] * b[lane];
+            }
+        }
+        let mut sum = (re.iter().sum::<f64>(), im.iter().sum::<f64>());
+        for ((w, a), b) in window_rest.iter().zip(re_rest).zip(im_rest) {
+            sum.0 += w * a;
+            sum.1 += w * b;
+        }
+        sum
+    }
+}
+
+/// Oscillators as separate real and imaginary parts.
+#[derive(Default)]
+pub(crate) struct Oscillators {
+    pub(crate) re: Vec<f64>,
+    pub(crate) im: Vec<f64>,
+    pub(crate) advance_re: Vec<f64>,
+    pub(crate) advance_im: Vec<f64>,
+    /// What each of the six spline coefficients adds: six rows.
+    pub(crate) inject_re: [Vec<f64>; 6],
+    pub(crate) inject_im: [Vec<f64>; 6],
+}
+
+/// One step of all oscillators: z = z e^(..) + sum of inject times coefficient.
+pub(crate) struct Step<'a> {
+    pub(crate) oscillators: &'a mut Oscillators,
+    pub(crate) coefficient_re: [f64; 6],
+    pub(crate) coefficient_im: [f64; 6],
+}
+
+impl WithSimd for Step<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let (c_re, c_im) = (self.coefficient_re, self.coefficient_im);
+        let count = self.oscillators.re.len();
+        let (re, im) = (&mut self.oscillators.re[..count], &mut self.oscillators.im[..count]);
+        let (a_re, a_im) = (&self.oscillators.advance_re[..count], &self.oscillators.advance_im[..count]);
+        let b_re = self.oscillators.inject_re.each_ref().map(|row| &row[..count]);
+        let b_im = self.oscillators.inject_im.each_ref().map(|row| &row[..count]);
+        for i in 0..count {
+            let mut next_re = re[i] * a_re[i] - im[i] * a_im[i];
+            let mut next_im = re[i] * a_im[i] + im[i] * a_re[i];
+            for k in 0..6 {
+                next_re += b_re[k][i] * c_re[k] - b_im[k][i] * c_im[k];
+                next_im += b_re[k][i] * c_im[k] + b_im[k][i] * c_re[k];
+            }
+            re[i] = next_re;
+            im[i] = next_im;
+        }
+    }
+}
+
+/// field[x] = sum over signals of shape[signal][x] signal; `shape` is stored tile by tile (see [`tiles`]).
+pub(crate) struct Field<'a> {
+    pub(crate) shape: &'a [f32],
+    pub(crate) signal: &'a [[f32; 2]],
+    pub(crate) re: &'a mut [f32],
+    pub(crate) im: &'a mut [f32],
+}
+
+impl WithSimd for Field<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let tiles = self.shape.chunks_exact(2 * TILE * self.signal.len().max(1));
+        let (re, _) = self.re.as_chunks_mut::<TILE>();
+        let (im, _) = self.im.as_chunks_mut::<TILE>();
+        for ((tile, re), im) in tiles.zip(re).zip(im) {
+            let (mut sum_re, mut sum_im) = ([0.0_f32; TILE], [0.0_f32; TILE]);
+            let (rows, _) = tile.as_chunks::<TILE>();
+            let (rows, _) = rows.as_chunks::<2>();
+            for ([a, b], z) in rows.iter().zip(self.signal) {
+                for lane in 0..TILE {
+                    sum_re[lane] += a[lane] * z[0] - b[lane] * z[1];
+                    sum_im[lane] += a[lane] * z[1] + b[lane] * z[0];
+                }
+            }
+            *re = sum_re;
+            *im = sum_im;
+        }
+    }
+}
+
+/// Lays a matrix out for [`Field`]: for each tile of places, for each signal, TILE real and TILE imaginary parts.
+///
+/// Places beyond the last are filled with zeros; the result covers `places` rounded up to whole tiles.
+pub(crate) fn tiles(places: usize, signals: usize, value: impl Fn(usize, usize) -> [f32; 2]) -> Vec<f32> {
+    let mut shape = Vec::with_capacity(places.div_ceil(TILE) * signals * 2 * TILE);
+    for tile in 0..places.div_ceil(TILE) {
+        for signal in 0..signals {
+            for part in 0..2 {
+                for lane in 0..TILE {
+                    let place = tile * TILE + lane;
+                    shape.push(if place < places { value(place, signal)[part] } else { 0.0 });
+                }
+            }
+        }
+    }
+    shape
+}
