@@ -1,0 +1,106 @@
+//! Fig. 4: the amplitude in the aluminium plate at 40 kHz.
+
+use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
+use super::{Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve};
+use crate::airy;
+use crate::respond::Equation;
+
+const FREQUENCY_HZ: f64 = 40e3;
+
+pub(super) fn figure() -> Result<Figure, FigureError> {
+    let printed = ramp(-100.0, 340.0, POINTS)
+        .map(|x| (x, printed::amplitude(x * 1e-3, FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M)))
+        .collect();
+    let printed_x0_mm = printed::turning_point_m(FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3;
+
+    let plate = preset("al-bending")?;
+    let response = solve(&plate, FREQUENCY_HZ, Equation::Corrected)?;
+    let without_term = solve(&plate, FREQUENCY_HZ, Equation::Paper)?;
+    let x0 = response.turning_point_m;
+    let kappa = airy::EDGE_WIDTH / response.edge_width_m;
+    let peak = response.peak.map_or((0.0, 0.0), |peak| (peak.position_m, peak.amplitude));
+    let airy = response
+        .position_m
+        .iter()
+        .map(|&x| (x * 1e3, (airy::ai(kappa * (x - x0)) / airy::PEAK_VALUE).abs() * peak.1))
+        .collect();
+    let series = |name: &str, stroke, hue, points| Series { name: name.to_owned(), stroke, hue, points };
+    let top = 1.15 * peak.1;
+    Ok(Figure {
+        number: 4,
+        title: "amplitude in the aluminium plate, 40 kHz, W0 = 2 cm, wave put in at x = 0",
+        x_label: "x / mm",
+        panels: [
+            Panel {
+                heading: "as printed",
+                convention: vec![
+                    "(24), (26), (35), (36): SH wave, Vs = 3103 m/s, W0 = 2 cm, d = 4.62 /m.".to_owned(),
+                    "x0 = -6.7 mm: the turning point lies BEFORE the drive, the wave never turns.".to_owned(),
+                ],
+                x_range: (-100.0, 340.0),
+                y_range: (-1.0, 1.15),
+                y_label: "f / largest f",
+                series: vec![series("(35), (36)", Stroke::Solid, 0, printed)],
+                marks: vec![
+                    Mark { name: "x0 of (24)".to_owned(), hue: 1, x: printed_x0_mm },
+                    Mark { name: "drive".to_owned(), hue: 5, x: 0.0 },
+                ],
+            },
+            Panel {
+                heading: "corrected",
+                convention: vec![
+                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
+                    "The peak stands 1.019/kappa before x0; a standing wave before it, a tail behind it.".to_owned(),
+                ],
+                x_range: (-100.0, 340.0),
+                y_range: (0.0, top),
+                y_label: "|f| / incident wave",
+                series: vec![
+                    series("f'' + (W'/W) f' + k^2 f = 0", Stroke::Solid, 0, magnitude(&response)),
+                    series("without the (W'/W) term", Stroke::Dashed, 2, magnitude(&without_term)),
+                    series("|Ai|, scaled to the peak", Stroke::Dashed, 3, airy),
+                ],
+                marks: vec![
+                    Mark { name: "x0".to_owned(), hue: 1, x: x0 * 1e3 },
+                    Mark { name: "peak".to_owned(), hue: 4, x: peak.0 * 1e3 },
+                ],
+            },
+        ],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::summit;
+
+    #[test]
+    fn the_printed_turning_point_lies_before_the_drive_and_its_peak_just_behind() {
+        let figure = figure().expect("the preset shows it");
+        let panel = &figure.panels[0];
+        // d x0 = -0.031.
+        assert!((panel.marks[0].x * 4.62e-3 + 0.031).abs() < 5e-4, "{:?}", panel.marks);
+        let (x, height) = summit(&panel.series[0].points);
+        // Edge width of the SH wave at 40 kHz: 69 mm in the Airy form (68 mm exactly), so 1.0188/kappa = 25.9 mm.
+        let kappa = printed::kappa_per_m(FREQUENCY_HZ, ALUMINIUM_SPEED);
+        assert!((2.7286 / kappa * 1e3 - 69.4).abs() < 0.1, "{}", 2.7286 / kappa);
+        assert!((x - (panel.marks[0].x + 1018.793 / kappa)).abs() < 0.8 && height > 0.999, "{x} {height}");
+    }
+
+    #[test]
+    fn the_corrected_peak_stands_before_278_mm_and_the_lost_term_changes_its_height() {
+        let figure = figure().expect("the preset shows it");
+        let panel = &figure.panels[1];
+        let x0 = panel.marks[0].x;
+        assert!((x0 * 4.62e-3 - 1.286).abs() < 1e-3, "{x0}");
+        let (x, height) = summit(&panel.series[0].points);
+        // x0 - 1.0188/kappa, kappa = 90.7/m: 267 mm.
+        assert!((x - 267.1).abs() < 0.8 && (panel.marks[1].x - x).abs() < 0.6, "{x}");
+        // W0/W = e^1.286 lifts the wave by e^0.64 = 1.9.
+        let bare = summit(&panel.series[1].points).1;
+        assert!((height / bare - 1.9).abs() < 0.15, "{height} {bare}");
+        // One tenth of the peak 1.710/kappa behind x0.
+        let tail = panel.series[0].points.iter().find(|p| p.0 > x && p.1 < 0.1 * height).expect("decays");
+        assert!((tail.0 - (x0 + 18.85)).abs() < 1.2, "{tail:?}");
+    }
+}
