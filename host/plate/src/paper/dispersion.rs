@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn the_printed_curves_start_at_their_cut_offs_and_40_hz_turns_between_the_widths() {
         let figure = figure();
-        for (width, cut_off) in [(50.0, 25.0), (31.25, 40.0), (22.0, 56.818)] {
+        for (width, cut_off) in [(50.0_f64, 25.0_f64), (31.25, 40.0), (22.0, 56.818)] {
             // (7): Vs/(4 W).
             assert!((5.0 / (4.0 * width * 1e-3) - cut_off).abs() < 1e-3);
             let curve = figure.panels[0].curve(&format!("W = {width} mm")).expect("drawn");
