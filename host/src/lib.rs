@@ -7,7 +7,9 @@
 //! ```
 //! The app needs the feature `gui`; everything else builds without it.
 
+pub mod chain;
 pub mod link;
 pub mod mirror;
 pub mod quantity;
+pub mod simulation;
 pub mod table;

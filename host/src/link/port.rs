@@ -135,7 +135,6 @@ mod tests {
                 serial_number: Some("A1".to_owned()),
                 manufacturer: None,
                 product: product.map(str::to_owned),
-                interface: None,
             })
         };
         assert!(describe("p".into(), &usb(0x1209, 1, Some("Slipline F407"))).is_ours);

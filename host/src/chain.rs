@@ -1,0 +1,153 @@
+//! The whole chain in virtual time: link, protocol, device application, DAC codes. Nothing in it is a second
+//! implementation: the link is the worker's own state machine, the device the application that is flashed.
+//!
+//! ```text
+//! Request -> Connection == bytes ==> SimulatedDevice -> DAC codes -> sink
+//! ```
+//! Time is what has been rendered, so every run of the same requests gives the same codes.
+
+use crate::link::connection::Connection;
+use crate::link::simulated::{Options, SimulatedDevice};
+use crate::link::transport::{Opener, Transport, Waker};
+use crate::link::{Outcome, Port, PortInfo, Request, Snapshot, Ticket, Trouble};
+use slipline_app::bank::BLOCK;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Blocks a request may take: 20 s at 400 kS/s. Anything that takes so long has gone wrong.
+const PATIENCE_BLOCKS: u64 = 62_500;
+
+/// Why the chain did not do what it was asked.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ChainError {
+    /// The device or the link refused; a sentence says why.
+    #[error("{0}")]
+    Refused(String),
+    /// The request was dropped or never ended.
+    #[error("the simulated device did not answer")]
+    NoAnswer,
+}
+
+type Shared = Arc<Mutex<SimulatedDevice>>;
+
+fn lock(device: &Shared) -> MutexGuard<'_, SimulatedDevice> {
+    device.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A link and a simulated device in virtual time.
+pub struct Chain {
+    connection: Connection<OneDevice>,
+    device: Shared,
+    tickets: u64,
+    blocks: u64,
+}
+
+impl Chain {
+    /// A connected, armed device with samples at this rate in Hz.
+    ///
+    /// # Errors
+    /// [`ChainError`] if the device does not let itself be armed.
+    pub fn connect(sample_rate_hz: u32) -> Result<Self, ChainError> {
+        let options = Options { sample_rate_hz, ..Options::default() };
+        let device = Arc::new(Mutex::new(SimulatedDevice::new(options)));
+        let opener = OneDevice(device.clone());
+        // One session of one device: any nonce will do.
+        let connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"sim0"));
+        let mut chain = Self { connection, device, tickets: 0, blocks: 0 };
+        chain.perform(Request::Connect(Port::Simulated), |_| ())?;
+        chain.perform(Request::Arm, |_| ())?;
+        Ok(chain)
+    }
+
+    /// What the link knows.
+    #[must_use]
+    pub const fn view(&self) -> &Snapshot {
+        self.connection.view()
+    }
+
+    /// Samples rendered so far.
+    #[must_use]
+    pub const fn samples(&self) -> u64 {
+        self.blocks * BLOCK as u64
+    }
+
+    /// Hands a request over and lets time pass until it is done; returns the index from which it shows. `sink` gets
+    /// the codes of that time.
+    ///
+    /// # Errors
+    /// [`ChainError`] if it is refused or does not end.
+    pub fn perform(&mut self, request: Request, mut sink: impl FnMut(&[u16])) -> Result<u64, ChainError> {
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        let now = self.now();
+        self.connection.request(ticket, request, now);
+        for _ in 0..PATIENCE_BLOCKS {
+            self.pass_block(&mut sink);
+            match self.connection.view().outcome(ticket) {
+                None => {}
+                Some(Outcome::Done { at }) => return Ok(*at),
+                Some(Outcome::Refused(sentence)) => return Err(ChainError::Refused(sentence.clone())),
+                Some(Outcome::Digest(digest)) => return Ok(digest.from),
+                Some(Outcome::Superseded | Outcome::NotConnected) => return Err(ChainError::NoAnswer),
+            }
+        }
+        Err(ChainError::NoAnswer)
+    }
+
+    /// Lets so many samples pass (rounded up to blocks); `sink` gets their codes.
+    pub fn pass(&mut self, samples: u64, mut sink: impl FnMut(&[u16])) {
+        for _ in 0..samples.div_ceil(BLOCK as u64) {
+            self.pass_block(&mut sink);
+        }
+    }
+
+    fn pass_block(&mut self, sink: &mut impl FnMut(&[u16])) {
+        self.connection.step(self.now());
+        lock(&self.device).advance(1, |block| sink(block.codes));
+        self.blocks += 1;
+    }
+
+    fn now(&self) -> Duration {
+        let rate = u64::from(lock(&self.device).sample_rate_hz());
+        // Fits for 58 000 years at 400 kS/s.
+        Duration::from_nanos((u128::from(self.samples()) * 1_000_000_000 / u128::from(rate.max(1))) as u64)
+    }
+}
+
+/// An opener of one device, whatever port is named.
+struct OneDevice(Shared);
+
+impl Opener for OneDevice {
+    fn list(&mut self) -> Vec<PortInfo> {
+        vec![PortInfo::simulated()]
+    }
+
+    fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+        Ok(Box::new(Line { device: self.0.clone(), received: Vec::new() }))
+    }
+}
+
+struct Line {
+    device: Shared,
+    received: Vec<u8>,
+}
+
+impl Transport for Line {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        lock(&self.device).take(&mut self.received);
+        if self.received.is_empty() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        let count = buffer.len().min(self.received.len());
+        for (to, from) in buffer.iter_mut().zip(self.received.drain(..count)) {
+            *to = from;
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        lock(&self.device).feed(bytes);
+        Ok(bytes.len())
+    }
+}
