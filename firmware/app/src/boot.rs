@@ -1,5 +1,7 @@
 //! What a start makes of how the last run ended.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use heapless::String;
 use slipline_protocol::event::{Fault, ResetCause};
 use slipline_protocol::limits::MAX_CRASH;

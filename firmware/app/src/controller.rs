@@ -9,6 +9,8 @@
 //! ```
 //! A refused command has changed nothing.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
 use slipline_protocol::command::{Apply, Command, DigestWindow, Drive, KeepAlive, TableHeader};
@@ -18,7 +20,7 @@ use slipline_protocol::event::{
 use slipline_protocol::frame::CRC;
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
-use slipline_protocol::units::SampleIndex;
+use slipline_protocol::units::{Gain, SampleIndex};
 use slipline_protocol::version::Version;
 
 use crate::bank::{BLOCK, TONES};
@@ -155,10 +157,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             unit: self.device.unit,
             simulated: self.device.simulated,
             sample_rate_hz: self.device.sample_rate_hz,
-            block: BLOCK as u16,
+            block: small(BLOCK),
             dac_bits: DAC_BITS,
-            tones: TONES as u8,
-            max_knots: limits::MAX_KNOTS as u16,
+            tones: small(TONES).to_le_bytes()[0],
+            max_knots: small(limits::MAX_KNOTS),
             min_glide: self.timing.min_glide,
             max_glide: self.timing.max_glide,
             dead_man_ms: limits::DEAD_MAN_MS,
@@ -180,7 +182,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             now: view.next,
             sum_per_mille: per_mille(view.report.sum),
             heat_per_mille: self.thermal.per_mille(),
-            foldback_per_mille: (u64::from(self.thermal.limit().0) * 1000 >> 31) as u16,
+            foldback_per_mille: thousandths(self.thermal.limit()),
             table_crc: self.table.map_or(0, |table| table.crc),
             counters: Counters {
                 underruns: view.report.underruns,
@@ -303,7 +305,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             self.token = None;
         }
         // The reply goes out first: two transmit time-outs are enough for any link that works.
-        if self.leaving_since.is_some_and(|at| now.saturating_sub(at) >= 2 * self.timing.transmit) {
+        if self
+            .leaving_since
+            .is_some_and(|at| now.saturating_sub(at) >= self.timing.transmit.saturating_mul(2))
+        {
             self.leaving_since = None;
             self.system.enter_bootloader();
         }
@@ -333,11 +338,12 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 
     fn drive<M: RawMutex>(&mut self, drive: &Drive, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
+        let view = crossing.view();
+        self.refuse_if_unfit(&view)?;
+        if !view.armed {
+            return Err(Refusal::NotArmed);
+        }
         let at = publish(crossing, |view, lead| {
-            self.refuse_if_unfit(view)?;
-            if !view.armed {
-                return Err(Refusal::NotArmed);
-            }
             let earliest = view.next.max(view.ready_at);
             let at = match drive.apply {
                 Apply::Next => earliest.saturating_add(lead),
@@ -459,10 +465,13 @@ fn publish<M: RawMutex>(
 ) -> Result<SampleIndex, Refusal> {
     for lead in LEADS {
         let view = crossing.view();
-        let program = make(&view, lead * BLOCK_SAMPLES)?;
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
+        if view.pending.is_some() {
+            break;
+        }
+        let program = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
         match crossing.publish(program, &view) {
             Ok(()) => return Ok(program.at),
             Err(NotPublished::Pending) => break,
@@ -479,6 +488,18 @@ fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
     // An index beyond 2^63 is 730 000 years away.
     let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
     Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
+}
+
+/// A constant that the protocol carries in 16 bits.
+#[expect(clippy::cast_possible_truncation, reason = "block and knots are far below 65 536")]
+const fn small(constant: usize) -> u16 {
+    constant as u16
+}
+
+/// A gain of at most one in thousandths, rounded down.
+#[expect(clippy::cast_possible_truncation, reason = "at most 1000")]
+const fn thousandths(gain: Gain) -> u16 {
+    ((gain.0 as u64).saturating_mul(1000) >> 31) as u16
 }
 
 const fn accepted(at: SampleIndex) -> Event {

@@ -4,6 +4,8 @@
 //! magic 4 | cause 1 | resets 1 | length 1 | zero 1 | message 96 | crc 4      (little-endian)
 //! ```
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use heapless::String;
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::frame::CRC;

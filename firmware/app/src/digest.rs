@@ -1,5 +1,7 @@
 //! A CRC-32 of the DAC codes of a window, computed only while the window is open.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::units::SampleIndex;

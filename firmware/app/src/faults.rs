@@ -1,5 +1,7 @@
 //! Faults: latched, named, ordered.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::units::SampleIndex;
 

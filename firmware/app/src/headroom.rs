@@ -7,6 +7,7 @@
 //! whatever the phases. The bound is tight for tones that stay and for one tone that fades while another rises.
 
 #![deny(clippy::float_arithmetic)]
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::refusal::Refusal;

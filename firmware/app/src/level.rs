@@ -8,7 +8,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, Level};
 /// Made as `2^(k + f)` with the whole part by shifting, so that only `2^f`, `f` in 0..1, is computed in floats and
 /// every machine gets the same bits.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the power lies in 1..=2")]
+#[expect(clippy::cast_possible_truncation, reason = "the power lies in 1..=2")]
 pub fn master_gain(level: CentiDecibel) -> Gain {
     if level.0 >= 0 {
         return Gain::FULL;

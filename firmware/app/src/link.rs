@@ -1,5 +1,7 @@
 //! The link's half, run: bytes in, bytes out, and a tick now and then.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use core::future::{pending, ready};
 
 use embassy_futures::select::{Either4, select4};

@@ -10,6 +10,8 @@
 //! All that has to agree stands under one lock that is held for some copies only. The renderer's index moves on under
 //! that lock, so what is published for the next block begins at the next block, exactly.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -142,7 +144,9 @@ struct Shared {
     next: Cell<SampleIndex>,
     motion: Cell<Motion>,
     changes: Cell<u32>,
+    /// The pending program; set with `set_pending`, so that its index stands beside it and need not be copied out.
     pending: Cell<Option<Program>>,
+    pending_at: Cell<Option<SampleIndex>>,
     stop: Cell<Option<Stop>>,
     armed: Cell<bool>,
     ready_at: Cell<SampleIndex>,
@@ -151,6 +155,13 @@ struct Shared {
     report: Cell<Report>,
     faults: Cell<FaultLatch>,
     digest: Cell<DigestState>,
+}
+
+impl Shared {
+    fn set_pending(&self, program: Option<Program>) {
+        self.pending_at.set(program.map(|program| program.at));
+        self.pending.set(program);
+    }
 }
 
 /// What both halves share: a `static` in a firmware, an `Arc` in a host.
@@ -177,6 +188,7 @@ impl<M: RawMutex> Crossing<M> {
                 motion: Cell::new(Motion::silent()),
                 changes: Cell::new(0),
                 pending: Cell::new(None),
+                pending_at: Cell::new(None),
                 stop: Cell::new(None),
                 armed: Cell::new(false),
                 ready_at: Cell::new(0),
@@ -223,7 +235,7 @@ impl<M: RawMutex> Crossing<M> {
             next: shared.next.get(),
             motion: shared.motion.get(),
             changes: shared.changes.get(),
-            pending: shared.pending.get().map(|program| program.at),
+            pending: shared.pending_at.get(),
             stopping: shared.stop.get().is_some() || shared.report.get().stopping,
             armed: shared.armed.get(),
             ready_at: shared.ready_at.get(),
@@ -240,7 +252,7 @@ impl<M: RawMutex> Crossing<M> {
     /// [`NotPublished`]; nothing has changed then.
     pub fn publish(&self, program: Program, view: &View) -> Result<(), NotPublished> {
         self.shared.lock(|shared| {
-            if shared.pending.get().is_some() {
+            if shared.pending_at.get().is_some() {
                 return Err(NotPublished::Pending);
             }
             if program.at < shared.next.get()
@@ -249,7 +261,7 @@ impl<M: RawMutex> Crossing<M> {
             {
                 return Err(NotPublished::Late);
             }
-            shared.pending.set(Some(program));
+            shared.set_pending(Some(program));
             Ok(())
         })
     }
@@ -257,7 +269,7 @@ impl<M: RawMutex> Crossing<M> {
     /// Orders a ramp to silence, drops what is pending, and returns the index at which the ramp begins.
     pub fn stop(&self, stop: Stop) -> SampleIndex {
         self.shared.lock(|shared| {
-            shared.pending.set(None);
+            shared.set_pending(None);
             // With what was pending gone, silence stays silence: there is nothing to ramp.
             if !shared.report.get().silent {
                 shared.stop.set(Some(stop.quicker(shared.stop.get())));
@@ -386,12 +398,13 @@ impl<M: RawMutex> Crossing<M> {
         renderer.fetch_add(1, Ordering::Relaxed);
         self.shared.lock(|shared| {
             shared.next.set(index.saturating_add(BLOCK_SAMPLES));
-            let due = shared.pending.get().filter(|program| program.at <= index);
-            if due.is_some() {
-                shared.pending.set(None);
+            let due = shared.pending_at.get().is_some_and(|at| at <= index);
+            let program = if due { shared.pending.get() } else { None };
+            if due {
+                shared.set_pending(None);
             }
             Orders {
-                program: due,
+                program,
                 stop: shared.stop.take(),
                 armed: shared.armed.get(),
                 ready_at: shared.ready_at.get(),
@@ -423,7 +436,7 @@ impl<M: RawMutex> Crossing<M> {
     pub(crate) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
         self.shared.lock(|shared| {
             shared.armed.set(false);
-            shared.pending.set(None);
+            shared.set_pending(None);
             if let Some((fault, at)) = fault {
                 shared.faults.set(shared.faults.get().with(fault, at));
             }

@@ -222,11 +222,7 @@ const fn fading(placement: &Placement) -> Track {
 }
 
 /// `a + u (b - a)`, all Q1.31.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "the result lies between a and b"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "the result lies between a and b")]
 fn between(a: u32, b: u32, u: u32) -> u32 {
     let (a, b) = (i64::from(a), i64::from(b));
     (a + (((b - a) * i64::from(u)) >> 31)) as u32
@@ -242,11 +238,7 @@ fn between_levels(a: Gain, b: Gain, s: u32) -> Gain {
 
 /// The table's setting and what `left` (Q1.31) leaves of the differences at the start, kept within the ranges of a
 /// setting: the clamp of something continuous is continuous.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to its range before the cast"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "clamped to its range before the cast")]
 fn blend(setting: Setting, step: i64, gain: i64, left: u32) -> Setting {
     if step == 0 && gain == 0 {
         return setting;

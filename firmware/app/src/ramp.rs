@@ -19,8 +19,6 @@ impl RampShape {
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "the index is below 2^24 and the square lies in 0..=1; a cast of f32 saturates"
     )]
     pub fn new() -> Self {
@@ -39,6 +37,7 @@ impl RampShape {
 
     /// `s(u)`, both Q1.31; 0 at 0, 1 at 1, rising between.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "at most the difference of two 32-bit values")]
     pub fn at(&self, u: u32) -> u32 {
         let u = u.min(ONE);
         // 128 intervals: the upper 7 bits below the leading one are the index, the lower 24 the fraction.

@@ -8,6 +8,7 @@
 //! on. The same orders at the same indices give the same codes on every machine.
 
 #![deny(clippy::float_arithmetic)]
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::event::Fault;
@@ -59,7 +60,7 @@ impl Renderer {
             timing,
             shape: RampShape::new(),
             bank: Bank::new(),
-            index: index - index % BLOCK_SAMPLES,
+            index: index.saturating_sub(index % BLOCK_SAMPLES),
             motion: Motion::silent(),
             stop_ends: None,
             tones: [(0, 0); TONES],
@@ -204,13 +205,20 @@ impl Renderer {
         limit: Gain,
         crossing: &Crossing<M>,
     ) -> ([ToneBlock; TONES], u64) {
+        let before = self.limit;
         let goal = limit.0.min(Gain::FULL.0);
-        self.limit = goal.clamp(
-            self.limit.saturating_sub(LIMIT_SLEW),
-            self.limit.saturating_add(LIMIT_SLEW).min(Gain::FULL.0),
-        );
+        self.limit = goal
+            .clamp(before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW).min(Gain::FULL.0));
         let mut blocks = [ToneBlock::default(); TONES];
         let mut sum: u64 = 0;
+        if self.index >= self.motion.end() && self.limit == before {
+            // Nothing moves any more: the values at this block's start are those at its end.
+            for (block, tone) in blocks.iter_mut().zip(&self.tones) {
+                *block = ToneBlock::steady(tone.0, tone.1);
+                sum = sum.saturating_add(u64::from(tone.1));
+            }
+            return (blocks, sum);
+        }
         let ends = self.motion.at(next, crossing.slots(), &self.shape);
         for ((block, tone), end) in blocks.iter_mut().zip(&mut self.tones).zip(&ends) {
             let step_end = end.setting.step.0;

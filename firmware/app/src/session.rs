@@ -9,6 +9,8 @@
 //! header. Numbered commands count from 1 and wrap; the number before is answered again from a cache, any other is
 //! refused with the one expected. The device never speaks first.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Deque;
 use slipline_protocol::command::Hello;

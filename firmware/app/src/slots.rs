@@ -103,11 +103,11 @@ impl TableSlots {
 
 /// Which knots the way between two positions touches, first and last, both included.
 #[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "at most 1024 after the shift and the division")]
 pub fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
     let last = table.knots.saturating_sub(1);
     let place = |p: FinePosition| u64::from(p.raw()) * u64::from(last);
     let (low, high) = (a.min(b), a.max(b));
-    // At most 1024 after the shift.
     let first = (place(low) >> 31) as u16;
     let end = place(high).div_ceil(1 << 31) as u16;
     (first.min(last), end.max(first.saturating_add(1)).min(last))

@@ -57,7 +57,6 @@ impl Thermal {
     }
 
     /// Goes on to `now`, up to which the squares of all codes' distances from mid-scale add up to `energy`.
-    #[expect(clippy::cast_precision_loss, reason = "a share of a mean; 24 bits are plenty")]
     pub fn advance(&mut self, now: SampleIndex, energy: u64, sample_rate_hz: u32) {
         let samples = now.saturating_sub(*self.at.get_or_insert(now));
         if samples == 0 || sample_rate_hz == 0 {
@@ -85,19 +84,23 @@ impl Thermal {
     /// Whether the limit is passed: the fold-back has failed to hold it.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        // Not `rise > 1`: a NaN must count as hot.
-        !(self.rise() <= 1.0)
+        self.is_above(1.0)
     }
 
     /// Whether the coil is warm enough to fold back.
     #[must_use]
     pub fn is_warm(&self) -> bool {
-        !(self.rise() <= WARN)
+        self.is_above(WARN)
+    }
+
+    /// Whether the rise is above a threshold. A NaN is above all: it must count as hot.
+    fn is_above(&self, threshold: f32) -> bool {
+        self.rise().is_nan() || self.rise() > threshold
     }
 
     /// What the fold-back leaves of the amplitude.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lies in FLOOR..1")]
+    #[expect(clippy::cast_possible_truncation, reason = "lies in FLOOR..1")]
     pub fn limit(&self) -> Gain {
         if !self.is_warm() {
             return Gain::FULL;
@@ -109,7 +112,7 @@ impl Thermal {
 
     /// The temperature rise in per mille of its limit.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates")]
+    #[expect(clippy::cast_possible_truncation, reason = "the cast saturates")]
     pub fn per_mille(&self) -> u16 {
         (self.rise() * 1000.0) as u16
     }

@@ -82,7 +82,9 @@ const fn samples(sample_rate_hz: u32, milliseconds: u32) -> u64 {
 /// The same for ramps, which are counted in 32 bits: 10 s fit up to 429 MS/s.
 const fn short(sample_rate_hz: u32, milliseconds: u32) -> u32 {
     let samples = samples(sample_rate_hz, milliseconds);
-    if samples > u32::MAX as u64 { u32::MAX } else { samples as u32 }
+    #[expect(clippy::cast_possible_truncation, reason = "the value has just been compared")]
+    let low = samples as u32;
+    if samples > u32::MAX as u64 { u32::MAX } else { low }
 }
 
 /// The first block boundary at or after an index.

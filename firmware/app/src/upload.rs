@@ -1,5 +1,7 @@
 //! A table on its way in: in order, without gaps, into the slot that does not sound, checked as a whole.
 
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::{MAX_KNOTS, MIN_KNOTS};
