@@ -12,6 +12,7 @@ use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
 use crate::plate::Plate;
 use crate::respond::Equation;
+use num_complex::Complex64;
 use std::f64::consts::PI;
 use thiserror::Error;
 
@@ -215,27 +216,35 @@ impl<'a> Chain<'a> {
 
     /// Drive-to-peak gain at each frequency.
     pub(crate) fn levels(&self, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
-        frequencies_hz.iter().map(|&frequency_hz| self.level(frequency_hz)).collect()
+        let mut levels = Vec::with_capacity(frequencies_hz.len());
+        numerov::solve_each(&self.grid, self.plate, frequencies_hz, |number, field| {
+            levels.push(self.judge(frequencies_hz[number], field));
+        });
+        levels.into_iter().collect()
     }
 
     fn levels_at(&self, places_m: &[f64]) -> Result<Vec<Level>, TableError> {
-        places_m.iter().map(|&x| self.level(self.plate.frequency_for_boundary_hz(x))).collect()
+        let frequencies: Vec<f64> =
+            places_m.iter().map(|&x| self.plate.frequency_for_boundary_hz(x)).collect();
+        self.levels(&frequencies)
     }
 
     pub(crate) fn level(&self, frequency_hz: f64) -> Result<Level, TableError> {
+        self.judge(frequency_hz, &numerov::solve(&self.grid, self.plate, frequency_hz))
+    }
+
+    fn judge(&self, frequency_hz: f64, field: &[Complex64]) -> Result<Level, TableError> {
         let turning_point_m = self.plate.turning_point_m(frequency_hz).unwrap_or(0.0);
         let kappa = self.plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
-        let field = numerov::solve(&self.grid, self.plate, frequency_hz);
-        let found = peak::find(&field, self.step_m, turning_point_m, kappa);
+        let found = peak::find(field, self.step_m, turning_point_m, kappa);
         let on_plate = match found {
             Some(Peak { amplitude, .. }) => amplitude,
             None => {
                 let at = turning_point_m.min(self.plate.length_m());
-                peak::amplitude_at(&field, self.step_m, at) * airy::PEAK_VALUE / airy::ai(0.0)
+                peak::amplitude_at(field, self.step_m, at) * airy::PEAK_VALUE / airy::ai(0.0)
             }
         };
-        let before = self.before_the_plate(frequency_hz);
-        let amplitude = on_plate * before;
+        let amplitude = on_plate * self.before_the_plate(frequency_hz);
         if !(amplitude.is_finite() && amplitude > 0.0) {
             return Err(TableError::Silent { position_m: turning_point_m, frequency_hz });
         }

@@ -34,6 +34,7 @@ mod respond;
 pub mod sensation;
 mod sensitivity;
 pub mod sheet;
+mod sweep;
 mod taper;
 mod time_line;
 mod turning;

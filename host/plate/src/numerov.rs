@@ -11,7 +11,9 @@
 use crate::drive::DriveEnd;
 use crate::plate::{Guide, Plate};
 use crate::respond::Equation;
+use crate::sweep::{LANES, Sweep};
 use num_complex::Complex64;
+use pulp::Arch;
 
 /// Decay exponents beyond which the tail is set to zero (e^-60 is below anything that is shown).
 const TAIL_EXPONENTS: f64 = 60.0;
@@ -174,7 +176,75 @@ fn tail_start(grid: &Grid, axial: f64) -> usize {
     last
 }
 
-/// [`solve`] for many frequencies.
-pub(crate) fn solve_many(grid: &Grid, plate: &Plate, frequencies_hz: &[f64]) -> Vec<Vec<Complex64>> {
-    frequencies_hz.iter().map(|&frequency_hz| solve(grid, plate, frequency_hz)).collect()
+/// [`solve`] for many frequencies, eight at a time; `visit` gets the number of the frequency and its field.
+pub(crate) fn solve_each(
+    grid: &Grid,
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    mut visit: impl FnMut(usize, &[Complex64]),
+) {
+    let arch = Arch::new();
+    let guide = plate.guide(grid.mode);
+    let h2 = grid.step_m * grid.step_m / 12.0;
+    let barrier: Vec<f64> = grid.barrier.iter().map(|barrier| barrier * h2).collect();
+    let mut g_re = vec![[0.0; LANES]; barrier.len()];
+    let mut g_im = vec![[0.0; LANES]; barrier.len()];
+    let mut field = vec![Complex64::ZERO; grid.on_plate];
+    for (group, frequencies) in frequencies_hz.chunks(LANES).enumerate() {
+        // A last group that is not full repeats its last frequency.
+        let frequency: [f64; LANES] =
+            std::array::from_fn(|lane| frequencies[lane.min(frequencies.len() - 1)]);
+        let axial = frequency.map(|frequency_hz| lossy_axial_squared(plate, &guide, frequency_hz));
+        let start = axial.map(|axial| tail_start(grid, axial.re));
+        let ratio: [Complex64; LANES] = std::array::from_fn(|lane| {
+            let q = axial[lane] - grid.barrier[start[lane]];
+            (-(-q).sqrt() * grid.step_m).exp()
+        });
+        let ends = arch.dispatch(Sweep {
+            barrier: &barrier,
+            axial_re: axial.map(|axial| 1.0 + h2 * axial.re),
+            axial_im: axial.map(|axial| h2 * axial.im),
+            start,
+            ratio_re: ratio.map(|ratio| ratio.re),
+            ratio_im: ratio.map(|ratio| ratio.im),
+            g_re: &mut g_re,
+            g_im: &mut g_im,
+        });
+        for (lane, &frequency_hz) in frequencies.iter().enumerate() {
+            let g = Complex64::new(ends.g_re[lane], ends.g_im[lane]);
+            let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
+            let gain = end_gain(grid, plate, frequency_hz, g, difference / (2.0 * grid.step_m));
+            let rows = g_re[1..].iter().zip(&g_im[1..]).zip(&grid.scale);
+            for (f, ((re, im), scale)) in field.iter_mut().zip(rows) {
+                *f = Complex64::new(re[lane], im[lane]) * gain * *scale;
+            }
+            visit(group * LANES + lane, &field);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets::presets;
+
+    #[test]
+    fn eight_frequencies_at_once_are_the_same_as_one_at_a_time() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let (low, high) = plate.band_hz();
+            let grid = Grid::new(&plate, 1, Equation::Corrected, 301, 2);
+            // Eleven frequencies: one whole group and a part of one, far apart in their tails.
+            let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();
+            let mut seen = 0;
+            solve_each(&grid, &plate, &frequencies, |number, field| {
+                assert_eq!(number, seen);
+                seen += 1;
+                for (a, b) in field.iter().zip(solve(&grid, &plate, frequencies[number])) {
+                    assert!((a - b).norm() < 1e-9 * b.norm().max(1e-3), "{} {number}", preset.name);
+                }
+            });
+            assert_eq!(seen, 11);
+        }
+    }
 }

@@ -110,7 +110,9 @@ pub fn respond_batch(
         check(plate, frequency_hz, points)?;
     }
     let grid = Grid::new(plate, 1, equation, points, 1);
-    Ok(numerov::solve_many(&grid, plate, frequencies_hz))
+    let mut rows = Vec::with_capacity(frequencies_hz.len());
+    numerov::solve_each(&grid, plate, frequencies_hz, |_, field| rows.push(field.to_vec()));
+    Ok(rows)
 }
 
 fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondError> {

@@ -46,9 +46,12 @@ pub fn table_sensitivity(
     let chain = Chain::new(actual_plate, table.sample_rate_hz)?;
     let mut result =
         Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_start_m };
-    for i in 0..PLACES {
-        let x = table.span_start_m + (table.span_end_m - table.span_start_m) * i as f64 / (PLACES - 1) as f64;
-        let level = chain.level(table.frequency_hz(x))?;
+    let place = |i: usize| {
+        table.span_start_m + (table.span_end_m - table.span_start_m) * i as f64 / (PLACES - 1) as f64
+    };
+    let frequencies: Vec<f64> = (0..PLACES).map(|i| table.frequency_hz(place(i))).collect();
+    for (i, level) in chain.levels(&frequencies)?.into_iter().enumerate() {
+        let x = place(i);
         let error_db = 20.0 * (level.amplitude * table.gain(x) / intended).log10();
         result.highest_db = result.highest_db.max(error_db);
         result.lowest_db = result.lowest_db.min(error_db);

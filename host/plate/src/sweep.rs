@@ -1,0 +1,102 @@
+//! Numerov's sweep for eight frequencies side by side, in vector registers.
+//!
+//! The barrier is real and the loss constant along x, so 1/(1 + h^2 Q/12) needs one real division for each place and
+//! frequency; the recursion itself has only products and sums.
+
+use pulp::{Simd, WithSimd};
+
+/// Frequencies that are swept together.
+pub(crate) const LANES: usize = 8;
+
+type Lanes = [f64; LANES];
+
+/// One sweep from the tail to the driven end.
+pub(crate) struct Sweep<'a> {
+    /// h^2/12 times the barrier at each place, from -1 on.
+    pub(crate) barrier: &'a [f64],
+    /// 1 + h^2/12 times a K^2 (1 + j eta) of each frequency.
+    pub(crate) axial_re: Lanes,
+    pub(crate) axial_im: Lanes,
+    /// Where each frequency's sweep begins, and the ratio of its first two values (a decaying tail).
+    pub(crate) start: [usize; LANES],
+    pub(crate) ratio_re: Lanes,
+    pub(crate) ratio_im: Lanes,
+    /// g at each place (room for `barrier.len()`); places behind a frequency's start are zero.
+    pub(crate) g_re: &'a mut [Lanes],
+    pub(crate) g_im: &'a mut [Lanes],
+}
+
+/// Value at the start of a sweep: small, so that sixty exponents of growth stay finite.
+const SEED: f64 = 1e-30;
+
+/// What the driven end needs of a sweep: g at 0, and (1 + h^2 Q/6)-weighted y at 1 and at -1.
+pub(crate) struct Ends {
+    pub(crate) g_re: Lanes,
+    pub(crate) g_im: Lanes,
+    /// y (1 + h^2 Q/6) at place 1 minus the same at place -1: 2 h times the slope of g at 0.
+    pub(crate) difference_re: Lanes,
+    pub(crate) difference_im: Lanes,
+}
+
+impl WithSimd for Sweep<'_> {
+    type Output = Ends;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> Ends {
+        let last = self.barrier.len() - 1;
+        for row in self.g_re.iter_mut().chain(self.g_im.iter_mut()) {
+            *row = [0.0; LANES];
+        }
+        let (mut y_re, mut y_im) = ([0.0; LANES], [0.0; LANES]);
+        let (mut next_re, mut next_im) = ([0.0; LANES], [0.0; LANES]);
+        let mut side_re = [[0.0; LANES]; 3];
+        let mut side_im = [[0.0; LANES]; 3];
+        let first = self.start.iter().copied().max().unwrap_or(last).min(last);
+        for i in (0..=first).rev() {
+            for lane in 0..LANES {
+                if self.start[lane] == i {
+                    y_re[lane] = SEED;
+                    next_re[lane] = SEED * self.ratio_re[lane];
+                    next_im[lane] = SEED * self.ratio_im[lane];
+                }
+            }
+            let barrier = self.barrier[i];
+            let (mut g_re, mut g_im) = ([0.0; LANES], [0.0; LANES]);
+            let mut before_re = [0.0; LANES];
+            let mut before_im = [0.0; LANES];
+            for lane in 0..LANES {
+                // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p.
+                let re = self.axial_re[lane] - barrier;
+                let im = self.axial_im[lane];
+                let inverse = 1.0 / (re * re + im * im);
+                let (inv_re, inv_im) = (re * inverse, -im * inverse);
+                g_re[lane] = y_re[lane] * inv_re - y_im[lane] * inv_im;
+                g_im[lane] = y_re[lane] * inv_im + y_im[lane] * inv_re;
+                before_re[lane] = 12.0 * g_re[lane] - 10.0 * y_re[lane] - next_re[lane];
+                before_im[lane] = 12.0 * g_im[lane] - 10.0 * y_im[lane] - next_im[lane];
+            }
+            if i <= 2 {
+                for lane in 0..LANES {
+                    // (1 + h^2 Q/6) g = 2 y - g.
+                    side_re[i][lane] = 2.0 * y_re[lane] - g_re[lane];
+                    side_im[i][lane] = 2.0 * y_im[lane] - g_im[lane];
+                }
+            }
+            self.g_re[i] = g_re;
+            self.g_im[i] = g_im;
+            (next_re, next_im) = (y_re, y_im);
+            (y_re, y_im) = (before_re, before_im);
+        }
+        let mut ends = Ends {
+            g_re: self.g_re[1],
+            g_im: self.g_im[1],
+            difference_re: [0.0; LANES],
+            difference_im: [0.0; LANES],
+        };
+        for lane in 0..LANES {
+            ends.difference_re[lane] = side_re[2][lane] - side_re[0][lane];
+            ends.difference_im[lane] = side_im[2][lane] - side_im[0][lane];
+        }
+        ends
+    }
+}
