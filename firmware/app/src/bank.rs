@@ -1,10 +1,10 @@
 //! The oscillator bank: sixteen sine tones, summed, a block of 128 samples at a time.
 //! (The simple form: each sample's sine from its exact phase. The fast kernels come behind the same interface.)
 
-#![deny(clippy::float_arithmetic)]
 #![cfg_attr(
     not(test),
     deny(
+        clippy::float_arithmetic,
         clippy::unwrap_used,
         clippy::expect_used,
         clippy::panic,

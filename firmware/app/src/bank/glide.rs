@@ -2,7 +2,7 @@
 
 use super::ToneBlock;
 use super::kernel::{GlideBasis, GlideSeeds};
-use super::sine::{add_high, high, sine_cosine, sub_high, turned};
+use super::sine::{add_high, doubled, high, sine_cosine, sub_high, turned};
 use super::steady::{loudness, upper};
 
 /// Half of the packed numbers' unit, before their lower sixteen bits are cut off.
@@ -16,7 +16,7 @@ fn change(block: &ToneBlock) -> i32 {
     const LIMIT: i32 = 1 << 22;
     let change = block.step_end.wrapping_sub(block.step);
     let whole = upper(change).cast_signed().clamp(-LIMIT, LIMIT - 1);
-    (whole << 8) | (change as u32 >> 24).cast_signed()
+    (whole << 8) | ((change >> 24) & 0xFF) as i32
 }
 
 /// Fills one tone's column of the basis, at the frequency the tone has at the block's centre.
@@ -24,9 +24,8 @@ pub(super) fn rebuild(block: &ToneBlock, tone: usize, basis: &mut GlideBasis) {
     // Sample 63 1/2: s + change (1/2 - 1/256).
     let centre = upper(block.step).wrapping_add_signed(high(change(block), 127 << 16));
     let (mut s, mut c) = sine_cosine(centre >> 1);
-    // From w/2 to w; the two shifts make up for the halving in each product.
-    let turn_sine = high(s, c) << 2;
-    let turn_cosine = sub_high(high(c, c), s, s) << 1;
+    // From w/2 to w.
+    let (turn_sine, turn_cosine) = doubled(s, c);
 
     let mut tau = -1;
     let packed = basis.even_bend.iter_mut().zip(&mut basis.odd_bend);

@@ -17,6 +17,8 @@ use super::sine::{add_high, high};
 
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
+// The formatter would put each operand of an instruction on a line of its own.
+#[rustfmt::skip]
 mod cortex_m4;
 
 /// The kernel of this machine.
