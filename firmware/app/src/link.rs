@@ -73,3 +73,6 @@ impl<F: FlashPages, S: System> Link<F, S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

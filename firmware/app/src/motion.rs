@@ -253,3 +253,6 @@ fn blend(setting: Setting, step: i64, gain: i64, left: u32) -> Setting {
         gain: Gain(gain.clamp(0, i64::from(Gain::FULL.0)) as u32),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,189 @@
+//! The loop against ports that misbehave.
+
+use core::cell::RefCell;
+use core::convert::Infallible;
+use core::future::poll_fn;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use std::boxed::Box;
+use std::vec::Vec;
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embedded_io_async::{ErrorKind, ErrorType};
+use slipline_protocol::command::Hello;
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Decoder};
+
+use super::*;
+use crate::bank::BLOCK;
+use crate::ports::NoFlash;
+use crate::renderer::Renderer;
+use crate::timing::{TICK_BLOCKS, Timing};
+
+const RATE: u32 = 400_000;
+
+struct Nothing;
+
+impl System for Nothing {
+    fn has_bootloader(&self) -> bool {
+        false
+    }
+
+    fn enter_bootloader(&mut self) {}
+}
+
+/// What a read gives.
+#[derive(Clone, Copy, PartialEq)]
+enum Port {
+    Bytes,
+    Ended,
+    Broken,
+}
+
+struct Wire {
+    port: Port,
+    to_device: Vec<u8>,
+    from_device: Vec<u8>,
+    /// Bytes a write takes at most; 0 is an error of the port's.
+    write_size: usize,
+    reads: u32,
+}
+
+struct End<'a>(&'a RefCell<Wire>);
+
+impl ErrorType for End<'_> {
+    type Error = ErrorKind;
+}
+
+impl Read for End<'_> {
+    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, ErrorKind> {
+        poll_fn(|_| {
+            let mut wire = self.0.borrow_mut();
+            wire.reads += 1;
+            match wire.port {
+                Port::Ended => Poll::Ready(Ok(0)),
+                Port::Broken => Poll::Ready(Err(ErrorKind::BrokenPipe)),
+                Port::Bytes if wire.to_device.is_empty() => Poll::Pending,
+                Port::Bytes => {
+                    let count = buffer.len().min(wire.to_device.len());
+                    for (to, from) in buffer.iter_mut().zip(wire.to_device.drain(..count)) {
+                        *to = from;
+                    }
+                    Poll::Ready(Ok(count))
+                }
+            }
+        })
+        .await
+    }
+}
+
+impl Write for End<'_> {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
+        let mut wire = self.0.borrow_mut();
+        if wire.write_size == 0 {
+            return Err(ErrorKind::BrokenPipe);
+        }
+        let count = bytes.len().min(wire.write_size);
+        wire.from_device.extend_from_slice(&bytes[..count]);
+        Ok(count)
+    }
+
+    async fn flush(&mut self) -> Result<(), ErrorKind> {
+        Ok(())
+    }
+}
+
+/// Runs a link while `play` drives the rest; each call of its argument lets blocks pass.
+fn play(wire: &RefCell<Wire>, script: impl FnOnce(&mut dyn FnMut(u64))) {
+    let crossing = Box::new(Crossing::<NoopRawMutex>::new());
+    let device = Device {
+        board: "test",
+        build: "",
+        firmware: (0, 0, 0),
+        unit: [0; 12],
+        simulated: true,
+        sample_rate_hz: RATE,
+    };
+    let mut link = Link::new(device, Boot::cold(), NoFlash, Nothing);
+    let mut renderer = Renderer::new(Timing::at(RATE));
+    let mut codes = [0; BLOCK];
+    let mut running = pin!(link.run(&crossing, End(wire), End(wire)));
+    let mut pass = |blocks: u64| {
+        for _ in 0..blocks {
+            renderer.render(&crossing, &mut codes);
+            let poll: Poll<Infallible> =
+                running.as_mut().poll(&mut Context::from_waker(Waker::noop())).map(|never| never);
+            assert!(poll.is_pending());
+        }
+    };
+    script(&mut pass);
+}
+
+fn wire() -> RefCell<Wire> {
+    RefCell::new(Wire {
+        port: Port::Bytes,
+        to_device: Vec::new(),
+        from_device: Vec::new(),
+        write_size: 64,
+        reads: 0,
+    })
+}
+
+fn say_hello(wire: &RefCell<Wire>) {
+    let hello = Command::Hello(Hello { version: Version::OURS, nonce: [1; 4] });
+    wire.borrow_mut().to_device.extend_from_slice(&hello.frame(0, 0).unwrap());
+}
+
+fn replies(wire: &RefCell<Wire>) -> usize {
+    let mut decoder = Decoder::new();
+    let bytes = core::mem::take(&mut wire.borrow_mut().from_device);
+    bytes.iter().filter(|&&byte| decoder.push(byte, |_| ()).is_some()).count()
+}
+
+#[test]
+fn a_port_that_is_gone_is_tried_again_at_each_tick_and_not_more_often() {
+    for gone in [Port::Ended, Port::Broken] {
+        let wire = wire();
+        play(&wire, |pass| {
+            pass(TICK_BLOCKS);
+            wire.borrow_mut().port = gone;
+            wire.borrow_mut().reads = 0;
+            pass(100 * TICK_BLOCKS);
+            let reads = wire.borrow().reads;
+            assert!((90..=110).contains(&reads), "{reads}");
+            wire.borrow_mut().port = Port::Bytes;
+            say_hello(&wire);
+            pass(2 * TICK_BLOCKS);
+            assert_eq!(replies(&wire), 1);
+        });
+    }
+}
+
+#[test]
+fn a_reply_goes_out_in_pieces_of_any_size() {
+    for size in 1..80 {
+        let wire = wire();
+        wire.borrow_mut().write_size = size;
+        play(&wire, |pass| {
+            say_hello(&wire);
+            pass(1);
+            assert_eq!(replies(&wire), 1, "pieces of {size} bytes");
+        });
+    }
+}
+
+#[test]
+fn a_port_that_cannot_be_written_loses_the_reply_and_nothing_else() {
+    let wire = wire();
+    wire.borrow_mut().write_size = 0;
+    play(&wire, |pass| {
+        for _ in 0..20 {
+            say_hello(&wire);
+            pass(1);
+        }
+        wire.borrow_mut().write_size = 64;
+        say_hello(&wire);
+        pass(1);
+        assert_eq!(replies(&wire), 1);
+    });
+}

@@ -1,0 +1,121 @@
+//! Motions against their equations.
+
+use std::boxed::Box;
+
+use proptest::prelude::*;
+use slipline_protocol::table::Knot;
+use slipline_protocol::units::Position;
+
+use super::*;
+use crate::slots::SlotIndex;
+
+const KNOTS: u16 = 65;
+
+/// Two tables: a rising and a falling one.
+fn slots() -> Box<TableSlots> {
+    let slots = Box::new(TableSlots::new());
+    for index in 0..KNOTS {
+        let i = u32::from(index);
+        slots.write(
+            SlotIndex::First,
+            index,
+            Knot { step: 1_000_000 + i * 7_000_000, gain: Gain((1 << 30) + i * 1000) },
+        );
+        slots.write(
+            SlotIndex::Second,
+            index,
+            Knot { step: 1_500_000_000 - i * 9_000_000, gain: Gain((1 << 31) - i * 9_000_000) },
+        );
+    }
+    slots
+}
+
+fn table(slot: SlotIndex) -> TableRef {
+    TableRef { slot, knots: KNOTS }
+}
+
+fn program(at: SampleIndex, glide: u32, slot: SlotIndex, targets: &[(usize, u16, u32)]) -> Program {
+    let mut program = Program { at, glide, table: table(slot), targets: [None; MAX_TONES] };
+    for &(slot, position, level) in targets {
+        program.targets[slot] =
+            Some(Target { position: Position(position).fine(), level: Gain(level), phase: 7 << 40 });
+    }
+    program
+}
+
+fn targets() -> impl Strategy<Value = std::vec::Vec<(usize, u16, u32)>> {
+    prop::collection::vec((0..MAX_TONES, any::<u16>(), 1..=1u32 << 31), 0..6)
+}
+
+proptest! {
+    #[test]
+    fn every_tone_goes_on_from_where_it_is(
+        programs in prop::collection::vec((targets(), 2000u32..50_000, 0u64..60_000, any::<bool>()), 1..8),
+    ) {
+        let (slots, shape) = (slots(), RampShape::new());
+        let mut motion = Motion::silent();
+        let mut at = 0;
+        for (targets, glide, later, second) in programs {
+            at += later / 128 * 128;
+            let slot = if second { SlotIndex::Second } else { SlotIndex::First };
+            let before = motion.at(at, &slots, &shape);
+            let (next, phases) = motion.follow(&program(at, glide, slot, &targets), &slots, &shape);
+            let after = next.at(at, &slots, &shape);
+            for ((before, after), phase) in before.iter().zip(&after).zip(&phases) {
+                prop_assert_eq!(before.level, after.level);
+                if before.is_silent() {
+                    prop_assert!(after.is_silent());
+                } else {
+                    prop_assert_eq!(before.position, after.position);
+                    prop_assert_eq!(before.setting, after.setting);
+                    prop_assert_eq!(*phase, None, "a tone that sounds keeps its phase");
+                }
+            }
+            motion = next;
+        }
+        // All arrive.
+        let end = motion.at(motion.end(), &slots, &shape);
+        for (placement, goal) in end.iter().zip(&motion.goals()) {
+            match goal {
+                None => prop_assert!(placement.is_silent()),
+                Some(target) => {
+                    prop_assert_eq!((placement.position, placement.level), (target.position, target.level));
+                    prop_assert_eq!(placement.setting, slots.evaluate(motion.table(), target.position));
+                }
+            }
+        }
+        prop_assert_eq!(motion.at(u64::MAX, &slots, &shape), end);
+    }
+
+    #[test]
+    fn a_fade_ends_in_silence_and_never_grows(targets in targets(), cut in 0u64..40_000, ramp in 1u32..30_000) {
+        let (slots, shape) = (slots(), RampShape::new());
+        let (motion, _) = Motion::silent().follow(&program(0, 20_000, SlotIndex::First, &targets), &slots, &shape);
+        let fade = motion.fade(cut, ramp, &slots, &shape);
+        prop_assert!(fade.ends_silent());
+        prop_assert!(fade.is_silent_from(fade.end()));
+        let mut last = motion.at(cut, &slots, &shape);
+        for part in 0..=20u64 {
+            let now = fade.at(cut + u64::from(ramp) * part / 20, &slots, &shape);
+            for (now, last) in now.iter().zip(&last) {
+                prop_assert!(now.amplitude() <= last.amplitude());
+                prop_assert_eq!(now.setting, last.setting, "what fades keeps its frequency");
+            }
+            last = now;
+        }
+        prop_assert!(last.iter().all(Placement::is_silent));
+    }
+
+    #[test]
+    fn a_position_moves_on_a_line_and_its_setting_along_the_table(from: u16, to: u16, share in 0u32..=1000) {
+        let (slots, shape) = (slots(), RampShape::new());
+        let (start, _) = Motion::silent().follow(&program(0, 2000, SlotIndex::First, &[(3, from, 1 << 30)]), &slots, &shape);
+        let (motion, _) = start.follow(&program(4096, 10_000, SlotIndex::First, &[(3, to, 1 << 30)]), &slots, &shape);
+        let placement = motion.at(4096 + u64::from(share) * 10, &slots, &shape)[3];
+        let (a, b) = (f64::from(from) / 65_535.0, f64::from(to) / 65_535.0);
+        let want = a + (b - a) * f64::from(share) / 1000.0;
+        let got = f64::from(placement.position.raw()) / f64::from(1u32 << 31);
+        prop_assert!((got - want).abs() < 2e-9, "{got} {want}");
+        prop_assert_eq!(placement.setting, slots.evaluate(motion.table(), placement.position));
+    }
+}
