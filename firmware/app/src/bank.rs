@@ -1,5 +1,46 @@
 //! The oscillator bank: sixteen sine tones, summed, a block of 128 samples at a time.
-//! (The simple form: each sample's sine from its exact phase. The fast kernels come behind the same interface.)
+//!
+//! ```text
+//! tones (step, amplitude: at the block's start and end) + exact 64-bit phases
+//!     |
+//!     +- survey: does any tone move?
+//!     |     no: basis of new steps only -> seeds at the 2 centres -> kernel    3.2 cycles per tone and sample
+//!     |    yes: basis -> seeds and corrections at the 8 centres -> kernel      9.9
+//!     v
+//! 128 samples, 27 fractional bits -> code::codes -> 128 codes of 12 bits
+//! ```
+//! (Cycles of a Cortex-M4 without wait states, all included, by a cycle model of the image `slipline-bench`. A block
+//! that re-tunes all tones at once costs 6.8. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
+//! 12 % of that, a re-tuned one 26 %, the worst, gliding one 38 %.)
+//!
+//! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
+//! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Nothing is ever
+//! accumulated but this 64-bit count, from which every block starts anew: there is no drift, and what a block sounds
+//! like depends on phases and tones alone.
+//!
+//! **The symmetric basis.** About a centre with phase `p`, `tau = n + 1/2` samples away on either side,
+//! ```text
+//! a sin(p + w tau) = a sin p cos(w tau) + a cos p sin(w tau) = E + O
+//! a sin(p - w tau) = a sin p cos(w tau) - a cos p sin(w tau) = E - O
+//! ```
+//! so each product with the *basis* `cos(w tau)`, `sin(w tau)` serves two samples, and the *seeds* `a sin p`, `a cos p`
+//! are all that depends on the block. Summing over tones first makes `E` and `O` two matrix products. A block has two
+//! such centres (64 samples each), which share one basis: a basis word, once loaded, serves four samples. The seeds at
+//! the two centres are those at the block's middle, turned by `+-32 w`.
+//!
+//! **Glides** use eight centres of 16 samples and second-order corrections: see `bank/glide.rs`.
+//!
+//! **Word lengths** (fractional bits; what they cost relative to full scale):
+//! ```text
+//! phase 64, its upper 32 into the sine table           2^-33 turns   -180 dB
+//! sine and cosine 31, see sine.rs                      3.5e-9        -169 dB
+//! basis 31: up to seven turns by a rounded rotor       3e-8          -150 dB at worst
+//! amplitude 30 -> seeds 29 -> turned seeds 28          2^-28         -169 dB
+//! sums 27: two products a tone, rounded down           2^-27         -162 dB, mostly an offset
+//! ```
+//! All but the last line follow the signal: they are a slightly wrong frequency for half a block, smooth and without
+//! lines of their own. Measured by the tests: peak error below -140 dB at every frequency, strongest other line 160 dB
+//! below a tone of full amplitude, at 30 Hz as at 40 kHz and 179 kHz.
 
 #![cfg_attr(
     not(test),
@@ -28,11 +69,12 @@ pub const TONES: usize = 16;
 pub const BLOCK: usize = 128;
 /// A tone's amplitude in units of 2^-31 of full scale: `1 << 31` swings the DAC from end to end.
 pub const AMPLITUDE_ONE: u32 = 1 << 31;
-/// An output sample at full scale (half the DAC's swing): samples have 27 fractional bits, so that sixteen tones of
-/// full amplitude still fit in an `i32` and the sum needs no saturation.
+/// An output sample at full scale (half the DAC's swing). Samples have 27 fractional bits: the sum of amplitudes may
+/// reach fifteen times full scale before an `i32` wraps, so the sum needs no saturation and the codes' clamp suffices.
 pub const FULL_SCALE: i32 = 1 << 27;
-/// The largest change of a tone's step over one block for which the stated accuracy holds: 2^-10 turns per sample
-/// (390 Hz per block at 400 kS/s, 1.2 MHz per second).
+/// The largest change of a tone's step over one block: 2^-10 turns per sample (390 Hz per block at 400 kS/s, 1.2 MHz
+/// per second). A faster change is drawn as one of this size, so the wave jumps at the block's
+/// end; the phases stay exact.
 pub const MAX_STEP_CHANGE: u64 = 1 << 54;
 
 /// One tone over one block: step and amplitude move linearly from the block's first sample to the next block's first.

@@ -1,6 +1,7 @@
-//! The inner products of the bank, in two equal forms: portable Rust, and Cortex-M4 assembly.
+//! What the bank does for every block, in two equal forms: portable Rust, which defines it and runs on hosts, and
+//! Cortex-M4 assembly. The bench image compares them, bit for bit, over blocks of everything.
 //!
-//! Both kernels are small matrix products. A *pass* adds, for four neighbouring samples of two sub-blocks at a time,
+//! The two inner kernels are small matrix products. A *pass* adds, for four neighbouring samples of two sub-blocks at a time,
 //! `word * coefficient` over the sixteen tones; each word (the basis, which depends on the tone and the sample within
 //! a sub-block) serves two sub-blocks, each coefficient (which depends on the tone and the sub-block) four samples.
 //! That is 8 products for 4 + 2 loads, and it fills the register file exactly:
@@ -14,6 +15,8 @@
 
 use super::code::{ROUND, one_code};
 use super::sine::{add_high, high};
+use super::steady::Turn;
+use super::{BLOCK, TONES, ToneBlock, glide, steady};
 
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
@@ -27,8 +30,6 @@ pub(super) type Native = cortex_m4::CortexM4;
 /// The kernel of this machine.
 #[cfg(not(target_arch = "arm"))]
 pub(super) type Native = Portable;
-use super::steady::Turn;
-use super::{BLOCK, TONES, ToneBlock, glide, steady};
 
 /// Samples whose sums are formed together.
 const GROUP: usize = 4;
