@@ -162,3 +162,6 @@ fn shortest_glide(program: &Program, placement: &Placement, target: &Target, slo
     let samples = (glide + blend) * BLOCK as u128 / u128::from(MAX_STEP_CHANGE);
     u32::try_from(samples).unwrap_or(u32::MAX)
 }
+
+#[cfg(test)]
+mod tests;
