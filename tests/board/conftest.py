@@ -1,0 +1,73 @@
+"""The image under test, built once, and boards that run it."""
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from host import Host
+from stm32f407 import Board, UsbHost
+
+ROOT = Path(__file__).parents[2]
+TARGET = "thumbv7em-none-eabihf"
+
+
+def cargo(*arguments):
+    """Builds with cargo and returns the executable's path."""
+    command = [os.environ.get("CARGO", "cargo"), "build", "--message-format", "json", *arguments]
+    output = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout
+    messages = [json.loads(line) for line in output.splitlines()]
+    return [message["executable"] for message in messages if message.get("executable")][-1]
+
+
+@pytest.fixture(scope="session")
+def image():
+    """The very image that is flashed."""
+    return cargo("--release", "-p", "slipline-stm32", "--target", TARGET)
+
+
+@pytest.fixture(scope="session")
+def mirror():
+    """Replays accepted commands and returns the codes from..until."""
+    program = cargo("-p", "slipline-tests", "--bin", "mirror_codes")
+
+    def play(accepted, start, until):
+        lines = "".join(f"{index} {frame.hex()}\n" for index, frame in accepted) + f"play {start} {until}\n"
+        output = subprocess.run([program], input=lines.encode(), stdout=subprocess.PIPE, check=True).stdout
+        return [int.from_bytes(output[i : i + 2], "little") for i in range(0, len(output), 2)]
+
+    return play
+
+
+class Bench:
+    """A board with a host on its cable."""
+
+    def __init__(self, image):
+        self.board = Board(image)
+        self.usb = UsbHost(self.board)
+        self.host = Host(self.board, self.usb)
+
+    def codes(self, start, until):
+        """The codes the DAC has played for the samples start..until."""
+        # The value DAC and ring start with: one in the holding register, two blocks in the ring.
+        first = 1 + 2 * 128
+        return self.board.dac.codes[first + start : first + until]
+
+    def played(self):
+        """The index of the next sample to be played."""
+        return len(self.board.dac.codes) - (1 + 2 * 128)
+
+
+@pytest.fixture
+def bench(image):
+    return Bench(image)
+
+
+@pytest.fixture
+def armed(bench):
+    """Connected, with a table, armed."""
+    bench.host.connect()
+    bench.host.upload()
+    bench.host.arm()
+    return bench

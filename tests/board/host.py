@@ -1,0 +1,227 @@
+"""A small host: the protocol of shared/PROTOCOL.md over the model's USB cable, in the board's own time."""
+import struct
+import zlib
+from pathlib import Path
+
+SCHEMA = zlib.crc32((Path(__file__).parents[2] / "shared/wire/v1.snap").read_bytes())
+TO_DEVICE, TO_HOST = 0xA5, 0x5A
+HELLO, KEEP_ALIVE, STATUS, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
+    0x01, 0x02, 0x03, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
+)  # fmt: skip
+TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, TABLE_DIGEST, STORE, BOOTLOADER_TOKEN, BOOTLOADER_ENTER = (
+    0x20, 0x21, 0x22, 0x24, 0x40, 0x50, 0x51,
+)  # fmt: skip
+UNSEQUENCED = (HELLO, KEEP_ALIVE, STATUS, STOP, EMERGENCY_STOP)
+HELLO_REPLY, STATUS_REPLY, ACCEPTED, REFUSED, TABLE_REPLY, TOKEN_REPLY = 0x81, 0x83, 0x90, 0x91, 0xA4, 0xD0
+STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode")
+RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard fault")
+STORED = ("empty", "loaded", "wrong version", "damaged")
+FAULTS = (
+    "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
+    "store damaged",
+)  # fmt: skip
+RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD, CHUNK_KNOTS = 400_000, 128, 0.2, 22
+
+
+def varint(value):
+    """An unsigned number as postcard writes it: seven bits a byte, the lowest first."""
+    data = bytearray()
+    while value >= 0x80:
+        data.append(value & 0x7F | 0x80)
+        value >>= 7
+    return bytes(data) + bytes([value])
+
+
+def zigzag(value):
+    return varint(value << 1 if value >= 0 else (-value << 1) - 1)
+
+
+def frame(session, sequence, message, body):
+    raw = struct.pack("<BIHB", TO_DEVICE, session, sequence, message) + body
+    raw += struct.pack("<I", zlib.crc32(raw))
+    coded, block = bytearray(), bytearray()
+    for byte in raw:
+        if byte:
+            block.append(byte)
+        if not byte or len(block) == 254:
+            coded += bytes([len(block) + 1]) + block
+            block.clear()
+    coded += bytes([len(block) + 1]) + block + b"\0"
+    return bytes(coded) + (b"\0" if len(coded) % 64 == 0 else b"")
+
+
+def unframe(coded):
+    """Session, sequence, message and body of a frame without its delimiter, or None."""
+    raw, i = bytearray(), 0
+    while i < len(coded):
+        code = coded[i]
+        raw += coded[i + 1 : i + code]
+        i += code
+        if code < 255 and i < len(coded):
+            raw.append(0)
+    if len(raw) < 12 or zlib.crc32(raw[:-4]) != struct.unpack("<I", raw[-4:])[0] or raw[0] != TO_HOST:
+        return None
+    session, sequence, message = struct.unpack_from("<IHB", raw, 1)
+    return session, sequence, message, bytes(raw[8:-4])
+
+
+class Reader:
+    """Takes a postcard body apart."""
+
+    def __init__(self, body):
+        self.body, self.at = body, 0
+
+    def raw(self, count):
+        self.at += count
+        return self.body[self.at - count : self.at]
+
+    def byte(self):
+        return self.raw(1)[0]
+
+    def number(self):
+        value = shift = 0
+        while True:
+            byte = self.byte()
+            value |= (byte & 0x7F) << shift
+            shift += 7
+            if byte < 0x80:
+                return value
+
+    def text(self):
+        return self.raw(self.number()).decode()
+
+    def option(self, read):
+        return read() if self.byte() else None
+
+
+def identity(body):
+    r = Reader(body)
+    r.raw(6)
+    return dict(
+        firmware=tuple(r.raw(3)), board=r.text(), build=r.text(), unit=r.raw(12), simulated=bool(r.byte()),
+        rate=r.number(), block=r.number(), bits=r.byte(), tones=r.byte(), knots=r.number(), min_glide=r.number(),
+        max_glide=r.number(), dead_man_ms=r.number(), reset=RESETS[r.number()], stored=STORED[r.number()],
+        crash=r.text(),
+    )  # fmt: skip
+
+
+def status(body):
+    r = Reader(body)
+    result = dict(state=STATES[r.number()])
+    bits = r.number()
+    result["faults"] = {name for bit, name in enumerate(FAULTS) if bits >> bit & 1}
+    result["first_fault"] = r.option(lambda: FAULTS[r.number()])
+    for name in ("first_fault_at", "now", "sum", "heat", "foldback", "table_crc"):
+        result[name] = r.number()
+    for name in ("frames", "crc_errors", "overlong", "duplicates", "dropped", "underruns", "clips", "max_cycles"):
+        result[name] = r.number()
+    return result
+
+
+def table(count, first_hz=60_000, last_hz=20_000):
+    """Knots on a line of frequencies with rising gain: (header without CRC..., knots)."""
+    knots = []
+    for i in range(count):
+        u = i / (count - 1)
+        knots.append((round((first_hz + u * (last_hz - first_hz)) / RATE_HZ * 2**32), round((0.5 + 0.5 * u) * 2**31)))
+    header = (80_000, 270_000, RATE_HZ, count)
+    crc = zlib.crc32(struct.pack("<IIIH", *header) + b"".join(struct.pack("<II", *knot) for knot in knots))
+    return header, crc, knots
+
+
+def drive(tones, glide, at=None):
+    """A drive of tones (slot, position 0..=1, level 0..=1), at the next block or at an index."""
+    body = varint(len(tones))
+    for slot, position, level in tones:
+        body += bytes([slot]) + varint(round(position * 65535)) + varint(round(level * 65535)) + varint(0)
+    return body + zigzag(0) + varint(glide) + (b"\0" if at is None else b"\1" + varint(at))
+
+
+class Host:
+    def __init__(self, board, usb):
+        self.board, self.usb = board, usb
+        self.inbox = bytearray()
+        self.session = self.sequence = self.beat = 0
+        self.nonce = 0
+        self.beat_due = 0.0
+        self.lives = True
+        # What the mirror is told: (index, frame) of every accepted command.
+        self.accepted = []
+
+    def connect(self):
+        """Waits for the port and begins a session."""
+        self.board.run_until(lambda: self.usb.is_configured, 0.2)
+        return self.hello()
+
+    def hello(self):
+        self.nonce += 1
+        body = bytes([1, 0]) + struct.pack("<I", SCHEMA) + struct.pack("<I", self.nonce)
+        self.session, self.sequence = 0, 0
+        session, message, body = self.exchange(HELLO, body)
+        assert message == HELLO_REPLY, f"{message:#x}"
+        self.session, self.beat = session, 0
+        self.beat_due = self.board.seconds
+        return identity(body)
+
+    def exchange(self, message, body=b"", patience=0.6):
+        """Sends a command and waits for its answer: session, message and body."""
+        if message not in UNSEQUENCED:
+            self.sequence = self.sequence % 0xFFFF + 1
+        sent = frame(self.session, self.sequence, message, body)
+        self.usb.send(sent)
+        end = self.board.seconds + patience
+        while self.board.seconds < end:
+            self.board.run(0.0005)
+            for session, sequence, reply, reply_body in self.replies():
+                if sequence == self.sequence:
+                    if reply == ACCEPTED and message != KEEP_ALIVE:
+                        self.accepted.append((Reader(reply_body).number(), sent))
+                    return session, reply, reply_body
+        raise AssertionError(f"no answer to {message:#x} within {patience} s")
+
+    def replies(self):
+        self.inbox += self.usb.receive()
+        while b"\0" in self.inbox:
+            coded, _, rest = self.inbox.partition(b"\0")
+            self.inbox = rest
+            if coded:
+                reply = unframe(coded)
+                assert reply, "the device sends whole frames"
+                yield reply
+
+    def accept(self, message, body=b"", patience=0.6):
+        """Sends a command that must be accepted; returns the index."""
+        _, reply, reply_body = self.exchange(message, body, patience)
+        assert reply == ACCEPTED, f"{message:#x} is answered by {reply:#x} {reply_body.hex()}"
+        return Reader(reply_body).number()
+
+    def status(self):
+        _, reply, body = self.exchange(STATUS)
+        assert reply == STATUS_REPLY, f"{reply:#x} {body.hex()}"
+        return status(body)
+
+    def upload(self, count=33):
+        header, crc, knots = table(count)
+        body = varint(header[3]) + varint(header[0]) + varint(header[1]) + varint(header[2]) + varint(crc)
+        self.accept(TABLE_BEGIN, body)
+        for first in range(0, count, CHUNK_KNOTS):
+            chunk = knots[first : first + CHUNK_KNOTS]
+            body = varint(first) + varint(len(chunk))
+            self.accept(TABLE_CHUNK, body + b"".join(varint(step) + varint(gain) for step, gain in chunk))
+        self.accept(TABLE_COMMIT)
+        return crc
+
+    def arm(self):
+        at = self.accept(ARM)
+        self.live(0.005)
+        return at
+
+    def live(self, seconds):
+        """Lets time pass while the host shows that it lives."""
+        end = self.board.seconds + seconds
+        while self.board.seconds < end:
+            if self.lives and self.board.seconds >= self.beat_due:
+                self.beat_due = self.board.seconds + KEEP_ALIVE_PERIOD
+                self.beat += 1
+                self.exchange(KEEP_ALIVE, varint(self.beat))
+            self.board.run(min(0.002, max(end - self.board.seconds, 1e-5)))

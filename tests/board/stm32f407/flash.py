@@ -1,0 +1,84 @@
+"""The flash's registers: unlock, sector erase, programming of words (RM0090 chapter 3).
+
+The memory itself is Unicorn's; a store into it is checked and counted by `programmed`. Bits only fall: what is stored
+is the old word AND the new one. A power cut may be ordered at any operation, and leaves the sector or the word torn.
+"""
+BASE, START, SIZE = 0x40023C00, 0x08000000, 1 << 20
+ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
+KEYS = (0x45670123, 0xCDEF89AB)
+PROGRAM, ERASE, BEGIN, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
+BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
+# At 32 bit parallelism: 16 KiB in 250 ms, and in proportion (DS8626 table 40); a word in 16 us.
+ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = 0.25 / 0x4000, 16e-6
+
+
+def sector(number):
+    """Start address and size of a sector."""
+    if number < 4:
+        return START + number * 0x4000, 0x4000
+    return (START + 0x10000, 0x10000) if number == 4 else (START + (number - 4) * 0x20000, 0x20000)
+
+
+class Flash:
+    def __init__(self, board):
+        self.board = board
+        self.operations = 0
+        self.cut_at = None
+        self.reset()
+
+    def reset(self):
+        self.access, self.control, self.keys = 0, LOCK, []
+        self.options = BROWN_OUT_LEVEL_3
+        self.torn = []
+
+    def cut(self):
+        """Whether the power goes with this operation."""
+        self.operations += 1
+        return self.cut_at is not None and self.operations > self.cut_at
+
+    def programmed(self, address, size, value):
+        """The processor stores into the flash; called before the memory changes."""
+        assert self.control & PROGRAM and not self.control & LOCK, f"a store into locked flash at {address:#x}"
+        assert size == 4, "PSIZE says words"
+        old = int.from_bytes(self.board.cpu.mem_read(address, 4), "little")
+        is_cut = self.cut()
+        # A torn word has some of its bits programmed.
+        self.torn.append((address, old & (value | 0x0F0FF0F0) if is_cut else old & value))
+        self.board.stall(PROGRAM_SECONDS)
+        if is_cut:
+            self.settle()
+            self.board.cut_power()
+
+    def settle(self):
+        """Puts what stores have left in place; the processor's own store has overwritten it."""
+        for address, word in self.torn:
+            self.board.cpu.mem_write(address, word.to_bytes(4, "little"))
+        self.torn.clear()
+
+    def read(self, offset):
+        self.settle()
+        return {ACR: self.access, CR: self.control, OPTCR: self.options}.get(offset, 0)
+
+    def write(self, offset, value):
+        self.settle()
+        if offset == ACR:
+            self.access = value
+        elif offset == KEYR:
+            self.keys = (self.keys + [value])[-2:]
+            if tuple(self.keys) == KEYS:
+                self.control &= ~LOCK
+        elif offset == CR:
+            assert not self.control & LOCK or value & LOCK, "the flash's control is locked"
+            self.control = value & ~BEGIN
+            if value & ERASE and value & BEGIN:
+                self.erase(value >> 3 & 15)
+
+    def erase(self, number):
+        start, size = sector(number)
+        is_cut = self.cut()
+        # A torn erasure leaves half of the sector as it was.
+        self.board.cpu.mem_write(start, b"\xff" * (size // 2 if is_cut else size))
+        self.board.note("erase", number)
+        self.board.stall(size * ERASE_SECONDS_PER_BYTE)
+        if is_cut:
+            self.board.cut_power()

@@ -1,0 +1,351 @@
+"""What must hold of the flashed image, on a register-level board (RELIABILITY of the device, sections B, D and E)."""
+import struct
+
+import pytest
+
+from host import (
+    BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, DRIVE, KEEP_ALIVE, RATE_HZ, STOP, STORE, TABLE_DIGEST, TABLE_REPLY,
+    TOKEN_REPLY, Reader, drive, varint,
+)  # fmt: skip
+from stm32f407 import PowerCut
+
+MID = 2048
+UNMUTE = "PB1"
+MILLISECOND = RATE_HZ // 1000
+RENDERER_IRQ, DMA_STREAM = 53, 5
+WATCHDOG_SECONDS = 2.0
+
+
+def sixteen(shift=0.0):
+    return [(slot, (slot + shift) / 17, 0.06) for slot in range(16)]
+
+
+def start(bench, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
+    """Drives, and returns the index from which on it sounds."""
+    at = bench.host.accept(DRIVE, drive(list(tones), glide))
+    bench.host.live(0.02)
+    return at
+
+
+def is_silent(codes):
+    return bool(codes) and set(codes) == {MID}
+
+
+def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(bench):
+    bench.board.run(0.02)
+    pins = [entry for entry in bench.board.log if entry[1] == UNMUTE]
+    driven = [entry for entry in bench.board.log if entry[1] == "dac drives"]
+    assert [entry[2] for entry in pins] == [0], "the mute pin goes low and stays"
+    assert [entry[2] for entry in driven] == [MID], "the first voltage is mid-scale"
+    bench.host.connect()
+    bench.host.upload()
+    bench.host.arm()
+    unmuted = next(entry for entry in bench.board.log if entry[1] == UNMUTE and entry[2] == 1)
+    assert unmuted[0] > driven[0][0]
+    assert is_silent(bench.board.dac.codes)
+
+
+def test_it_plays_400_000_codes_a_second(bench):
+    bench.board.run(0.01)
+    before = len(bench.board.dac.codes)
+    bench.board.run(0.05)
+    assert abs(len(bench.board.dac.codes) - before - 20_000) <= 1
+    assert bench.board.dac.underruns == 0
+
+
+def test_it_enumerates_as_the_documentation_says(bench):
+    identity = bench.host.connect()
+    vendor, product = struct.unpack_from("<HH", bench.usb.descriptor, 8)
+    assert (vendor, product) == (0x1209, 0x0001)
+    unique_id = b"SLIPLINE-VB1"
+    assert bench.usb.strings == {1: "Slipline", 2: "Slipline tactile display", 3: unique_id.hex().upper()}
+    assert identity["board"] == "STM32F4DISCOVERY"
+    assert identity["unit"] == unique_id
+    assert (identity["rate"], identity["block"], identity["bits"], identity["tones"]) == (RATE_HZ, 128, 12, 16)
+    assert (identity["reset"], identity["stored"], identity["crash"]) == ("power-on", "empty", "")
+    assert not identity["simulated"]
+
+
+def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(bench):
+    bench.board.run(0.01)
+    level = {name: bench.board.priorities[irq] for name, irq in (("dma", 16), ("dac", 54), ("renderer", 53), ("usb", 67))}
+    assert level["dma"] == level["dac"] < level["renderer"] < level["usb"]
+
+
+def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(armed, mirror):
+    first = armed.host.status()["now"] + 5 * MILLISECOND
+    first = armed.host.accept(DRIVE, drive(sixteen(), 10 * MILLISECOND, first))
+    armed.host.live(0.03)
+    drag = armed.host.accept(DRIVE, drive(sixteen(0.9), 40 * MILLISECOND))
+    armed.host.live(0.08)
+    stop = armed.host.accept(STOP)
+    armed.host.live(0.04)
+    until = armed.played()
+    assert first < drag < stop and until - first > 150 * MILLISECOND
+    codes = armed.codes(0, until)
+    expected = mirror(armed.host.accepted, 0, until)
+    wrong = [i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
+    assert not wrong, f"{len(wrong)} codes differ, the first at {wrong[0]}, drive {first}, drag {drag}, stop {stop}"
+    assert max(codes) - min(codes) > 2000, "it sounds"
+    assert is_silent(codes[-MILLISECOND:]), "and stops"
+    status = armed.host.status()
+    assert (status["state"], status["underruns"], armed.board.dac.underruns) == ("armed", 0, 0)
+    # The deadline is a block; the renderer may use half of it (R-44).
+    assert 0 < status["max_cycles"] < 0.5 * 128 / RATE_HZ * armed.board.CORE_HZ
+
+
+def test_a_silent_host_is_noticed_by_the_device_itself(armed):
+    """R-20: nothing about USB tells it, the cable stays in and the port open."""
+    start(armed)
+    last = armed.played()
+    armed.host.lives = False
+    armed.board.run(0.95)
+    assert not is_silent(armed.codes(armed.played() - MILLISECOND, armed.played())), "not before its time"
+    armed.board.run(0.3)
+    assert is_silent(armed.codes(last + 1060 * MILLISECOND, armed.played()))
+    assert armed.board.pin(UNMUTE) == 0
+    status = armed.host.status()
+    assert (status["state"], status["first_fault"]) == ("fault", "host lost")
+
+
+def test_a_pulled_cable_ends_in_silence_and_a_new_session(armed):
+    """R-20, R-21, R-22."""
+    start(armed)
+    armed.usb.unplug()
+    armed.board.run(1.3)
+    assert armed.board.pin(UNMUTE) == 0
+    assert is_silent(armed.codes(armed.played() - MILLISECOND, armed.played()))
+    armed.usb.plug()
+    armed.host.inbox.clear()
+    armed.host.connect()
+    status = armed.host.status()
+    assert (status["state"], status["first_fault"]) == ("fault", "host lost")
+    assert armed.board.resets == [], "no watchdog, no crash"
+
+
+def test_a_host_that_stops_reading_does_not_touch_the_samples(armed, mirror):
+    """R-11."""
+    at = start(armed)
+    armed.usb.reads = False
+    for beat in range(100, 112):
+        body = varint(beat)
+        from host import frame
+
+        armed.usb.send(frame(armed.host.session, armed.host.sequence, KEEP_ALIVE, body))
+        armed.board.run(0.01)
+    until = armed.played()
+    assert armed.codes(at, until) == mirror(armed.host.accepted, at, until)
+    armed.usb.reads = True
+    armed.board.run(0.05)
+    # What was cut off in the middle is over with the next delimiter.
+    armed.host.inbox.clear()
+    armed.usb.receive()
+    armed.host.beat = 200
+    status = armed.host.status()
+    assert status["dropped"] > 0 and status["state"] == "driving" and status["underruns"] == 0
+
+
+def test_a_dma_that_does_not_deliver_is_counted_and_fades_out(armed):
+    """R-43: the DAC's own underrun flag."""
+    start(armed)
+    armed.board.dma[1].blocked.add(DMA_STREAM)
+    armed.board.run(0.00002)
+    armed.board.dma[1].blocked.clear()
+    before = len(armed.board.dac.codes)
+    armed.board.run(0.1)
+    codes = armed.board.dac.codes[before:]
+    assert armed.board.dac.underruns == 1, "and the stream runs again"
+    assert is_silent(codes[-MILLISECOND:])
+    status = armed.host.status()
+    assert status["underruns"] == 1 and status["first_fault"] == "underrun"
+    assert armed.board.pin(UNMUTE) == 0
+
+
+def test_a_renderer_that_comes_late_is_counted_and_no_old_block_is_played(armed):
+    """R-43: the ring's own count."""
+    start(armed)
+    armed.board.enabled.discard(RENDERER_IRQ)
+    before = len(armed.board.dac.codes)
+    armed.board.run(0.003)
+    held = armed.board.dac.codes[before:]
+    # Two blocks were ready; then one that fades, then mid-scale.
+    assert not is_silent(held[:128])
+    assert is_silent(held[4 * 128 :]), "mid-scale, not the ring again and again"
+    assert max(abs(a - b) for a, b in zip(held[256:], held[257:])) < 700
+    armed.board.enabled.add(RENDERER_IRQ)
+    armed.host.live(0.1)
+    status = armed.host.status()
+    assert status["underruns"] >= 1 and "underrun" in status["faults"]
+    assert armed.board.dac.underruns == 0, "the DMA itself was on time"
+
+
+def test_a_panic_mutes_first_and_is_told_at_the_next_hello(armed):
+    """R-51: a USB core that reports an endpoint that does not exist panics the driver."""
+    start(armed)
+    armed.usb.push(2, 9, b"\0")
+    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
+    assert armed.board.resets == ["software"]
+    low = max(entry[0] for entry in armed.board.log if entry[1] == UNMUTE and entry[2] == 0)
+    assert low <= armed.board.seconds
+    armed.host.inbox.clear()
+    identity = armed.host.connect()
+    assert identity["reset"] == "panic"
+    assert "ep_num" in identity["crash"], identity["crash"]
+    status = armed.host.status()
+    assert "crash" in status["faults"] and status["state"] == "fault"
+    assert armed.board.pin(UNMUTE) == 0
+
+
+def test_mute_and_mid_scale_come_before_the_reset(armed):
+    start(armed)
+    armed.board.log.clear()
+    reset = armed.board.reset
+    seen = []
+    armed.board.reset = lambda cause: (seen.append((armed.board.pin(UNMUTE), armed.board.dac.output)), reset(cause))
+    armed.usb.push(2, 9, b"\0")
+    armed.board.run_until(lambda: seen, 0.01, step=0.0001)
+    assert seen[0] == (0, MID)
+
+
+def test_a_wild_jump_is_a_hard_fault_that_is_told(armed):
+    start(armed)
+    armed.board.pc = 0x60000001
+    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
+    identity = armed.host.connect()
+    assert identity["reset"] == "hard fault"
+    assert identity["crash"].startswith("fault at 0x6000000"), identity["crash"]
+
+
+def test_a_stack_that_overflows_is_caught_and_told(armed):
+    """The stack's memory has nothing below it."""
+    from unicorn.arm_const import UC_ARM_REG_SP
+
+    start(armed)
+    armed.board.cpu.reg_write(UC_ARM_REG_SP, 0x10000008)
+    armed.board.run_until(lambda: armed.board.resets, 0.05, step=0.0001)
+    identity = armed.host.connect()
+    assert identity["reset"] == "hard fault" and "stack overflow" in identity["crash"], identity["crash"]
+
+
+def test_three_crashes_in_a_row_end_in_safe_mode(bench):
+    for _ in range(3):
+        bench.host.connect()
+        bench.usb.push(2, 9, b"\0")
+        count = len(bench.board.resets)
+        bench.board.run_until(lambda: len(bench.board.resets) > count, 0.01, step=0.0001)
+        bench.host.inbox.clear()
+    bench.host.connect()
+    assert bench.host.status()["state"] == "safe mode"
+    bench.board.reset("power")
+    bench.host.inbox.clear()
+    assert bench.host.connect()["reset"] == "power-on"
+    assert bench.host.status()["state"] == "idle"
+
+
+@pytest.mark.parametrize("frozen", ["renderer", "thread"])
+def test_a_frozen_task_is_reset_by_the_watchdog(armed, frozen):
+    """R-50."""
+    start(armed)
+    if frozen == "renderer":
+        armed.board.enabled.discard(RENDERER_IRQ)
+    else:
+        armed.board.is_thread_frozen = True
+    at = armed.board.seconds
+    armed.board.run_until(lambda: armed.board.resets, 2 * WATCHDOG_SECONDS, step=0.05)
+    assert armed.board.resets == ["watchdog"]
+    assert armed.board.seconds - at < WATCHDOG_SECONDS + 0.3
+    armed.host.inbox.clear()
+    identity = armed.host.connect()
+    assert identity["reset"] == "watchdog"
+    assert "watchdog" in armed.host.status()["faults"]
+    assert armed.board.pin(UNMUTE) == 0
+
+
+def test_a_dip_of_the_supply_mutes_and_is_told(armed):
+    """R-56."""
+    start(armed)
+    assert armed.board.dip_supply(), "the detector is watched"
+    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
+    assert armed.board.log[-1][1:] == (UNMUTE, 0) or armed.board.pin(UNMUTE) is None
+    identity = armed.host.connect()
+    assert identity["reset"] == "brown-out"
+
+
+def stored_crc(bench):
+    _, reply, body = bench.host.exchange(TABLE_DIGEST)
+    assert reply == TABLE_REPLY
+    reader = Reader(body)
+    if not reader.byte():
+        return None
+    for _ in range(4):
+        reader.number()
+    return reader.number()
+
+
+def keep(bench, count):
+    """Uploads a table and stores it; returns its CRC."""
+    bench.host.accept(DISARM)
+    bench.host.live(0.1)
+    crc = bench.host.upload(count)
+    bench.host.live(0.05)
+    bench.host.accept(STORE, patience=3)
+    return crc
+
+
+def test_the_table_survives_the_power_and_storing_it_is_no_underrun(bench):
+    bench.host.connect()
+    crc = keep(bench, 33)
+    status = bench.host.status()
+    assert (status["underruns"], status["faults"], bench.board.dac.underruns) == (0, set(), 0)
+    bench.board.reset("power")
+    identity = bench.host.connect()
+    assert identity["stored"] == "loaded"
+    assert stored_crc(bench) == crc
+
+
+@pytest.mark.parametrize("operation", [0, 1, 2, 9, 40, 75])
+def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(bench, operation):
+    """R-35: the cut comes before the first erasure is over, between words, and in the last words."""
+    bench.host.connect()
+    old = keep(bench, 33)
+    bench.board.flash.cut_at = bench.board.flash.operations + operation
+    new = None
+    with pytest.raises(PowerCut):
+        new = keep(bench, 34)
+    assert new is None
+    bench.board.reset("power")
+    bench.host.inbox.clear()
+    identity = bench.host.connect()
+    assert identity["stored"] == "loaded"
+    assert stored_crc(bench) == old
+    again = keep(bench, 35)
+    bench.board.reset("power")
+    bench.host.connect()
+    assert stored_crc(bench) == again
+
+
+def test_the_rom_bootloader_is_entered_in_two_steps(bench):
+    """R-63."""
+    bench.host.connect()
+    _, reply, body = bench.host.exchange(BOOTLOADER_TOKEN)
+    assert reply == TOKEN_REPLY
+    bench.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
+    bench.board.run(0.1)
+    assert bench.board.resets == ["software"]
+    assert bench.board.pc & ~1 == 0x1FFF0100
+    bench.board.reset("pin")
+    bench.host.inbox.clear()
+    bench.host.connect()
+
+
+def test_the_lamp_tells_muted_from_sounding(armed):
+    def flashes(seconds):
+        armed.board.log.clear()
+        armed.host.live(seconds)
+        return sum(1 for entry in armed.board.log if entry[1] == "PD12" and entry[2] == 1)
+
+    armed.host.live(0.2)
+    assert flashes(0.9) == 0 and armed.board.pin("PD12") == 1, "steady while the amplifier is on"
+    armed.host.accept(DISARM)
+    armed.host.live(0.9)
+    assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"

@@ -1,0 +1,63 @@
+//! The codes a device must send, by the mirror: for tests that are not written in Rust.
+//!
+//! Standard input, one line each: `<index> <frame>` for a command the device has accepted, where the frame is the
+//! command's bytes on the link in hexadecimal and the index the one the device named (upload commands before the
+//! commit have none: any number); last, `play <from> <until>`. Standard output: the codes from..until, two bytes each,
+//! little-endian.
+
+use std::io::{self, BufRead, Write};
+use std::sync::Arc;
+
+use slipline::mirror::Mirror;
+use slipline_app::Stop;
+use slipline_protocol::table::Knot;
+use slipline_protocol::{Command, Decoder};
+use slipline_tests::rig::RATE_HZ;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut mirror = Mirror::new(RATE_HZ, 0);
+    let mut knots: Vec<Knot> = Vec::new();
+    for line in io::stdin().lock().lines() {
+        let line = line?;
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["play", from, until] => return play(&mut mirror, from.parse()?, until.parse()?),
+            [index, frame] => {
+                let at = index.parse()?;
+                match command(frame).ok_or_else(|| format!("no command: {line}"))? {
+                    Command::TableBegin(_) => knots.clear(),
+                    Command::TableChunk(chunk) => knots.extend_from_slice(&chunk.knots),
+                    Command::TableCommit => mirror.acknowledge_table(Arc::from(knots.as_slice()), at)?,
+                    Command::Drive(drive) => mirror.acknowledge_drive(&drive, at)?,
+                    Command::Stop | Command::Disarm => mirror.acknowledge_stop(Stop::Normal, at)?,
+                    Command::EmergencyStop => mirror.acknowledge_stop(Stop::Emergency, at)?,
+                    _ => {}
+                }
+            }
+            _ => return Err(format!("not understood: {line}").into()),
+        }
+    }
+    Err("nothing to play".into())
+}
+
+/// The command in a frame's hexadecimal bytes.
+fn command(hexadecimal: &str) -> Option<Command> {
+    let mut decoder = Decoder::new();
+    (0..hexadecimal.len() / 2)
+        .filter_map(|i| u8::from_str_radix(hexadecimal.get(2 * i..2 * i + 2)?, 16).ok())
+        .find_map(|byte| decoder.push(byte, |frame| Command::decode(frame.header.id, frame.body).ok()))
+        .flatten()
+}
+
+fn play(mirror: &mut Mirror, from: u64, until: u64) -> Result<(), Box<dyn std::error::Error>> {
+    let mut bytes = Vec::new();
+    mirror.render(until.next_multiple_of(128), |first, codes| {
+        for (index, code) in (first..).zip(codes) {
+            if (from..until).contains(&index) {
+                bytes.extend_from_slice(&code.to_le_bytes());
+            }
+        }
+    });
+    io::stdout().lock().write_all(&bytes)?;
+    Ok(())
+}
