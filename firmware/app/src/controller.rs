@@ -17,7 +17,6 @@ use slipline_protocol::command::{Apply, Command, DigestWindow, Drive, KeepAlive,
 use slipline_protocol::event::{
     Accepted, Counters, Digest, Event, Fault, Faults, Identity, State, Status, StoredConfig, TableReport,
 };
-use slipline_protocol::frame::CRC;
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{Gain, SampleIndex};
@@ -25,9 +24,11 @@ use slipline_protocol::version::Version;
 
 use crate::bank::{BLOCK, TONES};
 use crate::boot::Boot;
+use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;
 use crate::headroom::per_mille;
-use crate::mailbox::{Crossing, NotPublished, Stop, View};
+use crate::mailbox::{Crossing, NotPublished};
+use crate::orders::{Stop, View};
 use crate::ports::{FlashPages, System};
 use crate::program::{Program, plan, plan_swap};
 use crate::ramp::RampShape;
@@ -76,9 +77,7 @@ pub struct Controller<F, S> {
     upload: Option<Upload>,
     last_beat: Option<u32>,
     user_acted_at: SampleIndex,
-    token: Option<(u32, SampleIndex)>,
-    tokens_made: u32,
-    leaving_since: Option<SampleIndex>,
+    door: BootloaderDoor,
 }
 
 impl<F: FlashPages, S: System> Controller<F, S> {
@@ -99,9 +98,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             upload: None,
             last_beat: None,
             user_acted_at: 0,
-            token: None,
-            tokens_made: 0,
-            leaving_since: None,
+            door: BootloaderDoor::default(),
         }
     }
 
@@ -142,7 +139,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         crossing.disarm(Stop::Normal);
         crossing.drop_digest();
         self.upload = None;
-        self.token = None;
+        self.door.close();
         self.last_beat = None;
     }
 
@@ -274,8 +271,16 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             },
             Command::Store => self.store(crossing).map(accepted),
             Command::Forget => self.forget(crossing).map(accepted),
-            Command::BootloaderToken => self.make_token(crossing).map(Event::BootloaderToken),
-            Command::BootloaderEnter(token) => self.leave(*token, crossing).map(accepted),
+            Command::BootloaderToken => {
+                self.refuse_unless_leavable(crossing)?;
+                Ok(Event::BootloaderToken(self.door.give_token(&self.device.unit, crossing.now())))
+            }
+            Command::BootloaderEnter(token) => {
+                self.refuse_unless_leavable(crossing)?;
+                let now = crossing.now();
+                self.door.show_token(*token, now, &self.timing)?;
+                Ok(accepted(now))
+            }
             // The session answers these itself; should one come here, it is as unknown as a new one.
             Command::Hello(_)
             | Command::KeepAlive(_)
@@ -301,15 +306,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {
             self.upload = None;
         }
-        if self.token.is_some_and(|(_, at)| now.saturating_sub(at) >= self.timing.bootloader_token) {
-            self.token = None;
-        }
-        // The reply goes out first: two transmit time-outs are enough for any link that works.
-        if self
-            .leaving_since
-            .is_some_and(|at| now.saturating_sub(at) >= self.timing.transmit.saturating_mul(2))
-        {
-            self.leaving_since = None;
+        if self.door.is_passed(now, &self.timing) {
             self.system.enter_bootloader();
         }
         crossing.pulse_safety();
@@ -418,35 +415,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             return Err(Refusal::NotSupported);
         }
         if crossing.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
-    }
-
-    fn make_token<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<u32, Refusal> {
-        self.refuse_unless_leavable(crossing)?;
-        let now = crossing.now();
-        self.tokens_made = self.tokens_made.wrapping_add(1);
-        // Not a secret: it only has to differ from what noise or an old session could show.
-        let mut crc = CRC.digest();
-        crc.update(&self.device.unit);
-        crc.update(&now.to_le_bytes());
-        crc.update(&self.tokens_made.to_le_bytes());
-        let token = crc.finalize();
-        self.token = Some((token, now));
-        Ok(token)
-    }
-
-    fn leave<M: RawMutex>(&mut self, token: u32, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_leavable(crossing)?;
-        let now = crossing.now();
-        // Whatever was shown, the token is used up.
-        let valid = self
-            .token
-            .take()
-            .is_some_and(|(made, at)| made == token && now.saturating_sub(at) < self.timing.bootloader_token);
-        if !valid {
-            return Err(Refusal::BadToken);
-        }
-        self.leaving_since = Some(now);
-        Ok(now)
     }
 
     fn refuse_unless_leavable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {

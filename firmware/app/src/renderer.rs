@@ -7,7 +7,7 @@
 //! sample index. The dead-man and every ramp to silence live here, so that a link that hangs cannot keep the drive
 //! on. The same orders at the same indices give the same codes on every machine.
 
-#![deny(clippy::float_arithmetic)]
+#![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -16,8 +16,9 @@ use slipline_protocol::units::{Gain, SampleIndex};
 
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
-use crate::mailbox::{Crossing, Orders, Report, Stop};
+use crate::mailbox::Crossing;
 use crate::motion::Motion;
+use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
 use crate::ramp::RampShape;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};

@@ -21,7 +21,8 @@ use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
 
 use crate::controller::Controller;
-use crate::mailbox::{Crossing, Stop};
+use crate::mailbox::Crossing;
+use crate::orders::Stop;
 use crate::ports::{FlashPages, System};
 
 /// Commands decoded and not done yet, at most; a host waits for each reply, so more than one is already a hurry.
