@@ -43,7 +43,7 @@ impl Plan {
         let low_edge = 0.35 * low_hz;
         let high_edge = pass_high + 0.5 * transition_hz;
         let stop_high = high_edge + 0.5 * transition_hz;
-        let coarse = ((sample_rate_hz / (32.0 * stop_high)) as usize).max(1);
+        let coarse = ((sample_rate_hz / (16.0 * stop_high)) as usize).max(1);
         let half_band = 0.5 * (stop_high - low_edge);
         let middle_rate = sample_rate_hz / coarse as f64;
         let fine = ((middle_rate / (5.2 * half_band)) as usize).max(1);
@@ -77,8 +77,8 @@ impl Plan {
         let count = 2 * ((0.5 * 5.8 * rate / self.transition_hz) as usize) + 1;
         let middle = (count / 2) as f64;
         let span = self.high_hz - self.low_hz;
-        // Several points per oscillation of the slowest integrand, midpoint rule.
-        let points = 4 * count.max(64);
+        // Sixteen points per oscillation of the fastest integrand (the taps at the ends), midpoint rule.
+        let points = ((16.0 * count as f64 * span / rate) as usize).max(64);
         let df = span / points as f64;
         let mut taps = vec![Complex64::ZERO; count];
         for i in 0..points {

@@ -42,7 +42,14 @@ pub(crate) struct Quick {
 
 /// 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue as residues c/(p - omega).
 struct Terms {
-    terms: Vec<(Complex64, Complex64)>,
+    own: Vec<(Complex64, Complex64)>,
+    /// Residue at the far pole that all eigenvalues share, for what `own` leaves over.
+    shared: Complex64,
+}
+
+/// The far pole that carries what a thick plate's own poles leave over.
+fn shared_pole(centre: f64) -> Complex64 {
+    Complex64::new(-2.0 * centre, -0.5 * centre)
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
@@ -57,19 +64,28 @@ pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, place
     let mut pole = Vec::new();
     let mut owner = Vec::new();
     let mut weight = Vec::new();
+    let mut shared = Vec::new();
     for (n, &eigenvalue) in osc.eigenvalue.iter().enumerate() {
-        for (p, c) in terms(&guide, eigenvalue, centre).terms {
+        let terms = terms(&guide, eigenvalue, centre);
+        for (p, c) in terms.own {
             pole.push(p);
             owner.push(n);
-            weight.push(c);
+            weight.push(c * osc.excitation[n]);
         }
+        shared.push(terms.shared * osc.excitation[n]);
     }
-    let shape = DMatrix::from_fn(places_m.len(), pole.len(), |row, i| {
-        weight[i] * osc.excitation[owner[i]] * osc.shape[(row, owner[i])]
-    });
+    let mut shape =
+        DMatrix::from_fn(places_m.len(), pole.len(), |row, i| weight[i] * osc.shape[(row, owner[i])]);
+    let mut at_drive: Vec<Complex64> = (0..pole.len()).map(|i| weight[i] * osc.at_drive[owner[i]]).collect();
+    if shared.iter().any(|residue| *residue != Complex64::ZERO) {
+        let column = osc.shape.map(Complex64::from) * DVector::from_column_slice(&shared);
+        let last = shape.ncols();
+        shape = shape.insert_column(last, Complex64::ZERO);
+        shape.set_column(last, &column);
+        at_drive.push(shared.iter().zip(&osc.at_drive).map(|(residue, value)| residue * value).sum());
+        pole.push(shared_pole(centre));
+    }
     let direct = osc.direct.map(Complex64::from);
-    let at_drive: Vec<Complex64> =
-        (0..pole.len()).map(|i| weight[i] * osc.excitation[owner[i]] * osc.at_drive[owner[i]]).collect();
     let scale = match plate.spec().drive_end {
         DriveEnd::Force { at_frequency_hz } => {
             -plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt()
@@ -92,14 +108,15 @@ fn resistance_over_tension(plate: &Plate) -> Option<f64> {
 
 fn terms(guide: &Guide<'_>, eigenvalue: f64, centre: f64) -> Terms {
     let lossy = Complex64::new(1.0, guide.plate.wave_loss()) * guide.slope;
-    let terms = match &guide.plate.spec().model {
+    let alone = |own| Terms { own, shared: Complex64::ZERO };
+    match &guide.plate.spec().model {
         Model::BendingSupported(bending) | Model::BendingClamped(bending) if bending.thick_plate => {
             thick(bending, eigenvalue, lossy, centre)
         }
         Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
             // a K^2 = omega lossy/spread: one pole, exact.
             let rate = bending.spread_m2_per_s() / lossy;
-            vec![(eigenvalue * rate, rate)]
+            alone(vec![(eigenvalue * rate, rate)])
         }
         model @ (Model::Membrane { .. } | Model::ShearHorizontal { .. }) => {
             let speed = model.wave_speed_m_per_s().unwrap_or(f64::NAN);
@@ -108,14 +125,13 @@ fn terms(guide: &Guide<'_>, eigenvalue: f64, centre: f64) -> Terms {
             let c = square / (2.0 * p);
             // The partner at -p would grow; its mirror image -p* does not, and agrees with it in mid-band.
             let mirror = -p.conj();
-            vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))]
+            alone(vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))])
         }
-    };
-    Terms { terms }
+    }
 }
 
-/// Mindlin's dispersion: one pole, and one far pole that carries what the first leaves over in mid-band.
-fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Vec<(Complex64, Complex64)> {
+/// Mindlin's dispersion: one pole, and a residue at the shared far pole for what the first leaves over in mid-band.
+fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Terms {
     let wanted = eigenvalue / lossy;
     // The branch is smooth and the loss small: the pole and its slope by differences along the real axis.
     let h = 1e-4 * wanted.re;
@@ -131,8 +147,7 @@ fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> V
     // Next to the pole the difference of two large numbers is lost: take the mean of two places beside it.
     let away = 0.05 * centre;
     let rest = 0.5 * (left_over(centre + away) + left_over(centre - away));
-    let far = Complex64::new(-2.0 * centre, -0.5 * centre);
-    vec![(pole, residue), (far, rest * (far - centre))]
+    Terms { own: vec![(pole, residue)], shared: rest * (shared_pole(centre) - centre) }
 }
 
 struct Uncoupled {

@@ -225,7 +225,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, max_global_rejects: 5000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 16, max_global_rejects: 5000, ..ProptestConfig::default() })]
 
     #[test]
     fn random_plates_peak_in_time_where_the_frequency_domain_puts_it(plate in any_plate(), part in 0.0..1.0_f64) {
