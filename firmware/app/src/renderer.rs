@@ -125,7 +125,16 @@ impl Renderer {
         if let Some(state) = self.digester.take(crossing.digest(), index, codes) {
             crossing.set_digest(state);
         }
-        self.finish(next, &blocks, sum, clipped, codes, &orders, crossing);
+        let quiet = blocks.iter().all(|block| block.amplitude == 0 && block.amplitude_end == 0);
+        self.switch_mute(quiet, &orders);
+        self.report.silent = self.motion.is_silent_from(next);
+        self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
+        self.report.sum = sum;
+        self.report.clips = self.report.clips.saturating_add(clipped);
+        if !quiet {
+            self.report.energy = self.report.energy.wrapping_add(energy(codes));
+        }
+        crossing.end_block(self.report);
         self.index = next;
         if (index / BLOCK_SAMPLES).is_multiple_of(TICK_BLOCKS) {
             crossing.signal_tick();
@@ -231,37 +240,21 @@ impl Renderer {
         (blocks, sum)
     }
 
-    /// Counts, decides on the mute pin and publishes the report.
-    #[expect(clippy::too_many_arguments, reason = "the block's results, each used once")]
-    fn finish<M: RawMutex>(
-        &mut self,
-        next: SampleIndex,
-        blocks: &[ToneBlock; TONES],
-        sum: u64,
-        clipped: u32,
-        codes: &[u16; BLOCK],
-        orders: &Orders,
-        crossing: &Crossing<M>,
-    ) {
-        let quiet = blocks.iter().all(|block| block.amplitude == 0 && block.amplitude_end == 0);
+    /// Unmutes once mid-scale has flowed after arming; mutes once it has flowed after disarming.
+    fn switch_mute(&mut self, quiet: bool, orders: &Orders) {
         self.quiet_blocks = if quiet { self.quiet_blocks.saturating_add(1) } else { 0 };
         if orders.armed {
             self.muted &= self.index < orders.ready_at;
         } else {
             self.muted |= self.quiet_blocks > SETTLE_BLOCKS;
         }
-        let mut energy: u64 = 0;
-        if !quiet {
-            for &code in codes {
-                let distance = u64::from(code.abs_diff(code::MID_SCALE));
-                energy = energy.saturating_add(distance.saturating_mul(distance));
-            }
-        }
-        self.report.silent = self.motion.is_silent_from(next);
-        self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
-        self.report.sum = sum;
-        self.report.energy = self.report.energy.wrapping_add(energy);
-        self.report.clips = self.report.clips.saturating_add(clipped);
-        crossing.end_block(self.report);
     }
+}
+
+/// The sum of the squares of the codes' distances from mid-scale: at most 128 * 2048^2.
+fn energy(codes: &[u16; BLOCK]) -> u64 {
+    codes.iter().fold(0, |sum: u64, code| {
+        let distance = u64::from(code.abs_diff(code::MID_SCALE));
+        sum.saturating_add(distance.saturating_mul(distance))
+    })
 }
