@@ -8,6 +8,9 @@
 //! The app needs the feature `gui`; everything else builds without it.
 
 pub mod chain;
+pub mod cli;
+pub mod envelope_plot;
+pub mod figures;
 pub mod link;
 pub mod mirror;
 pub mod quantity;

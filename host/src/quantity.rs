@@ -77,6 +77,31 @@ pub fn length_m(text: &str) -> Result<f64, QuantityError> {
     scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "mm, cm, m or um"))
 }
 
+/// A frequency in Hz; a bare number is in Hz.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not Hz or kHz.
+pub fn frequency_hz(text: &str) -> Result<f64, QuantityError> {
+    let (number, unit) = split(text)?;
+    let scale = if unit.is_empty() { Some(1.0) } else { frequency_unit(unit) };
+    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "Hz or kHz"))
+}
+
+/// A time in seconds; a bare number is in seconds.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not s, ms or min.
+pub fn time_s(text: &str) -> Result<f64, QuantityError> {
+    let (number, unit) = split(text)?;
+    let scale = match unit {
+        "" | "s" => 1.0,
+        "ms" => 1e-3,
+        "min" => 60.0,
+        _ => return Err(refused(unit, "s, ms or min")),
+    };
+    Ok(number * scale)
+}
+
 /// A place or a frequency; a bare number is a place in millimetres.
 ///
 /// # Errors
@@ -170,6 +195,17 @@ mod tests {
         assert!(length_m("40 kHz").is_err());
         assert_eq!(plain("-6,5 dB", "dB"), Ok(-6.5));
         assert!(plain("3 mm", "dB").is_err());
+    }
+
+    #[test]
+    fn frequencies_and_times_carry_their_units() {
+        assert_eq!(frequency_hz("400kHz"), Ok(400_000.0));
+        assert_eq!(frequency_hz("39997"), Ok(39_997.0));
+        assert!(frequency_hz("2 s").unwrap_err().to_string().contains("Hz or kHz"));
+        assert_eq!(time_s("2s"), Ok(2.0));
+        assert_eq!(time_s("0,5 min"), Ok(30.0));
+        assert!((time_s("250ms").unwrap() - 0.25).abs() < 1e-12);
+        assert!(time_s("2 m").is_err());
     }
 
     #[test]

@@ -75,7 +75,7 @@ pub struct ToneResult {
     pub level: f64,
     /// What the device plays, in Hz.
     pub frequency_hz: f64,
-    /// What the frequency domain says for the actual plate at that frequency.
+    /// What the frequency domain says for the actual plate at that frequency, at the same places.
     pub predicted: Response,
     /// The peak displacement it says, in metres.
     pub predicted_peak_m: Option<f64>,
@@ -230,7 +230,7 @@ impl Simulation<'_> {
         field_m: Vec<Complex64>,
         predicted_field: &[Complex64],
     ) -> Result<ToneResult, RespondError> {
-        let predicted = respond(self.actual, frequency_hz, 2001, Equation::Corrected)?;
+        let predicted = respond(self.actual, frequency_hz, PLACES, Equation::Corrected)?;
         let measured = Peak::of(&field_m, self.actual, frequency_hz);
         let predicted_peak_m =
             Peak::of(predicted_field, self.actual, frequency_hz).map(|peak| peak.amplitude);

@@ -56,7 +56,7 @@ pub(crate) enum Reply {
     /// The device's version, and the rest of its identity where this program can read it.
     Hello(Version, Option<Box<event::Identity>>),
     /// Any other event.
-    Event(Event),
+    Event(Box<Event>),
 }
 
 /// The device has not answered although it was asked as often as allowed.
@@ -301,7 +301,10 @@ impl Conversation {
             })
         })?;
         let flight = self.lane_mut(lane).take()?;
-        let uncounted = matches!(reply, Reply::Event(Event::Refused(Refusal::BadSequence { .. })));
+        let uncounted = matches!(
+            &reply,
+            Reply::Event(event) if matches!(**event, Event::Refused(Refusal::BadSequence { .. }))
+        );
         if lane == Lane::Ordered && !uncounted {
             self.sequence = self.sequence.wrapping_add(1);
         }
@@ -320,7 +323,7 @@ fn read(id: u8, body: &[u8]) -> Option<Reply> {
             }
             _ => None,
         },
-        (_, Ok(event)) => Some(Reply::Event(event)),
+        (_, Ok(event)) => Some(Reply::Event(Box::new(event))),
         (_, Err(_)) => None,
     }
 }

@@ -57,7 +57,7 @@ impl Task {
 /// What waits for the answer of the numbered lane.
 #[derive(Clone, Debug)]
 enum Current {
-    Task(Task),
+    Task(Box<Task>),
     Upload,
 }
 
@@ -342,7 +342,7 @@ impl Dialogue {
             }
         };
         self.talk.say(command, now);
-        self.current = Some(Current::Task(task));
+        self.current = Some(Current::Task(Box::new(task)));
         true
     }
 
@@ -355,7 +355,7 @@ impl Dialogue {
                 }
                 return Verdict::GoOn;
             }
-            Reply::Event(event) => event,
+            Reply::Event(event) => *event,
         };
         if event == Event::Refused(Refusal::StaleSession) {
             return Verdict::Lose(Trouble::SessionEnded);
@@ -444,7 +444,7 @@ impl Dialogue {
         self.renumberings = 0;
         match self.current.take() {
             Some(Current::Upload) => self.uploaded(event, record, now),
-            Some(Current::Task(task)) => return self.done(task, command, event, record, now),
+            Some(Current::Task(task)) => return self.done(*task, command, event, record, now),
             None => {}
         }
         Verdict::GoOn

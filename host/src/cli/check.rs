@@ -1,0 +1,37 @@
+//! `slipline check`.
+
+use super::{CheckArguments, Failure, argument, output};
+use serde_json::json;
+use slipline_plate::check::{Checker, Colour, Conditions};
+
+pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let boundary_m = arguments.boundary.map(|boundary| boundary.on(&plate)).transpose()?;
+    let conditions =
+        Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
+    let checker = Checker::new(&plate, conditions).map_err(Failure::usage)?;
+    let report = match boundary_m {
+        Some(boundary_m) => checker.at(boundary_m),
+        None => checker.over_span(),
+    }
+    .map_err(Failure::usage)?;
+    let value = serde_json::to_value(&report).map_err(Failure::failed)?;
+    let value = match value {
+        serde_json::Value::Object(mut fields) => {
+            fields.insert("worst".to_owned(), json!(report.worst()));
+            serde_json::Value::Object(fields)
+        }
+        other => other,
+    };
+    output::print(as_json, &value, |out| {
+        for light in &report.lights {
+            let colour = match light.colour {
+                Colour::Green => "green",
+                Colour::Amber => "amber",
+                Colour::Red => "red",
+            };
+            writeln!(out, "{colour:<5}  {:<16}  {}", light.name, light.sentence)?;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,84 @@
+//! A device for one command: the worker, waited for.
+
+use super::Failure;
+use crate::link::worker::{Handle, Worker};
+use crate::link::{Outcome, Port, Request, Snapshot};
+use crate::simulation::table_for;
+use crate::table::DeviceTable;
+use slipline_plate::Plate;
+use slipline_protocol::event::Identity;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Opening a port and greeting takes less, or the link gives up by itself.
+const CONNECTING: Duration = Duration::from_secs(5);
+/// A table over a slow link: 47 chunks, each a few milliseconds, and repeats.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A connected device. When it is dropped, it is stopped and disarmed.
+pub(super) struct Device {
+    worker: Worker,
+}
+
+impl Device {
+    /// Connects; a lost link stays lost.
+    pub(super) fn connect(port: &Port) -> Result<Self, Failure> {
+        let worker = Worker::spawn(|| ()).map_err(Failure::failed)?;
+        worker.send(Request::AutoReconnect(false));
+        let ticket = worker.send(Request::Connect(port.clone()));
+        match worker.wait(ticket, CONNECTING) {
+            Some(Outcome::Done { .. }) => Ok(Self { worker }),
+            Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
+            _ => Err(Failure::Failed(format!("{port} does not answer"))),
+        }
+    }
+
+    pub(super) fn snapshot(&self) -> Arc<Snapshot> {
+        self.worker.snapshot()
+    }
+
+    pub(super) fn handle(&self) -> Handle {
+        self.worker.handle()
+    }
+
+    /// Who it is.
+    pub(super) fn identity(&self) -> Result<Arc<Identity>, Failure> {
+        let snapshot = self.snapshot();
+        match (&snapshot.identity, snapshot.compatibility) {
+            (Some(identity), Some(compatibility)) if compatibility.may_drive() => Ok(identity.clone()),
+            (_, Some(compatibility)) => Err(Failure::Failed(compatibility.sentence().to_owned())),
+            (_, None) => Err(Failure::Failed("the device went away".to_owned())),
+        }
+    }
+
+    /// Has something done.
+    pub(super) fn perform(&self, request: Request) -> Result<Outcome, Failure> {
+        let ticket = self.worker.send(request);
+        match self.worker.wait(ticket, PATIENCE) {
+            Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
+            Some(Outcome::NotConnected) => {
+                let trouble = self.snapshot().trouble.clone();
+                Err(Failure::Failed(trouble.map_or("the device went away".to_owned(), |it| it.to_string())))
+            }
+            Some(outcome) => Ok(outcome),
+            None => Err(Failure::Failed("the device did not answer in time".to_owned())),
+        }
+    }
+
+    /// Has something done that shows at an index.
+    pub(super) fn perform_at(&self, request: Request) -> Result<u64, Failure> {
+        match self.perform(request)? {
+            Outcome::Done { at } => Ok(at),
+            _ => Err(Failure::Failed("the device did something else instead".to_owned())),
+        }
+    }
+
+    /// Makes sure that the device holds the plate's table, made for its sample rate.
+    pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
+        let (_, table) = table_for(plate, self.identity()?.sample_rate_hz)?;
+        if self.snapshot().table.active != Some(table.header()) {
+            self.perform(Request::Upload(table.clone()))?;
+        }
+        Ok(table)
+    }
+}

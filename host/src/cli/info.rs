@@ -1,0 +1,108 @@
+//! `slipline ports` and `slipline info`.
+
+use super::device::Device;
+use super::{Failure, output};
+use crate::link::{Port, list_ports};
+use serde_json::json;
+
+pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
+    let ports = list_ports();
+    let list: Vec<_> = ports
+        .iter()
+        .map(|info| {
+            json!({
+                "port": info.port.to_string(),
+                "label": info.label,
+                "is_ours": info.is_ours,
+                "usb_serial": info.usb_serial,
+            })
+        })
+        .collect();
+    output::print(as_json, &json!(list), |out| {
+        let names: Vec<String> = ports.iter().map(|info| info.port.to_string()).collect();
+        let lines: Vec<_> =
+            names.iter().zip(&ports).map(|(name, info)| (name.as_str(), info.label.clone())).collect();
+        output::lines(out, &lines)
+    })
+}
+
+pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
+    let device = Device::connect(port)?;
+    let snapshot = device.snapshot();
+    let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
+    let identity = snapshot.identity.as_deref();
+    let status = snapshot.status;
+    let table = snapshot.table.active;
+    let faults: Vec<&str> = status.iter().flat_map(|s| s.faults.iter().map(|fault| fault.text())).collect();
+    let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
+    let value = json!({
+        "port": port.to_string(),
+        "compatibility": compatibility,
+        "board": identity.map(|it| it.board.as_str()),
+        "firmware": firmware,
+        "build": identity.map(|it| it.build.as_str()),
+        "protocol": identity.map(|it| format!("{}.{}", it.version.major, it.version.minor)),
+        "unit": snapshot.unit(),
+        "simulated": identity.map(|it| it.simulated),
+        "sample_rate_hz": identity.map(|it| it.sample_rate_hz),
+        "block_samples": identity.map(|it| it.block),
+        "dac_bits": identity.map(|it| it.dac_bits),
+        "tones": identity.map(|it| it.tones),
+        "max_knots": identity.map(|it| it.max_knots),
+        "dead_man_s": identity.map(|it| f64::from(it.dead_man_ms) / 1e3),
+        "reset": identity.map(|it| format!("{:?}", it.reset)),
+        "stored": identity.map(|it| format!("{:?}", it.stored)),
+        "crash": identity.map(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
+        "state": status.map(|it| format!("{:?}", it.state)),
+        "faults": faults,
+        "now_samples": status.map(|it| it.now),
+        "heat": status.map(|it| f64::from(it.heat_per_mille) / 1e3),
+        "table": table.map(|it| json!({
+            "crc": format!("{:08x}", it.crc),
+            "knots": it.knots,
+            "span_start_m": f64::from(it.span_start_um) * 1e-6,
+            "span_end_m": f64::from(it.span_end_um) * 1e-6,
+            "sample_rate_hz": it.sample_rate_hz,
+        })),
+        "counters": status.map(|it| json!({
+            "frames": it.counters.frames,
+            "crc_errors": it.counters.crc_errors,
+            "overlong": it.counters.overlong,
+            "duplicates": it.counters.duplicates,
+            "dropped": it.counters.dropped,
+            "underruns": it.counters.underruns,
+            "clips": it.counters.clips,
+            "max_cycles": it.counters.max_cycles,
+        })),
+        "round_trip_s": snapshot.round_trip.average.as_secs_f64(),
+    });
+    output::print(as_json, &value, |out| {
+        let mut lines = vec![("Port", port.to_string())];
+        if let Some(it) = identity {
+            lines.push(("Board", it.board.to_string()));
+            lines.push(("Firmware", format!("{} ({})", firmware.unwrap_or_default(), it.build)));
+            lines.push(("Protocol", format!("{}.{}", it.version.major, it.version.minor)));
+            lines.push(("Unit", snapshot.unit().unwrap_or_default()));
+            let rate = f64::from(it.sample_rate_hz) / 1e3;
+            lines.push(("Samples", format!("{rate} kS/s, {} bits, blocks of {}", it.dac_bits, it.block)));
+            lines.push(("Tones", format!("{}", it.tones)));
+            lines.push(("Last reset", format!("{:?}", it.reset)));
+            lines.push(("Kept in flash", format!("{:?}", it.stored)));
+        }
+        lines.push(("Versions", compatibility.to_owned()));
+        if let Some(it) = status {
+            lines.push(("State", format!("{:?}", it.state)));
+            lines.push(("Faults", it.faults.to_string()));
+        }
+        let table = table.map_or_else(
+            || "none".to_owned(),
+            |it| {
+                let (start, end) = crate::table::span_m(&it);
+                format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
+            },
+        );
+        lines.push(("Table", table));
+        lines.push(("Round trip", format!("{:.2} ms", snapshot.round_trip.average.as_secs_f64() * 1e3)));
+        output::lines(out, &lines)
+    })
+}

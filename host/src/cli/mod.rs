@@ -1,0 +1,240 @@
+//! The command line: every use of Slipline but the window.
+//!
+//! JSON numbers are SI and their names end in the unit. Exit code 0: done; 2: bad usage or a bad file (the message
+//! names it and the allowed range); 1: could not be done.
+
+mod argument;
+mod check;
+mod device;
+mod drive;
+mod failure;
+mod info;
+mod output;
+mod presets;
+mod record;
+mod respond;
+mod simulate;
+mod table;
+mod verify;
+
+pub use failure::Failure;
+
+use crate::link::Port;
+use argument::{Boundary, ToneArgument};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Drag the boundary on a tapered plate. With no command, the app opens.
+#[derive(Debug, Parser)]
+#[command(name = "slipline", version, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Print JSON: SI numbers, field names that end in their unit.
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the built-in plates.
+    Presets,
+    /// List the ports where a device can be: sim, Slipline devices, then other serial ports.
+    Ports,
+    /// Tell who the device is and how it is.
+    Info {
+        /// Which device.
+        #[command(flatten)]
+        port: PortArgument,
+    },
+    /// Put a table on a device and drive it.
+    Drive(DriveArguments),
+    /// Solve the plate at one frequency: complex amplitude over x, turning point, peak.
+    Respond(RespondArguments),
+    /// Make the turning-point table of a plate.
+    Table(TableArguments),
+    /// Run the whole chain: protocol, device application, DAC codes, plate in time.
+    Simulate(SimulateArguments),
+    /// Write the DAC codes of a drive as a WAV file.
+    Record(RecordArguments),
+    /// Compare a device's own digest of its DAC codes with the mirror's.
+    Verify(VerifyArguments),
+    /// Say how good a plate is: one light per question, with the reason.
+    Check(CheckArguments),
+}
+
+/// Which device.
+#[derive(Debug, Args)]
+pub struct PortArgument {
+    /// sim, a serial port's name, or unix:PATH.
+    #[arg(long, value_name = "P")]
+    port: Port,
+}
+
+/// Which plate.
+#[derive(Debug, Args)]
+pub struct PlateArgument {
+    /// A preset's name or a TOML file.
+    #[arg(long, value_name = "PLATE")]
+    plate: String,
+}
+
+/// Which tones.
+#[derive(Debug, Args)]
+pub struct TonesArgument {
+    /// Where the boundary is to lie (120mm), or its frequency (126Hz).
+    #[arg(long, value_name = "X", value_parser = argument::boundary)]
+    boundary: Option<Boundary>,
+    /// One more tone: where it peaks, and its level (90mm:0.5). Up to 16 in all.
+    #[arg(long = "tone", value_name = "X:LEVEL", value_parser = argument::tone)]
+    tones: Vec<ToneArgument>,
+    /// The boundary's level, 0 to 1 of the table's full scale.
+    #[arg(long, value_parser = argument::level, default_value = "0.8")]
+    level: f64,
+}
+
+/// `drive`.
+#[derive(Debug, Args)]
+pub struct DriveArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    #[command(flatten)]
+    plate: PlateArgument,
+    #[command(flatten)]
+    tones: TonesArgument,
+    /// How long to drive; without it, until Ctrl-C.
+    #[arg(long = "for", value_name = "TIME", value_parser = argument::time)]
+    duration: Option<f64>,
+    /// How long the change takes.
+    #[arg(long, value_name = "TIME", value_parser = argument::time, default_value = "20ms")]
+    glide: f64,
+    /// Clear the device's latched faults first.
+    #[arg(long)]
+    clear_faults: bool,
+}
+
+/// `respond`.
+#[derive(Debug, Args)]
+pub struct RespondArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// The frequency, such as 40kHz.
+    #[arg(long, value_name = "F", value_parser = argument::frequency)]
+    freq: f64,
+    /// Places along the plate.
+    #[arg(long, default_value = "2001")]
+    points: usize,
+    /// The paper's equation, without the (W'/W) term.
+    #[arg(long)]
+    paper_mode: bool,
+}
+
+/// `table`.
+#[derive(Debug, Args)]
+pub struct TableArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// The device's sample rate, such as 400kHz.
+    #[arg(long, value_name = "F", value_parser = argument::frequency, default_value = "400kHz")]
+    sample_rate: f64,
+    /// Knots, 2 to 1025.
+    #[arg(long, default_value = "1025")]
+    knots: usize,
+    /// Write the JSON to this file.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// `simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// The plate the waves run on, if not the one the table is made for.
+    #[arg(long, value_name = "PLATE2")]
+    actual_plate: Option<String>,
+    #[command(flatten)]
+    tones: TonesArgument,
+    /// How long to drive; without it, until the plate has settled and been measured.
+    #[arg(long, value_name = "S", value_parser = argument::time)]
+    seconds: Option<f64>,
+    /// Leave the table's gains out: every tone at the same DAC amplitude.
+    #[arg(long)]
+    no_table: bool,
+    /// Write the envelope over x as CSV.
+    #[arg(long, value_name = "F")]
+    csv: Option<PathBuf>,
+    /// Draw the envelope over x as PNG.
+    #[arg(long, value_name = "F")]
+    png: Option<PathBuf>,
+}
+
+/// `record`.
+#[derive(Debug, Args)]
+pub struct RecordArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    #[command(flatten)]
+    tones: TonesArgument,
+    /// How long to record.
+    #[arg(long, value_name = "S", value_parser = argument::time, default_value = "1s")]
+    seconds: f64,
+    /// The WAV file: one channel, 16 bits, at the device's sample rate.
+    #[arg(long, value_name = "F")]
+    wav: PathBuf,
+}
+
+/// `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    /// The plate whose table is used for it.
+    #[arg(long, value_name = "PLATE", default_value = "membrane")]
+    plate: String,
+    /// Tones that sound, 1 to 16.
+    #[arg(long, default_value = "16")]
+    tones: u8,
+    /// The longest stretch of codes per digest.
+    #[arg(long, value_name = "TIME", value_parser = argument::time, default_value = "250ms")]
+    window: f64,
+}
+
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// One boundary; without it, the worst over the span.
+    #[arg(long, value_name = "X", value_parser = argument::boundary)]
+    boundary: Option<Boundary>,
+    /// The tone's level, 0 to 1.
+    #[arg(long, value_parser = argument::level, default_value = "1")]
+    level: f64,
+    /// The drive sits beside the centre line.
+    #[arg(long)]
+    off_centre: bool,
+}
+
+impl Command {
+    /// Does it, printing what came of it.
+    ///
+    /// # Errors
+    /// [`Failure`]: why not, and with which exit code to end.
+    pub fn run(self, json: bool) -> Result<(), Failure> {
+        match self {
+            Self::Presets => presets::run(json),
+            Self::Ports => info::ports(json),
+            Self::Info { port } => info::run(&port.port, json),
+            Self::Drive(arguments) => drive::run(&arguments, json),
+            Self::Respond(arguments) => respond::run(&arguments, json),
+            Self::Table(arguments) => table::run(&arguments, json),
+            Self::Simulate(arguments) => simulate::run(&arguments, json),
+            Self::Record(arguments) => record::run(&arguments, json),
+            Self::Verify(arguments) => verify::run(&arguments, json),
+            Self::Check(arguments) => check::run(&arguments, json),
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! `slipline record`.
+
+use super::{Failure, RecordArguments, argument, output};
+use crate::chain::Chain;
+use crate::link::{DriveRequest, Request, ToneRequest};
+use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, table_for};
+use serde_json::json;
+use slipline_plate::Plate;
+use std::path::Path;
+
+pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let tones =
+        argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
+    let seconds = argument::seconds("--seconds", arguments.seconds, (0.001, MAX_SECONDS))?;
+    let samples = (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u64;
+    write(&arguments.wav, &plate, &tones, samples)?;
+    let value = json!({
+        "wav": arguments.wav.display().to_string(),
+        "sample_rate_hz": SAMPLE_RATE_HZ,
+        "samples": samples,
+        "seconds": seconds,
+    });
+    output::print(as_json, &value, |out| {
+        let (name, kilohertz) = (arguments.wav.display(), f64::from(SAMPLE_RATE_HZ) / 1e3);
+        writeln!(out, "{samples} codes ({seconds} s at {kilohertz} kS/s) written to {name}.")
+    })
+}
+
+/// Records so many codes, from the block in which the drive begins.
+fn write(path: &Path, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
+    let (_, table) = table_for(plate, SAMPLE_RATE_HZ)?;
+    let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
+    chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
+    let tones = (0u8..)
+        .zip(tones)
+        .map(|(slot, &(boundary_m, level))| ToneRequest { slot, boundary_m, level, phase_turns: 0.0 })
+        .collect();
+    let begin = chain.samples();
+    let mut codes = Vec::new();
+    let drive = Request::Drive(DriveRequest::of(tones));
+    let at = chain.perform(drive, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
+
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: SAMPLE_RATE_HZ,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    output::file(path, |file| {
+        let mut wav = hound::WavWriter::new(file, spec)?;
+        let mut left = samples;
+        let mut result = Ok(());
+        let mut take = |codes: &[u16]| {
+            for &code in codes.iter().take(left as usize) {
+                // 12 bits about mid-scale in the upper bits of 16.
+                let sample = (i32::from(code) - 2048) * 16;
+                result = std::mem::replace(&mut result, Ok(())).and_then(|()| wav.write_sample(sample));
+                left -= 1;
+            }
+        };
+        take(codes.get((at.saturating_sub(begin)) as usize..).unwrap_or_default());
+        // Rounded up to blocks, so never too few.
+        chain.pass(samples, &mut take);
+        result?;
+        Ok(wav.finalize()?)
+    })
+}

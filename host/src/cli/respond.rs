@@ -1,0 +1,45 @@
+//! `slipline respond`.
+
+use super::{Failure, RespondArguments, argument, output};
+use crate::quantity::{show_frequency, show_place};
+use serde_json::json;
+use slipline_plate::{Equation, respond};
+
+pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
+    let response = respond(&plate, arguments.freq, arguments.points, equation).map_err(Failure::usage)?;
+    let peak = response.peak;
+    let value = json!({
+        "plate": plate.name(),
+        "frequency_hz": response.frequency_hz,
+        "paper_mode": arguments.paper_mode,
+        "position_m": response.position_m,
+        "amplitude": response.amplitude.iter().map(|f| json!({ "re": f.re, "im": f.im })).collect::<Vec<_>>(),
+        "turning_point_m": response.turning_point_m,
+        "peak_present": peak.is_some(),
+        "peak_position_m": peak.map(|peak| peak.position_m),
+        "peak_amplitude": peak.map(|peak| peak.amplitude),
+        "edge_width_m": response.edge_width_m,
+    });
+    output::print(as_json, &value, |out| {
+        let peak_line = peak.map_or_else(
+            || "none: the wave has died out before its turning point".to_owned(),
+            |peak| {
+                let largest = if peak.is_largest { "" } else { ", not the largest on the plate" };
+                format!("{}, {:.3} times the drive{largest}", show_place(peak.position_m), peak.amplitude)
+            },
+        );
+        output::lines(
+            out,
+            &[
+                ("Plate", plate.name().to_owned()),
+                ("Frequency", show_frequency(response.frequency_hz)),
+                ("Turning point", show_place(response.turning_point_m)),
+                ("Peak", peak_line),
+                ("Edge width", format!("{} (peak to a tenth)", show_place(response.edge_width_m))),
+                ("Places", response.position_m.len().to_string()),
+            ],
+        )
+    })
+}

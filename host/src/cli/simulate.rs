@@ -1,0 +1,127 @@
+//! `slipline simulate`.
+
+use super::{Failure, SimulateArguments, argument, output};
+use crate::envelope_plot;
+use crate::quantity::{show_frequency, show_length, show_place};
+use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult, table_for};
+use serde_json::{Value, json};
+use slipline_plate::table_sensitivity;
+use std::io::Write;
+
+pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
+    let tones =
+        argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
+    let seconds =
+        arguments.seconds.map(|s| argument::seconds("--seconds", s, (0.01, MAX_SECONDS))).transpose()?;
+    let (table, _) = table_for(&plate, SAMPLE_RATE_HZ)?;
+    let sensitivity = actual
+        .as_ref()
+        .map(|actual| table_sensitivity(&table, &plate, actual))
+        .transpose()
+        .map_err(Failure::usage)?;
+    let simulation = Simulation {
+        plate: &plate,
+        actual: actual.as_ref().unwrap_or(&plate),
+        tones: &tones,
+        has_gains: !arguments.no_table,
+        seconds,
+    };
+    let result = simulation.run_with(&table)?;
+    if let Some(path) = &arguments.csv {
+        output::file(path, |out| Ok(csv(&result, out)?))?;
+    }
+    if let Some(path) = &arguments.png {
+        output::file(path, |out| envelope_plot::png(&result, plate.name(), out))?;
+    }
+
+    let mut value = result.tones.first().map_or(json!({}), tone_value);
+    if let Value::Object(fields) = &mut value {
+        let mut put = |name: &str, value: Value| drop(fields.insert(name.to_owned(), value));
+        put("plate", json!(plate.name()));
+        put("actual_plate", json!(simulation.actual.name()));
+        put("has_table_gains", json!(simulation.has_gains));
+        put("clipped_samples", json!(result.clipped_samples));
+        put("simulated_s", json!(result.seconds));
+        put("measured_s", json!(result.window_s));
+        put("peak_at_full_scale_m", json!(result.peak_at_full_scale_m));
+        put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
+        put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
+        if result.tones.len() > 1 {
+            put("tones", json!(result.tones.iter().map(tone_value).collect::<Vec<_>>()));
+        }
+    }
+    output::print(as_json, &value, |out| {
+        output::lines(
+            out,
+            &[
+                ("Plate", plate.name().to_owned()),
+                ("Waves run on", simulation.actual.name().to_owned()),
+                ("Simulated", format!("{:.3} s, the last {:.3} s measured", result.seconds, result.window_s)),
+                ("Clipped", format!("{} samples", result.clipped_samples)),
+            ],
+        )?;
+        if let Some(it) = sensitivity {
+            let (worst, at) = (it.worst_db, show_place(it.worst_at_m));
+            writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
+        }
+        writeln!(out)?;
+        output::table(out, &rows(&result))
+    })
+}
+
+fn tone_value(tone: &ToneResult) -> Value {
+    json!({
+        "commanded_boundary_m": tone.boundary_m,
+        "level": tone.level,
+        "frequency_hz": tone.frequency_hz,
+        "turning_point_m": tone.predicted.turning_point_m,
+        "peak_position_m": tone.predicted.peak.map(|peak| peak.position_m),
+        "peak_amplitude_m": tone.predicted_peak_m,
+        "edge_width_m": tone.predicted.edge_width_m,
+        "peak_present": tone.measured.is_some() && tone.predicted.peak.is_some(),
+        "measured_turning_point_m": tone.measured_turning_point_m,
+        "measured_peak_position_m": tone.measured.map(|peak| peak.position_m),
+        "measured_peak_amplitude_m": tone.measured.map(|peak| peak.amplitude),
+        "position_m": tone.predicted.position_m,
+        "amplitude": tone.predicted.amplitude.iter().map(|f| json!({ "re": f.re, "im": f.im })).collect::<Vec<_>>(),
+        "measured_amplitude_m": tone.field_m.iter().map(|f| f.norm()).collect::<Vec<_>>(),
+    })
+}
+
+fn rows(result: &Simulated) -> Vec<Vec<String>> {
+    let header = [
+        "Boundary",
+        "Level",
+        "Frequency",
+        "Turns at",
+        "Peak due at",
+        "Peak found at",
+        "Amplitude",
+        "Edge width",
+    ];
+    let row = |tone: &ToneResult| {
+        let none = || "none".to_owned();
+        vec![
+            show_place(tone.boundary_m),
+            format!("{:.2}", tone.level),
+            show_frequency(tone.frequency_hz),
+            show_place(tone.predicted.turning_point_m),
+            tone.predicted.peak.map_or_else(none, |peak| show_place(peak.position_m)),
+            tone.measured.map_or_else(none, |peak| show_place(peak.position_m)),
+            tone.measured.map_or_else(none, |peak| show_length(peak.amplitude)),
+            show_place(tone.predicted.edge_width_m),
+        ]
+    };
+    std::iter::once(header.map(str::to_owned).to_vec()).chain(result.tones.iter().map(row)).collect()
+}
+
+fn csv(result: &Simulated, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "position_m,predicted_rms_m,measured_rms_m,measured_maximum_m")?;
+    let places = result.position_m.iter().zip(&result.predicted_rms_m);
+    for ((x_m, predicted_m), (rms_m, maximum_m)) in places.zip(result.rms_m.iter().zip(&result.maximum_m)) {
+        writeln!(out, "{x_m},{predicted_m:e},{rms_m:e},{maximum_m:e}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,71 @@
+//! `slipline table`.
+
+use super::{Failure, TableArguments, argument, output};
+use crate::quantity::{show_frequency, show_length, show_place};
+use crate::table::DeviceTable;
+use serde_json::json;
+use slipline_plate::{DriveTable, sensitivity_per_percent};
+use std::io::Write;
+
+pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let rate_hz = arguments.sample_rate;
+    let table = DriveTable::build(&plate, rate_hz, arguments.knots).map_err(Failure::usage)?;
+    let device_table = DeviceTable::quantise(&table).map_err(Failure::usage)?;
+    let sensitivity = sensitivity_per_percent(&plate, rate_hz).map_err(Failure::usage)?;
+    let value = json!({
+        "plate": plate.name(),
+        "sample_rate_hz": rate_hz,
+        "span_start_m": table.span_start_m,
+        "span_end_m": table.span_end_m,
+        "knots": table.knots.iter().map(|knot| json!({
+            "position_m": knot.position_m,
+            "frequency_hz": knot.frequency_hz,
+            "gain": knot.gain,
+            "peak_present": knot.peak_present,
+        })).collect::<Vec<_>>(),
+        "peak_at_full_scale_m": table.peak_at_full_scale_m,
+        "worst_error_db": table.worst_error_db,
+        "worst_shift_m": table.worst_shift_m,
+        "swing_without_gain_db": table.swing_without_gain_db,
+        "knots_without_peak": table.knots_without_peak,
+        "sensitivity_db_per_percent": sensitivity.worst_db,
+        "sensitivity_at_m": sensitivity.worst_at_m,
+        "crc": format!("{:08x}", device_table.crc()),
+    });
+    if let Some(path) = &arguments.out {
+        output::file(path, |out| Ok(writeln!(out, "{value}")?))?;
+    }
+    output::print(as_json, &value, |out| {
+        let frequency = |knot: Option<&slipline_plate::Knot>| {
+            knot.map_or_else(String::new, |knot| show_frequency(knot.frequency_hz))
+        };
+        let peaks = match table.knots_without_peak {
+            0 => "everywhere".to_owned(),
+            count => format!("missing at {count} knots: loss leaves none there"),
+        };
+        let mut lines = vec![
+            ("Plate", plate.name().to_owned()),
+            ("Sample rate", show_frequency(rate_hz)),
+            ("Span", format!("{} to {}", show_place(table.span_start_m), show_place(table.span_end_m))),
+            ("Band", format!("{} to {}", frequency(table.knots.first()), frequency(table.knots.last()))),
+            ("Knots", format!("{}, CRC {:08x}", table.knots.len(), device_table.crc())),
+            ("Peak at level 1", show_length(table.peak_at_full_scale_m)),
+            ("Peaks", peaks),
+            ("Departure", format!("{:.2} dB at most between the knots", table.worst_error_db)),
+            ("Without gains", format!("{:.1} dB swing over the span", table.swing_without_gain_db)),
+            (
+                "Sensitivity",
+                format!(
+                    "{:.2} dB per 1 % of wave speed, worst at {}",
+                    sensitivity.worst_db,
+                    show_place(sensitivity.worst_at_m)
+                ),
+            ),
+        ];
+        if let Some(path) = &arguments.out {
+            lines.push(("Written to", path.display().to_string()));
+        }
+        output::lines(out, &lines)
+    })
+}

@@ -1,0 +1,219 @@
+//! `slipline verify`: does the device send the very codes the mirror says?
+//!
+//! For each stage the device is told to make a CRC-32 of a window of its codes that lies ahead, something is done
+//! within the window, and the mirror renders the same window from what the device acknowledged. Equal digests are
+//! equal codes, every one of them, on any board.
+
+use super::device::Device;
+use super::{Failure, VerifyArguments, argument, output};
+use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
+use crate::mirror::{Mirror, TooLate};
+use serde_json::{Value, json};
+use slipline_app::mailbox::Stop;
+use slipline_protocol::command::DigestWindow;
+use slipline_protocol::event::Digest;
+use slipline_protocol::frame::CRC;
+use slipline_protocol::limits::MAX_DIGEST_SAMPLES;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// A window begins so far ahead that the command is there before it, over the slowest link, in seconds.
+const AHEAD_S: f64 = 0.1;
+/// A stop has ramped out and the table has been taken up after so long.
+const REST: Duration = Duration::from_millis(100);
+
+/// What happens within a window.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// The tones start from silence.
+    Start,
+    /// They sound on.
+    Steady,
+    /// They glide to other places, three times.
+    Drag,
+    /// They ramp to silence.
+    Stop,
+}
+
+impl Stage {
+    const ALL: [Self; 4] = [Self::Start, Self::Steady, Self::Drag, Self::Stop];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start from silence",
+            Self::Steady => "steady tones",
+            Self::Drag => "drag",
+            Self::Stop => "stop",
+        }
+    }
+}
+
+struct Compared {
+    stage: Stage,
+    digest: Digest,
+    mirror: u32,
+}
+
+impl Compared {
+    fn is_equal(&self) -> bool {
+        self.digest.crc == Some(self.mirror)
+    }
+}
+
+pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate)?;
+    if !(1..=16).contains(&arguments.tones) {
+        return Err(Failure::Usage(format!("--tones is {}: must be 1 to 16", arguments.tones)));
+    }
+    let port = &arguments.port.port;
+    let device = Device::connect(port)?;
+    let rate = f64::from(device.identity()?.sample_rate_hz);
+    let longest_s = f64::from(MAX_DIGEST_SAMPLES) / rate;
+    let window_s = argument::seconds("--window", arguments.window, (0.01, longest_s))?;
+    let table = device.use_table(&plate)?;
+    device.perform(Request::Arm)?;
+    sleep(REST);
+
+    let mut mirror = Follower::new(&device, &table, rate as u32)?;
+    let mut compared = Vec::new();
+    for stage in Stage::ALL {
+        let from = device.perform_at(Request::Refresh)? + (AHEAD_S * rate) as u64;
+        let window = DigestWindow { from, count: (window_s * rate) as u32 };
+        let ticket = device.handle().send(Request::Digest(window));
+        // To the beginning of the window, and a little into it.
+        sleep(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
+        act(stage, &device, &plate, arguments.tones, window_s)?;
+        let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
+        let digest = match device.handle().wait(ticket, patience) {
+            Some(Outcome::Digest(digest)) => digest,
+            Some(Outcome::Refused(sentence)) => return Err(Failure::Failed(sentence)),
+            _ => return Err(Failure::Failed("the device gave no digest".to_owned())),
+        };
+        let mirror = mirror.digest(&device, window)?;
+        compared.push(Compared { stage, digest, mirror });
+    }
+    device.perform(Request::Stop)?;
+    report(port.to_string(), &compared, as_json)?;
+    if compared.iter().all(Compared::is_equal) {
+        Ok(())
+    } else {
+        Err(Failure::Failed("the device's codes are not the mirror's".to_owned()))
+    }
+}
+
+fn act(
+    stage: Stage,
+    device: &Device,
+    plate: &slipline_plate::Plate,
+    count: u8,
+    window_s: f64,
+) -> Result<(), Failure> {
+    let (start_m, end_m) = plate.span_m();
+    let drive = |shift: f64| {
+        let tones = (0..count)
+            .map(|slot| {
+                let share = 0.05 + 0.8 * f64::from(slot) / f64::from(count) + 0.1 * shift;
+                ToneRequest {
+                    slot,
+                    boundary_m: start_m + share * (end_m - start_m),
+                    level: 0.9 / f64::from(count),
+                    phase_turns: f64::from(slot) / f64::from(count),
+                }
+            })
+            .collect();
+        device.perform(Request::Drive(DriveRequest::of(tones)))
+    };
+    match stage {
+        Stage::Start => drop(drive(0.0)?),
+        Stage::Steady => {}
+        Stage::Drag => {
+            for shift in [1.0, 0.3, 0.7] {
+                drive(shift)?;
+                sleep(Duration::from_secs_f64(0.1 * window_s));
+            }
+        }
+        Stage::Stop => drop(device.perform(Request::Stop)?),
+    }
+    Ok(())
+}
+
+/// The mirror, kept up with what the link has noted.
+struct Follower {
+    mirror: Mirror,
+    seen: u64,
+}
+
+impl Follower {
+    /// From now on, when the device is silent and holds this table.
+    fn new(device: &Device, table: &crate::table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
+        let now = device.perform_at(Request::Refresh)?;
+        let mut mirror = Mirror::new(rate_hz, now);
+        mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;
+        let seen = device.snapshot().journal.back().map_or(0, |entry| entry.number);
+        Ok(Self { mirror, seen })
+    }
+
+    /// The CRC-32 of a window that is over.
+    fn digest(&mut self, device: &Device, window: DigestWindow) -> Result<u32, Failure> {
+        let snapshot = device.snapshot();
+        let seen = self.seen;
+        for entry in snapshot.journal.iter().filter(|entry| entry.number > seen) {
+            self.follow(entry).map_err(Failure::failed)?;
+        }
+        self.seen = snapshot.journal.back().map_or(self.seen, |entry| entry.number);
+        let end = window.from + u64::from(window.count);
+        let mut crc = CRC.digest();
+        let block = slipline_app::bank::BLOCK as u64;
+        self.mirror.render(end.next_multiple_of(block), |first, codes| {
+            for (index, code) in (first..).zip(codes) {
+                if (window.from..end).contains(&index) {
+                    crc.update(&code.to_le_bytes());
+                }
+            }
+        });
+        Ok(crc.finalize())
+    }
+
+    fn follow(&mut self, entry: &Acknowledged) -> Result<(), TooLate> {
+        match &entry.change {
+            Change::Drive(drive) => self.mirror.acknowledge_drive(drive, entry.at),
+            Change::Stop | Change::Disarmed | Change::Session => {
+                self.mirror.acknowledge_stop(Stop::Normal, entry.at)
+            }
+            Change::EmergencyStop => self.mirror.acknowledge_stop(Stop::Emergency, entry.at),
+            Change::Table(table) => self.mirror.acknowledge_table(table.knots().into(), entry.at),
+            Change::Armed => Ok(()),
+        }
+    }
+}
+
+fn report(port: String, compared: &[Compared], as_json: bool) -> Result<(), Failure> {
+    let windows: Vec<Value> = compared
+        .iter()
+        .map(|it| {
+            json!({
+                "stage": it.stage.name(),
+                "from_samples": it.digest.from,
+                "samples": it.digest.count,
+                "device_crc": it.digest.crc.map(|crc| format!("{crc:08x}")),
+                "mirror_crc": format!("{:08x}", it.mirror),
+                "equal": it.is_equal(),
+            })
+        })
+        .collect();
+    let value = json!({ "port": port, "equal": compared.iter().all(Compared::is_equal), "windows": windows });
+    output::print(as_json, &value, |out| {
+        let header = ["Stage", "From sample", "Samples", "Device", "Mirror", ""].map(str::to_owned).to_vec();
+        let rows = compared.iter().map(|it| {
+            vec![
+                it.stage.name().to_owned(),
+                it.digest.from.to_string(),
+                it.digest.count.to_string(),
+                it.digest.crc.map_or_else(|| "none".to_owned(), |crc| format!("{crc:08x}")),
+                format!("{:08x}", it.mirror),
+                if it.is_equal() { "equal" } else { "DIFFERENT" }.to_owned(),
+            ]
+        });
+        output::table(out, &std::iter::once(header).chain(rows).collect::<Vec<_>>())
+    })
+}
