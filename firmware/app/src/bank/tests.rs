@@ -255,6 +255,22 @@ fn codes_round_to_nearest_clamp_and_count_what_they_clamp() {
     assert_eq!(out[..8], [4095, 1, 4095, 4095, 0, 2048, 2049, 2048]);
 }
 
+#[test]
+fn a_basis_is_built_once_for_each_new_step() {
+    use super::kernel::{Kernel, Portable, Survey};
+    let mut tones = [ToneBlock::steady(step(0.1), AMPLITUDE_ONE / 16); TONES];
+    let (mut bank, mut out) = (Bank::new(), [0; BLOCK]);
+    assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Retuned);
+    bank.render(&tones, &mut out);
+    assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Unchanged);
+    tones[15].step_end += 1;
+    assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Gliding);
+    tones[15].step += 1;
+    assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Retuned);
+    tones[15].amplitude_end += 1;
+    assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Gliding);
+}
+
 fn any_tone() -> impl Strategy<Value = ToneBlock> {
     (any::<u64>(), any::<u64>(), any::<u32>(), any::<u32>()).prop_map(
         |(step, step_end, amplitude, amplitude_end)| ToneBlock { step, step_end, amplitude, amplitude_end },
