@@ -8,7 +8,7 @@ use crate::respond::Equation;
 const FREQUENCY_HZ: f64 = 40e3;
 
 pub(super) fn figure() -> Result<Figure, FigureError> {
-    let printed = ramp(-100.0, 340.0, POINTS)
+    let printed = ramp(-60.0, 340.0, POINTS)
         .map(|x| (x, printed::amplitude(x * 1e-3, FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M)))
         .collect();
     let printed_x0_mm = printed::turning_point_m(FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3;
@@ -19,9 +19,11 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let x0 = response.turning_point_m;
     let kappa = airy::EDGE_WIDTH / response.edge_width_m;
     let peak = response.peak.map_or((0.0, 0.0), |peak| (peak.position_m, peak.amplitude));
+    // The Airy form is a near form: shown from its third node on.
     let airy = response
         .position_m
         .iter()
+        .filter(|&&x| kappa * (x - x0) > airy::NODES[2])
         .map(|&x| (x * 1e3, (airy::ai(kappa * (x - x0)) / airy::PEAK_VALUE).abs() * peak.1))
         .collect();
     let series = |name: &str, stroke, hue, points| Series { name: name.to_owned(), stroke, hue, points };
@@ -37,7 +39,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                     "(24), (26), (35), (36): SH wave, Vs = 3103 m/s, W0 = 2 cm, d = 4.62 /m.".to_owned(),
                     "x0 = -6.7 mm: the turning point lies BEFORE the drive, the wave never turns.".to_owned(),
                 ],
-                x_range: (-100.0, 340.0),
+                x_range: (-60.0, 340.0),
                 y_range: (-1.0, 1.15),
                 y_label: "f / largest f",
                 series: vec![series("(35), (36)", Stroke::Solid, 0, printed)],
@@ -50,13 +52,13 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                 heading: "corrected",
                 convention: vec![
                     "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
-                    "The peak stands 1.019/kappa before x0; a standing wave before it, a tail behind it.".to_owned(),
+                    "The peak stands 1.019/κ before x0; a standing wave before it, a tail behind it.".to_owned(),
                 ],
-                x_range: (-100.0, 340.0),
+                x_range: (-60.0, 340.0),
                 y_range: (0.0, top),
                 y_label: "|f| / incident wave",
                 series: vec![
-                    series("f'' + (W'/W) f' + k^2 f = 0", Stroke::Solid, 0, magnitude(&response)),
+                    series("f'' + (W'/W) f' + k² f = 0", Stroke::Solid, 0, magnitude(&response)),
                     series("without the (W'/W) term", Stroke::Dashed, 2, magnitude(&without_term)),
                     series("|Ai|, scaled to the peak", Stroke::Dashed, 3, airy),
                 ],

@@ -13,7 +13,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let mut corrected = (Vec::new(), Vec::new());
     let mut top: f64 = 0.0;
     for (hue, frequency_hz) in FREQUENCIES_HZ.into_iter().enumerate() {
-        let points = ramp(-100.0, 340.0, POINTS)
+        let points = ramp(-60.0, 340.0, POINTS)
             .map(|x| (x, printed::amplitude(x * 1e-3, frequency_hz, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M)))
             .collect();
         printed.0.push(Series { name: name(frequency_hz), stroke: Stroke::Solid, hue, points });
@@ -38,7 +38,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                     "(24), (35), (36): SH wave in aluminium, W0 = 2 cm, d = 4.62 /m: -6.7 and +143 mm.".to_owned(),
                     "This is a WIDENING plate driven from large x: a higher frequency moves the boundary to smaller x.".to_owned(),
                 ],
-                x_range: (-100.0, 340.0),
+                x_range: (-60.0, 340.0),
                 y_range: (-1.0, 1.15),
                 y_label: "f / largest f",
                 series: printed.0,
@@ -50,7 +50,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                     "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
                     "x0 = (1/2d) ln(f/fc0): an octave moves the boundary by ln 2/(2d) = 75 mm, away from the drive.".to_owned(),
                 ],
-                x_range: (-100.0, 340.0),
+                x_range: (-60.0, 340.0),
                 y_range: (0.0, 1.15 * top),
                 y_label: "|f| / incident wave",
                 series: corrected.0,

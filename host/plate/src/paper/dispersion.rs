@@ -83,7 +83,7 @@ pub(super) fn figure() -> Figure {
     Figure {
         number: 2,
         title: "the local wavenumber as the plate narrows",
-        x_label: "<- Im k   |   Re k ->   / (1/m)",
+        x_label: "left: -Im k, right: Re k / (1/m)",
         panels: [
             panel(
                 "as printed",

@@ -34,7 +34,7 @@ pub(super) fn figure() -> Figure {
     let at_mm = turning_point_m() * 1e3;
     let printed = vec![
         series(
-            "V = (pi/2W0)^2 e^(-2dx), as in (23)",
+            "V = (π/2W0)² exp(-2dx), as in (23)",
             Stroke::Solid,
             0,
             over(RANGE_MM.0, &|x| potential(x, -1.0)),
@@ -45,26 +45,26 @@ pub(super) fn figure() -> Figure {
             2,
             over(RANGE_MM.0, &|x| potential(x, 1.0).sqrt() * potential(0.0, 1.0).sqrt()),
         ),
-        series("E = (omega/Vs)^2 at 40 Hz", Stroke::Solid, 1, over(RANGE_MM.0, &|_| energy())),
+        series("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(RANGE_MM.0, &|_| energy())),
     ];
     // (sqrt W)''/sqrt W = d^2/4: what the lost (W'/W) term adds to the potential.
     let added = 0.25 * RATE_PER_M * RATE_PER_M;
     let corrected = vec![
-        series("V = (pi/2W)^2, W = W0 e^(-dx)", Stroke::Solid, 0, over(0.0, &|x| potential(x, 1.0))),
+        series("V = (π/2W)², W = W0 exp(-dx)", Stroke::Solid, 0, over(0.0, &|x| potential(x, 1.0))),
         series(
-            "V + d^2/4 (with the (W'/W) term)",
+            "V + d²/4 (with the (W'/W) term)",
             Stroke::Dashed,
             2,
             over(0.0, &|x| potential(x, 1.0) + added),
         ),
-        series("E = (omega/Vs)^2 at 40 Hz", Stroke::Solid, 1, over(0.0, &|_| energy())),
+        series("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(0.0, &|_| energy())),
     ];
     let panel = |heading, convention: &[&str], series, x: f64| Panel {
         heading,
         convention: convention.iter().map(|&line| line.to_owned()).collect(),
         x_range: RANGE_MM,
         y_range: (0.0, 6.0),
-        y_label: "V, E / (1000/m^2)",
+        y_label: "V, E / (1000/m²)",
         series,
         marks: vec![Mark { name: "turning point".to_owned(), hue: 1, x }],
     };
@@ -86,7 +86,7 @@ pub(super) fn figure() -> Figure {
                 "corrected",
                 &[
                     "(22): V goes with the inverse square of W and rises; the wave comes from x = 0 and turns at x0.",
-                    "The same sheet. The lost term lifts V by d^2/4, here by 0.2 % of E.",
+                    "The same sheet. The lost term lifts V by d²/4, here by 0.2 % of E.",
                 ],
                 corrected,
                 at_mm,
