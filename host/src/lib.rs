@@ -7,12 +7,39 @@
 //! ```
 //! The app needs the feature `gui`; everything else builds without it.
 
+#[cfg(feature = "gui")]
+pub mod app;
 pub mod chain;
 pub mod cli;
+pub mod edit;
 pub mod envelope_plot;
+#[cfg(feature = "gui")]
+pub mod export;
 pub mod figures;
+#[cfg(feature = "gui")]
+pub mod files;
 pub mod link;
+#[cfg(feature = "gui")]
+pub mod live;
 pub mod mirror;
+pub mod model;
+#[cfg(feature = "gui")]
+pub mod picture;
+#[cfg(feature = "gui")]
+pub mod pilot;
 pub mod quantity;
+#[cfg(feature = "gui")]
+pub mod settings;
+pub mod setup_file;
 pub mod simulation;
+#[cfg(feature = "gui")]
+pub mod spectrum;
 pub mod table;
+#[cfg(feature = "gui")]
+pub mod tables;
+#[cfg(feature = "gui")]
+pub mod trial;
+#[cfg(feature = "gui")]
+pub mod view;
+#[cfg(feature = "gui")]
+pub mod workshop;

@@ -1,0 +1,156 @@
+//! What the app asks of the device by itself: the table after a change of plate, the drive once it may be sent.
+//!
+//! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
+//! armed by the link worker, and driven from the start so that the plate moves when the window opens.
+
+use crate::link::{Change, LinkState, Port, Snapshot};
+use crate::picture::SteadyTone;
+use crate::settings::Settings;
+use crate::table::DeviceTable;
+use crate::tables::TableMade;
+use slipline_protocol::command::Drive;
+use slipline_protocol::event::State;
+use std::sync::Arc;
+
+/// Something to ask of the device.
+#[derive(Clone, Debug)]
+pub enum Act {
+    /// Send this table.
+    Upload(Arc<DeviceTable>),
+    /// Send the setup's tones.
+    Drive,
+}
+
+/// What the user wants of the device, and what has been tried for it.
+#[derive(Clone, Debug, Default)]
+pub struct Pilot {
+    wants_drive: bool,
+    /// The table that was sent by itself last: one that fails is not sent again and again.
+    sent_table: Option<u32>,
+    /// Whether a drive has been sent since the device was last armed or its table changed.
+    has_driven: bool,
+}
+
+impl Pilot {
+    /// The user chose a port.
+    pub fn connecting(&mut self, port: &Port) {
+        *self = Self { wants_drive: *port == Port::Simulated, ..Self::default() };
+    }
+
+    /// Whether the user wants the plate driven.
+    #[must_use]
+    pub fn wants_drive(&self) -> bool {
+        self.wants_drive
+    }
+
+    /// The user stopped the drive.
+    pub fn stopped(&mut self) {
+        self.wants_drive = false;
+        self.has_driven = false;
+    }
+
+    /// The user wants the plate driven; whether the drive can be sent now.
+    pub fn start(&mut self, snapshot: &Snapshot) -> bool {
+        self.wants_drive = snapshot.is_connected();
+        self.has_driven = self.may_drive(snapshot);
+        self.has_driven
+    }
+
+    /// Whether a change of the setup is to be sent now.
+    #[must_use]
+    pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
+        let takes_drives = snapshot
+            .status
+            .is_some_and(|status| matches!(status.state, State::Armed | State::Driving | State::Stopping));
+        self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
+    }
+
+    /// Looks at what has changed on the link; `made` is the table for the plate on the screen.
+    pub fn look(
+        &mut self,
+        before: &Snapshot,
+        now: &Snapshot,
+        made: Option<&Arc<TableMade>>,
+        settings: &Settings,
+    ) -> Vec<Act> {
+        let mut acts = Vec::new();
+        let is_lost =
+            matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
+        if is_lost {
+            // It comes back disarmed and silent; the table is looked at anew.
+            self.stopped();
+            self.sent_table = None;
+            return acts;
+        }
+        let state = now.status.map(|status| status.state);
+        if matches!(state, Some(State::Fault | State::SafeMode)) {
+            self.stopped();
+        }
+        if !now.is_connected() {
+            return acts;
+        }
+        let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
+        let on_device = now.table.active.map(|header| header.crc);
+        if let Some(made) = made {
+            let crc = made.device_table.crc();
+            let is_wanted = is_simulated || settings.auto_upload;
+            if is_wanted && on_device != Some(crc) && now.upload.is_none() && self.sent_table != Some(crc) {
+                self.sent_table = Some(crc);
+                acts.push(Act::Upload(Arc::clone(&made.device_table)));
+                return acts;
+            }
+        }
+        let table_changed = before.table.active.map(|header| header.crc) != on_device;
+        if table_changed || !matches!(state, Some(State::Armed | State::Driving | State::Stopping)) {
+            self.has_driven = false;
+        }
+        // While a table is on its way the places would be those of the old one.
+        let is_table_coming = now.upload.is_some()
+            || (is_simulated && made.is_none_or(|made| on_device != Some(made.device_table.crc())));
+        if self.wants_drive && !self.has_driven && !is_table_coming && self.may_drive(now) {
+            self.has_driven = true;
+            acts.push(Act::Drive);
+        }
+        acts
+    }
+}
+
+/// What the device has acknowledged and sounds.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    /// The number of the journal's entry.
+    pub number: u64,
+    /// The drive, in the device's units.
+    pub drive: Arc<Drive>,
+    /// The table it is played with.
+    pub table: Arc<DeviceTable>,
+    /// Its tones, as the plate gets them.
+    pub tones: Vec<SteadyTone>,
+}
+
+/// What sounds; `None` when the device is silent or plays a table this program does not know.
+#[must_use]
+pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
+    let is_sounding =
+        snapshot.status.is_some_and(|status| matches!(status.state, State::Driving | State::Armed));
+    let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
+    let mut latest = None;
+    for entry in snapshot.journal.iter() {
+        match &entry.change {
+            Change::Drive(drive) => latest = Some((entry.number, drive)),
+            Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
+                latest = None
+            }
+            // The tones glide to the new table's places and gains.
+            Change::Table(_) => latest = latest.map(|(_, drive)| (entry.number, drive)),
+        }
+    }
+    let (number, drive) = latest.filter(|(_, drive)| !drive.tones.is_empty())?;
+    let master = 10f64.powf(f64::from(drive.master.0) / 2000.0);
+    let tones = drive.tones.iter().map(|tone| SteadyTone {
+        slot: tone.slot,
+        frequency_hz: table.frequency_hz(tone.position),
+        peak_m: f64::from(tone.level.0) / 65535.0 * master * table.peak_at_full_scale_m(),
+    });
+    Some(Heard { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
+}

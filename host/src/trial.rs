@@ -1,0 +1,147 @@
+//! The simulated plate under the device's codes: what the acknowledged drive does to it, in the time domain.
+//!
+//! ```text
+//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::TimeLine --> settle --> envelope
+//! ```
+//! It shares nothing with the solver that predicts the envelope but the plate: that the two agree is the check.
+
+use crate::mirror::Mirror;
+use crate::table::DeviceTable;
+use slipline_app::bank::BLOCK;
+use slipline_plate::{Plate, TimeLine};
+use slipline_protocol::command::Drive;
+use std::sync::Arc;
+
+/// Places along the plate.
+const POINTS: usize = 128;
+/// Turns of the slowest tone that are watched once the plate has settled.
+const TURNS: f64 = 6.0;
+/// The longest watch, in seconds: a beat slower than this is not seen to its top.
+const WATCH_MAX_S: f64 = 0.25;
+/// The longest run, in seconds of the device's time.
+const RUN_MAX_S: f64 = 12.0;
+/// Codes from the table to the drive, so that the table is in place.
+const AHEAD: u64 = 8 * BLOCK as u64;
+
+/// Largest displacement at places along the simulated plate.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// Which acknowledged change it belongs to.
+    pub number: u64,
+    /// Places in metres.
+    pub position_m: Vec<f64>,
+    /// Largest displacement seen at each place, in metres.
+    pub maximum_m: Vec<f64>,
+}
+
+impl Measured {
+    /// Place and displacement of each point, in metres.
+    pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.position_m.iter().copied().zip(self.maximum_m.iter().copied())
+    }
+
+    /// The displacement at the point nearest to `x`, if one is within half the points' distance.
+    #[must_use]
+    pub fn at(&self, x_m: f64) -> Option<f64> {
+        let step = self.position_m.get(1)? - self.position_m.first()?;
+        let (x, metres) = self.points().min_by(|a, b| (a.0 - x_m).abs().total_cmp(&(b.0 - x_m).abs()))?;
+        ((x - x_m).abs() <= 0.5 * step).then_some(metres)
+    }
+
+    /// The largest displacement and its place, in metres.
+    #[must_use]
+    pub fn highest(&self) -> Option<(f64, f64)> {
+        self.points().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// A drive to be tried on a plate.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Which acknowledged change it is.
+    pub number: u64,
+    /// The plate.
+    pub plate: Arc<Plate>,
+    /// The device's table.
+    pub table: Arc<DeviceTable>,
+    /// The drive the device has accepted.
+    pub drive: Arc<Drive>,
+    /// The device's bits per code.
+    pub dac_bits: u8,
+}
+
+/// Runs the drive on the plate until it has settled, and watches it. `None` when the plate cannot be run at the
+/// device's rate, or the drive could not be replayed.
+#[must_use]
+pub fn run(job: &Job) -> Option<Measured> {
+    let rate = job.table.header().sample_rate_hz;
+    let mut line = TimeLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
+    let mut mirror = Mirror::new(rate, 0);
+    mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
+    mirror.acknowledge_drive(&job.drive, AHEAD).ok()?;
+    let samples = |seconds: f64| (seconds * f64::from(rate)) as u64;
+    let glide_s = f64::from(job.drive.glide) / f64::from(rate);
+    let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
+    let slowest_hz = job
+        .drive
+        .tones
+        .iter()
+        .map(|tone| job.table.frequency_hz(tone.position))
+        .fold(f64::INFINITY, f64::min);
+    let watch_s = if job.drive.tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) };
+    let bits = u32::from(job.dac_bits);
+    mirror.render(settled, |_, codes| line.push_codes(codes, bits));
+    line.reset_envelope();
+    let end = mirror.now() + samples(watch_s).max(2 * BLOCK as u64);
+    mirror.render(end, |_, codes| line.push_codes(codes, bits));
+    let maximum_m = line.envelope().maximum_m().into_iter().map(f64::from).collect();
+    mirror.is_true().then(|| Measured {
+        number: job.number,
+        position_m: line.positions_m().to_vec(),
+        maximum_m,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::{Picture, SteadyTone};
+    use slipline_plate::DriveTable;
+    use slipline_protocol::command::{Apply, Tone};
+    use slipline_protocol::units::{CentiDecibel, Level, Phase};
+
+    #[test]
+    fn the_simulated_plate_stands_where_the_solver_predicts_it() {
+        for name in ["membrane", "al-bending"] {
+            let plate = Arc::new(slipline_plate::preset(name).unwrap());
+            let (start, end) = plate.span_m();
+            let table = DriveTable::build(&plate, 400_000.0, 257).unwrap();
+            let table = Arc::new(DeviceTable::quantise(&table).unwrap());
+            let x0 = start + 0.7 * (end - start);
+            let position = table.position(x0).unwrap();
+            let tone = Tone { slot: 0, position, level: Level::FULL, phase: Phase(0) };
+            let drive = Drive {
+                tones: heapless::Vec::from_slice(&[tone]).unwrap(),
+                master: CentiDecibel(0),
+                glide: 8000,
+                apply: Apply::Next,
+            };
+            let job = Job {
+                number: 1,
+                plate: Arc::clone(&plate),
+                table: Arc::clone(&table),
+                drive: Arc::new(drive),
+                dac_bits: 12,
+            };
+            let measured = run(&job).unwrap();
+            let frequency_hz = table.frequency_hz(position);
+            let peak_m = table.peak_at_full_scale_m();
+            let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
+            let worst = measured
+                .points()
+                .map(|(x, metres)| (metres - picture.bound_at(x)).abs() / peak_m)
+                .fold(0.0, f64::max);
+            assert!(worst < 0.08, "{name}: {worst}");
+        }
+    }
+}

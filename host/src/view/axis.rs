@@ -1,0 +1,108 @@
+//! The one x axis that plate, envelope and strip share.
+
+use eframe::egui::{Rangef, Rect};
+
+/// Places on the plate against pixels on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    left: f32,
+    points_per_m: f32,
+    length_m: f64,
+    pixels_per_point: f32,
+}
+
+impl Axis {
+    /// The axis of a plate of this length over this range of screen points, its ends on whole pixels.
+    #[must_use]
+    pub fn new(length_m: f64, screen: Rangef, pixels_per_point: f32) -> Self {
+        let left = (screen.min * pixels_per_point).round() / pixels_per_point;
+        let right = (screen.max * pixels_per_point).round() / pixels_per_point;
+        Self { left, points_per_m: (right - left).max(1.0) / length_m as f32, length_m, pixels_per_point }
+    }
+
+    /// Where a place is on the screen.
+    #[must_use]
+    pub fn screen_from_place(&self, x_m: f64) -> f32 {
+        self.left + x_m as f32 * self.points_per_m
+    }
+
+    /// Where a place is on the screen, in the middle of a pixel: for lines that must meet across views.
+    #[must_use]
+    pub fn line_from_place(&self, x_m: f64) -> f32 {
+        ((self.screen_from_place(x_m) * self.pixels_per_point).floor() + 0.5) / self.pixels_per_point
+    }
+
+    /// Which place is under a screen point, in metres; may lie off the plate.
+    #[must_use]
+    pub fn place_from_screen(&self, x: f32) -> f64 {
+        f64::from((x - self.left) / self.points_per_m)
+    }
+
+    /// Screen points per metre.
+    #[must_use]
+    pub fn points_per_m(&self) -> f32 {
+        self.points_per_m
+    }
+
+    /// The plate's length in metres.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// The plate's extent on the screen.
+    #[must_use]
+    pub fn screen(&self) -> Rangef {
+        Rangef::new(self.left, self.screen_from_place(self.length_m))
+    }
+
+    /// The part of `rect` over the plate.
+    #[must_use]
+    pub fn over_plate(&self, rect: Rect) -> Rect {
+        Rect::from_x_y_ranges(self.screen(), rect.y_range())
+    }
+
+    /// Round places to label, about `spacing` points apart, in metres.
+    #[must_use]
+    pub fn ticks(&self, spacing: f32) -> Vec<f64> {
+        let step = round_step(f64::from(spacing / self.points_per_m));
+        let count = (self.length_m / step + 1e-6).floor() as usize;
+        (0..=count.min(200)).map(|i| i as f64 * step).collect()
+    }
+}
+
+/// The nearest 1, 2 or 5 times a power of ten at or above `at_least`.
+#[must_use]
+pub fn round_step(at_least: f64) -> f64 {
+    if !(at_least > 0.0 && at_least.is_finite()) {
+        return 1.0;
+    }
+    let decade = 10f64.powf(at_least.log10().floor());
+    let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * decade >= at_least * (1.0 - 1e-9));
+    step.unwrap_or(10.0) * decade
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_goes_to_the_screen_and_back() {
+        for scale in [1.0, 1.5, 2.0] {
+            let axis = Axis::new(0.32, Rangef::new(60.3, 901.7), scale);
+            for x in [0.0, 0.05, 0.16, 0.32] {
+                assert!((axis.place_from_screen(axis.screen_from_place(x)) - x).abs() < 1e-6);
+                let pixel = axis.line_from_place(x) * scale - 0.5;
+                assert!((pixel - pixel.round()).abs() < 1e-3, "{pixel}");
+            }
+        }
+    }
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        assert_eq!(round_step(0.013), 0.02);
+        assert_eq!(round_step(3.0), 5.0);
+        assert_eq!(round_step(f64::NAN), 1.0);
+        assert_eq!(Axis::new(0.32, Rangef::new(0.0, 800.0), 1.0).ticks(90.0).len(), 7);
+    }
+}

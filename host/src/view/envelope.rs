@@ -1,0 +1,164 @@
+//! How far the plate moves at each x: predicted by the solver, and as the simulated plate did.
+
+use super::axis::{Axis, round_step};
+use super::{Scene, theme};
+use crate::model::BoundaryMode;
+use crate::picture::POINTS;
+use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
+
+/// Displacement against the screen: 0 at the bottom.
+struct Height {
+    rect: Rect,
+    top_m: f64,
+}
+
+impl Height {
+    fn screen(&self, metres: f64) -> f32 {
+        let share = (metres / self.top_m).clamp(0.0, 1.0) as f32;
+        self.rect.bottom() - share * (self.rect.height() - 6.0)
+    }
+}
+
+/// Shows the envelope in `rect`.
+pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let predicted = scene.predicted;
+    // Room for level 1 at least, so that the level is seen; it grows with the sum.
+    let top_m = (scene.full_peak_m * 1.08).max(predicted.highest_m() * 1.05).max(1e-12);
+    let height = Height { rect, top_m };
+    scale(ui, axis, &height);
+    let painter = ui.painter().with_clip_rect(rect.expand(1.0));
+    let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
+    let line = |values: &[f64]| -> Vec<Pos2> {
+        values.iter().enumerate().map(|(i, &metres)| pos2(place(i), height.screen(metres))).collect()
+    };
+    let is_sounding = scene.sounding.is_some();
+    let ink = palette.accent;
+    let bound = line(&predicted.bound_m);
+    let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
+    painter.add(area(&bound, rect.bottom(), fill));
+    if is_sounding {
+        painter.add(Shape::line(bound, Stroke::new(1.8, ink)));
+    } else {
+        painter.extend(Shape::dashed_line(&bound, Stroke::new(1.5, ink), 6.0, 4.0));
+    }
+    if predicted.tones.len() > 1 {
+        let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
+        painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
+    }
+    if let Some(measured) = scene.measured {
+        for (x_m, metres) in measured.points() {
+            let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
+            painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
+        }
+    }
+    edge(ui, scene, axis, &height);
+    if let BoundaryMode::FeltEdge { threshold_m } = scene.setup.boundary
+        && threshold_m < top_m
+    {
+        let y = height.screen(threshold_m);
+        let line = [pos2(axis.screen().min, y), pos2(axis.screen().max, y)];
+        painter.extend(Shape::dashed_line(&line, Stroke::new(1.0, palette.warn), 5.0, 4.0));
+        let place = pos2(axis.screen().max - 4.0, y - 2.0);
+        painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.warn);
+    }
+    legend(ui, scene, axis, rect);
+}
+
+fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
+    let mut mesh = Mesh::default();
+    for point in line {
+        mesh.colored_vertex(*point, fill);
+        mesh.colored_vertex(pos2(point.x, bottom), fill);
+    }
+    for i in 0..line.len().saturating_sub(1) as u32 {
+        mesh.add_triangle(2 * i, 2 * i + 1, 2 * i + 2);
+        mesh.add_triangle(2 * i + 1, 2 * i + 2, 2 * i + 3);
+    }
+    Shape::mesh(mesh)
+}
+
+fn scale(ui: &egui::Ui, axis: &Axis, height: &Height) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let (unit, unit_m) = unit_of(height.top_m);
+    let step = round_step(height.top_m / unit_m / 3.5);
+    let mut tick = 0.0;
+    while tick * unit_m <= height.top_m * 1.001 {
+        let y = height.screen(tick * unit_m).round() + 0.5;
+        if tick > 0.0 {
+            painter.hline(axis.screen(), y, Stroke::new(1.0, palette.grid));
+        }
+        let decimals = usize::from(step < 1.0) + usize::from(step < 0.1);
+        let label = format!("{tick:.decimals$}");
+        let place = pos2(axis.screen().min - 8.0, y);
+        painter.text(place, Align2::RIGHT_CENTER, label, font.clone(), palette.weak);
+        tick += step;
+    }
+    let left = Rangef::new(height.rect.left(), axis.screen().min);
+    let place = pos2(left.min, height.rect.top() - 1.0);
+    painter.text(place, Align2::LEFT_TOP, unit, font, palette.weak);
+    painter.hline(axis.screen(), height.rect.bottom() + 0.5, Stroke::new(1.0, palette.line));
+}
+
+/// The unit in which a displacement of this size is written.
+fn unit_of(metres: f64) -> (&'static str, f64) {
+    match metres {
+        m if m >= 2e-3 => ("mm", 1e-3),
+        m if m >= 2e-6 => ("µm", 1e-6),
+        _ => ("nm", 1e-9),
+    }
+}
+
+/// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.
+fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
+    let palette = theme::palette(ui);
+    let Some(wave) = scene.predicted.tone(scene.selected) else { return };
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let Some(peak_m) = wave.peak_position_m else {
+        let place = pos2(axis.screen_from_place(wave.turning_point_m) - 8.0, height.rect.top() + 6.0);
+        let text = "no peak: the loss leaves none here";
+        painter.text(place, Align2::RIGHT_TOP, text, font, palette.warn);
+        return;
+    };
+    let y = height.rect.bottom() - 7.0;
+    let range = Rangef::new(
+        axis.screen_from_place(peak_m),
+        axis.screen_from_place((peak_m + wave.edge_width_m).min(axis.length_m())),
+    );
+    let stroke = Stroke::new(1.5, palette.text);
+    painter.hline(range, y, stroke);
+    for x in [range.min, range.max] {
+        painter.vline(x, Rangef::new(y - 3.5, y + 3.5), stroke);
+    }
+}
+
+fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let mut right = axis.screen().max - 6.0;
+    let y = rect.top() + 11.0;
+    let mut entry = |text: &str, sample: &dyn Fn(f32)| {
+        let drawn = painter.text(pos2(right, y), Align2::RIGHT_CENTER, text, font.clone(), palette.weak);
+        sample(drawn.left() - 24.0);
+        right = drawn.left() - 38.0;
+    };
+    if scene.measured.is_some() {
+        entry("simulated plate", &|left| {
+            painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, palette.text));
+        });
+    }
+    if scene.predicted.tones.len() > 1 {
+        entry("mean of all tones", &|left| {
+            let line = [pos2(left, y), pos2(left + 18.0, y)];
+            painter.extend(Shape::dashed_line(&line, Stroke::new(1.2, palette.weak), 3.0, 3.0));
+        });
+    }
+    let what = if scene.predicted.tones.len() > 1 { "largest, predicted" } else { "predicted" };
+    entry(what, &|left| {
+        painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
+    });
+}

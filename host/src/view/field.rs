@@ -1,0 +1,94 @@
+//! Fields in which a value with a unit is typed. A value that is not taken stays in the field with the reason under it.
+
+use super::theme;
+use eframe::egui::{self, Id, Key, RichText};
+use std::collections::HashMap;
+
+/// What stands in the fields that are being typed in.
+#[derive(Default)]
+pub(crate) struct Fields {
+    texts: HashMap<Id, Typing>,
+}
+
+struct Typing {
+    text: String,
+    error: Option<String>,
+}
+
+/// One field: its name for screen readers, its present value as text, and what is allowed.
+pub(super) struct Field<'a> {
+    pub(super) name: &'a str,
+    pub(super) value: &'a str,
+    pub(super) hint: &'a str,
+    pub(super) width: f32,
+}
+
+impl Field<'_> {
+    /// Shows the field. What is typed goes through `take` on Enter or when the field is left.
+    pub(super) fn show<T>(
+        self,
+        ui: &mut egui::Ui,
+        fields: &mut Fields,
+        take: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Option<T> {
+        let id = ui.scope_id().with(("field", self.name));
+        ui.vertical(|ui| {
+            let typing = fields.texts.get(&id);
+            let mut text = typing.map_or_else(|| self.value.to_owned(), |typing| typing.text.clone());
+            let mut error = typing.and_then(|typing| typing.error.clone());
+            let mut edit =
+                egui::TextEdit::singleline(&mut text).id(id).desired_width(self.width).char_limit(64);
+            if error.is_some() {
+                edit = edit.text_color(theme::palette(ui).bad);
+            }
+            let response = ui.add(edit).on_hover_text(self.hint);
+            response.widget_info(|| {
+                let mut info = egui::WidgetInfo::text_edit(true, self.value, &text, self.hint);
+                info.label = Some(self.name.to_owned());
+                info
+            });
+            if response.changed() {
+                error = None;
+            }
+            let mut taken = None;
+            if response.lost_focus() {
+                // Escape gives up what was typed; everything else takes it.
+                let is_given_up = ui.input(|input| input.key_pressed(Key::Escape));
+                if is_given_up || text.trim() == self.value {
+                    fields.texts.remove(&id);
+                    error = None;
+                } else {
+                    match take(&text) {
+                        Ok(value) => {
+                            taken = Some(value);
+                            fields.texts.remove(&id);
+                            error = None;
+                        }
+                        Err(reason) => {
+                            fields.texts.insert(id, Typing { text, error: Some(reason.clone()) });
+                            error = Some(reason);
+                        }
+                    }
+                }
+            } else if response.has_focus() {
+                fields.texts.insert(id, Typing { text, error: error.clone() });
+            }
+            if let Some(error) = error {
+                ui.label(RichText::new(error).small().color(theme::palette(ui).bad));
+            }
+            taken
+        })
+        .inner
+    }
+}
+
+/// One line of a table of values: name on the left, value on the right.
+pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<RichText>) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(palette.weak));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(value.into()).truncate());
+        });
+    });
+}

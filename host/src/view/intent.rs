@@ -1,0 +1,113 @@
+//! What a view asks for. Views send nothing and change nothing of the device; the app carries intents out.
+
+use super::axis::Axis;
+use crate::edit::Edit;
+use crate::link::Request;
+use crate::settings::ThemeChoice;
+use std::path::PathBuf;
+
+/// What was grabbed with the pointer, so that every later move of the pointer is a move of the tone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grab {
+    /// The tone.
+    pub slot: u8,
+    /// The axis it was grabbed on.
+    pub axis: Axis,
+    /// How far the pointer was from the line when it took it, in points; kept during the drag.
+    pub offset: f32,
+}
+
+/// What is exported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Export {
+    /// The window as it looks, as PNG.
+    Picture,
+    /// The envelope over x (and the simulated one), as CSV.
+    Envelope,
+    /// The drive waveform in the plot, as CSV.
+    Waveform,
+    /// The drive as sound, as WAV.
+    Sound,
+    /// Versions, counters, setup and log, as text.
+    Diagnostics,
+}
+
+/// Which page stands in front of the window.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dialog {
+    /// The page of shortcuts.
+    Shortcuts,
+    /// Help with ports and permissions.
+    PortHelp,
+    /// Version, licences, where it comes from.
+    About,
+    /// Something real would happen.
+    Confirm(Confirm),
+}
+
+/// What needs a confirmation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Confirm {
+    /// Unmute a real amplifier.
+    Arm,
+    /// Overwrite what the device keeps in flash.
+    Store,
+    /// Erase what the device keeps in flash.
+    Forget,
+    /// Restart into the bootloader.
+    Bootloader,
+}
+
+/// One thing a view asks for.
+#[derive(Clone, Debug)]
+pub enum Intent {
+    /// Change the setup.
+    Edit(Edit),
+    /// Ask the link.
+    Request(Request),
+    /// Connect to a port.
+    Connect(crate::link::Port),
+    /// Drive the tones of the setup.
+    Start,
+    /// Ramp to silence.
+    Stop,
+    /// Make this tone the selected one.
+    Select(u8),
+    /// The pointer took a handle.
+    Grab(Grab),
+    /// Take back the latest change.
+    Undo,
+    /// Do again what was taken back.
+    Redo,
+    /// Back to one boundary on the first preset.
+    New,
+    /// Choose a setup or plate file and open it.
+    OpenDialog,
+    /// Open this file.
+    Open(PathBuf),
+    /// Choose where to save the setup.
+    SaveDialog,
+    /// Save the plate alone as a file.
+    SavePlateDialog,
+    /// Save what is seen.
+    Export(Export),
+    /// Send the table for the plate on the screen.
+    Upload,
+    /// Light, dark or as the system.
+    Theme(ThemeChoice),
+    /// Show a page, or close it.
+    Dialog(Option<Dialog>),
+    /// Carry out what was confirmed.
+    Confirmed(Confirm),
+    /// The message is read.
+    DismissNotice,
+    /// Look for ports again.
+    RefreshPorts,
+    /// Draw the wave moving, or standing.
+    Animate(bool),
+    /// Put text on the clipboard.
+    Copy(String),
+}
+
+/// What the views of one frame ask for, in order.
+pub type Intents = Vec<Intent>;

@@ -1,0 +1,95 @@
+//! The log: what was done and what went wrong, filtered, to be copied.
+
+use super::intent::{Intent, Intents};
+use super::{Scene, ViewState, theme};
+use crate::link::{LogEntry, Severity};
+use eframe::egui::{self, RichText, ScrollArea};
+
+/// What of the log is shown.
+pub(crate) struct LogView {
+    least: Severity,
+    filter: String,
+}
+
+impl Default for LogView {
+    fn default() -> Self {
+        Self { least: Severity::Info, filter: String::new() }
+    }
+}
+
+const LEVELS: [(Severity, &str); 4] = [
+    (Severity::Detail, "all"),
+    (Severity::Info, "info"),
+    (Severity::Warning, "warnings"),
+    (Severity::Error, "errors"),
+];
+
+/// One line as it is copied and saved.
+#[must_use]
+pub(crate) fn line(entry: &LogEntry) -> String {
+    let level = match entry.severity {
+        Severity::Detail => "detail",
+        Severity::Info => "info",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    };
+    format!("{:9.3} {level:7} {}", entry.time.as_secs_f64(), entry.text)
+}
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let log = &mut view.log;
+    let needle = log.filter.to_lowercase();
+    let shown: Vec<&LogEntry> = scene
+        .snapshot
+        .log
+        .iter()
+        .filter(|entry| entry.severity >= log.least)
+        .filter(|entry| needle.is_empty() || entry.text.to_lowercase().contains(&needle))
+        .collect();
+    ui.horizontal(|ui| {
+        theme::heading(ui, "Log");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.small_button("Copy").on_hover_text("Copy the lines shown").clicked() {
+                let text: Vec<String> = shown.iter().map(|entry| line(entry)).collect();
+                intents.push(Intent::Copy(text.join("\n")));
+            }
+            let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
+            let chosen = egui::ComboBox::from_id_salt("log level").selected_text(name).width(84.0);
+            let response = chosen.show_ui(ui, |ui| {
+                for (level, name) in LEVELS {
+                    ui.selectable_value(&mut log.least, level, name);
+                }
+            });
+            response
+                .response
+                .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
+            let width = (ui.available_width() - 8.0).clamp(40.0, 110.0);
+            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter").desired_width(width);
+            ui.add(edit.char_limit(64)).widget_info(|| {
+                let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
+                info.label = Some("Filter the log".to_owned());
+                info
+            });
+        });
+    });
+    let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
+    ui.spacing_mut().item_spacing.y = 1.0;
+    let area = ScrollArea::vertical().id_salt("log").stick_to_bottom(true).auto_shrink([false, false]);
+    area.show_rows(ui, height, shown.len(), |ui, rows| {
+        for entry in shown.get(rows).unwrap_or_default() {
+            let colour = match entry.severity {
+                Severity::Detail => palette.weak,
+                Severity::Info => palette.text,
+                Severity::Warning => palette.warn,
+                Severity::Error => palette.bad,
+            };
+            ui.horizontal(|ui| {
+                let seconds = format!("{:7.2}", entry.time.as_secs_f64());
+                ui.label(RichText::new(seconds).small().color(palette.weak));
+                let text = RichText::new(&entry.text).small().color(colour);
+                ui.add(egui::Label::new(text).truncate()).on_hover_text(&entry.text);
+            });
+        }
+    });
+}

@@ -1,0 +1,213 @@
+//! The plate from above, to scale, with its wave.
+
+use super::axis::Axis;
+use super::intent::Intents;
+use super::{Scene, ViewState, theme};
+use crate::picture::{POINTS, Picture};
+use crate::quantity::show_length;
+use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use slipline_plate::{Complex64, Model};
+use std::f64::consts::TAU;
+
+/// Rows of the mesh across the plate.
+const ROWS: usize = 19;
+/// Width of a mesh column, in points.
+const COLUMN: f32 = 3.0;
+
+/// How much slower than life the wave is drawn, so that the slowest tone takes about 1.5 s a turn: a round number.
+#[must_use]
+pub(crate) fn slow_factor(picture: &Picture) -> f64 {
+    let slowest = picture.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
+    if slowest.is_finite() { super::axis::round_step(slowest * 1.2) } else { 1.0 }
+}
+
+/// The line above the plate: what is drawn, how slow, and the colour scale.
+pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let _ = intents;
+    let palette = theme::palette(ui);
+    ui.horizontal_centered(|ui| {
+        ui.label(egui::RichText::new(scene.setup.plate.name()).strong().size(15.0));
+        let (text, colour) = match scene.sounding {
+            Some(picture) if view.show_amplitude => {
+                let _ = picture;
+                ("amplitude".to_owned(), palette.weak)
+            }
+            Some(picture) => {
+                let factor = slow_factor(picture);
+                let state = if scene.settings.animate { "slowed" } else { "paused, slowed" };
+                (format!("live wave, {state} {factor:.0}×"), palette.weak)
+            }
+            None => ("at rest".to_owned(), palette.weak),
+        };
+        ui.label(egui::RichText::new(text).color(colour));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add_space(14.0);
+            colour_bar(ui, scene, view.show_amplitude);
+            ui.add_space(8.0);
+            let amplitude = ui.selectable_label(view.show_amplitude, "Amplitude");
+            if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
+                view.show_amplitude = true;
+            }
+            let wave = ui.selectable_label(!view.show_amplitude, "Wave");
+            if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
+                view.show_amplitude = false;
+            }
+        });
+    });
+}
+
+/// The displacement that full colour stands for, in metres.
+fn full_colour_m(scene: &Scene<'_>) -> f64 {
+    scene.full_peak_m.max(scene.sounding.map_or(0.0, Picture::highest_m))
+}
+
+fn colour_bar(ui: &mut egui::Ui, scene: &Scene<'_>, show_amplitude: bool) {
+    let palette = theme::palette(ui);
+    let full = show_length(full_colour_m(scene));
+    let font = FontId::proportional(11.5);
+    let ends =
+        if show_amplitude { ("0".to_owned(), full) } else { (format!("−{full}"), format!("+{full}")) };
+    let right = ui.painter().layout_no_wrap(ends.1, font.clone(), palette.weak);
+    let left = ui.painter().layout_no_wrap(ends.0, font, palette.weak);
+    let bar = vec2(90.0, 10.0);
+    let size = vec2(left.size().x + right.size().x + bar.x + 12.0, 18.0);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+    response.on_hover_text("What full colour stands for");
+    let painter = ui.painter();
+    let bar_rect =
+        Rect::from_center_size(pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y), bar);
+    let steps = 45;
+    for i in 0..steps {
+        let share = (i as f32 + 0.5) / steps as f32;
+        let colour = if show_amplitude {
+            theme::sequential(share, palette.dark)
+        } else {
+            theme::diverging(2.0 * share - 1.0, palette.dark)
+        };
+        let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
+        let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
+        painter.rect_filled(cell, 0.0, colour);
+    }
+    painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
+    let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
+    painter.galley(place, right, palette.weak);
+}
+
+/// Shows the plate in `rect`, its ends at the axis' ends.
+pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let plate = &scene.setup.plate;
+    let screen = axis.screen();
+    let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
+    let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
+    // A very wide plate is drawn narrower than it is rather than over its neighbours.
+    let squeeze = (0.5 * rect.height() - 3.0).min(half_px(0.0)) / half_px(0.0);
+    let across: Vec<(f32, f32)> = (0..ROWS)
+        .map(|row| {
+            let beta = 2.0 * row as f32 / (ROWS - 1) as f32 - 1.0;
+            (beta, mode_shape(&plate.spec().model, f64::from(beta)) as f32)
+        })
+        .collect();
+    let values = along(scene, show_amplitude, columns);
+    let mut mesh = Mesh::default();
+    mesh.reserve_vertices((columns + 1) * ROWS);
+    mesh.reserve_triangles(columns * (ROWS - 1) * 2);
+    let mut edge: [Vec<Pos2>; 2] = [Vec::with_capacity(columns + 1), Vec::with_capacity(columns + 1)];
+    for column in 0..=columns {
+        let share = column as f32 / columns as f32;
+        let x = screen.min + share * screen.span();
+        let half = half_px(f64::from(share) * axis.length_m()) * squeeze;
+        for &(beta, shape) in &across {
+            let value = values.get(column).copied().unwrap_or(0.0) * shape;
+            let colour = if show_amplitude {
+                theme::sequential(value.abs(), palette.dark)
+            } else {
+                theme::diverging(value, palette.dark)
+            };
+            mesh.colored_vertex(pos2(x, rect.center().y + beta * half), colour);
+        }
+        edge[0].push(pos2(x, rect.center().y - half));
+        edge[1].push(pos2(x, rect.center().y + half));
+    }
+    for column in 0..columns {
+        for row in 0..ROWS - 1 {
+            let a = (column * ROWS + row) as u32;
+            let b = a + ROWS as u32;
+            mesh.add_triangle(a, a + 1, b);
+            mesh.add_triangle(a + 1, b + 1, b);
+        }
+    }
+    let painter = ui.painter();
+    painter.add(Shape::mesh(mesh));
+    let rim = Stroke::new(1.5, palette.weak);
+    let [upper, lower] = edge;
+    // The driven end is a thick bar: this is where the actuator holds the plate.
+    let (first, last) = (upper[0], upper[upper.len() - 1]);
+    let far = (lower[0], lower[lower.len() - 1]);
+    painter.line_segment([last, far.1], rim);
+    painter.add(Shape::line(upper, rim));
+    painter.add(Shape::line(lower, rim));
+    let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
+    painter.rect_filled(bar, 2.0, palette.weak);
+    let label = pos2(bar.left() - 6.0, rect.center().y);
+    painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
+    width_scale(ui, axis, rect, squeeze);
+}
+
+/// The displacement (or its amplitude) at each column, relative to full colour.
+fn along(scene: &Scene<'_>, show_amplitude: bool, columns: usize) -> Vec<f32> {
+    let Some(picture) = scene.sounding else { return Vec::new() };
+    let full = full_colour_m(scene).max(1e-12);
+    let factor = slow_factor(picture);
+    let mut at_points = vec![0.0; POINTS];
+    if show_amplitude {
+        at_points.clone_from(&picture.bound_m);
+    } else {
+        for wave in &picture.tones {
+            let turn = Complex64::cis(-TAU * wave.tone.frequency_hz / factor * scene.wave_time_s);
+            for (value, amplitude) in at_points.iter_mut().zip(&wave.wave) {
+                *value += (amplitude * turn).re;
+            }
+        }
+    }
+    (0..=columns)
+        .map(|column| (crate::picture::interpolate(&at_points, column as f64 / columns as f64) / full) as f32)
+        .collect()
+}
+
+/// Displacement across the plate at beta = z/W, -1..=1, for the first width mode: 1 on the centre line.
+fn mode_shape(model: &Model, beta: f64) -> f64 {
+    match model {
+        Model::BendingClamped(_) => {
+            // First mode of a beam with both ends clamped: q = 2.36502 solves tan q + tanh q = 0.
+            let q = 2.365_02f64;
+            let at = |beta: f64| (q * beta).cosh() / q.cosh() - (q * beta).cos() / q.cos();
+            at(beta) / at(0.0)
+        }
+        _ => (std::f64::consts::FRAC_PI_2 * beta).cos(),
+    }
+}
+
+/// A scale bar for the width, because the plate is drawn to scale.
+fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
+    let palette = theme::palette(ui);
+    let text = if squeeze < 0.999 { "width not to scale" } else { "to scale" };
+    let place = pos2(axis.screen().max, rect.bottom() - 2.0);
+    let colour: Color32 = palette.weak;
+    ui.painter().text(place, Align2::RIGHT_BOTTOM, text, FontId::proportional(11.5), colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wave_is_still_at_the_fixed_edges_and_full_on_the_centre_line() {
+        for preset in slipline_plate::presets() {
+            let plate = slipline_plate::preset(preset.name).unwrap();
+            let model = &plate.spec().model;
+            assert!((mode_shape(model, 0.0) - 1.0).abs() < 1e-9);
+            assert!(mode_shape(model, 1.0).abs() < 1e-4 && mode_shape(model, -1.0).abs() < 1e-4);
+        }
+    }
+}

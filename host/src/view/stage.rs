@@ -1,0 +1,285 @@
+//! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
+
+use super::axis::Axis;
+use super::intent::{Grab, Intent, Intents};
+use super::{Scene, ViewState, envelope, plate, strip, theme};
+use crate::edit::Edit;
+use crate::picture::{SteadyTone, shown_boundary_m};
+use crate::quantity::{show_frequency, show_place};
+use eframe::egui::{
+    self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
+    vec2,
+};
+use theme::HANDLE;
+
+/// Room left of the plate for the envelope's scale, and right of it for the last label, in points.
+const MARGIN: (f32, f32) = (58.0, 22.0);
+const TITLE: f32 = 26.0;
+const LABEL: f32 = 26.0;
+const STRIP: f32 = 30.0;
+const SCALE: f32 = 30.0;
+const GAP: f32 = 10.0;
+
+/// Where the three views lie.
+struct Layout {
+    axis: Axis,
+    title: Rect,
+    label: Rect,
+    plate: Rect,
+    envelope: Rect,
+    strip: Rect,
+    scale: Rect,
+}
+
+impl Layout {
+    fn new(area: Rect, length_m: f64, half_width_m: f64, pixels_per_point: f32) -> Self {
+        let range = Rangef::new(area.left() + MARGIN.0, area.right() - MARGIN.1);
+        let axis = Axis::new(length_m, range, pixels_per_point);
+        let row = |top: f32, height: f32| {
+            let top = (top * pixels_per_point).round() / pixels_per_point;
+            let bottom = ((top + height) * pixels_per_point).round() / pixels_per_point;
+            Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom))
+        };
+        let title = row(area.top(), TITLE);
+        let label = row(title.bottom(), LABEL);
+        let free = area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP;
+        // The plate gets what it needs at scale; the envelope gets the rest, at least a third of it.
+        let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 16.0;
+        let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.62 * free).max(40.0));
+        let envelope = row(plate.bottom() + GAP, (free - plate.height()).max(40.0));
+        let strip = row(envelope.bottom() + GAP, STRIP);
+        let scale = row(strip.bottom(), SCALE);
+        Self { axis, title, label, plate, envelope, strip, scale }
+    }
+}
+
+/// Shows the stage in the whole of `ui`.
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let area = ui.available_rect_before_wrap();
+    let plate = &scene.setup.plate;
+    let layout = Layout::new(area, plate.length_m(), plate.half_width_m(0.0), ui.pixels_per_point());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
+        plate::title(ui, scene, view, intents);
+    });
+    grid(ui, &layout);
+    plate::show(ui, scene, view.show_amplitude, &layout.axis, layout.plate);
+    envelope::show(ui, scene, &layout.axis, layout.envelope);
+    strip::show(ui, scene, &layout.axis, layout.strip);
+    place_scale(ui, &layout);
+    hint(ui, scene, &layout);
+    // The selected tone last, so that it lies on top and is taken first.
+    let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
+    order.sort_by_key(|&slot| slot == scene.selected);
+    for slot in order {
+        handle(ui, scene, &layout, slot, view, intents);
+    }
+    add_by_double_click(ui, scene, &layout, intents);
+}
+
+/// Faint lines at the same places in all views.
+fn grid(ui: &egui::Ui, layout: &Layout) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    painter.rect_filled(layout.axis.over_plate(layout.envelope), CornerRadius::same(3), palette.well);
+    for x_m in layout.axis.ticks(90.0) {
+        let x = layout.axis.line_from_place(x_m);
+        painter.vline(x, layout.envelope.y_range(), Stroke::new(1.0, palette.grid));
+    }
+}
+
+fn place_scale(ui: &egui::Ui, layout: &Layout) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let top = layout.scale.top() + 3.0;
+    painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
+    for x_m in layout.axis.ticks(90.0) {
+        let x = layout.axis.line_from_place(x_m);
+        painter.vline(x, Rangef::new(top, top + 4.0), Stroke::new(1.0, palette.weak));
+        let label = format!("{:.0}", x_m * 1e3);
+        painter.text(pos2(x, top + 6.0), Align2::CENTER_TOP, label, font.clone(), palette.weak);
+    }
+    let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
+    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
+}
+
+fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
+    if scene.settings.has_dragged {
+        return;
+    }
+    let palette = theme::palette(ui);
+    let place = layout.plate.right_top() + vec2(-MARGIN.1, 8.0);
+    let galley = ui.painter().layout_no_wrap(
+        "Drag the line: it moves the boundary".to_owned(),
+        FontId::proportional(14.0),
+        palette.text,
+    );
+    let rect = Align2::RIGHT_TOP.anchor_size(place, galley.size() + vec2(20.0, 12.0));
+    ui.painter().rect(
+        rect,
+        CornerRadius::same(8),
+        palette.panel,
+        Stroke::new(1.0, palette.accent),
+        egui::StrokeKind::Inside,
+    );
+    ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
+}
+
+/// The name of a tone's handle for those who cannot see it.
+pub(super) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
+    if scene.setup.tones.first().is_some_and(|first| first.slot == slot) {
+        "Boundary".to_owned()
+    } else {
+        format!("Peak of tone {}", slot + 1)
+    }
+}
+
+fn handle(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    layout: &Layout,
+    slot: u8,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    let setup = scene.setup;
+    let Some(tone) = setup.tone(slot) else { return };
+    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+    let steady = SteadyTone { slot, frequency_hz, peak_m: tone.level * setup.master() * scene.full_peak_m };
+    let shown_m = shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m);
+    let x = layout.axis.line_from_place(shown_m);
+    let is_selected = slot == scene.selected;
+    let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
+    let rows = Rangef::new(layout.label.top(), layout.strip.bottom());
+    let id = ui.scope_id().with(("handle", slot));
+    let response = ui
+        .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
+        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    let is_held = scene.grab.is_some_and(|grab| grab.slot == slot);
+    let name = handle_name(scene, slot);
+    response.widget_info(|| egui::WidgetInfo::slider(true, tone.position_m * 1e3, &name));
+    if response.drag_started() || response.is_pointer_button_down_on() && !is_held {
+        if let Some(pointer) = response.interact_pointer_pos() {
+            response.request_focus();
+            intents.push(Intent::Select(slot));
+            intents.push(Intent::Grab(Grab { slot, axis: layout.axis, offset: pointer.x - x }));
+        }
+    }
+    if response.has_focus() {
+        // Left and right move the boundary instead of the focus.
+        let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        view.focused_handle = Some(id);
+        if !is_selected {
+            intents.push(Intent::Select(slot));
+        }
+    }
+    by_assistive_technology(ui, id, slot, tone.position_m, intents);
+    let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
+    paint_line(ui, layout, x, look);
+    if is_selected {
+        let edge_m = setup.plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN);
+        let label = format!(
+            "{}   {}   edge {:.0} mm",
+            show_place(shown_m),
+            show_frequency(frequency_hz),
+            edge_m * 1e3
+        );
+        paint_label(ui, layout, x, &label);
+    } else {
+        let palette = theme::palette(ui);
+        let place = pos2(x, layout.label.bottom() - 2.0);
+        let number = (slot + 1).to_string();
+        ui.painter().text(place, Align2::CENTER_BOTTOM, number, FontId::proportional(11.5), palette.weak);
+    }
+}
+
+/// Increment, decrement and set-value from a screen reader or a switch.
+fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, slot: u8, position_m: f64, intents: &mut Intents) {
+    use egui::accesskit::{Action, ActionData};
+    let mut to = None;
+    ui.input(|input| {
+        let steps = input.num_accesskit_action_requests(id, Action::Increment) as f64
+            - input.num_accesskit_action_requests(id, Action::Decrement) as f64;
+        if steps != 0.0 {
+            to = Some(position_m + steps * 1e-3);
+        }
+        for request in input.accesskit_action_requests(id, Action::SetValue) {
+            if let Some(ActionData::NumericValue(mm)) = request.data {
+                to = Some(mm * 1e-3);
+            }
+        }
+    });
+    if let Some(position_m) = to {
+        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Look {
+    is_selected: bool,
+    is_hot: bool,
+    has_focus: bool,
+}
+
+fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let rows = Rangef::new(layout.label.bottom(), layout.strip.bottom());
+    let ink = if look.is_selected { palette.boundary } else { palette.weak };
+    let halo = if palette.dark { Color32::from_black_alpha(150) } else { Color32::from_white_alpha(190) };
+    let width = if look.is_selected { 2.0 } else { 1.0 };
+    painter.vline(x, rows, Stroke::new(width + 3.0, halo));
+    painter.vline(x, rows, Stroke::new(width, ink));
+    let centre = pos2(x, layout.plate.center().y);
+    let radius = if look.is_selected { 0.5 * HANDLE + 1.0 } else { 7.0 };
+    let radius = if look.is_hot { radius + 1.5 } else { radius };
+    painter.circle(centre, radius, palette.panel, Stroke::new(width, ink));
+    if look.is_selected {
+        for side in [-1.0f32, 1.0] {
+            let tip: Pos2 = centre + vec2(side * 8.0, 0.0);
+            let back = side * -4.0;
+            let points = vec![tip + vec2(back, -4.5), tip, tip + vec2(back, 4.5)];
+            painter.line(points, Stroke::new(1.8, ink));
+        }
+    }
+    if look.has_focus {
+        painter.circle_stroke(centre, radius + 3.0, Stroke::new(2.0, palette.accent));
+    }
+}
+
+fn paint_label(ui: &egui::Ui, layout: &Layout, x: f32, text: &str) {
+    let palette = theme::palette(ui);
+    let ink = if palette.dark { palette.page } else { palette.well };
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
+    let size = galley.size() + vec2(20.0, 6.0);
+    let left = (x - 0.5 * size.x).clamp(layout.label.left(), layout.label.right() - size.x);
+    let rect = Rect::from_min_size(pos2(left, layout.label.bottom() - size.y), size);
+    ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
+    ui.painter().galley(rect.min + vec2(10.0, 3.0), galley, ink);
+}
+
+fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {
+    let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::hover());
+    let is_double = ui.input(|input| input.pointer.button_double_clicked(egui::PointerButton::Primary));
+    let Some(pointer) = response.hover_pos() else { return };
+    let near_handle = scene
+        .setup
+        .tones
+        .iter()
+        .any(|tone| (layout.axis.screen_from_place(tone.position_m) - pointer.x).abs() < HANDLE);
+    if is_double && !near_handle {
+        intents.push(Intent::Edit(Edit::Add { position_m: layout.axis.place_from_screen(pointer.x) }));
+    }
+}
+
+/// The move that a key asks for: 1 mm, or 0.1 mm with Shift.
+pub(crate) fn arrow_step_m(input: &mut egui::InputState) -> f64 {
+    let mut step = 0.0;
+    // Shift first: a key with no modifier asked for is taken with Shift, too.
+    for (modifiers, size) in [(egui::Modifiers::SHIFT, 1e-4), (egui::Modifiers::NONE, 1e-3)] {
+        step += size * input.count_and_consume_key(modifiers, Key::ArrowRight) as f64;
+        step -= size * input.count_and_consume_key(modifiers, Key::ArrowLeft) as f64;
+    }
+    step
+}

@@ -1,0 +1,269 @@
+//! Colours, type and spacing of the window, in light and dark.
+//!
+//! Colour maps are straight lines in OKLab lightness, so that equal steps of the value look like equal steps, and
+//! run along blue and orange (signed) or blue and yellow (amplitude), which every kind of colour vision tells apart.
+
+use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, vec2};
+
+/// Space between related things, in points.
+pub const GAP: f32 = 8.0;
+/// The narrowest a handle may be to be touched, in points.
+pub const HANDLE: f32 = 24.0;
+
+/// The colours of one theme.
+#[derive(Clone, Copy, Debug)]
+pub struct Palette {
+    /// Whether it is the dark one.
+    pub dark: bool,
+    /// Behind everything.
+    pub page: Color32,
+    /// Panels.
+    pub panel: Color32,
+    /// Behind pictures and plots.
+    pub well: Color32,
+    /// Lines between things.
+    pub line: Color32,
+    /// Grid lines in pictures.
+    pub grid: Color32,
+    /// Words.
+    pub text: Color32,
+    /// Words that matter less.
+    pub weak: Color32,
+    /// The boundary line and its handle.
+    pub boundary: Color32,
+    /// The one accent.
+    pub accent: Color32,
+    /// Good.
+    pub good: Color32,
+    /// Look at this.
+    pub warn: Color32,
+    /// Wrong, and STOP.
+    pub bad: Color32,
+    /// Words on `bad`, `good` and `accent`.
+    pub on_colour: Color32,
+}
+
+const LIGHT: Palette = Palette {
+    dark: false,
+    page: Color32::from_rgb(0xee, 0xf0, 0xf3),
+    panel: Color32::from_rgb(0xfa, 0xfb, 0xfc),
+    well: Color32::from_rgb(0xff, 0xff, 0xff),
+    line: Color32::from_rgb(0xd5, 0xda, 0xe1),
+    grid: Color32::from_rgb(0xe6, 0xe9, 0xee),
+    text: Color32::from_rgb(0x1b, 0x23, 0x2e),
+    weak: Color32::from_rgb(0x55, 0x61, 0x71),
+    boundary: Color32::from_rgb(0x11, 0x18, 0x27),
+    accent: Color32::from_rgb(0x1f, 0x5f, 0xb4),
+    good: Color32::from_rgb(0x1a, 0x74, 0x4a),
+    warn: Color32::from_rgb(0x96, 0x5a, 0x00),
+    bad: Color32::from_rgb(0xc4, 0x1e, 0x30),
+    on_colour: Color32::WHITE,
+};
+
+const DARK: Palette = Palette {
+    dark: true,
+    page: Color32::from_rgb(0x10, 0x13, 0x18),
+    panel: Color32::from_rgb(0x19, 0x1d, 0x24),
+    well: Color32::from_rgb(0x13, 0x17, 0x1d),
+    line: Color32::from_rgb(0x2d, 0x34, 0x3f),
+    grid: Color32::from_rgb(0x23, 0x29, 0x32),
+    text: Color32::from_rgb(0xe6, 0xea, 0xf0),
+    weak: Color32::from_rgb(0x9c, 0xa8, 0xb8),
+    boundary: Color32::from_rgb(0xf5, 0xf7, 0xfa),
+    accent: Color32::from_rgb(0x6c, 0xa8, 0xf2),
+    good: Color32::from_rgb(0x4f, 0xc0, 0x8a),
+    warn: Color32::from_rgb(0xe0, 0xab, 0x4a),
+    bad: Color32::from_rgb(0xd8, 0x36, 0x46),
+    on_colour: Color32::WHITE,
+};
+
+/// The palette in use.
+#[must_use]
+pub fn palette(ui: &egui::Ui) -> &'static Palette {
+    if ui.visuals().dark_mode { &DARK } else { &LIGHT }
+}
+
+/// Gives both themes of a context their colours, type and spacing.
+pub fn install(ctx: &egui::Context) {
+    for (theme, palette) in [(Theme::Light, &LIGHT), (Theme::Dark, &DARK)] {
+        ctx.style_mut_of(theme, |style| dress(style, palette));
+    }
+}
+
+fn dress(style: &mut egui::Style, palette: &Palette) {
+    style.text_styles = [
+        (TextStyle::Small, FontId::proportional(11.5)),
+        (TextStyle::Body, FontId::proportional(13.5)),
+        (TextStyle::Button, FontId::proportional(13.5)),
+        (TextStyle::Heading, FontId::proportional(16.0)),
+        (TextStyle::Monospace, FontId::monospace(12.0)),
+    ]
+    .into();
+    style.spacing.item_spacing = vec2(GAP, 6.0);
+    style.spacing.button_padding = vec2(10.0, 4.0);
+    style.spacing.interact_size = vec2(40.0, 26.0);
+    style.spacing.slider_width = 150.0;
+    style.spacing.combo_width = 120.0;
+    style.spacing.tooltip_width = 340.0;
+    style.animation_time = 0.08;
+    let visuals = &mut style.visuals;
+    visuals.dark_mode = palette.dark;
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.window_stroke = Stroke::new(1.0, palette.line);
+    visuals.extreme_bg_color = palette.well;
+    visuals.faint_bg_color = palette.page;
+    visuals.override_text_color = None;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.warn;
+    visuals.error_fg_color = palette.bad;
+    visuals.selection.bg_fill = palette.accent.gamma_multiply(if palette.dark { 0.45 } else { 0.22 });
+    visuals.selection.stroke = Stroke::new(1.0, palette.text);
+    visuals.slider_trailing_fill = true;
+    visuals.menu_corner_radius = CornerRadius::same(8);
+    visuals.window_corner_radius = CornerRadius::same(10);
+    let widgets = &mut visuals.widgets;
+    let fills = if palette.dark {
+        [
+            Color32::from_rgb(0x26, 0x2c, 0x36),
+            Color32::from_rgb(0x30, 0x38, 0x45),
+            Color32::from_rgb(0x3a, 0x44, 0x53),
+        ]
+    } else {
+        [
+            Color32::from_rgb(0xe7, 0xea, 0xef),
+            Color32::from_rgb(0xdc, 0xe1, 0xe8),
+            Color32::from_rgb(0xcf, 0xd6, 0xe0),
+        ]
+    };
+    for (widget, fill) in
+        [(&mut widgets.inactive, fills[0]), (&mut widgets.hovered, fills[1]), (&mut widgets.active, fills[2])]
+    {
+        widget.bg_fill = fill;
+        widget.weak_bg_fill = fill;
+        widget.bg_stroke = Stroke::NONE;
+        widget.fg_stroke = Stroke::new(1.0, palette.text);
+        widget.corner_radius = CornerRadius::same(6);
+        widget.expansion = 0.0;
+    }
+    widgets.hovered.bg_stroke = Stroke::new(1.0, palette.line);
+    widgets.active.bg_stroke = Stroke::new(1.5, palette.accent);
+    widgets.open.bg_fill = fills[1];
+    widgets.open.weak_bg_fill = fills[1];
+    widgets.open.fg_stroke = Stroke::new(1.0, palette.text);
+    widgets.open.corner_radius = CornerRadius::same(6);
+    widgets.noninteractive.fg_stroke = Stroke::new(1.0, palette.text);
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, palette.line);
+    widgets.noninteractive.corner_radius = CornerRadius::same(6);
+}
+
+/// The frame of a panel.
+#[must_use]
+pub fn panel_frame(palette: &Palette) -> egui::Frame {
+    egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(14, 10))
+}
+
+/// A small heading over a group of controls.
+pub fn heading(ui: &mut egui::Ui, text: &str) {
+    ui.label(egui::RichText::new(text).strong().size(13.5));
+}
+
+/// OKLab (lightness 0..1, a, b) as a colour; what lies outside sRGB is clipped.
+fn oklab(lightness: f32, a: f32, b: f32) -> Color32 {
+    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
+    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
+    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
+    let linear = [
+        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s,
+        -0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+    ];
+    let [red, green, blue] = linear.map(|channel: f32| {
+        let channel = channel.clamp(0.0, 1.0);
+        let encoded =
+            if channel <= 0.003_130_8 { 12.92 * channel } else { 1.055 * channel.powf(1.0 / 2.4) - 0.055 };
+        (encoded * 255.0).round() as u8
+    });
+    Color32::from_rgb(red, green, blue)
+}
+
+/// Signed displacement, -1..=1: blue below zero, the plate's own colour at zero, orange above.
+#[must_use]
+pub fn diverging(value: f32, dark: bool) -> Color32 {
+    let value = if value.is_finite() { value.clamp(-1.0, 1.0) } else { 0.0 };
+    let strength = value.abs();
+    // Both arms share lightness and chroma, so that up and down weigh the same.
+    let lightness = if dark { 0.27 + 0.53 * strength } else { 0.95 - 0.45 * strength };
+    let chroma = 0.145 * strength.powf(0.85);
+    let hue = if value < 0.0 { 255f32 } else { 55f32 }.to_radians();
+    oklab(lightness, chroma * hue.cos(), chroma * hue.sin())
+}
+
+/// Amplitude, 0..=1: lightness rises (dark theme) or falls (light theme) in equal steps.
+#[must_use]
+pub fn sequential(value: f32, dark: bool) -> Color32 {
+    let value = if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
+    let lightness = if dark { 0.24 + 0.66 * value } else { 0.96 - 0.62 * value };
+    // From yellow at the light end to blue at the dark end, through teal.
+    let darkness = if dark { 1.0 - value } else { value };
+    let hue = (100.0 + 160.0 * darkness).to_radians();
+    let chroma = if dark { 0.03 + 0.11 * value } else { 0.015 + 0.11 * value };
+    oklab(lightness, chroma * hue.cos(), chroma * hue.sin())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// WCAG relative luminance.
+    fn luminance(colour: Color32) -> f32 {
+        let linear = |channel: u8| {
+            let value = f32::from(channel) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn words_contrast_with_what_is_behind_them() {
+        for palette in [LIGHT, DARK] {
+            for ink in [palette.text, palette.weak, palette.warn, palette.good, palette.accent] {
+                for ground in [palette.panel, palette.page, palette.well] {
+                    assert!(contrast(ink, ground) >= 4.5, "{ink:?} on {ground:?}: {}", contrast(ink, ground));
+                }
+            }
+            assert!(contrast(palette.on_colour, palette.bad) >= 4.4);
+        }
+    }
+
+    #[test]
+    fn equal_steps_of_amplitude_are_equal_steps_of_lightness() {
+        for dark in [false, true] {
+            let steps: Vec<f32> =
+                (0..=16).map(|i| luminance(sequential(i as f32 / 16.0, dark)).cbrt()).collect();
+            let mean = (steps[16] - steps[0]) / 16.0;
+            for pair in steps.windows(2) {
+                assert!(((pair[1] - pair[0]) / mean - 1.0).abs() < 0.6, "{dark} {pair:?} {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn up_and_down_weigh_the_same_and_zero_is_the_plate() {
+        for dark in [false, true] {
+            assert_eq!(diverging(0.0, dark), diverging(f32::NAN, dark));
+            for value in [0.25, 0.5, 1.0] {
+                let (up, down) = (diverging(value, dark), diverging(-value, dark));
+                let ratio = luminance(up) / luminance(down);
+                assert!((0.7..1.4).contains(&ratio), "{value} {ratio}");
+                assert!(up.r() > down.r() && up.b() < down.b());
+            }
+        }
+    }
+}

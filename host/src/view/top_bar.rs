@@ -1,0 +1,249 @@
+//! The bar at the top: what is connected, its state, and STOP.
+
+use super::intent::{Confirm, Dialog, Export, Intent, Intents};
+use super::{Scene, theme};
+use crate::link::{LinkState, Request};
+use crate::settings::ThemeChoice;
+use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, vec2};
+use slipline_protocol::event::State;
+use theme::Palette;
+
+/// What the state chip says: a word, its colour, and a sentence.
+pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
+    let snapshot = scene.snapshot;
+    match &snapshot.link {
+        LinkState::Disconnected => {
+            let why =
+                snapshot.trouble.as_ref().map_or_else(|| "No port is open.".to_owned(), ToString::to_string);
+            ("disconnected", palette.weak, why)
+        }
+        LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
+        LinkState::Lost(trouble) => ("lost", palette.bad, trouble.to_string()),
+        LinkState::Reconnecting(trouble) => {
+            ("reconnecting", palette.warn, format!("{trouble}. Looking for it."))
+        }
+        LinkState::Connected => match snapshot.status {
+            None => ("connected", palette.weak, "The device answers.".to_owned()),
+            Some(status) => match status.state {
+                State::Idle => ("idle", palette.weak, "Connected, muted: arm it to drive.".to_owned()),
+                State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
+                State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
+                State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
+                State::Fault => ("fault", palette.bad, format!("Stopped: {}.", status.faults)),
+                State::SafeMode => (
+                    "safe mode",
+                    palette.bad,
+                    "Restarted after repeated crashes: it talks but does not drive.".to_owned(),
+                ),
+            },
+        },
+    }
+}
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.set_min_height(34.0);
+        ui.label(RichText::new("Slipline").strong().size(18.0));
+        ui.add_space(4.0);
+        menu(ui, scene, intents);
+        ui.separator();
+        port_menu(ui, scene, intents);
+        let (word, colour, sentence) = state_words(scene, palette);
+        chip(ui, word, colour).on_hover_text(sentence);
+        drive_button(ui, scene, intents);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            stop_button(ui, palette, intents);
+            ui.add_space(6.0);
+            if scene.snapshot.is_connected() {
+                let round_trip = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
+                let text = RichText::new(format!("round trip {round_trip:.1} ms")).color(palette.weak);
+                ui.label(text).on_hover_text("From a command to its answer, running average");
+            }
+            table_badge(ui, scene, intents);
+        });
+    });
+}
+
+/// A word in a rounded box with a dot of its colour.
+fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
+    let galley = ui.painter().layout_no_wrap(word.to_owned(), FontId::proportional(13.0), colour);
+    let size = vec2(galley.size().x + 34.0, 24.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let painter = ui.painter();
+    painter.rect(
+        rect,
+        CornerRadius::same(12),
+        colour.gamma_multiply(0.12),
+        Stroke::new(1.0, colour.gamma_multiply(0.55)),
+        egui::StrokeKind::Inside,
+    );
+    painter.circle_filled(rect.left_center() + vec2(13.0, 0.0), 4.0, colour);
+    painter.galley(rect.left_center() + vec2(23.0, -0.5 * galley.size().y), galley, colour);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("State: {word}")));
+    response
+}
+
+fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
+    let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
+    let button = egui::Button::new(text).fill(palette.bad).min_size(vec2(104.0, 34.0));
+    if ui.add(button).on_hover_text("Ramp to silence now (Esc or Space, in every state)").clicked() {
+        intents.push(Intent::Stop);
+    }
+}
+
+/// Arm and drive: explicit on a real device, one button on the simulated one.
+fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let snapshot = scene.snapshot;
+    if !snapshot.is_connected() {
+        return;
+    }
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
+    let state = snapshot.status.map(|status| status.state);
+    let button = |ui: &mut egui::Ui, name: &str, help: &str| {
+        ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked()
+    };
+    match state {
+        Some(State::Idle) if !is_simulated => {
+            if button(ui, "Arm…", "Unmute the amplifier and accept drives") {
+                intents.push(Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm))));
+            }
+        }
+        Some(State::Idle | State::Armed) => {
+            if button(ui, "Drive", "Sound the tones of the setup (Ctrl+Enter)") {
+                intents.push(Intent::Start);
+            }
+            if state == Some(State::Armed) && !is_simulated && button(ui, "Disarm", "Mute the amplifier") {
+                intents.push(Intent::Request(Request::Disarm));
+            }
+        }
+        Some(State::Driving | State::Stopping) if !is_simulated => {
+            if button(ui, "Disarm", "Ramp to silence and mute the amplifier") {
+                intents.push(Intent::Stop);
+                intents.push(Intent::Request(Request::Disarm));
+            }
+        }
+        Some(State::Fault) => {
+            if button(ui, "Clear fault", "Clear the latched faults whose cause is gone") {
+                intents.push(Intent::Request(Request::ClearFaults));
+            }
+        }
+        _ => {}
+    }
+}
+
+fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    if let Some(progress) = scene.snapshot.upload {
+        if ui.button("Cancel").on_hover_text("Give up the upload; the old table stays").clicked() {
+            intents.push(Intent::Request(Request::CancelUpload));
+        }
+        let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
+        let text = format!("table {} / {}", progress.sent, progress.total);
+        let bar = egui::ProgressBar::new(share).desired_width(130.0).text(text);
+        ui.add(bar).on_hover_text("The table is being sent");
+    } else if scene.is_table_dirty() {
+        let text = RichText::new("table differs: upload").color(palette.warn);
+        let button = egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn));
+        let help = "The device's table is not the one for the plate on the screen. Click to upload it";
+        if ui.add(button).on_hover_text(help).clicked() {
+            intents.push(Intent::Upload);
+        }
+    }
+}
+
+fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let current = scene.snapshot.port.as_ref();
+    let label = current.map_or_else(
+        || "No device".to_owned(),
+        |port| {
+            let known = scene.ports.iter().find(|info| info.port == *port);
+            known.map_or_else(|| port.to_string(), |info| info.label.clone())
+        },
+    );
+    // A long name must not push STOP out of the window.
+    let short: String = if label.chars().count() > 30 {
+        label.chars().take(29).chain(std::iter::once('…')).collect()
+    } else {
+        label.clone()
+    };
+    let response = egui::ComboBox::from_id_salt("port").selected_text(short).width(180.0).show_ui(ui, |ui| {
+        for info in scene.ports {
+            let is_current = current == Some(&info.port);
+            if ui.selectable_label(is_current, &info.label).clicked() && !is_current {
+                intents.push(Intent::Connect(info.port.clone()));
+            }
+        }
+        ui.separator();
+        if ui.button("Look again").clicked() {
+            intents.push(Intent::RefreshPorts);
+        }
+        if ui.button("A port is missing…").clicked() {
+            intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
+        }
+    });
+    let name = format!("Device: {label}");
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    response.response.on_hover_text(label);
+}
+
+fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let mut ask = |ui: &mut egui::Ui, is_enabled: bool, name: String, keys: &str, intent: Intent| {
+        let button = egui::Button::new(name).shortcut_text(keys);
+        if ui.add_enabled(is_enabled, button).clicked() {
+            intents.push(intent);
+            ui.close();
+        }
+    };
+    ui.menu_button("File", |ui| {
+        ask(ui, true, "New".into(), "", Intent::New);
+        ask(ui, true, "Open…".into(), "Ctrl+O", Intent::OpenDialog);
+        ui.add_enabled_ui(!scene.settings.recent.is_empty(), |ui| {
+            ui.menu_button("Open recent", |ui| {
+                for path in &scene.settings.recent {
+                    let name = path.file_name().map_or_else(
+                        || path.display().to_string(),
+                        |name| name.to_string_lossy().into_owned(),
+                    );
+                    ask(ui, true, name, "", Intent::Open(path.clone()));
+                }
+            });
+        });
+        ask(ui, true, "Save setup…".into(), "Ctrl+S", Intent::SaveDialog);
+        ask(ui, true, "Save plate…".into(), "", Intent::SavePlateDialog);
+        ui.separator();
+        ask(ui, true, "Export picture (PNG)…".into(), "", Intent::Export(Export::Picture));
+        ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
+        ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
+        ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
+        ask(ui, true, "Diagnostics bundle…".into(), "", Intent::Export(Export::Diagnostics));
+    });
+    ui.menu_button("Edit", |ui| {
+        let name = |verb: &str, what: Option<&str>| {
+            what.map_or_else(|| verb.to_owned(), |what| format!("{verb} {what}"))
+        };
+        ask(ui, scene.undo.0.is_some(), name("Undo", scene.undo.0), "Ctrl+Z", Intent::Undo);
+        ask(ui, scene.undo.1.is_some(), name("Redo", scene.undo.1), "Ctrl+Y", Intent::Redo);
+    });
+    ui.menu_button("View", |ui| {
+        for choice in ThemeChoice::ALL {
+            if ui.radio(scene.settings.theme == choice, choice.name()).clicked() {
+                intents.push(Intent::Theme(choice));
+                ui.close();
+            }
+        }
+    });
+    ui.menu_button("Help", |ui| {
+        for (name, keys, dialog) in [
+            ("Shortcuts", "F1", Dialog::Shortcuts),
+            ("Ports and permissions", "", Dialog::PortHelp),
+            ("About Slipline", "", Dialog::About),
+        ] {
+            if ui.add(egui::Button::new(name).shortcut_text(keys)).clicked() {
+                intents.push(Intent::Dialog(Some(dialog)));
+                ui.close();
+            }
+        }
+    });
+}
