@@ -18,17 +18,17 @@ use super::sine::{add_high, high};
 use super::steady::Turn;
 use super::{BLOCK, TONES, ToneBlock, glide, steady};
 
-#[cfg(target_arch = "arm")]
+#[cfg(all(target_arch = "arm", target_os = "none"))]
 #[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
 // The formatter would put each operand of an instruction on a line of its own.
 #[rustfmt::skip]
 mod cortex_m4;
 
 /// The kernel of this machine.
-#[cfg(target_arch = "arm")]
+#[cfg(all(target_arch = "arm", target_os = "none"))]
 pub(super) type Native = cortex_m4::CortexM4;
 /// The kernel of this machine.
-#[cfg(not(target_arch = "arm"))]
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
 pub(super) type Native = Portable;
 
 /// Samples whose sums are formed together.

@@ -2,11 +2,14 @@
 //!
 //! The floating-point registers are used as storage only: nothing here computes with floats.
 //!
-//! Each function is *naked*: the register allocation above is the whole register file, which inline assembly may not
-//! claim. They follow the procedure call standard: r4-r11, lr and s16-s31 are saved, the stack stays balanced, no
-//! other memory is written than the output block and the function's own frame.
+//! All but the conversion to codes are *naked* functions: they use the whole register file, which inline assembly may
+//! not claim. They follow the procedure call standard (r4-r11, lr and s16-s31 are saved where used, the stack stays
+//! balanced) and write no other memory than their arguments and their own frame, so an interrupt may come at any time.
+//! The comments name what the portable twin in [`super`], `steady` and `glide` calls the same thing; cycles are those
+//! of the M4's reference manual without wait states.
 
 use core::arch::{asm, naked_asm};
+use core::mem::offset_of;
 
 use super::{GlideBasis, GlideSeeds, Kernel, SteadyBasis, SteadySeeds, Survey};
 use crate::bank::code::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
@@ -22,18 +25,11 @@ pub(in crate::bank) struct CortexM4;
 const _: () = {
     assert!(TONES == 16 && BLOCK == 128);
     assert!(size_of::<ToneBlock>() == 24 && size_of::<Turn>() == 8);
-    assert!(
-        core::mem::offset_of!(ToneBlock, step_end) == 8 && core::mem::offset_of!(ToneBlock, amplitude) == 16
-    );
-    assert!(
-        core::mem::offset_of!(SteadySeeds, odd) == 128 && core::mem::offset_of!(SteadyBasis, odd) == 2048
-    );
-    assert!(core::mem::offset_of!(GlideBasis, even) == 512 && core::mem::offset_of!(GlideSeeds, even) == 512);
-    assert!(
-        core::mem::offset_of!(GlideBasis, odd_bend) == 1024
-            && core::mem::offset_of!(GlideSeeds, odd_bend) == 1024
-    );
-    assert!(core::mem::offset_of!(GlideBasis, odd) == 1536 && core::mem::offset_of!(GlideSeeds, odd) == 1536);
+    assert!(offset_of!(ToneBlock, step_end) == 8 && offset_of!(ToneBlock, amplitude) == 16);
+    assert!(offset_of!(SteadySeeds, odd) == 128 && offset_of!(SteadyBasis, odd) == 2048);
+    assert!(offset_of!(GlideBasis, even) == 512 && offset_of!(GlideSeeds, even) == 512);
+    assert!(offset_of!(GlideBasis, odd_bend) == 1024 && offset_of!(GlideSeeds, odd_bend) == 1024);
+    assert!(offset_of!(GlideBasis, odd) == 1536 && offset_of!(GlideSeeds, odd) == 1536);
 };
 
 /// Four samples from `{from}`, rounded, clamped (which Q remembers) and packed to `{to}`.
@@ -131,16 +127,21 @@ impl Kernel for CortexM4 {
 macro_rules! tone {
     ($first:literal, $second:literal, add $op:literal) => {
         concat!(
-            "ldm r0!, {{r9, r10, r11, r12}}\n", "vmov lr, s", $first, "\n", $op, " r1, r9, lr, r1\n",
-            $op, " r2, r10, lr, r2\n", $op, " r3, r11, lr, r3\n", $op, " r4, r12, lr, r4\n",
-            "vmov lr, s", $second, "\n", $op, " r5, r9, lr, r5\n", $op, " r6, r10, lr, r6\n",
+            "ldm r0!, {{r9, r10, r11, r12}}\n",
+            "vmov lr, s", $first, "\n",
+            $op, " r1, r9, lr, r1\n", $op, " r2, r10, lr, r2\n",
+            $op, " r3, r11, lr, r3\n", $op, " r4, r12, lr, r4\n",
+            "vmov lr, s", $second, "\n",
+            $op, " r5, r9, lr, r5\n", $op, " r6, r10, lr, r6\n",
             $op, " r7, r11, lr, r7\n", $op, " r8, r12, lr, r8\n",
         )
     };
     ($first:literal, $second:literal, set $op:literal) => {
         concat!(
-            "ldm r0!, {{r9, r10, r11, r12}}\n", "vmov lr, s", $first, "\n", $op, " r1, r9, lr\n",
-            $op, " r2, r10, lr\n", $op, " r3, r11, lr\n", $op, " r4, r12, lr\n", "vmov lr, s", $second, "\n",
+            "ldm r0!, {{r9, r10, r11, r12}}\n",
+            "vmov lr, s", $first, "\n",
+            $op, " r1, r9, lr\n", $op, " r2, r10, lr\n", $op, " r3, r11, lr\n", $op, " r4, r12, lr\n",
+            "vmov lr, s", $second, "\n",
             $op, " r5, r9, lr\n", $op, " r6, r10, lr\n", $op, " r7, r11, lr\n", $op, " r8, r12, lr\n",
         )
     };
@@ -266,7 +267,9 @@ macro_rules! load_seeds {
 macro_rules! bends {
     () => {
         concat!(
-            tone!("0", "1", set "smuad"), other_tones!("smlad"), "ldr r9, [sp, #12]\ncmp r0, r9\n",
+            tone!("0", "1", set "smuad"),
+            other_tones!("smlad"),
+            "ldr r9, [sp, #12]\ncmp r0, r9\n",
             // 1, 3, 5, 7 or 9, 11, 13, 15, with 25 fractional bits
             "ite eq\nmoveq r9, #0x12000000\nmovne r9, #0x02000000\n",
             "add r10, r9, #0x04000000\nadd r11, r10, #0x04000000\nadd r12, r11, #0x04000000\n",
@@ -282,10 +285,19 @@ macro_rules! bends {
 macro_rules! next_group {
     ($slot:literal, $next:literal, $group:literal, $onward:literal, $pair:literal, $end:literal, $done:literal) => {
         concat!(
-            "beq ", $done, "f\n", "add r9, r9, #", $next, "\n",
-            "str r9, [sp, #", $slot, "]\n", "b ", $group, "b\n", $done, ":\n", "add r9, r9, #", $onward, "\n",
-            "str r9, [sp, #", $slot, "]\n", "ldr r10, [sp, #", $end, "]\n", "sub r0, r0, #512\n",
-            "cmp r9, r10\n", "bne ", $pair, "b\n", "add r0, r0, #1024\n", "str r0, [sp, #12]\n",
+            "beq ", $done, "f\n",
+            "add r9, r9, #", $next, "\n",
+            "str r9, [sp, #", $slot, "]\n",
+            "b ", $group, "b\n",
+            $done, ":\n",
+            "add r9, r9, #", $onward, "\n",
+            "str r9, [sp, #", $slot, "]\n",
+            "ldr r10, [sp, #", $end, "]\n",
+            "sub r0, r0, #512\n",
+            "cmp r9, r10\n",
+            "bne ", $pair, "b\n",
+            "add r0, r0, #1024\n",
+            "str r0, [sp, #12]\n",
             "sub r0, r0, #512\n",
         )
     };
@@ -389,7 +401,10 @@ unsafe extern "C" fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i3
 /// Sine and cosine of the phase `$angle` into `$s` and `$c`, with the table's address in `$table` and [`RADIANS`] in
 /// `$radians`; uses `$a` and `$b`. 14 cycles.
 macro_rules! sine_cosine {
-    ($angle:literal, $table:literal, $radians:literal, $s:literal, $c:literal, $sine:literal, $cosine:literal, $a:literal, $b:literal) => {
+    (
+        $angle:literal, $table:literal, $radians:literal, $s:literal, $c:literal,
+        $sine:literal, $cosine:literal, $a:literal, $b:literal
+    ) => {
         concat!(
             "lsr ", $s, ", ", $angle, ", #22\n", "lsl ", $a, ", ", $angle, ", #10\n",
             "add ", $s, ", ", $table, ", ", $s, ", lsl #3\n", "eor ", $a, ", ", $a, ", #0x80000000\n",
@@ -442,13 +457,14 @@ unsafe extern "C" fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; T
 macro_rules! turn {
     () => {
         concat!(
-            "smmulr r10, r8, r5\nsmmulr r11, lr, r5\n", "smmlar r10, lr, r4, r10\nsmmlsr r11, r8, r4, r11\n",
+            "smmulr r10, r8, r5\nsmmulr r11, lr, r5\n",
+            "smmlar r10, lr, r4, r10\nsmmlsr r11, r8, r4, r11\n",
             "lsl r8, r10, #1\nlsl lr, r11, #1\n",
         )
     };
 }
 
-/// Eight samples' words in a row: two groups.
+/// The basis words of one sample, cosine in lr and sine in r8, `$at` bytes on in the tone's column at r2.
 macro_rules! steady_words {
     ($at:literal) => {
         concat!("str lr, [r2, #", $at, "]\nstr r8, [r2, #2048 + ", $at, "]\n")
@@ -573,21 +589,33 @@ unsafe extern "C" fn seed_steady(
 macro_rules! sub_block {
     ($at:literal) => {
         concat!(
-            sine_cosine!("r2", "r1", "r7", "r8", "lr", "r9", "r10", "r11", "r12"), "asr r9, r4, #1\n",
-            "smmul r10, r9, r8\n", "smmul r9, r9, lr\n", "str r10, [r0, #512 + ", $at, "]\n",
+            sine_cosine!("r2", "r1", "r7", "r8", "lr", "r9", "r10", "r11", "r12"),
+            // The seeds.
+            "asr r9, r4, #1\n",
+            "smmul r10, r9, r8\n",
+            "smmul r9, r9, lr\n",
+            "str r10, [r0, #512 + ", $at, "]\n",
             "str r9, [r0, #1536 + ", $at, "]\n",
-            "pkhtb r8, r8, lr, asr #16\n", // sine over cosine
+            // Sine over cosine, imaginary over real, swell over curl.
+            "pkhtb r8, r8, lr, asr #16\n",
             "vmov r9, s6\n",
             "smmla r9, r4, r5, r9\n", // imaginary
-            "vmov r10, s7\n", "vmov r11, s8\n",
+            "vmov r10, s7\nvmov r11, s8\n",
             "smmls r10, r9, r11, r10\n", // real
             "smmul r11, r9, r5\n", // curl
-            "pkhtb r9, r9, r10, asr #16\n", "pkhtb r10, r6, r11, asr #21\n", "mov r11, #0x8000\n",
-            "smlsd r12, r9, r8, r11\n", "smladx r9, r9, r8, r11\n", "smlsdx lr, r10, r8, r11\n",
-            "smlad r10, r10, r8, r11\n", "pkhtb r12, lr, r12, asr #16\n", "pkhtb r9, r10, r9, asr #16\n",
-            "str r12, [r0, #", $at, "]\n", "str r9, [r0, #1024 + ", $at, "]\n", "vmov r10, s2\n",
-            "vmov r11, s3\n", "vmov r12, s4\n", "vmov lr, s5\n", "add r2, r2, r3\n", "add r3, r3, r10\n",
-            "add r4, r4, r11\n", "add r5, r5, r12\n", "add r6, r6, lr\n",
+            "pkhtb r9, r9, r10, asr #16\n",
+            "pkhtb r10, r6, r11, asr #21\n",
+            // The four products of two complex numbers each, and their upper halves.
+            "mov r11, #0x8000\n",
+            "smlsd r12, r9, r8, r11\nsmladx r9, r9, r8, r11\n",
+            "smlsdx lr, r10, r8, r11\nsmlad r10, r10, r8, r11\n",
+            "pkhtb r12, lr, r12, asr #16\npkhtb r9, r10, r9, asr #16\n",
+            "str r12, [r0, #", $at, "]\n",
+            "str r9, [r0, #1024 + ", $at, "]\n",
+            // On to the next sub-block.
+            "vmov r10, s2\nvmov r11, s3\nvmov r12, s4\nvmov lr, s5\n",
+            "add r2, r2, r3\n",
+            "add r3, r3, r10\nadd r4, r4, r11\nadd r5, r5, r12\nadd r6, r6, lr\n",
         )
     };
 }
@@ -597,9 +625,12 @@ macro_rules! sub_block {
 macro_rules! basis_words {
     ($tau:literal, $at:literal) => {
         concat!(
-            "mov r9, #", $tau, "\n", "smmla r10, lr, r9, r6\n", "smmla r11, r8, r9, r6\n",
-            "pkhtb r10, r10, r8, asr #18\n", "pkhtb r11, r11, lr, asr #18\n", "str r10, [r0, #", $at, "]\n",
-            "str lr, [r0, #512 + ", $at, "]\n", "str r11, [r0, #1024 + ", $at, "]\n",
+            "mov r9, #", $tau, "\n",
+            "smmla r10, lr, r9, r6\nsmmla r11, r8, r9, r6\n",
+            "pkhtb r10, r10, r8, asr #18\npkhtb r11, r11, lr, asr #18\n",
+            "str r10, [r0, #", $at, "]\n",
+            "str lr, [r0, #512 + ", $at, "]\n",
+            "str r11, [r0, #1024 + ", $at, "]\n",
             "str r8, [r0, #1536 + ", $at, "]\n",
         )
     };
