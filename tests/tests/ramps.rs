@@ -2,6 +2,7 @@
 
 use slipline::link::simulated::Options;
 use slipline_protocol::Command;
+use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::{Fault, ResetCause, State};
 use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
 use slipline_tests::measure::{envelope, peak};
@@ -74,6 +75,27 @@ fn a_quick_stop_shortens_a_slow_one() {
     rig.live_ms(60);
     let end = rig.recording.end_of_sound().unwrap();
     assert!(end <= at + rig.samples(EMERGENCY_RAMP_MS) + BLOCK, "{}", end - at);
+}
+
+#[test]
+fn a_stop_drops_the_drive_that_was_to_begin_later() {
+    // from silence and from sound.
+    for sounding in [false, true] {
+        let mut rig = Rig::armed();
+        if sounding {
+            rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
+            rig.live_ms(20);
+        }
+        let at = rig.device.now() + rig.samples(200);
+        let later = Drive { apply: Apply::At(at), ..drive(&[(1, 0.5, 1.0)], 2000) };
+        rig.accepted(&Command::Drive(later));
+        rig.accepted(&Command::Stop);
+        rig.live_ms(STOP_RAMP_MS + 5);
+        rig.record();
+        rig.live_ms(400);
+        assert_eq!(rig.recording.first_sound(rig.recording.first), None);
+        assert_eq!(rig.status().state, State::Armed);
+    }
 }
 
 #[test]
