@@ -99,6 +99,24 @@ fn a_stop_drops_the_drive_that_was_to_begin_later() {
 }
 
 #[test]
+fn a_stop_on_the_heels_of_drives_outruns_them() {
+    // all in one breath; the stop is seen before the first drive is looked at.
+    let mut rig = Rig::armed();
+    let mut bytes = Vec::new();
+    for step in 0..5u8 {
+        bytes.extend(rig.frame(&Command::Drive(drive(&[(step, 0.5, 1.0)], 2000))));
+    }
+    bytes.extend(rig.frame(&Command::Stop));
+    rig.record();
+    rig.device.feed(&bytes);
+    rig.live_ms(100);
+    assert_eq!(rig.recording.first_sound(rig.recording.first), None);
+    rig.collect();
+    rig.replies.clear();
+    assert_eq!(rig.status().state, State::Armed);
+}
+
+#[test]
 fn after_every_kind_of_reset_the_amplifier_is_muted_over_mid_scale_until_armed() {
     //
     for cause in [ResetCause::PowerOn, ResetCause::Pin, ResetCause::Watchdog, ResetCause::BrownOut] {

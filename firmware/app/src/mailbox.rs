@@ -348,3 +348,6 @@ impl<M: RawMutex> Crossing<M> {
         self.tick.signal(());
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -46,6 +46,8 @@ struct Wire {
     from_device: Vec<u8>,
     /// Bytes a write takes at most; 0 is an error of the port's.
     write_size: usize,
+    /// Bytes the host still takes before it stops reading.
+    room: usize,
     reads: u32,
 }
 
@@ -79,13 +81,20 @@ impl Read for End<'_> {
 
 impl Write for End<'_> {
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
-        let mut wire = self.0.borrow_mut();
-        if wire.write_size == 0 {
-            return Err(ErrorKind::BrokenPipe);
-        }
-        let count = bytes.len().min(wire.write_size);
-        wire.from_device.extend_from_slice(&bytes[..count]);
-        Ok(count)
+        poll_fn(|_| {
+            let mut wire = self.0.borrow_mut();
+            if wire.write_size == 0 {
+                return Poll::Ready(Err(ErrorKind::BrokenPipe));
+            }
+            let count = bytes.len().min(wire.write_size).min(wire.room);
+            if count == 0 {
+                return Poll::Pending;
+            }
+            wire.room -= count;
+            wire.from_device.extend_from_slice(&bytes[..count]);
+            Poll::Ready(Ok(count))
+        })
+        .await
     }
 
     async fn flush(&mut self) -> Result<(), ErrorKind> {
@@ -125,6 +134,7 @@ fn wire() -> RefCell<Wire> {
         to_device: Vec::new(),
         from_device: Vec::new(),
         write_size: 64,
+        room: usize::MAX,
         reads: 0,
     })
 }
@@ -186,4 +196,21 @@ fn a_port_that_cannot_be_written_loses_the_reply_and_nothing_else() {
         pass(1);
         assert_eq!(replies(&wire), 1);
     });
+}
+
+#[test]
+fn a_reply_that_was_cut_off_half_way_does_not_spoil_the_next() {
+    for taken in 0..60 {
+        let wire = wire();
+        wire.borrow_mut().room = taken;
+        play(&wire, |pass| {
+            say_hello(&wire);
+            // 20 ms are 62.5 blocks.
+            pass(80);
+            wire.borrow_mut().room = usize::MAX;
+            say_hello(&wire);
+            pass(1);
+            assert_eq!(replies(&wire), 1, "after {taken} bytes");
+        });
+    }
 }
