@@ -84,7 +84,11 @@ proptest! {
                 }
             }
         }
-        prop_assert_eq!(motion.at(u64::MAX, &slots, &shape), end);
+        for later in [1, 1 << 32, (1 << 32) + 7, u64::MAX] {
+            prop_assert_eq!(motion.at(motion.end().saturating_add(later), &slots, &shape), end);
+        }
+        let wrapped = at.saturating_add(1 << 32);
+        prop_assert_eq!(motion.at(wrapped, &slots, &shape), end, "no 32-bit time");
     }
 
     #[test]
