@@ -5,9 +5,11 @@
 
 mod argument;
 mod check;
+mod design;
 mod device;
 mod drive;
 mod failure;
+mod figures;
 mod info;
 mod output;
 mod presets;
@@ -17,7 +19,9 @@ mod simulate;
 mod table;
 mod verify;
 
+pub use design::DesignArguments;
 pub use failure::Failure;
+pub use figures::FiguresArguments;
 
 use crate::link::Port;
 use argument::{Boundary, ToneArgument};
@@ -63,6 +67,10 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Say how good a plate is: one light per question, with the reason.
     Check(CheckArguments),
+    /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
+    Design(DesignArguments),
+    /// Draw the paper's figures, as printed and corrected, as PNG and CSV.
+    Figures(FiguresArguments),
 }
 
 /// Which device.
@@ -235,6 +243,8 @@ impl Command {
             Self::Record(arguments) => record::run(&arguments, json),
             Self::Verify(arguments) => verify::run(&arguments, json),
             Self::Check(arguments) => check::run(&arguments, json),
+            Self::Design(arguments) => design::run(&arguments, json),
+            Self::Figures(arguments) => figures::run(&arguments, json),
         }
     }
 }

@@ -1,0 +1,313 @@
+//! `slipline design`.
+
+use super::{Failure, output};
+use crate::quantity::{self, show_frequency, show_length};
+use clap::{ArgGroup, Args, ValueEnum};
+use serde_json::json;
+use slipline_plate::check::{Checker, Colour, Conditions, Report};
+use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
+use std::path::{Path, PathBuf};
+
+/// `design`.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("wave").args(["edge", "wave_speed", "tension", "shear"]))]
+pub struct DesignArguments {
+    /// The sheet: aluminium, steel, stainless-steel, brass, glass, fr4, acrylic, polycarbonate, polyester-film,
+    /// silicone-rubber or latex.
+    #[arg(long, value_name = "M")]
+    material: String,
+    /// The sheet's thickness, such as 2mm.
+    #[arg(long, value_name = "T", value_parser = quantity::length_m)]
+    thickness: f64,
+    /// The boundary's lowest and highest frequency, such as 20kHz..40kHz.
+    #[arg(long, value_name = "F..F", value_parser = band)]
+    band: (f64, f64),
+    /// From the driven end to the narrow end, such as 300mm.
+    #[arg(long, value_name = "L", value_parser = quantity::length_m)]
+    length: f64,
+    /// A plate in bending: how its edges are held (supported, if nothing else is said).
+    #[arg(long)]
+    edge: Option<EdgeArgument>,
+    /// A stretched membrane of this wave speed, such as 12m/s.
+    #[arg(long, value_name = "C", value_parser = speed)]
+    wave_speed: Option<f64>,
+    /// A membrane stretched with this tension, such as 70N/m.
+    #[arg(long, value_name = "N", value_parser = tension)]
+    tension: Option<f64>,
+    /// The shear-horizontal wave of the paper.
+    #[arg(long)]
+    shear: bool,
+    /// Leave out shear and rotary inertia of a bending plate.
+    #[arg(long)]
+    thin: bool,
+    /// From the driven end to the nearest boundary; without it, as much as its peak needs.
+    #[arg(long, value_name = "X", value_parser = quantity::length_m)]
+    start_margin: Option<f64>,
+    /// From the farthest boundary to the narrow end; without it, as much as its tail needs.
+    #[arg(long, value_name = "X", value_parser = quantity::length_m)]
+    end_margin: Option<f64>,
+    /// Loss factor, 0 to 0.5, if it is not the library's.
+    #[arg(long, value_name = "ETA")]
+    loss: Option<f64>,
+    /// The drive's displacement at DAC full scale: 1um from 1 kHz on, else 100um.
+    #[arg(long, value_name = "A", value_parser = quantity::length_m)]
+    full_scale: Option<f64>,
+    /// Width of the frame's rim.
+    #[arg(long, value_name = "X", value_parser = quantity::length_m, default_value = "20mm")]
+    rim: f64,
+    /// The plate's name.
+    #[arg(long, default_value = "designed")]
+    name: String,
+    /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// How the edges of a bending plate are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum EdgeArgument {
+    /// On a knife edge, free to turn.
+    Supported,
+    /// Between the halves of a stiff frame.
+    Clamped,
+}
+
+fn band(text: &str) -> Result<(f64, f64), String> {
+    let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
+    let frequency = |text: &str| quantity::frequency_hz(text).map_err(|error| error.to_string());
+    Ok((frequency(low)?, frequency(high)?))
+}
+
+fn speed(text: &str) -> Result<f64, quantity::QuantityError> {
+    quantity::plain(text, "m/s")
+}
+
+fn tension(text: &str) -> Result<f64, quantity::QuantityError> {
+    quantity::plain(text, "N/m")
+}
+
+impl DesignArguments {
+    fn request(&self) -> Result<Request, Failure> {
+        let mut material = Material::named(&self.material).map_err(Failure::usage)?;
+        if let Some(loss) = self.loss {
+            material.loss_factor = loss;
+        }
+        let surface_density = material.density_kg_per_m3 * self.thickness;
+        let wave = match (self.wave_speed, self.tension, self.shear) {
+            (Some(wave_speed_m_per_s), _, _) => Wave::Membrane { wave_speed_m_per_s },
+            (None, Some(tension), _) => {
+                Wave::Membrane { wave_speed_m_per_s: (tension / surface_density).sqrt() }
+            }
+            (None, None, true) => Wave::ShearHorizontal,
+            (None, None, false) => Wave::Bending {
+                edge: match self.edge {
+                    Some(EdgeArgument::Clamped) => Edge::Clamped,
+                    Some(EdgeArgument::Supported) | None => Edge::Supported,
+                },
+                thick_plate: !self.thin,
+            },
+        };
+        let mut request = Request::new(&self.name, material, self.thickness, wave, self.band, self.length);
+        request.start_margin_m = self.start_margin;
+        request.end_margin_m = self.end_margin;
+        request.rim_m = self.rim;
+        if let Some(full_scale_m) = self.full_scale {
+            request.full_scale_m = full_scale_m;
+        }
+        Ok(request)
+    }
+}
+
+pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Failure> {
+    let request = arguments.request()?;
+    let designed = design(&request).map_err(Failure::usage)?;
+    // A band above what the usual device can play is designed all the same: only its lights are missing.
+    let lights = Checker::new(&designed.plate, Conditions::default())
+        .and_then(|checker| checker.over_span())
+        .map_err(|error| error.to_string());
+    let files = match &arguments.out {
+        Some(folder) => write_files(&designed, folder)?,
+        None => Vec::new(),
+    };
+    let value = json!({
+        "plate": designed.plate.name(),
+        "toml": designed.plate.to_toml(),
+        "rate_per_m": designed.rate_per_m,
+        "half_width_m": designed.plate.half_width_m(0.0),
+        "end_half_width_m": designed.plate.half_width_m(designed.plate.length_m()),
+        "low": designed.low,
+        "high": designed.high,
+        "loss_factor": designed.plate.spec().loss_factor,
+        "loss_factor_limit": designed.loss_factor_limit,
+        "single_boundary_to_m": designed.single_boundary_to_m,
+        "single_boundary_off_centre_to_m": designed.single_boundary_off_centre_to_m,
+        "mode_free_travel_m": designed.mode_free_travel_m(),
+        "damper": designed.damper,
+        "tension_n_per_m": designed.tension_n_per_m,
+        "lights": lights.as_ref().ok(),
+        "not_checked": lights.as_ref().err(),
+        "files": files,
+    });
+    output::print(as_json, &value, |out| {
+        // The figures are comments, so that what is printed is the plate file itself.
+        for (name, text) in summary(&designed) {
+            writeln!(out, "# {name:<18} {text}")?;
+        }
+        match &lights {
+            Ok(report) => concerns(report).try_for_each(|line| writeln!(out, "# {line}"))?,
+            Err(reason) => writeln!(out, "# not checked: {reason}")?,
+        }
+        for file in &files {
+            writeln!(out, "# written: {}", file.display())?;
+        }
+        if files.is_empty() {
+            write!(out, "{}", designed.plate.to_toml())?;
+        }
+        Ok(())
+    })
+}
+
+fn summary(designed: &Design) -> Vec<(&'static str, String)> {
+    let plate = &designed.plate;
+    let damper = designed.damper;
+    let mut lines = vec![
+        (
+            "taper",
+            format!(
+                "full width {} at the driven end, {} at the narrow end, d = {:.3} /m",
+                show_length(2.0 * plate.half_width_m(0.0)),
+                show_length(2.0 * plate.half_width_m(plate.length_m())),
+                designed.rate_per_m
+            ),
+        ),
+        ("lowest boundary", band_end(&designed.low)),
+        ("highest boundary", band_end(&designed.high)),
+        (
+            "loss",
+            format!(
+                "loss factor {}; the peak is the largest amplitude up to {:.3}",
+                plate.spec().loss_factor,
+                designed.loss_factor_limit
+            ),
+        ),
+        (
+            "single boundary",
+            format!(
+                "up to {} with the drive on the centre line ({} of travel), up to {} beside it",
+                show_length(designed.single_boundary_to_m),
+                show_length(designed.mode_free_travel_m()),
+                show_length(designed.single_boundary_off_centre_to_m)
+            ),
+        ),
+        (
+            "damper",
+            format!(
+                "R = {:.3} N s/m matches at {}; r = {:.2} to {:.2} over the band",
+                damper.resistance_n_s_per_m,
+                show_frequency(damper.match_frequency_hz),
+                damper.ratio_range.0,
+                damper.ratio_range.1
+            ),
+        ),
+    ];
+    if let Some(tension) = designed.tension_n_per_m {
+        lines.push(("tension", format!("{tension:.1} N per metre of width")));
+    }
+    lines
+}
+
+fn band_end(end: &slipline_plate::design::BandEnd) -> String {
+    format!(
+        "{} at {}, edge width {}, {:.1} wavelengths",
+        show_frequency(end.frequency_hz),
+        show_length(end.boundary_m),
+        show_length(end.edge_width_m),
+        end.wavelengths
+    )
+}
+
+/// The lights that are not green.
+fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
+    report.lights.iter().filter(|light| light.colour != Colour::Green).map(|light| {
+        let colour = if light.colour == Colour::Red { "red" } else { "amber" };
+        format!("{colour}: {}", light.sentence)
+    })
+}
+
+/// Writes the plate file and the cut files; returns their paths.
+fn write_files(designed: &Design, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::Failed(format!("{}: {error}", folder.display())))?;
+    let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
+    let mut files = Vec::new();
+    for (name, text) in [
+        ("plate.toml", designed.plate.to_toml()),
+        ("plate.svg", plate.to_svg()),
+        ("plate.dxf", plate.to_dxf()),
+        ("frame.svg", frame.to_svg()),
+        ("frame.dxf", frame.to_dxf()),
+    ] {
+        let path = folder.join(name);
+        output::file(&path, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
+        files.push(path);
+    }
+    Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct Alone {
+        #[command(flatten)]
+        arguments: DesignArguments,
+    }
+
+    fn parsed(line: &str) -> Result<DesignArguments, String> {
+        let words = std::iter::once("design").chain(line.split_whitespace());
+        Alone::try_parse_from(words).map(|alone| alone.arguments).map_err(|error| error.to_string())
+    }
+
+    const ALUMINIUM: &str = "--material aluminium --thickness 2mm --band 20kHz..40kHz --length 300mm";
+
+    #[test]
+    fn quantities_carry_their_units_into_the_request() {
+        let request = parsed(ALUMINIUM).expect("parses").request().expect("known");
+        assert_eq!((request.thickness_m, request.band_hz, request.length_m), (2e-3, (20e3, 40e3), 0.3));
+        assert_eq!(request.wave, Wave::Bending { edge: Edge::Supported, thick_plate: true });
+        assert_eq!((request.rim_m, request.full_scale_m), (0.02, 1e-6));
+
+        let membrane =
+            "--material latex --thickness 0.5mm --band 80Hz..220Hz --length 40cm --tension 68.4N/m";
+        let request = parsed(membrane).expect("parses").request().expect("known");
+        // 68.4 N/m over 950 kg/m^3 x 0.5 mm is (12 m/s)^2.
+        let Wave::Membrane { wave_speed_m_per_s } = request.wave else { panic!("{:?}", request.wave) };
+        assert!((wave_speed_m_per_s - 12.0).abs() < 1e-9, "{wave_speed_m_per_s}");
+    }
+
+    #[test]
+    fn a_wave_is_named_once_and_a_bad_band_is_explained() {
+        assert!(parsed(&format!("{ALUMINIUM} --edge clamped --shear")).expect_err("both").contains("cannot"));
+        let error = parsed(&ALUMINIUM.replace("20kHz..40kHz", "20kHz")).expect_err("no band");
+        assert!(error.contains("20kHz..40kHz"), "{error}");
+        let failure = parsed(&ALUMINIUM.replace("aluminium", "tin")).expect("parses").request();
+        assert_eq!(failure.map(drop).expect_err("unknown").exit_code(), 2);
+    }
+
+    #[test]
+    fn the_files_are_written_and_the_plate_file_can_be_read_back() {
+        let folder = std::env::temp_dir().join(format!("slipline-design-{}", std::process::id()));
+        let mut arguments = parsed(ALUMINIUM).expect("parses");
+        arguments.out = Some(folder.clone());
+        run(&arguments, true).expect("done");
+        let text = std::fs::read_to_string(folder.join("plate.toml")).expect("there");
+        let plate = slipline_plate::Plate::from_toml(&text).expect("a plate");
+        assert!((plate.band_hz().0 - 20e3).abs() < 1e-2 && (plate.band_hz().1 - 40e3).abs() < 1e-2);
+        for name in ["plate.svg", "plate.dxf", "frame.svg", "frame.dxf"] {
+            assert!(std::fs::metadata(folder.join(name)).expect(name).len() > 500, "{name}");
+        }
+        std::fs::remove_dir_all(&folder).expect("removable");
+    }
+}
