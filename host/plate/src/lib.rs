@@ -15,6 +15,7 @@ pub mod airy;
 mod analytic;
 pub mod bessel;
 pub mod check;
+mod coupled;
 pub mod design;
 mod drive;
 mod drive_table;
@@ -39,6 +40,7 @@ mod taper;
 mod time_line;
 mod turning;
 
+pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
 pub use drive::{Actuator, DriveEnd};
 pub use drive_table::{DriveTable, FREQUENCY_TO_RATE_MAX, KNOTS_MAX, Knot, Level, TableError};
 pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};

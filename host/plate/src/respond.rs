@@ -48,6 +48,16 @@ pub enum RespondError {
         /// Most.
         high: usize,
     },
+    /// The number of width modes is not usable.
+    #[error("modes = {modes}: must be {low} to {high}")]
+    Modes {
+        /// The number that was asked for.
+        modes: usize,
+        /// Fewest.
+        low: usize,
+        /// Most.
+        high: usize,
+    },
 }
 
 /// Fewest points of a response.

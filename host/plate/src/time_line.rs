@@ -192,14 +192,29 @@ impl TimeLine {
         &self.position_m
     }
 
-    /// Writes the displacement of this moment, metres, as far as `out` reaches.
+    /// Writes the displacement at the latest step of the field, metres, as far as `out` reaches.
     pub fn field_m(&self, out: &mut [f32]) {
-        let turn = (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract();
-        let carrier = Complex64::cis(-TAU * turn);
+        let carrier = self.carrier();
         let (re, im) = (carrier.re as f32, carrier.im as f32);
         for ((out, a), b) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
             *out = a * re - b * im;
         }
+    }
+
+    /// Writes the analytic displacement at the latest step of the field, metres, as far as `out` reaches: its real
+    /// part is [`TimeLine::field_m`], and a tone of frequency f turns in it as e^(-j 2 pi f t), with nothing at -f.
+    ///
+    /// A new field comes every `1/step_rate_hz()` seconds.
+    pub fn analytic_m(&self, out: &mut [Complex64]) {
+        let carrier = self.carrier();
+        for ((out, re), im) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
+            *out = Complex64::new(f64::from(*re), f64::from(*im)) * carrier;
+        }
+    }
+
+    /// What the band's middle has turned to at the latest step of the field.
+    fn carrier(&self) -> Complex64 {
+        Complex64::cis(-TAU * (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract())
     }
 
     /// Maximum and RMS since the last [`TimeLine::reset_envelope`].

@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Actuator, Bending, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec, Taper, TimeLine,
-    preset, presets, respond,
+    Actuator, Bending, Complex64, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec, Taper,
+    TimeLine, preset, presets, respond,
 };
 use std::f64::consts::TAU;
 
@@ -141,6 +141,39 @@ fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
     line.rest();
     line.push(&[0.0; 2000]);
     assert!(line.envelope().maximum_m().iter().all(|&u| u == 0.0));
+}
+
+#[test]
+fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitude() {
+    let plate = preset("al-bending").expect("a preset");
+    let (rate, frequency) = (400e3, 30e3);
+    let mut line = TimeLine::new(&plate, rate, 65, 1).expect("a line");
+    settle(&mut line, rate, frequency, 0.9);
+    let codes_per_field = (rate / line.step_rate_hz()).round() as usize;
+    let place = 40;
+    let mut turned = Vec::new();
+    for step in 0..60 {
+        line.push(
+            &(0..codes_per_field)
+                .map(|n| (0.9 * (TAU * frequency * (step * codes_per_field + n) as f64 / rate).cos()) as f32)
+                .collect::<Vec<_>>(),
+        );
+        let mut field = vec![Complex64::ZERO; 65];
+        line.analytic_m(&mut field);
+        let mut real = vec![0.0_f32; 65];
+        line.field_m(&mut real);
+        assert!((f64::from(real[place]) - field[place].re).abs() < 1e-12);
+        turned.push(field[place] * Complex64::cis(TAU * frequency * step as f64 / line.step_rate_hz()));
+    }
+    // The join of two stretches of codes rings for a while; after that the phasor stands still.
+    let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("enters").amplitude[place].norm();
+    let turn = std::f64::consts::PI * frequency / rate;
+    let level = 0.9 * exact * plate.spec().full_scale_m * turn.sin() / turn;
+    let still = &turned[50..];
+    for value in still {
+        assert!((value - still[0]).norm() < 0.05 * level, "{value} {}", still[0]);
+        assert!((value.norm() / level - 1.0).abs() < 0.05, "{} for {level}", value.norm());
+    }
 }
 
 #[test]
