@@ -216,9 +216,9 @@ impl Renderer {
         crossing: &Crossing<M>,
     ) -> ([ToneBlock; TONES], u64) {
         let before = self.limit;
-        let goal = limit.0.min(Gain::FULL.0);
-        self.limit = goal
-            .clamp(before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW).min(Gain::FULL.0));
+        let (lowest, highest) = (before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW));
+        // Not `clamp`, which would panic if the bounds were crossed: the renderer has no way to panic at all.
+        self.limit = limit.0.max(lowest).min(highest).min(Gain::FULL.0);
         let mut blocks = [ToneBlock::default(); TONES];
         let mut sum: u64 = 0;
         if self.index >= self.motion.end() && self.limit == before {
