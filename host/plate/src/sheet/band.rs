@@ -1,6 +1,6 @@
 //! One thread's share of a lattice: its rows, a halo of the neighbours' rows, and the wavefront over them.
 
-use super::kernel::{self, LANES};
+use super::kernel::{self, Around, LANES};
 use super::lattice::Plan;
 use std::ops::Range;
 
@@ -75,7 +75,7 @@ impl Band {
 
     /// Advances the owned rows by one step for each number of `drive`.
     ///
-    /// Row r takes step s + 1 right after row r + 1 took step s. Rows of the halo are computed only as far as the
+    /// Row r takes step s + 1 soon after row r + 1 took step s. Rows of the halo are computed only as far as the
     /// owned rows still depend on them.
     pub(super) fn block(&mut self, plan: &Plan, drive: &[f32], flipped: bool) {
         let steps = drive.len();
@@ -85,59 +85,98 @@ impl Band {
             let from = self.owned.start.saturating_sub(halo).max(self.stored.start);
             ranges.push(from..(self.owned.end + halo).min(last_row));
         }
-        for front in self.stored.start..last_row + steps {
+        // In pairs: the update of two neighbouring rows shares half of its reading.
+        for front in self.stored.start / 2..last_row.div_ceil(2) + steps {
             for (step, rows) in ranges.iter().enumerate() {
-                let Some(row) = front.checked_sub(step) else { break };
-                if rows.contains(&row) {
-                    self.step_row(plan, row, drive[step], flipped ^ (step % 2 == 1));
+                let Some(pair) = front.checked_sub(step) else { break };
+                let (upper, lower) = (2 * pair, 2 * pair + 1);
+                let flipped = flipped ^ (step % 2 == 1);
+                let mut from = 0;
+                if rows.contains(&upper) && rows.contains(&lower) {
+                    from = self.step_pair(plan, upper, flipped);
+                }
+                for row in [upper, lower] {
+                    if rows.contains(&row) {
+                        self.step_row(plan, row, from, drive[step], flipped);
+                    }
                 }
             }
         }
     }
 
-    fn step_row(&mut self, plan: &Plan, row: usize, drive: f32, flipped: bool) {
-        let at = self.cell_zero(row);
-        let below = at + self.stride;
-        let above = if row == 0 && plan.mirrored { below } else { at - self.stride };
-        let (past, now) = if flipped {
+    /// The rows being overwritten and the rows that are read.
+    fn fields(&mut self, flipped: bool) -> (&mut [f32], &[f32]) {
+        if flipped {
             (self.first.all_mut(), self.second.all())
         } else {
             (self.second.all_mut(), self.first.all())
-        };
+        }
+    }
+
+    /// Advances the cells that rows `row` and `row` + 1 both have and that take the common weight; says how many.
+    fn step_pair(&mut self, plan: &Plan, row: usize, flipped: bool) -> usize {
+        let cells = plan.plain[row].min(plan.plain[row + 1]);
+        let (at, stride) = (self.cell_zero(row), self.stride);
+        let above = if row == 0 && plan.mirrored { at + stride } else { at - stride };
+        let (past, now) = self.fields(flipped);
+        let line = |from: usize| &now[from..from + cells];
+        let with_margins = |from: usize| &now[from - LANES..from + cells + LANES];
+        let (upper, lower) = past[at..].split_at_mut(stride);
+        kernel::advance_pair(
+            plan.width,
+            [&mut upper[..cells], &mut lower[..cells]],
+            Around {
+                above: line(above),
+                first: with_margins(at),
+                second: with_margins(at + stride),
+                below: line(at + 2 * stride),
+            },
+            plan.weights,
+        );
+        cells
+    }
+
+    /// Advances what remains of a row: the driven column, the cells after the first `from`, those beside the edge.
+    fn step_row(&mut self, plan: &Plan, row: usize, from: usize, drive: f32, flipped: bool) {
+        let at = self.cell_zero(row);
+        let below = at + self.stride;
+        let above = if row == 0 && plan.mirrored { below } else { at - self.stride };
+        let (past, now) = self.fields(flipped);
         let column = &plan.column;
         past[at - 1] = (column.own[row] * now[at - 1] - column.past * past[at - 1])
             + (column.inward * now[at] + column.across * (now[above - 1] + now[below - 1]))
             + column.profile[row] * drive;
         let (plain, cells, padded) = (plan.plain[row], plan.reach[row], plan.padded(row));
-        kernel::advance(
-            plan.width,
-            &mut past[at..at + plain],
-            &now[at - 1..at + plain + 1],
-            &now[above..above + plain],
-            &now[below..below + plain],
-            plan.weights,
-        );
+        if plain > from {
+            kernel::advance(
+                plan.width,
+                &mut past[at + from..at + plain],
+                &now[at + from - 1..at + plain + 1],
+                &now[above + from..above + plain],
+                &now[below + from..below + plain],
+                plan.weights,
+            );
+        }
         if padded > plain {
-            let own = &plan.edge_own[plan.edge_start[row]..];
             kernel::advance_edge(
                 plan.width,
                 &mut past[at + plain..at + padded],
                 &now[at + plain - 1..at + padded + 1],
                 &now[above + plain..above + padded],
                 &now[below + plain..below + padded],
-                own,
+                &plan.edge_own[plan.edge_start[row]..],
                 plan.weights,
             );
             past[at + cells..at + padded].fill(0.0);
         }
-        let record = &mut self.record;
-        if record.rows.contains(&row) {
-            let to = (row - record.rows.start) * self.stride;
+        if self.record.rows.contains(&row) {
+            let to = (row - self.record.rows.start) * self.stride;
+            let field = if flipped { self.first.all() } else { self.second.all() };
             kernel::record(
                 plan.width,
-                &past[at - 1..at + cells],
-                &mut record.maximum[to..to + cells + 1],
-                &mut record.squares[to..to + cells + 1],
+                &field[at - 1..at + cells],
+                &mut self.record.maximum[to..to + cells + 1],
+                &mut self.record.squares[to..to + cells + 1],
             );
         }
     }

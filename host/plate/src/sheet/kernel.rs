@@ -1,10 +1,18 @@
 //! The inner loops of the sheet: one row of the leapfrog update, at the widest vectors this machine has.
 //!
-//! Every loop is plain Rust that the compiler turns into vectors; it is compiled once for each instruction set. No
+//! The loops are plain Rust that the compiler turns into vectors, compiled once for each instruction set. Only the
+//! widest, [`advance_pair`] with AVX-512, is written in vectors: it takes the left and right neighbours out of
+//! registers, because at 512 bits nearly every load that is off by one number touches two cache lines. No
 //! multiplication is fused with an addition, so every machine and every width gives the same bits.
 //!
 //! This is the one file of the crate with `unsafe`: calling a function that was compiled for an instruction set
 //! needs the promise that the machine has it, and [`Width`] is that promise.
+
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{
+    __m512, _mm512_add_ps, _mm512_alignr_epi32, _mm512_castps_si512, _mm512_castsi512_ps, _mm512_loadu_ps,
+    _mm512_mul_ps, _mm512_set1_ps, _mm512_storeu_ps, _mm512_sub_ps,
+};
 
 /// Numbers per widest vector (16 `f32` = 512 bits): rows start and spans end on multiples of it.
 pub(super) const LANES: usize = 16;
@@ -105,6 +113,114 @@ at_each_width! {
 at_each_width! {
     /// Sets to zero what is too small to matter, before it becomes a denormal number that costs a hundred cycles.
     hush = hush_body(row: &mut [f32])
+}
+
+/// The rows around a pair: `above`, `first`, `second`, `below`, of which the middle two have [`LANES`] more numbers on
+/// either side than the outer ones.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around<'a> {
+    pub(super) above: &'a [f32],
+    pub(super) first: &'a [f32],
+    pub(super) second: &'a [f32],
+    pub(super) below: &'a [f32],
+}
+
+/// As [`advance`] on two neighbouring rows at once, which share half of what they read.
+///
+/// All rows of `around` must be as long as its type says; `past` holds a multiple of [`LANES`] cells.
+pub(super) fn advance_pair(width: Width, past: [&mut [f32]; 2], around: Around<'_>, weights: Weights) {
+    #[cfg(target_arch = "x86_64")]
+    if width.0 == Vectors::Avx512 {
+        #[expect(unsafe_code, reason = "the instruction set is known only at run time")]
+        // SAFETY: only `Width::detect` makes this value, after the machine said that it has AVX-512F.
+        unsafe {
+            pair_avx512(past, around, weights);
+        }
+        return;
+    }
+    let [first, second] = past;
+    pair(width, first, second, around, weights);
+}
+
+at_each_width! {
+    pair = pair_body(first: &mut [f32], second: &mut [f32], around: Around<'_>, weights: Weights)
+}
+
+/// Two rows, 16 cells at a time.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f")]
+fn pair_avx512(past: [&mut [f32]; 2], around: Around<'_>, weights: Weights) {
+    let [past_first, past_second] = past;
+    let cells = past_first.len();
+    assert!(
+        cells.is_multiple_of(LANES)
+            && past_second.len() == cells
+            && around.above.len() == cells
+            && around.below.len() == cells
+            && around.first.len() == cells + 2 * LANES
+            && around.second.len() == cells + 2 * LANES,
+        "rows of a pair do not fit together"
+    );
+    let own = _mm512_set1_ps(weights.own);
+    let past_weight = _mm512_set1_ps(weights.past);
+    let along = _mm512_set1_ps(weights.along);
+    let across = _mm512_set1_ps(weights.across);
+    let next = |past: __m512, own_value: __m512, sides: __m512, above: __m512, below: __m512| {
+        _mm512_add_ps(
+            _mm512_sub_ps(_mm512_mul_ps(own, own_value), _mm512_mul_ps(past_weight, past)),
+            _mm512_add_ps(_mm512_mul_ps(along, sides), _mm512_mul_ps(across, _mm512_add_ps(above, below))),
+        )
+    };
+    // left + right of the middle one of three neighbouring vectors.
+    let sides = |before: __m512, middle: __m512, after: __m512| {
+        let (before, middle, after) =
+            (_mm512_castps_si512(before), _mm512_castps_si512(middle), _mm512_castps_si512(after));
+        let left = _mm512_castsi512_ps(_mm512_alignr_epi32::<15>(middle, before));
+        let right = _mm512_castsi512_ps(_mm512_alignr_epi32::<1>(after, middle));
+        _mm512_add_ps(left, right)
+    };
+    #[expect(unsafe_code, reason = "vector loads and stores take pointers")]
+    // SAFETY: `at` is a multiple of LANES below `cells`. So a load of LANES numbers at `at` (at most `cells` - LANES)
+    // is inside the four rows of `cells` numbers, and one at `at` + 2 LANES (at most `cells` + LANES) inside the two
+    // rows with margins, as the assertion above has checked; loads and stores need no alignment, and the `&mut` rows
+    // overlap nothing.
+    unsafe {
+        let load = |row: &[f32], at: usize| _mm512_loadu_ps(row.as_ptr().add(at));
+        let (mut first_before, mut first) = (load(around.first, 0), load(around.first, LANES));
+        let (mut second_before, mut second) = (load(around.second, 0), load(around.second, LANES));
+        for at in (0..cells).step_by(LANES) {
+            let first_after = load(around.first, at + 2 * LANES);
+            let second_after = load(around.second, at + 2 * LANES);
+            let (above, below) = (load(around.above, at), load(around.below, at));
+            let first_sides = sides(first_before, first, first_after);
+            let second_sides = sides(second_before, second, second_after);
+            let upper = next(load(past_first, at), first, first_sides, above, second);
+            let lower = next(load(past_second, at), second, second_sides, first, below);
+            _mm512_storeu_ps(past_first.as_mut_ptr().add(at), upper);
+            _mm512_storeu_ps(past_second.as_mut_ptr().add(at), lower);
+            (first_before, first) = (first, first_after);
+            (second_before, second) = (second, second_after);
+        }
+    }
+}
+
+#[inline(always)]
+fn pair_body(first: &mut [f32], second: &mut [f32], around: Around<'_>, weights: Weights) {
+    let cells = first.len();
+    let second = &mut second[..cells];
+    // Without the margins, but for one cell.
+    let (upper, lower) = (&around.first[LANES - 1..], &around.second[LANES - 1..]);
+    let (upper_left, upper_own, upper_right) = (&upper[..cells], &upper[1..cells + 1], &upper[2..cells + 2]);
+    let (lower_left, lower_own, lower_right) = (&lower[..cells], &lower[1..cells + 1], &lower[2..cells + 2]);
+    let (above, below) = (&around.above[..cells], &around.below[..cells]);
+    for i in 0..cells {
+        let one = (weights.own * upper_own[i] - weights.past * first[i])
+            + (weights.along * (upper_left[i] + upper_right[i]) + weights.across * (above[i] + lower_own[i]));
+        let two = (weights.own * lower_own[i] - weights.past * second[i])
+            + (weights.along * (lower_left[i] + lower_right[i]) + weights.across * (upper_own[i] + below[i]));
+        first[i] = one;
+        second[i] = two;
+    }
 }
 
 #[inline(always)]

@@ -100,7 +100,7 @@ impl Lattice {
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
         let row_bytes = 2 * size_of::<f32>() * plan.stride;
         // A power of two, so that blocks end on multiples of HUSH_EVERY without a shorter last one.
-        let depth = if CACHE_BYTES / row_bytes >= 18 { 16 } else { 8 };
+        let depth = if CACHE_BYTES / row_bytes >= 34 { 16 } else { 8 };
         let bands = cut(&plan.reach, threads, depth)
             .into_iter()
             .map(|owned| Band::new(&plan, owned, depth))
