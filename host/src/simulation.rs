@@ -283,7 +283,7 @@ struct Demodulator {
     /// Turns per step of each tone.
     turns: Vec<f64>,
     sums: Vec<Vec<Complex64>>,
-    field: Vec<f32>,
+    field: Vec<Complex64>,
     step: u64,
     steps: u64,
     weight: f64,
@@ -297,7 +297,7 @@ impl Demodulator {
             stride: (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
             turns: frequencies.iter().map(|frequency| frequency / line.step_rate_hz()).collect(),
             sums: vec![vec![Complex64::ZERO; places]; frequencies.len()],
-            field: vec![0.0; places],
+            field: vec![Complex64::ZERO; places],
             step: 0,
             steps: ((window_s * line.step_rate_hz()) as u64).max(1),
             weight: 0.0,
@@ -323,15 +323,15 @@ impl Demodulator {
         if self.step >= self.steps {
             return;
         }
-        line.field_m(&mut self.field);
+        line.analytic_m(&mut self.field);
         let place = (self.step as f64 + 0.5) / self.steps as f64;
         let window = 1.0 - (TAU * place).cos();
         self.weight += window;
         for (turns, sums) in self.turns.iter().zip(&mut self.sums) {
             // e^(+j w t) takes the phasor of e^(-j w t) to rest.
-            let phasor = Complex64::cis(TAU * (turns * self.step as f64).fract()) * (2.0 * window);
+            let phasor = Complex64::cis(TAU * (turns * self.step as f64).fract()) * window;
             for (sum, value) in sums.iter_mut().zip(&self.field) {
-                *sum += phasor * f64::from(*value);
+                *sum += phasor * value;
             }
         }
         self.step += 1;
