@@ -1,0 +1,96 @@
+//! The functions the deflection is made of: polynomials across the width, Hermite cubics along the plate.
+
+/// A function with its first and second derivative at one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Jet {
+    pub(super) value: f64,
+    pub(super) slope: f64,
+    pub(super) bend: f64,
+}
+
+/// (1 - b^2)^2 P_2m(b) at b = z/W: symmetric in z, with value and slope zero at the clamped edges b = +-1.
+pub(super) fn across(order: usize, b: f64) -> Jet {
+    let legendre = legendre(2 * order, b);
+    let window =
+        Jet { value: (1.0 - b * b).powi(2), slope: -4.0 * b * (1.0 - b * b), bend: 12.0 * b * b - 4.0 };
+    Jet {
+        value: window.value * legendre.value,
+        slope: window.slope * legendre.value + window.value * legendre.slope,
+        bend: window.bend * legendre.value
+            + 2.0 * window.slope * legendre.slope
+            + window.value * legendre.bend,
+    }
+}
+
+/// Legendre polynomial by n P_n = (2n - 1) b P_(n-1) - (n - 1) P_(n-2), differentiated term by term.
+fn legendre(degree: usize, b: f64) -> Jet {
+    let mut before = Jet { value: 0.0, slope: 0.0, bend: 0.0 };
+    let mut now = Jet { value: 1.0, slope: 0.0, bend: 0.0 };
+    for n in 1..=degree {
+        let n = n as f64;
+        let (a, c) = ((2.0 * n - 1.0) / n, (n - 1.0) / n);
+        let next = Jet {
+            value: a * b * now.value - c * before.value,
+            slope: a * (now.value + b * now.slope) - c * before.slope,
+            bend: a * (2.0 * now.slope + b * now.bend) - c * before.bend,
+        };
+        (before, now) = (now, next);
+    }
+    now
+}
+
+/// The four cubics of an element of length `h` at t = 0..1: value and slope at its start, value and slope at its end.
+pub(super) fn along(t: f64, h: f64) -> [Jet; 4] {
+    let jet = |c0: f64, c1: f64, c2: f64, c3: f64| Jet {
+        value: c0 + t * (c1 + t * (c2 + t * c3)),
+        slope: (c1 + t * (2.0 * c2 + 3.0 * t * c3)) / h,
+        bend: (2.0 * c2 + 6.0 * t * c3) / (h * h),
+    };
+    [jet(1.0, 0.0, -3.0, 2.0), jet(0.0, h, -2.0 * h, h), jet(0.0, 0.0, 3.0, -2.0), jet(0.0, 0.0, -h, h)]
+}
+
+/// Places and weights of Gauss's rule with `count` places on 0..1 (Newton's method on the Legendre polynomial).
+pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
+    (0..count)
+        .map(|i| {
+            let mut b = (std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
+            for _ in 0..8 {
+                let p = legendre(count, b);
+                b -= p.value / p.slope;
+            }
+            let slope = legendre(count, b).slope;
+            (0.5 - 0.5 * b, 1.0 / ((1.0 - b * b) * slope * slope))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_are_those_of_the_functions() {
+        let step = 1e-5;
+        let check = |f: &dyn Fn(f64) -> Jet, at: f64, scale: f64| {
+            let (low, here, high) = (f(at - step), f(at), f(at + step));
+            let slope = (high.value - low.value) / (2.0 * step) / scale;
+            let bend = (high.slope - low.slope) / (2.0 * step) / scale;
+            assert!((slope - here.slope).abs() < 1e-6 * (1.0 + here.slope.abs()), "{slope} {here:?}");
+            assert!((bend - here.bend).abs() < 1e-6 * (1.0 + here.bend.abs()), "{bend} {here:?}");
+        };
+        for order in 0..5 {
+            check(&|b| across(order, b), 0.37, 1.0);
+        }
+        for number in 0..4 {
+            check(&|t| along(t, 0.2)[number], 0.61, 0.2);
+        }
+    }
+
+    #[test]
+    fn gauss_integrates_polynomials() {
+        for power in 0..9 {
+            let sum: f64 = gauss(5).iter().map(|(place, weight)| weight * place.powi(power)).sum();
+            assert!((sum - 1.0 / f64::from(power + 1)).abs() < 1e-13, "power {power}: {sum}");
+        }
+    }
+}
