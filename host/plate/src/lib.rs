@@ -15,6 +15,7 @@ pub mod airy;
 mod analytic;
 pub mod bessel;
 pub mod check;
+pub mod clamped;
 mod coupled;
 pub mod design;
 mod drive;
