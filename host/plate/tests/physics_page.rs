@@ -1,0 +1,49 @@
+//! The physics page: its pictures are there and small, and it tells of every light.
+
+use slipline_plate::check::{Checker, Conditions};
+use slipline_plate::preset;
+use std::path::Path;
+
+const PAGE: &str = include_str!("../PHYSICS.md");
+
+/// Paths in `![..](path)`.
+fn pictures() -> Vec<&'static str> {
+    PAGE.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect()
+}
+
+#[test]
+fn every_picture_is_there_and_all_of_them_are_small() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let sizes: Vec<u64> =
+        pictures().iter().map(|path| std::fs::metadata(folder.join(path)).expect(path).len()).collect();
+    assert_eq!(sizes.len(), 6);
+    assert!(sizes.iter().sum::<u64>() < 600_000, "{sizes:?}");
+}
+
+#[test]
+fn every_light_has_its_row_with_the_limits_in_force() {
+    use slipline_plate::check::thresholds as limits;
+    let plate = preset("membrane").expect("preset");
+    let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
+    let row = |name: &str| {
+        PAGE.lines().find(|line| line.starts_with(&format!("| {name} |"))).unwrap_or_else(|| panic!("{name}"))
+    };
+    for light in &report.lights {
+        row(light.name);
+    }
+    for (name, limit) in [
+        ("edge slope", limits::EDGE_SLOPE),
+        ("edge curvature", limits::EDGE_CURVATURE),
+        ("wavelengths", limits::WAVELENGTHS),
+        ("loss", limits::LOSS),
+        ("edge width", limits::EDGE_WIDTH),
+        ("thin plate", limits::THIN_PLATE_PERCENT),
+        ("sensitivity", limits::SENSITIVITY_DB),
+        ("actuator band", limits::ACTUATOR_LOSS_DB),
+        ("sound level", limits::AUDIBLE_DB_A),
+    ] {
+        let cells: Vec<&str> = row(name).split(" | ").collect();
+        assert!(cells[2].contains(&limit.green.to_string()), "{name}: {cells:?}");
+        assert!(cells[3].contains(&limit.amber.to_string()), "{name}: {cells:?}");
+    }
+}
