@@ -5,8 +5,7 @@ sector erase, programming), GPIO, timers (up-counting, update, compare, TRGO), D
 flags), DAC (trigger, DMA request, underrun), SysTick, NVIC with priorities and preemption, cycle counter, independent
 watchdog, reset causes, unique id, and the USB OTG_FS core with a host on the other end of the cable.
 
-Time: every executed byte of code takes a fixed share of a cycle (see `Board.CYCLES_PER_BYTE`); WFE and WFI jump to the
-next event. It is deterministic and some 25 to 100 times slower than the chip.
+Time: every executed instruction takes `Board.CYCLES_PER_INSTRUCTION`; WFE and WFI jump to the next event. It is deterministic and some 25 to 100 times slower than the chip.
 
 It is a model: what it does not model (bus contention, FIFO thresholds, analogue parts, exact instruction timing) it does
 not prove, and where it and RM0090 differ, RM0090 is right.
