@@ -45,11 +45,13 @@ impl Digester {
         }
         let (_, digest) = self.running.as_mut()?;
         let end = window.from.saturating_add(u64::from(window.count));
-        for (code, at) in codes.iter().zip(index..) {
-            if (window.from..end).contains(&at) {
-                digest.update(&code.to_le_bytes());
-            }
+        // The window's part of this block, as offsets of at most a block.
+        let offset = |at: SampleIndex| usize::try_from(at.saturating_sub(index)).unwrap_or(BLOCK).min(BLOCK);
+        let mut bytes = [[0; 2]; BLOCK];
+        for (bytes, code) in bytes.iter_mut().zip(codes) {
+            *bytes = code.to_le_bytes();
         }
+        digest.update(bytes.get(offset(window.from)..offset(end)).unwrap_or_default().as_flattened());
         if end > index.saturating_add(BLOCK as u64) {
             return None;
         }

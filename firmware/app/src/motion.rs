@@ -48,6 +48,15 @@ impl Placement {
     }
 }
 
+/// How a tone begins that starts from silence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Onset {
+    /// Its phase; 2^64 = one turn.
+    pub phase: u64,
+    /// Its step.
+    pub step: PhaseStep,
+}
+
 /// How a tone's setting moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Course {
@@ -66,6 +75,20 @@ struct Track {
     course: Course,
 }
 
+impl Course {
+    /// Along the table, from on it.
+    const ALONG: Self = Self::Follow { step: 0, gain: 0 };
+
+    /// Along the table, which says `on_table` where the tone is.
+    fn from(placement: &Placement, on_table: Setting) -> Self {
+        Self::Follow {
+            // Both steps lie below 2^63.
+            step: placement.setting.step.0.wrapping_sub(on_table.step.0).cast_signed(),
+            gain: i64::from(placement.setting.gain.0) - i64::from(on_table.gain.0),
+        }
+    }
+}
+
 impl Track {
     const SILENT: Self = Self {
         from: FinePosition::saturating(0),
@@ -74,6 +97,18 @@ impl Track {
         to_level: Gain(0),
         course: Course::Hold(Setting { step: PhaseStep(0), gain: Gain(0) }),
     };
+
+    /// Where the tone is when the share `u` of the time has passed and the ramp has come to `s`.
+    fn at(&self, u: u32, s: u32, table: TableRef, slots: &TableSlots) -> Placement {
+        let position = between_positions(self.from, self.to, u);
+        let setting = match self.course {
+            Course::Hold(setting) => setting,
+            Course::Follow { step, gain } => {
+                blend(slots.evaluate(table, position), step, gain, ONE.saturating_sub(s))
+            }
+        };
+        Placement { position, setting, level: between_levels(self.from_level, self.to_level, s) }
+    }
 }
 
 /// The way of all tones from one program's start to its end, and on.
@@ -131,74 +166,86 @@ impl Motion {
         })
     }
 
-    /// Where every tone is at an index; before the start as at the start, after the end as at the end.
-    #[must_use]
-    pub fn at(&self, index: SampleIndex, slots: &TableSlots, shape: &RampShape) -> [Placement; MAX_TONES] {
+    /// Where each tone is at an index; before the start as at the start, after the end as at the end.
+    pub fn placements(
+        &self,
+        index: SampleIndex,
+        slots: &TableSlots,
+        shape: &RampShape,
+    ) -> impl Iterator<Item = Placement> {
         let u = self.share_of_time(index);
         let s = shape.at(u);
-        self.tracks.map(|track| {
-            let position = between_positions(track.from, track.to, u);
-            let setting = match track.course {
-                Course::Hold(setting) => setting,
-                Course::Follow { step, gain } => {
-                    blend(slots.evaluate(self.table, position), step, gain, ONE.saturating_sub(s))
-                }
-            };
-            Placement { position, setting, level: between_levels(track.from_level, track.to_level, s) }
-        })
+        self.tracks.iter().map(move |track| track.at(u, s, self.table, slots))
     }
 
-    /// The motion that a program starts where this one is at the program's index, and each tone's phase if it starts
-    /// from silence there.
+    /// The same, all at once.
+    #[must_use]
+    pub fn at(&self, index: SampleIndex, slots: &TableSlots, shape: &RampShape) -> [Placement; MAX_TONES] {
+        let mut all = [Placement::default(); MAX_TONES];
+        for (to, from) in all.iter_mut().zip(self.placements(index, slots, shape)) {
+            *to = from;
+        }
+        all
+    }
+
+    /// The motion that a program starts where this one is at the program's index, `here`; and how each tone begins
+    /// that starts from silence there.
     #[must_use]
     pub fn follow(
         &self,
+        here: &[Placement; MAX_TONES],
         program: &Program,
         slots: &TableSlots,
-        shape: &RampShape,
-    ) -> (Self, [Option<u64>; MAX_TONES]) {
-        let placements = self.at(program.at, slots, shape);
-        let mut tracks = [Track::SILENT; MAX_TONES];
-        let mut phases = [None; MAX_TONES];
-        for (((track, phase), placement), target) in
-            tracks.iter_mut().zip(&mut phases).zip(&placements).zip(&program.targets)
+    ) -> (Self, [Option<Onset>; MAX_TONES]) {
+        let mut next = Self {
+            start: program.at,
+            glide: program.glide.max(1),
+            table: program.table,
+            tracks: [Track::SILENT; MAX_TONES],
+        };
+        let mut onsets = [None; MAX_TONES];
+        for ((((track, onset), old), placement), target) in
+            next.tracks.iter_mut().zip(&mut onsets).zip(&self.tracks).zip(here).zip(&program.targets)
         {
             *track = match target {
                 None => fading(placement),
                 Some(target) if placement.is_silent() => {
-                    *phase = Some(target.phase);
+                    let setting = slots.evaluate(program.table, target.position);
+                    *onset = Some(Onset { phase: target.phase, step: setting.step });
                     Track {
                         from: target.position,
                         to: target.position,
                         from_level: Gain(0),
                         to_level: target.level,
-                        course: Course::Hold(slots.evaluate(program.table, target.position)),
+                        course: Course::Hold(setting),
                     }
                 }
-                Some(target) => {
-                    let here = slots.evaluate(program.table, placement.position);
-                    Track {
-                        from: placement.position,
-                        to: target.position,
-                        from_level: placement.level,
-                        to_level: target.level,
-                        course: Course::Follow {
-                            // Both steps lie below 2^63.
-                            step: placement.setting.step.0.wrapping_sub(here.step.0).cast_signed(),
-                            gain: i64::from(placement.setting.gain.0) - i64::from(here.gain.0),
-                        },
-                    }
-                }
+                Some(target) => Track {
+                    from: placement.position,
+                    to: target.position,
+                    from_level: placement.level,
+                    to_level: target.level,
+                    course: if self.table == program.table && old.course == Course::ALONG {
+                        // It is on the table already: no need to look.
+                        Course::ALONG
+                    } else {
+                        Course::from(placement, slots.evaluate(program.table, placement.position))
+                    },
+                },
             };
         }
-        (Self { start: program.at, glide: program.glide.max(1), table: program.table, tracks }, phases)
+        (next, onsets)
     }
 
-    /// The motion that takes every tone to silence from where it is at an index, in `ramp` samples.
+    /// The motion that takes every tone to silence from where it is at an index, `here`, in `ramp` samples.
     #[must_use]
-    pub fn fade(&self, index: SampleIndex, ramp: u32, slots: &TableSlots, shape: &RampShape) -> Self {
-        let tracks = self.at(index, slots, shape).map(|placement| fading(&placement));
-        Self { start: index, glide: ramp.max(1), table: self.table, tracks }
+    pub fn fade(&self, here: &[Placement; MAX_TONES], index: SampleIndex, ramp: u32) -> Self {
+        let mut next =
+            Self { start: index, glide: ramp.max(1), table: self.table, tracks: [Track::SILENT; MAX_TONES] };
+        for (track, placement) in next.tracks.iter_mut().zip(here) {
+            *track = fading(placement);
+        }
+        next
     }
 
     /// The share of the glide's time that has passed at an index, Q1.31.

@@ -17,7 +17,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
 use crate::mailbox::Crossing;
-use crate::motion::Motion;
+use crate::motion::{Motion, Placement};
 use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
 use crate::ramp::RampShape;
@@ -34,6 +34,9 @@ pub struct Renderer {
     bank: Bank,
     index: SampleIndex,
     motion: Motion,
+    /// Where every tone is at the next block's first sample: the motion's value there, kept because it has been
+    /// computed for the block before.
+    here: [Placement; TONES],
     /// When the ramp to silence that is under way ends.
     stop_ends: Option<SampleIndex>,
     /// Step and amplitude of every tone at the next block's first sample.
@@ -63,6 +66,7 @@ impl Renderer {
             bank: Bank::new(),
             index: index.saturating_sub(index % BLOCK_SAMPLES),
             motion: Motion::silent(),
+            here: [Placement::default(); TONES],
             stop_ends: None,
             tones: [(0, 0); TONES],
             limit: Gain::FULL.0,
@@ -176,14 +180,11 @@ impl Renderer {
             let sounds = program.targets.iter().any(Option::is_some);
             let allowed = !sounds || (orders.armed && index >= orders.ready_at);
             if allowed && self.stop_ends.is_none() {
-                let (motion, phases) = self.motion.follow(&program, crossing.slots(), &self.shape);
-                let starts = motion.at(index, crossing.slots(), &self.shape);
-                for (((slot, phase), tone), placement) in
-                    phases.iter().enumerate().zip(&mut self.tones).zip(&starts)
-                {
-                    if let Some(phase) = *phase {
-                        self.bank.set_phase(slot, phase);
-                        *tone = (placement.setting.step.0, 0);
+                let (motion, onsets) = self.motion.follow(&self.here, &program, crossing.slots());
+                for ((slot, onset), tone) in onsets.iter().enumerate().zip(&mut self.tones) {
+                    if let Some(onset) = onset {
+                        self.bank.set_phase(slot, onset.phase);
+                        *tone = (onset.step.0, 0);
                     }
                 }
                 self.motion = motion;
@@ -203,7 +204,7 @@ impl Renderer {
         if self.motion.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
             return;
         }
-        self.motion = self.motion.fade(self.index, ramp, crossing.slots(), &self.shape);
+        self.motion = self.motion.fade(&self.here, self.index, ramp);
         self.stop_ends = Some(end);
         crossing.moved(self.motion);
     }
@@ -229,12 +230,15 @@ impl Renderer {
             }
             return (blocks, sum);
         }
-        let ends = self.motion.at(next, crossing.slots(), &self.shape);
-        for ((block, tone), end) in blocks.iter_mut().zip(&mut self.tones).zip(&ends) {
+        let ends = self.motion.placements(next, crossing.slots(), &self.shape);
+        for (((block, tone), here), end) in
+            blocks.iter_mut().zip(&mut self.tones).zip(&mut self.here).zip(ends)
+        {
             let step_end = end.setting.step.0;
             let amplitude_end = end.amplitude().times(Gain(self.limit)).0;
             *block = ToneBlock { step: tone.0, step_end, amplitude: tone.1, amplitude_end };
             *tone = (step_end, amplitude_end);
+            *here = end;
             sum = sum.saturating_add(u64::from(amplitude_end));
         }
         (blocks, sum)
@@ -251,10 +255,11 @@ impl Renderer {
     }
 }
 
-/// The sum of the squares of the codes' distances from mid-scale: at most 128 * 2048^2.
+/// The sum of the squares of the codes' distances from mid-scale: at most 128 * 2048^2, which 32 bits hold.
 fn energy(codes: &[u16; BLOCK]) -> u64 {
-    codes.iter().fold(0, |sum: u64, code| {
-        let distance = u64::from(code.abs_diff(code::MID_SCALE));
-        sum.saturating_add(distance.saturating_mul(distance))
-    })
+    let sum = codes.iter().fold(0, |sum: i32, &code| {
+        let distance = i32::from(code).wrapping_sub(const { code::MID_SCALE as i32 });
+        sum.wrapping_add(distance.wrapping_mul(distance))
+    });
+    u64::from(sum.unsigned_abs())
 }

@@ -59,16 +59,16 @@ proptest! {
             at += later / 128 * 128;
             let slot = if second { SlotIndex::Second } else { SlotIndex::First };
             let before = motion.at(at, &slots, &shape);
-            let (next, phases) = motion.follow(&program(at, glide, slot, &targets), &slots, &shape);
+            let (next, onsets) = motion.follow(&before, &program(at, glide, slot, &targets), &slots);
             let after = next.at(at, &slots, &shape);
-            for ((before, after), phase) in before.iter().zip(&after).zip(&phases) {
+            for ((before, after), onset) in before.iter().zip(&after).zip(&onsets) {
                 prop_assert_eq!(before.level, after.level);
                 if before.is_silent() {
                     prop_assert!(after.is_silent());
                 } else {
                     prop_assert_eq!(before.position, after.position);
                     prop_assert_eq!(before.setting, after.setting);
-                    prop_assert_eq!(*phase, None, "a tone that sounds keeps its phase");
+                    prop_assert_eq!(*onset, None, "a tone that sounds keeps its phase");
                 }
             }
             motion = next;
@@ -94,8 +94,8 @@ proptest! {
     #[test]
     fn a_fade_ends_in_silence_and_never_grows(targets in targets(), cut in 0u64..40_000, ramp in 1u32..30_000) {
         let (slots, shape) = (slots(), RampShape::new());
-        let (motion, _) = Motion::silent().follow(&program(0, 20_000, SlotIndex::First, &targets), &slots, &shape);
-        let fade = motion.fade(cut, ramp, &slots, &shape);
+        let (motion, _) = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 20_000, SlotIndex::First, &targets), &slots);
+        let fade = motion.fade(&motion.at(cut, &slots, &shape), cut, ramp);
         prop_assert!(fade.ends_silent());
         prop_assert!(fade.is_silent_from(fade.end()));
         let mut last = motion.at(cut, &slots, &shape);
@@ -113,8 +113,8 @@ proptest! {
     #[test]
     fn a_position_moves_on_a_line_and_its_setting_along_the_table(from: u16, to: u16, share in 0u32..=1000) {
         let (slots, shape) = (slots(), RampShape::new());
-        let (start, _) = Motion::silent().follow(&program(0, 2000, SlotIndex::First, &[(3, from, 1 << 30)]), &slots, &shape);
-        let (motion, _) = start.follow(&program(4096, 10_000, SlotIndex::First, &[(3, to, 1 << 30)]), &slots, &shape);
+        let (start, _) = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 2000, SlotIndex::First, &[(3, from, 1 << 30)]), &slots);
+        let (motion, _) = start.follow(&start.at(4096, &slots, &shape), &program(4096, 10_000, SlotIndex::First, &[(3, to, 1 << 30)]), &slots);
         let placement = motion.at(4096 + u64::from(share) * 10, &slots, &shape)[3];
         let (a, b) = (f64::from(from) / 65_535.0, f64::from(to) / 65_535.0);
         let want = a + (b - a) * f64::from(share) / 1000.0;
