@@ -135,6 +135,11 @@ impl Dac {
     }
 }
 
+/// A block that goes from a code to mid-scale.
+fn fade(from: u16) -> impl Iterator<Item = u16> {
+    ramp::<{ BLOCK as u16 }>(from)
+}
+
 /// Enables the stream, the trigger and the timer, in this order: the first trigger finds a DMA that answers.
 fn run() {
     HALVES.refill();
@@ -159,7 +164,7 @@ fn restart() {
     });
     pac::DAC1.sr().write(|w| w.set_dmaudr(0, true));
     let held = pac::DAC1.dor(0).read().dor();
-    RING.write(0, ramp(held, BLOCK));
+    RING.write(0, fade(held));
     RING.write(1, core::iter::repeat(MID_SCALE));
     STARVED.store(false, Ordering::Relaxed);
     run();
@@ -193,8 +198,8 @@ impl DacStream for Dac {
 async fn wait() {
     poll_fn(|context| {
         WAKER.register(context.waker());
-        let free = !matches!(HALVES.claim(), Ok(None));
-        if free || STARVED.load(Ordering::Relaxed) { Poll::Ready(()) } else { Poll::Pending }
+        let waits = HALVES.is_full() && !STARVED.load(Ordering::Relaxed);
+        if waits { Poll::Pending } else { Poll::Ready(()) }
     })
     .await;
 }
@@ -209,10 +214,10 @@ pub(crate) fn on_dma() {
         // This interrupt was kept away for a block or longer. The DMA itself tells where it is.
         HALVES.resynchronise(stream::playing());
         let playing = stream::playing();
-        RING.write(1 - playing, ramp(RING.last(playing), BLOCK));
+        RING.write(1 - playing, fade(RING.last(playing)));
     } else if flags.half || flags.whole {
         let left = HALVES.finish();
-        RING.write(left, ramp(RING.last(1 - left), BLOCK));
+        RING.write(left, fade(RING.last(1 - left)));
     }
     WAKER.wake();
 }

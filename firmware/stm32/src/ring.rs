@@ -49,6 +49,11 @@ impl Halves {
         (played & 1) as usize
     }
 
+    /// Whether both halves hold codes that have not been played: there is nothing to write. Changes nothing.
+    pub(crate) fn is_full(&self) -> bool {
+        self.written.load(Relaxed).wrapping_sub(self.played.load(Relaxed)) == 2
+    }
+
     /// The half that is free to be written, or `None` while both hold codes that have not been played.
     ///
     /// # Errors
@@ -90,16 +95,20 @@ impl Halves {
     }
 }
 
-/// Codes of a straight line over `length` samples, from the sample after `from` to mid-scale exactly.
-pub(crate) fn ramp(from: u16, length: usize) -> impl Iterator<Item = u16> {
-    // Q16: the error of the slope is below `length` * 2^-16 of a code, so the last code is mid-scale exactly.
-    let target = i32::from(MID_SCALE) << 16;
-    let start = i32::from(from) << 16;
-    let slope = (target - start) / i32::try_from(length.max(1)).unwrap_or(i32::MAX);
-    (1..=length).scan(start, move |level, n| {
-        *level += slope;
-        let level = if n == length { target } else { *level };
-        Some(u16::try_from((level + (1 << 15)) >> 16).unwrap_or(MID_SCALE))
+/// Codes of a straight line over `LENGTH` samples, from the sample after `from` to mid-scale exactly.
+///
+/// It runs in the DMA's interrupt once a block, so it is an addition and a shift a sample.
+pub(crate) fn ramp<const LENGTH: u16>(from: u16) -> impl Iterator<Item = u16> {
+    // Q16: the slope is cut by less than 2^-16 of a code, so the end is off by less than LENGTH * 2^-16, which the
+    // rounding by half a code takes away: at most 2^15 / LENGTH of it would be left for LENGTH = 2^15.
+    const { assert!(LENGTH > 0 && LENGTH < 1 << 15) };
+    let rounding = 1 << 15;
+    let slope = ((i32::from(MID_SCALE) - i32::from(from)) << 16) / i32::from(LENGTH);
+    let mut level = (i32::from(from) << 16) + rounding;
+    (0..LENGTH).map(move |_| {
+        level += slope;
+        // Between two 12-bit codes: it fits.
+        (level >> 16) as u16
     })
 }
 
@@ -116,7 +125,9 @@ mod tests {
         assert_eq!(halves.claim(), Ok(Some(0)));
         assert_eq!(halves.commit(), Ok(()));
         assert_eq!(halves.claim(), Ok(None));
+        assert!(halves.is_full());
         assert_eq!(halves.finish(), 1);
+        assert!(!halves.is_full());
         assert_eq!(halves.claim(), Ok(Some(1)));
     }
 
@@ -130,6 +141,15 @@ mod tests {
         // The DMA plays half 0, so half 1 is the next to write.
         assert_eq!(halves.claim(), Ok(Some(1)));
         assert_eq!(halves.commit(), Ok(()));
+    }
+
+    #[test]
+    fn looking_whether_there_is_room_does_not_hide_that_it_was_late() {
+        let halves = Halves::full();
+        halves.finish();
+        halves.finish();
+        assert!(!halves.is_full());
+        assert_eq!(halves.claim(), Err(Late));
     }
 
     #[test]
@@ -148,7 +168,7 @@ mod tests {
     #[test]
     fn every_ramp_is_monotonic_and_ends_at_mid_scale() {
         for from in 0..=4095u16 {
-            let codes: Vec<_> = ramp(from, 128).collect();
+            let codes: Vec<_> = ramp::<128>(from).collect();
             assert_eq!((codes.len(), codes[127]), (128, MID_SCALE));
             let largest = (i32::from(from) - i32::from(MID_SCALE)).abs() / 128 + 2;
             let mut last = from;

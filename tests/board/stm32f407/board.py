@@ -130,6 +130,8 @@ class Board:
         self.cpu.emu_stop()
 
     cut = False
+    # Plays half a ring of codes at once, when it is due: many times faster, but the DAC is not watched code by code.
+    is_hasty = False
 
     def dip_supply(self):
         """The supply falls below the detector's threshold; False if nobody watches."""

@@ -32,6 +32,12 @@ class Dac:
             self.underruns += 1
             self.raise_interrupt()
 
+    def triggers_until_flag(self):
+        """Triggers until the DMA has played half of its ring or all of it."""
+        stream = self.board.dma[1].streams[STREAM]
+        half = stream.count // 2
+        return max(1, stream.left - half if stream.left > half else stream.left)
+
     def set_output(self, code):
         self.output = code
         if not self.is_driven:

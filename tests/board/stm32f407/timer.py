@@ -19,6 +19,8 @@ class Timer:
         self.max = (1 << bits) - 1
         self.other = {}
         self.generation = 0
+        # Update events that the next planned one stands for.
+        self.periods = 1
         self.counted, self.since = 0, 0.0
         self.reload, self.prescaler = self.max, 0
         self.status = self.interrupts = self.control1 = self.control2 = 0
@@ -40,6 +42,7 @@ class Timer:
     def schedule(self):
         """Plans the next update and compares; earlier plans lapse."""
         self.generation += 1
+        self.periods = 1
         if not self.control1 & ENABLED or self.reload == 0:
             return
         position, tick = self.position(), self.cycles_per_count()
@@ -53,9 +56,14 @@ class Timer:
         if generation != self.generation:
             return
         self.status |= 1
-        self.board.at(self.board.now + (self.reload + 1) * self.cycles_per_count(), self.update, generation)
+        periods, self.periods = self.periods, 1
         if (self.control2 >> 4) & 7 == TRGO_ON_UPDATE:
-            self.board.dac.trigger(self.number)
+            for _ in range(periods):
+                self.board.dac.trigger(self.number)
+            if self.board.is_hasty:
+                self.periods = self.board.dac.triggers_until_flag()
+        when = self.board.now + self.periods * (self.reload + 1) * self.cycles_per_count()
+        self.board.at(when, self.update, generation)
         self.raise_interrupt()
 
     def match(self, generation, channel):
