@@ -7,23 +7,28 @@
 //! ```
 //! Nothing here waits: what takes longer than a frame is done by the link worker, a [`Workshop`] or [`Files`].
 
+mod input;
+mod perform;
+mod window;
+
+pub use window::run;
+
 use crate::edit::{self, Edit, History};
 use crate::export;
-use crate::files::{FileEvent, FileJob, Files, Save, SystemFiles};
-use crate::link::worker::{Worker, stop_on_panic};
-use crate::link::{Port, PortInfo, Request, Snapshot, Ticket, list_ports};
+use crate::files::Files;
+use crate::link::worker::Worker;
+use crate::link::{Port, PortInfo, Request, Snapshot, Ticket};
 use crate::live::{self, Live};
-use crate::model::Setup;
-use crate::picture::{Picture, steady_tones, turning_point_for};
+use crate::model::{MASTER_MIN_DB, Setup};
+use crate::picture::{Picture, steady_tones};
 use crate::pilot::{self, Pilot};
 use crate::settings::{Settings, ThemeChoice};
-use crate::setup_file::{self, Opened};
 pub use crate::tables::{TableJob, TableMade, TableState};
 use crate::trial::{self, Measured};
-use crate::view::intent::{Confirm, Dialog, Export, Grab, Intent, Intents};
+use crate::view::intent::{Dialog, Grab};
 use crate::view::{self, Scene, ViewState, theme};
 use crate::workshop::Workshop;
-use eframe::egui::{self, Key, Modifiers};
+use eframe::egui;
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -75,6 +80,8 @@ pub struct Notice {
     pub text: String,
     /// Whether something went wrong.
     pub is_error: bool,
+    /// Whether the device refused something: the message goes when it takes something newer.
+    pub is_refusal: bool,
 }
 
 /// The app.
@@ -188,7 +195,8 @@ impl App {
         if let Some((ticket, reason)) = &self.snapshot.last_refusal
             && before.last_refusal.as_ref().map(|(ticket, _)| ticket) != Some(ticket)
         {
-            self.notice = Some(Notice { text: format!("Refused: {reason}"), is_error: true });
+            self.notice =
+                Some(Notice { text: format!("Refused: {reason}"), is_error: true, is_refusal: true });
         }
         self.ask_for_table();
         self.let_pilot_act(&before);
@@ -236,7 +244,7 @@ impl App {
             }
         }
         if let Some(live) = self.parts.live.take()
-            && self.settings.animate
+            && (self.settings.animate || self.live.window().is_none())
         {
             self.live = live;
         }
@@ -254,166 +262,31 @@ impl App {
         }
     }
 
-    fn file_event(&mut self, event: FileEvent) {
-        match event {
-            FileEvent::Opened(path, text) => {
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
-                match opened {
-                    Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
-                    Ok(Opened::Plate(plate)) => self.edit(&Edit::Plate(plate)),
-                    Err(reason) => {
-                        return self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
-                    }
-                }
-                self.settings.used(&path);
-                self.notice = Some(Notice { text: format!("Opened {name}"), is_error: false });
-            }
-            FileEvent::Saved(path, Ok(())) => {
-                if path.extension().is_some_and(|extension| extension == "toml") {
-                    self.settings.used(&path);
-                }
-                self.notice = Some(Notice { text: format!("Saved {}", path.display()), is_error: false });
-            }
-            FileEvent::Saved(path, Err(reason)) => {
-                self.fail(format!("{} was not saved: {reason}", path.display()));
-            }
-        }
-    }
-
     fn fail(&mut self, text: String) {
-        self.notice = Some(Notice { text, is_error: true });
-    }
-
-    fn keys(&mut self, ctx: &egui::Context) {
-        let is_typing = ctx.text_edit_focused();
-        let focused = ctx.memory(egui::Memory::focused);
-        let mut asked = Intents::new();
-        let presses = ctx.input_mut(|input| {
-            let is_press = |event: &&egui::Event| {
-                matches!(
-                    event,
-                    egui::Event::Key { pressed: true, repeat: false, .. }
-                        | egui::Event::PointerButton { pressed: true, .. }
-                )
-            };
-            let presses = input.events.iter().filter(is_press).count() as u64;
-            // Escape is looked at, not taken: it also closes pages and leaves fields.
-            if input.key_pressed(Key::Escape) {
-                asked.push(Intent::Stop);
-            }
-            if !is_typing {
-                if input.consume_key(Modifiers::NONE, Key::Space) {
-                    asked.push(Intent::Stop);
-                }
-                if input.consume_key(Modifiers::NONE, Key::P) {
-                    self.settings.animate = !self.settings.animate;
-                }
-            }
-            if input.consume_key(Modifiers::COMMAND, Key::Enter) {
-                asked.push(Intent::Start);
-            }
-            let redo = input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-                || input.consume_key(Modifiers::COMMAND, Key::Y);
-            if redo {
-                asked.push(Intent::Redo);
-            } else if input.consume_key(Modifiers::COMMAND, Key::Z) {
-                asked.push(Intent::Undo);
-            }
-            if input.consume_key(Modifiers::COMMAND, Key::O) {
-                asked.push(Intent::OpenDialog);
-            }
-            if input.consume_key(Modifiers::COMMAND, Key::S) {
-                asked.push(Intent::SaveDialog);
-            }
-            if input.consume_key(Modifiers::NONE, Key::F1) {
-                asked.push(Intent::Dialog(Some(Dialog::Shortcuts)));
-            }
-            for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
-                if input.consume_key(Modifiers::COMMAND, key) {
-                    self.view.open_tab(index);
-                }
-            }
-            // A focused slider or field keeps its arrow keys.
-            if focused.is_none() || self.view.is_handle(focused) {
-                let step_m = view::arrow_step_m(input);
-                if step_m != 0.0
-                    && let Some(tone) = self.setup.tone(self.selected)
-                {
-                    let position_m = tone.position_m + step_m;
-                    asked.push(Intent::Edit(Edit::Move { slot: self.selected, position_m }));
-                }
-            }
-            presses
-        });
-        self.gesture += presses;
-        self.perform(ctx, asked);
-    }
-
-    /// A drag: each move of the pointer is a move of the tone, sent before anything is painted.
-    fn follow_pointer(&mut self, ctx: &egui::Context) {
-        let Some(grab) = self.grab else { return };
-        let (moves, is_down) = ctx.input(|input| {
-            let moves: Vec<egui::Pos2> = input
-                .events
-                .iter()
-                .filter_map(|event| if let egui::Event::PointerMoved(to) = event { Some(*to) } else { None })
-                .collect();
-            (moves, input.pointer.primary_down())
-        });
-        for to in moves {
-            self.drag_to(grab, to);
-        }
-        if !is_down {
-            self.grab = None;
-        }
-    }
-
-    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
-        let Some(tone) = self.setup.tone(grab.slot) else { return };
-        let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
-        let peak_m = tone.level * self.setup.master() * self.full_peak_m();
-        let plate = &self.setup.plate;
-        let position_m = turning_point_for(plate, shown_m, peak_m, self.setup.boundary)
-            .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
-        self.settings.has_dragged = true;
-        self.edit(&Edit::Move { slot: grab.slot, position_m });
-    }
-
-    fn dropped_files(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        if let Some(file) = dropped.first() {
-            self.parts.files.begin(FileJob::Open(file.path().to_owned()));
-        }
-    }
-
-    /// Moves the wave on and asks for the next picture, but only while something moves.
-    fn advance(&mut self, ctx: &egui::Context) {
-        let is_visible = ctx.input(|input| {
-            let viewport = input.viewport();
-            viewport.minimized != Some(true) && viewport.occluded != Some(true)
-        });
-        if self.sounding.is_none() || !is_visible {
-            return;
-        }
-        if self.settings.animate {
-            let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
-            self.wave_time_s += step;
-            ctx.request_repaint_after(FRAME);
-        } else {
-            ctx.request_repaint_after(GLANCE);
-        }
+        self.notice = Some(Notice { text, is_error: true, is_refusal: false });
     }
 
     /// Makes a change, notes it, and tells the device at once if the plate is driven.
     fn edit(&mut self, edit: &Edit) {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
-            Ok(next) => {
+            Ok(mut next) => {
+                if matches!(edit, Edit::Add { .. }) {
+                    self.make_fit(&mut next);
+                }
                 self.history.note(&self.setup, edit, self.gesture);
                 self.take(next);
             }
             Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    /// Lowers the master as far as the tones' worst-case sum needs to fit the DAC.
+    fn make_fit(&self, setup: &mut Setup) {
+        let sum = self.table.headroom_sum(setup);
+        if sum > 1.0 {
+            // A little more than needed, because the device rounds to hundredths of a decibel.
+            setup.master_db = (setup.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB);
         }
     }
 
@@ -466,6 +339,10 @@ impl App {
         if self.sounding.as_ref().is_some_and(|(number, _)| *number == heard.number) {
             return;
         }
+        // What was refused before is settled: the device sounds something newer.
+        if self.notice.as_ref().is_some_and(|notice| notice.is_refusal) {
+            self.notice = None;
+        }
         self.sounding = Some((heard.number, Picture::solve(&self.setup.plate, &heard.tones)));
         let is_simulated = self.snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
         if is_simulated && let Some(identity) = &self.snapshot.identity {
@@ -488,117 +365,6 @@ impl App {
     fn stop(&mut self) {
         self.pilot.stopped();
         self.parts.link.send(Request::Stop);
-    }
-
-    fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
-        for intent in intents {
-            match intent {
-                Intent::Edit(edit) => self.edit(&edit),
-                Intent::Request(request) => {
-                    if let Request::AutoReconnect(looks) = request {
-                        self.settings.auto_reconnect = looks;
-                    }
-                    self.parts.link.send(request);
-                }
-                Intent::Connect(port) => self.connect(port),
-                Intent::Start => {
-                    if self.pilot.start(&self.snapshot) {
-                        self.send_drive();
-                    }
-                }
-                Intent::Stop => self.stop(),
-                Intent::Select(slot) => self.selected = slot,
-                Intent::Grab(grab) => {
-                    self.grab = Some(grab);
-                }
-                Intent::Undo => {
-                    if let Some(setup) = self.history.undo(&self.setup) {
-                        self.take(setup);
-                    }
-                }
-                Intent::Redo => {
-                    if let Some(setup) = self.history.redo(&self.setup) {
-                        self.take(setup);
-                    }
-                }
-                Intent::New => {
-                    if let Some(setup) = first_setup() {
-                        self.edit(&Edit::Replace(Box::new(setup)));
-                    }
-                }
-                Intent::OpenDialog => self.parts.files.begin(FileJob::Choose),
-                Intent::Open(path) => self.parts.files.begin(FileJob::Open(path)),
-                Intent::SaveDialog => {
-                    let text = setup_file::write(&self.setup);
-                    self.save("setup.toml", "Setup", "toml", text.into_bytes());
-                }
-                Intent::SavePlateDialog => {
-                    let text = self.setup.plate.to_toml();
-                    self.save("plate.toml", "Plate", "toml", text.into_bytes());
-                }
-                Intent::Export(export) => self.export(ctx, export),
-                Intent::Upload => {
-                    if let Some(made) = self.table.made() {
-                        self.parts.link.send(Request::Upload(Arc::clone(&made.device_table)));
-                    }
-                }
-                Intent::Theme(choice) => {
-                    self.settings.theme = choice;
-                    set_theme(ctx, choice);
-                }
-                Intent::Dialog(dialog) => self.dialog = dialog,
-                Intent::Confirmed(confirm) => {
-                    self.dialog = None;
-                    self.parts.link.send(match confirm {
-                        Confirm::Arm => Request::Arm,
-                        Confirm::Store => Request::Store,
-                        Confirm::Forget => Request::Forget,
-                        Confirm::Bootloader => Request::Bootloader,
-                    });
-                }
-                Intent::DismissNotice => self.notice = None,
-                Intent::RefreshPorts => self.ports = (self.parts.ports)(),
-                Intent::Animate(animate) => self.settings.animate = animate,
-                Intent::Copy(text) => ctx.copy_text(text),
-            }
-            ctx.request_repaint();
-        }
-    }
-
-    fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
-        let save = Save { name: name.to_owned(), kind, extension, bytes: bytes.into() };
-        self.parts.files.begin(FileJob::Save(save));
-    }
-
-    fn export(&mut self, ctx: &egui::Context, what: Export) {
-        match what {
-            Export::Picture => {
-                let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
-                let taken = egui::ScreenshotCallback::new(move |image| {
-                    // Nobody waits for it once the window is closed.
-                    let _ = sender.send(image);
-                    waker.request_repaint();
-                });
-                ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
-            }
-            Export::Envelope => {
-                let text = export::envelope_csv(&self.predicted, self.current_measured());
-                self.save("envelope.csv", "Table", "csv", text.into_bytes());
-            }
-            Export::Waveform => match export::waveform_csv(&self.live) {
-                Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
-                None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
-            },
-            Export::Sound => match export::wav(&self.live) {
-                Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
-                Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
-                Err(error) => self.fail(format!("The sound could not be made: {error}")),
-            },
-            Export::Diagnostics => {
-                let text = export::diagnostics(&self.snapshot, &self.setup, &self.table);
-                self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
-            }
-        }
     }
 
     /// Shows the window and carries out what is asked.
@@ -641,73 +407,4 @@ fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {
 #[must_use]
 pub fn first_setup() -> Option<Setup> {
     slipline_plate::presets().first()?.plate().map(|plate| Setup::new(Arc::new(plate)))
-}
-
-/// The app in a window of the system.
-struct Window(App);
-
-/// Keys of what is kept between runs.
-const KEPT_SETTINGS: &str = "settings";
-const KEPT_SETUP: &str = "setup";
-
-impl eframe::App for Window {
-    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        self.0.logic(ctx);
-    }
-
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        self.0.show(ui);
-    }
-
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, KEPT_SETTINGS, &self.0.settings);
-        storage.set_string(KEPT_SETUP, setup_file::write(&self.0.setup));
-    }
-
-    fn persist_egui_memory(&self) -> bool {
-        // What a page shows and where it was scrolled to is not worth an old crash coming back.
-        false
-    }
-}
-
-/// Opens the window and stays until it is closed.
-///
-/// # Errors
-/// When there is no display, or the system gives no thread.
-pub fn run() -> anyhow::Result<()> {
-    let viewport = egui::ViewportBuilder::default()
-        .with_title("Slipline")
-        .with_app_id("slipline")
-        .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([960.0, 620.0])
-        .with_drag_and_drop(true);
-    let options = eframe::NativeOptions { viewport, ..Default::default() };
-    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context)?))))
-        .map_err(|error| anyhow::anyhow!("the window could not be opened: {error}"))
-}
-
-fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
-    let ctx = &context.egui_ctx;
-    let wake = |ctx: &egui::Context| {
-        let ctx = ctx.clone();
-        move || ctx.request_repaint()
-    };
-    let worker = Worker::spawn(wake(ctx))?;
-    stop_on_panic(worker.handle());
-    let parts = Parts {
-        link: Box::new(worker),
-        tables: Workshop::threaded("slipline-table", crate::tables::make, wake(ctx))?,
-        live: Workshop::threaded("slipline-mirror", live::work(), wake(ctx))?,
-        trials: Workshop::threaded("slipline-plate", |job| trial::run(&job), wake(ctx))?,
-        files: Box::new(SystemFiles::new(wake(ctx))),
-        ports: Box::new(list_ports),
-    };
-    let settings =
-        context.storage.and_then(|storage| eframe::get_value(storage, KEPT_SETTINGS)).unwrap_or_default();
-    let kept = context.storage.and_then(|storage| storage.get_string(KEPT_SETUP));
-    let setup = match kept.as_deref().map(setup_file::read) {
-        Some(Ok(Opened::Setup(setup))) => *setup,
-        _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
-    };
-    Ok(Window(App::new(ctx, parts, setup, settings)))
 }

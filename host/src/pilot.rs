@@ -89,6 +89,9 @@ impl Pilot {
         if !now.is_connected() {
             return acts;
         }
+        if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
+            return acts;
+        }
         let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         let on_device = now.table.active.map(|header| header.crc);
         if let Some(made) = made {

@@ -49,8 +49,13 @@ pub struct Settings {
     pub recent: Vec<PathBuf>,
     /// Whether the boundary has been dragged once, so that the hint is no longer needed.
     pub has_dragged: bool,
-    /// Whether the wave is drawn moving.
+    /// Whether the wave is drawn moving; not kept, so that a start always shows it.
+    #[serde(skip, default = "moving")]
     pub animate: bool,
+}
+
+const fn moving() -> bool {
+    true
 }
 
 impl Default for Settings {

@@ -13,8 +13,9 @@ pub struct Line {
     pub level_db: f64,
 }
 
-/// Lines of a spectrum, at most: about as many as a plot has pixels.
-const LINES: usize = 1600;
+/// Bins below this one have a line each; above, a line holds as many more bins as its frequency is higher, so that
+/// slow and fast tones are both sharp.
+const SINGLE_BINS: usize = 800;
 /// Below this nothing is drawn, in dB: the noise of 12 bits spread over the bins.
 const FLOOR_DB: f64 = -140.0;
 
@@ -32,7 +33,7 @@ impl Default for Spectrum {
 
 impl Spectrum {
     /// The spectrum of the last power of two of these codes (mid-scale 2048), under a Blackman-Harris window.
-    /// Neighbouring bins share a line, which shows the strongest. Empty for fewer than 64 codes.
+    /// Where bins share a line it shows the strongest. Empty for fewer than 64 codes.
     pub fn of(&mut self, codes: &[u16], sample_rate_hz: f64) -> Vec<Line> {
         if codes.len() < 64 {
             return Vec::new();
@@ -56,20 +57,19 @@ impl Spectrum {
         // A sine of amplitude 1 gives sum(window)/2 in its bin.
         let scale = 2.0 / window.iter().sum::<f64>();
         let bin_hz = sample_rate_hz / length as f64;
-        let per_line = output.len().div_ceil(LINES);
-        output
-            .chunks(per_line)
-            .enumerate()
-            .map(|(i, bins)| {
-                let strongest =
-                    bins.iter().map(|bin| bin.norm()).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-                let (offset, amplitude) = strongest.unwrap_or_default();
-                Line {
-                    frequency_hz: (i * per_line + offset) as f64 * bin_hz,
-                    level_db: (20.0 * (amplitude * scale).log10()).max(FLOOR_DB),
-                }
-            })
-            .collect()
+        let mut lines = Vec::new();
+        let mut first = 0;
+        while first < output.len() {
+            let end = (first + (first / SINGLE_BINS).max(1)).min(output.len());
+            let strongest = (first..end).max_by(|&a, &b| output[a].norm().total_cmp(&output[b].norm()));
+            let bin = strongest.unwrap_or(first);
+            lines.push(Line {
+                frequency_hz: bin as f64 * bin_hz,
+                level_db: (20.0 * (output[bin].norm() * scale).log10()).max(FLOOR_DB),
+            });
+            first = end;
+        }
+        lines
     }
 }
 
@@ -94,6 +94,6 @@ mod tests {
         assert!((top.frequency_hz - 40_000.0).abs() < 20.0 && (top.level_db + 6.02).abs() < 0.9, "{top:?}");
         let far = lines.iter().filter(|line| (line.frequency_hz - 40_000.0).abs() > 500.0);
         assert!(far.map(|line| line.level_db).fold(-200.0, f64::max) < -70.0);
-        assert!(lines.len() <= LINES && Spectrum::default().of(&[2048; 10], rate).is_empty());
+        assert!(lines.len() < 8000 && Spectrum::default().of(&[2048; 10], rate).is_empty());
     }
 }

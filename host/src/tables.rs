@@ -1,5 +1,6 @@
 //! The turning-point table for the plate on the screen: made in the background, for the device's own rate.
 
+use crate::model::Setup;
 use crate::table::DeviceTable;
 use slipline_plate::{DriveTable, Plate, sensitivity_per_percent};
 use std::sync::Arc;
@@ -50,6 +51,14 @@ impl TableState {
     #[must_use]
     pub fn made(&self) -> Option<&Arc<TableMade>> {
         if let Self::Ready(made) = self { Some(made) } else { None }
+    }
+
+    /// The worst case of the sum of a setup's tones, of the DAC's full scale; gains count as 1 until the table is
+    /// made.
+    #[must_use]
+    pub fn headroom_sum(&self, setup: &Setup) -> f64 {
+        let gain = |x_m| self.made().map_or(1.0, |made| made.drive_table.gain(x_m));
+        setup.tones.iter().map(|tone| tone.level * setup.master() * gain(tone.position_m)).sum()
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Scene, ViewState, log, meters, plots};
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
 /// Height of the row, in points.
-pub(super) const HEIGHT: f32 = 216.0;
+pub(super) const HEIGHT: f32 = 194.0;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
@@ -17,15 +17,15 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     for (i, share) in shares.into_iter().enumerate() {
         let rect =
             Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
-        ui.scope_builder(UiBuilder::new().max_rect(rect).id_salt(i), |ui| {
-            ui.set_clip_rect(ui.clip_rect().intersect(rect.expand(4.0)));
-            match i {
-                0 => plots::waveform(ui, scene, view, intents),
-                1 => plots::spectrum(ui, scene, view, intents),
-                2 => meters::show(ui, scene),
-                _ => log::show(ui, scene, view, intents),
-            }
-        });
+        // A child of its own: a column that needs more room than it has must not move its neighbours.
+        let mut column = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(i));
+        column.shrink_clip_rect(rect.expand(4.0));
+        match i {
+            0 => plots::waveform(&mut column, scene, view, intents),
+            1 => plots::spectrum(&mut column, scene, view, intents),
+            2 => meters::show(&mut column, scene),
+            _ => log::show(&mut column, scene, view, intents),
+        }
         left = rect.right() + gap;
         if i + 1 < shares.len() {
             let x = (rect.right() + 0.5 * gap).round() + 0.5;

@@ -42,6 +42,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             value: &value,
             hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
             width: 124.0,
+            caption: Some("Position"),
         };
         let taken = place.show(ui, &mut view.fields, |text| position(scene, &steady, text));
         let value = show_frequency(frequency_hz);
@@ -50,6 +51,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             value: &value,
             hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
             width: 124.0,
+            caption: Some("Frequency"),
         };
         let taken = pitch.show(ui, &mut view.fields, |text| position(scene, &steady, text)).or(taken);
         if let Some(position_m) = taken {
@@ -62,7 +64,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));
     }
     let (start, end) = plate.span_m();
-    row(ui, "Reaches", format!("{:.0} to {:.0} mm", start * 1e3, end * 1e3));
+    row(ui, "Span", format!("{:.0} to {:.0} mm", start * 1e3, end * 1e3));
 
     ui.add_space(6.0);
     ui.separator();
@@ -177,7 +179,7 @@ fn mode(
                 name: "Threshold of feeling",
                 value: &value,
                 hint: "Peak displacement that is just felt: 1 nm to 10 mm. Illustrative: calibrate on your own plate",
-                width: 90.0,
+                width: 90.0, caption: None,
             };
             let taken = field.show(ui, &mut view.fields, |text| {
                 let metres = quantity::length_m(text).map_err(|error| error.to_string())?;

@@ -47,7 +47,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
     if let Some(measured) = scene.measured {
-        for (x_m, metres) in measured.points() {
+        for (x_m, metres) in measured.points().step_by(2) {
             let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
             painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
         }

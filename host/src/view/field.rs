@@ -21,6 +21,8 @@ pub(super) struct Field<'a> {
     pub(super) value: &'a str,
     pub(super) hint: &'a str,
     pub(super) width: f32,
+    /// A word over the field, where its place does not say what it is.
+    pub(super) caption: Option<&'a str>,
 }
 
 impl Field<'_> {
@@ -33,6 +35,9 @@ impl Field<'_> {
     ) -> Option<T> {
         let id = ui.scope_id().with(("field", self.name));
         ui.vertical(|ui| {
+            if let Some(caption) = self.caption {
+                ui.label(RichText::new(caption).small().color(theme::palette(ui).weak));
+            }
             let typing = fields.texts.get(&id);
             let mut text = typing.map_or_else(|| self.value.to_owned(), |typing| typing.text.clone());
             let mut error = typing.and_then(|typing| typing.error.clone());
@@ -82,13 +87,19 @@ impl Field<'_> {
     }
 }
 
+/// Height of a line of a table of values, in points.
+const ROW: f32 = 17.0;
+
 /// One line of a table of values: name on the left, value on the right.
 pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<RichText>) {
     let palette = theme::palette(ui);
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(name).color(palette.weak));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add(egui::Label::new(value.into()).truncate());
+    ui.scope(|ui| {
+        ui.spacing_mut().interact_size.y = ROW;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(name).color(palette.weak));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.add(egui::Label::new(value.into()).truncate());
+            });
         });
     });
 }

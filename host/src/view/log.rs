@@ -75,6 +75,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     });
     let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
     ui.spacing_mut().item_spacing.y = 1.0;
+    ui.spacing_mut().interact_size.y = height;
     let area = ScrollArea::vertical().id_salt("log").stick_to_bottom(true).auto_shrink([false, false]);
     area.show_rows(ui, height, shown.len(), |ui, rows| {
         for entry in shown.get(rows).unwrap_or_default() {

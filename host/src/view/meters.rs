@@ -5,8 +5,8 @@ use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
-    ui.spacing_mut().item_spacing.y = 3.0;
-    theme::heading(ui, "Drive");
+    ui.spacing_mut().item_spacing.y = 2.0;
+    theme::heading(ui, "Output");
     let status = scene.snapshot.status.unwrap_or_default();
     let sum = f32::from(status.sum_per_mille) / 1000.0;
     let decibel = if sum > 0.0 { format!("{:.1} dB", 20.0 * sum.log10()) } else { "silent".to_owned() };

@@ -115,9 +115,7 @@ impl Scene<'_> {
 
     /// The worst case of the sum of all tones, of the DAC's full scale.
     fn headroom_sum(&self) -> f64 {
-        let master = self.setup.master();
-        let gain = |x_m| self.table.made().map_or(1.0, |made| made.drive_table.gain(x_m));
-        self.setup.tones.iter().map(|tone| tone.level * master * gain(tone.position_m)).sum()
+        self.table.headroom_sum(self.setup)
     }
 }
 

@@ -101,7 +101,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
     // A very wide plate is drawn narrower than it is rather than over its neighbours.
-    let squeeze = (0.5 * rect.height() - 3.0).min(half_px(0.0)) / half_px(0.0);
+    let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
     let across: Vec<(f32, f32)> = (0..ROWS)
         .map(|row| {
             let beta = 2.0 * row as f32 / (ROWS - 1) as f32 - 1.0;

@@ -97,6 +97,7 @@ impl Numbers<'_, '_> {
                 value: &text,
                 hint: "The range is checked by the rule that plate files obey",
                 width: 120.0,
+                caption: None,
             };
             let taken = field.show(ui, &mut self.view.fields, |text| {
                 let value = match unit {

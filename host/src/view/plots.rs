@@ -18,10 +18,20 @@ const POINTS: usize = 900;
 /// Turns of the slowest tone that the waveform shows.
 const TURNS: f64 = 4.0;
 
+/// The spectrum is drawn up to this multiple of the highest tone.
+const HARMONICS: f64 = 3.0;
+/// The spectrum is drawn down to here, in dB of full scale.
+const FLOOR_DB: f64 = -120.0;
+
 /// The frequencies that sound, in Hz; the setup's while nothing does.
 fn pitches(scene: &Scene<'_>) -> Vec<f64> {
     let picture = scene.sounding.unwrap_or(scene.predicted);
     picture.tones.iter().map(|wave| wave.tone.frequency_hz).collect()
+}
+
+/// Whether the plots show anything: something sounds, or they are held.
+fn is_shown(scene: &Scene<'_>) -> bool {
+    scene.sounding.is_some() || !scene.settings.animate
 }
 
 fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
@@ -55,8 +65,13 @@ fn nothing(ui: &mut egui::Ui) {
     ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "nothing is driven", font, palette.weak);
 }
 
-fn plot<'a>(name: &str, is_reset: bool) -> Plot<'a> {
+fn plot<'a>(name: &str, is_reset: bool, palette: &theme::Palette) -> Plot<'a> {
     let plot = Plot::new(name)
+        .auto_bounds(true)
+        .grid_color(palette.grid)
+        .grid_fade(0.0)
+        .grid_spacing(egui::Rangef::new(28.0, 120.0))
+        .cursor_color(palette.weak)
         .show_background(true)
         .set_margin_fraction(vec2(0.0, 0.06))
         .allow_double_click_reset(true)
@@ -67,7 +82,7 @@ fn plot<'a>(name: &str, is_reset: bool) -> Plot<'a> {
 
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     view.plots.reset_waveform = head(ui, scene, "Drive waveform", intents);
-    let Some(window) = scene.live.window() else { return nothing(ui) };
+    let Some(window) = scene.live.window().filter(|_| is_shown(scene)) else { return nothing(ui) };
     let palette = theme::palette(ui);
     let slowest_hz = pitches(scene).into_iter().fold(f64::INFINITY, f64::min);
     let wanted = (TURNS / slowest_hz * window.sample_rate_hz) as usize;
@@ -91,9 +106,10 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
         .collect();
     let end = shown as f64 / window.sample_rate_hz * scale;
     let accent = palette.accent;
-    plot("waveform", view.plots.reset_waveform)
-        .default_x_bounds(0.0, end)
-        .default_y_bounds(-1.05, 1.05)
+    plot("waveform", view.plots.reset_waveform, palette)
+        .include_x(end)
+        .include_y(-1.0)
+        .include_y(1.0)
         .x_axis_formatter(move |mark, range| {
             let is_last = mark.value + mark.step_size > *range.end();
             if is_last { format!("{} {unit}", trim(mark.value)) } else { trim(mark.value) }
@@ -112,18 +128,22 @@ fn trim(value: f64) -> String {
 pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     view.plots.reset_spectrum = head(ui, scene, "Spectrum", intents);
     let lines = scene.live.spectrum();
-    if lines.is_empty() {
+    if lines.is_empty() || !is_shown(scene) {
         return nothing(ui);
     }
     let palette = theme::palette(ui);
     let pitches = pitches(scene);
     let highest_hz = pitches.iter().copied().fold(0.0, f64::max).max(1.0);
     let (unit, scale) = if highest_hz >= 2000.0 { ("kHz", 1e-3) } else { ("Hz", 1.0) };
-    let points: Vec<[f64; 2]> = lines.iter().map(|line| [line.frequency_hz * scale, line.level_db]).collect();
+    let points: Vec<[f64; 2]> = lines
+        .iter()
+        .take_while(|line| line.frequency_hz <= HARMONICS * highest_hz)
+        .map(|line| [line.frequency_hz * scale, line.level_db.max(FLOOR_DB)])
+        .collect();
     let (accent, weak) = (palette.accent, palette.weak);
-    plot("spectrum", view.plots.reset_spectrum)
-        .default_x_bounds(0.0, highest_hz * 2.0 * scale)
-        .default_y_bounds(-120.0, 3.0)
+    plot("spectrum", view.plots.reset_spectrum, palette)
+        .include_y(FLOOR_DB)
+        .include_y(0.0)
         .x_axis_formatter(move |mark, range| {
             let is_last = mark.value + mark.step_size > *range.end();
             if is_last { format!("{} {unit}", trim(mark.value)) } else { trim(mark.value) }

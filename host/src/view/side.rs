@@ -34,7 +34,8 @@ const TABS: [(Tab, &str, &str); 4] = [
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let width = (ui.available_width() - 12.0) / 4.0;
+        ui.spacing_mut().button_padding.x = 2.0;
+        let width = ((ui.available_width() - 12.0) / 4.0).floor();
         for (tab, name, help) in TABS {
             let button = egui::Button::selectable(view.tab == tab, name).min_size(egui::vec2(width, 28.0));
             if ui.add(button).on_hover_text(help).clicked() {

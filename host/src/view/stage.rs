@@ -43,9 +43,9 @@ impl Layout {
         let title = row(area.top(), TITLE);
         let label = row(title.bottom(), LABEL);
         let free = area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP;
-        // The plate gets what it needs at scale; the envelope gets the rest, at least a third of it.
-        let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 16.0;
-        let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.62 * free).max(40.0));
+        // The plate gets what it needs at scale; the envelope gets the rest.
+        let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
+        let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.7 * free).max(40.0));
         let envelope = row(plate.bottom() + GAP, (free - plate.height()).max(40.0));
         let strip = row(envelope.bottom() + GAP, STRIP);
         let scale = row(strip.bottom(), SCALE);

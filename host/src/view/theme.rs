@@ -142,12 +142,12 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
     {
         widget.bg_fill = fill;
         widget.weak_bg_fill = fill;
-        widget.bg_stroke = Stroke::NONE;
+        widget.bg_stroke = Stroke::new(1.0, palette.line);
         widget.fg_stroke = Stroke::new(1.0, palette.text);
         widget.corner_radius = CornerRadius::same(6);
         widget.expansion = 0.0;
     }
-    widgets.hovered.bg_stroke = Stroke::new(1.0, palette.line);
+    widgets.hovered.bg_stroke = Stroke::new(1.0, palette.weak.gamma_multiply(0.6));
     widgets.active.bg_stroke = Stroke::new(1.5, palette.accent);
     widgets.open.bg_fill = fills[1];
     widgets.open.weak_bg_fill = fills[1];
@@ -194,8 +194,8 @@ pub fn diverging(value: f32, dark: bool) -> Color32 {
     let value = if value.is_finite() { value.clamp(-1.0, 1.0) } else { 0.0 };
     let strength = value.abs();
     // Both arms share lightness and chroma, so that up and down weigh the same.
-    let lightness = if dark { 0.27 + 0.53 * strength } else { 0.95 - 0.45 * strength };
-    let chroma = 0.145 * strength.powf(0.85);
+    let lightness = if dark { 0.27 + 0.53 * strength } else { 0.95 - 0.47 * strength };
+    let chroma = 0.15 * strength.powf(0.7);
     let hue = if value < 0.0 { 255f32 } else { 55f32 }.to_radians();
     oklab(lightness, chroma * hue.cos(), chroma * hue.sin())
 }

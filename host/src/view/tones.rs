@@ -30,7 +30,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let stroke = egui::Stroke::new(1.0, if is_selected { palette.accent } else { palette.line });
         egui::Frame::new().stroke(stroke).corner_radius(6).inner_margin(8).show(ui, |ui| {
             ui.push_id(slot, |ui| {
-                ui.horizontal_top(|ui| {
+                ui.horizontal(|ui| {
                     let name = stage::handle_name(scene, slot);
                     let number =
                         ui.selectable_label(is_selected, RichText::new(format!("{}", slot + 1)).strong());
@@ -52,6 +52,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                         value: &value,
                         hint: "A place (120 mm) or a frequency (126 Hz, 40 kHz)",
                         width: 84.0,
+                        caption: None,
                     };
                     let taken = field.show(ui, &mut view.fields, |text| place(scene, text));
                     if let Some(position_m) = taken {
@@ -59,7 +60,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                     }
                     let hertz = setup.plate.frequency_for_boundary_hz(tone.position_m);
                     ui.label(RichText::new(show_frequency(hertz)).color(palette.weak));
-                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+                    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                         let remove = ui.add_enabled(setup.tones.len() > 1, egui::Button::new("×"));
                         remove.widget_info(|| {
                             let label = format!("Remove tone {}", slot + 1);

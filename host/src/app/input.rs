@@ -1,0 +1,131 @@
+//! What keys, pointer and dropped files ask for, taken in before anything is painted.
+
+use super::{App, FRAME, GLANCE};
+use crate::edit::Edit;
+use crate::files::FileJob;
+use crate::picture::turning_point_for;
+use crate::view::arrow_step_m;
+use crate::view::intent::{Dialog, Grab, Intent, Intents};
+use eframe::egui::{self, Key, Modifiers};
+
+impl App {
+    pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        let is_typing = ctx.text_edit_focused();
+        let focused = ctx.memory(egui::Memory::focused);
+        let mut asked = Intents::new();
+        let presses = ctx.input_mut(|input| {
+            let is_press = |event: &&egui::Event| {
+                matches!(
+                    event,
+                    egui::Event::Key { pressed: true, repeat: false, .. }
+                        | egui::Event::PointerButton { pressed: true, .. }
+                )
+            };
+            let presses = input.events.iter().filter(is_press).count() as u64;
+            // Escape is looked at, not taken: it also closes pages and leaves fields.
+            if input.key_pressed(Key::Escape) {
+                asked.push(Intent::Stop);
+            }
+            if !is_typing {
+                if input.consume_key(Modifiers::NONE, Key::Space) {
+                    asked.push(Intent::Stop);
+                }
+                if input.consume_key(Modifiers::NONE, Key::P) {
+                    self.settings.animate = !self.settings.animate;
+                }
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::Enter) {
+                asked.push(Intent::Start);
+            }
+            let redo = input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+                || input.consume_key(Modifiers::COMMAND, Key::Y);
+            if redo {
+                asked.push(Intent::Redo);
+            } else if input.consume_key(Modifiers::COMMAND, Key::Z) {
+                asked.push(Intent::Undo);
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::O) {
+                asked.push(Intent::OpenDialog);
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::S) {
+                asked.push(Intent::SaveDialog);
+            }
+            if input.consume_key(Modifiers::NONE, Key::F1) {
+                asked.push(Intent::Dialog(Some(Dialog::Shortcuts)));
+            }
+            for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
+                if input.consume_key(Modifiers::COMMAND, key) {
+                    self.view.open_tab(index);
+                }
+            }
+            // A focused slider or field keeps its arrow keys.
+            if focused.is_none() || self.view.is_handle(focused) {
+                let step_m = arrow_step_m(input);
+                if step_m != 0.0
+                    && let Some(tone) = self.setup.tone(self.selected)
+                {
+                    let position_m = tone.position_m + step_m;
+                    asked.push(Intent::Edit(Edit::Move { slot: self.selected, position_m }));
+                }
+            }
+            presses
+        });
+        self.gesture += presses;
+        self.perform(ctx, asked);
+    }
+
+    /// A drag: each move of the pointer is a move of the tone, sent before anything is painted.
+    pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
+        let Some(grab) = self.grab else { return };
+        let (moves, is_down) = ctx.input(|input| {
+            let moves: Vec<egui::Pos2> = input
+                .events
+                .iter()
+                .filter_map(|event| if let egui::Event::PointerMoved(to) = event { Some(*to) } else { None })
+                .collect();
+            (moves, input.pointer.primary_down())
+        });
+        for to in moves {
+            self.drag_to(grab, to);
+        }
+        if !is_down {
+            self.grab = None;
+        }
+    }
+
+    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
+        let Some(tone) = self.setup.tone(grab.slot) else { return };
+        let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
+        let peak_m = tone.level * self.setup.master() * self.full_peak_m();
+        let plate = &self.setup.plate;
+        let position_m = turning_point_for(plate, shown_m, peak_m, self.setup.boundary)
+            .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
+        self.settings.has_dragged = true;
+        self.edit(&Edit::Move { slot: grab.slot, position_m });
+    }
+
+    pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if let Some(file) = dropped.first() {
+            self.parts.files.begin(FileJob::Open(file.path().to_owned()));
+        }
+    }
+
+    /// Moves the wave on and asks for the next picture, but only while something moves.
+    pub(super) fn advance(&mut self, ctx: &egui::Context) {
+        let is_visible = ctx.input(|input| {
+            let viewport = input.viewport();
+            viewport.minimized != Some(true) && viewport.occluded != Some(true)
+        });
+        if self.sounding.is_none() || !is_visible {
+            return;
+        }
+        if self.settings.animate {
+            let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
+            self.wave_time_s += step;
+            ctx.request_repaint_after(FRAME);
+        } else {
+            ctx.request_repaint_after(GLANCE);
+        }
+    }
+}

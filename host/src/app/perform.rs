@@ -1,0 +1,156 @@
+//! Carrying out what the views ask for.
+
+use super::{App, Notice, first_setup, set_theme};
+use crate::edit::Edit;
+use crate::export;
+use crate::files::{FileEvent, FileJob, Save};
+use crate::link::Request;
+use crate::setup_file::{self, Opened};
+use crate::view::intent::{Confirm, Export, Intent, Intents};
+use eframe::egui;
+use std::sync::Arc;
+
+impl App {
+    pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
+        for intent in intents {
+            match intent {
+                Intent::Edit(edit) => self.edit(&edit),
+                Intent::Request(request) => {
+                    if let Request::AutoReconnect(looks) = request {
+                        self.settings.auto_reconnect = looks;
+                    }
+                    self.parts.link.send(request);
+                }
+                Intent::Connect(port) => self.connect(port),
+                Intent::Start => {
+                    if self.pilot.start(&self.snapshot) {
+                        self.send_drive();
+                    }
+                }
+                Intent::Stop => self.stop(),
+                Intent::Select(slot) => self.selected = slot,
+                Intent::Grab(grab) => {
+                    self.grab = Some(grab);
+                }
+                Intent::Undo => {
+                    if let Some(setup) = self.history.undo(&self.setup) {
+                        self.take(setup);
+                    }
+                }
+                Intent::Redo => {
+                    if let Some(setup) = self.history.redo(&self.setup) {
+                        self.take(setup);
+                    }
+                }
+                Intent::New => {
+                    if let Some(setup) = first_setup() {
+                        self.edit(&Edit::Replace(Box::new(setup)));
+                    }
+                }
+                Intent::OpenDialog => self.parts.files.begin(FileJob::Choose),
+                Intent::Open(path) => self.parts.files.begin(FileJob::Open(path)),
+                Intent::SaveDialog => {
+                    let text = setup_file::write(&self.setup);
+                    self.save("setup.toml", "Setup", "toml", text.into_bytes());
+                }
+                Intent::SavePlateDialog => {
+                    let text = self.setup.plate.to_toml();
+                    self.save("plate.toml", "Plate", "toml", text.into_bytes());
+                }
+                Intent::Export(export) => self.export(ctx, export),
+                Intent::Upload => {
+                    if let Some(made) = self.table.made() {
+                        self.parts.link.send(Request::Upload(Arc::clone(&made.device_table)));
+                    }
+                }
+                Intent::Theme(choice) => {
+                    self.settings.theme = choice;
+                    set_theme(ctx, choice);
+                }
+                Intent::Dialog(dialog) => self.dialog = dialog,
+                Intent::Confirmed(confirm) => {
+                    self.dialog = None;
+                    self.parts.link.send(match confirm {
+                        Confirm::Arm => Request::Arm,
+                        Confirm::Store => Request::Store,
+                        Confirm::Forget => Request::Forget,
+                        Confirm::Bootloader => Request::Bootloader,
+                    });
+                }
+                Intent::DismissNotice => self.notice = None,
+                Intent::RefreshPorts => self.ports = (self.parts.ports)(),
+                Intent::Animate(animate) => self.settings.animate = animate,
+                Intent::Copy(text) => ctx.copy_text(text),
+            }
+            ctx.request_repaint();
+        }
+    }
+
+    pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
+        let save = Save { name: name.to_owned(), kind, extension, bytes: bytes.into() };
+        self.parts.files.begin(FileJob::Save(save));
+    }
+
+    fn export(&mut self, ctx: &egui::Context, what: Export) {
+        match what {
+            Export::Picture => {
+                let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
+                let taken = egui::ScreenshotCallback::new(move |image| {
+                    // Nobody waits for it once the window is closed.
+                    let _ = sender.send(image);
+                    waker.request_repaint();
+                });
+                ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
+            }
+            Export::Envelope => {
+                let text = export::envelope_csv(&self.predicted, self.current_measured());
+                self.save("envelope.csv", "Table", "csv", text.into_bytes());
+            }
+            Export::Waveform => match export::waveform_csv(&self.live) {
+                Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
+                None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
+            },
+            Export::Sound => match export::wav(&self.live) {
+                Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
+                Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
+                Err(error) => self.fail(format!("The sound could not be made: {error}")),
+            },
+            Export::Diagnostics => {
+                let text = export::diagnostics(&self.snapshot, &self.setup, &self.table);
+                self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
+            }
+        }
+    }
+
+    pub(super) fn file_event(&mut self, event: FileEvent) {
+        match event {
+            FileEvent::Opened(path, text) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
+                match opened {
+                    Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
+                    Ok(Opened::Plate(plate)) => self.edit(&Edit::Plate(plate)),
+                    Err(reason) => {
+                        return self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
+                    }
+                }
+                self.settings.used(&path);
+                self.notice =
+                    Some(Notice { text: format!("Opened {name}"), is_error: false, is_refusal: false });
+            }
+            FileEvent::Saved(path, Ok(())) => {
+                if path.extension().is_some_and(|extension| extension == "toml") {
+                    self.settings.used(&path);
+                }
+                self.notice = Some(Notice {
+                    text: format!("Saved {}", path.display()),
+                    is_error: false,
+                    is_refusal: false,
+                });
+            }
+            FileEvent::Saved(path, Err(reason)) => {
+                self.fail(format!("{} was not saved: {reason}", path.display()));
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The app in a window of the system: what is kept between runs, the threads it works with.
+
+use super::{App, Parts, first_setup};
+use crate::files::SystemFiles;
+use crate::link::list_ports;
+use crate::link::worker::{Worker, stop_on_panic};
+use crate::setup_file::{self, Opened};
+use crate::workshop::Workshop;
+use crate::{live, trial};
+use eframe::egui;
+
+/// The app in a window of the system.
+struct Window(App);
+
+/// Keys of what is kept between runs.
+const KEPT_SETTINGS: &str = "settings";
+const KEPT_SETUP: &str = "setup";
+
+impl eframe::App for Window {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.0.logic(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.0.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, KEPT_SETTINGS, &self.0.settings);
+        storage.set_string(KEPT_SETUP, setup_file::write(&self.0.setup));
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        // What a page shows and where it was scrolled to is not worth an old crash coming back.
+        false
+    }
+}
+
+/// Opens the window and stays until it is closed.
+///
+/// # Errors
+/// When there is no display, or the system gives no thread.
+pub fn run() -> anyhow::Result<()> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Slipline")
+        .with_app_id("slipline")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([960.0, 620.0])
+        .with_drag_and_drop(true);
+    let mut options = eframe::NativeOptions { viewport, ..Default::default() };
+    // Waiting for the display's next picture would hold back what the pointer asks of the device by up to 17 ms.
+    options.glow_options.vsync = false;
+    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context)?))))
+        .map_err(|error| anyhow::anyhow!("the window could not be opened: {error}"))
+}
+
+fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
+    let ctx = &context.egui_ctx;
+    let wake = |ctx: &egui::Context| {
+        let ctx = ctx.clone();
+        move || ctx.request_repaint()
+    };
+    let worker = Worker::spawn(wake(ctx))?;
+    stop_on_panic(worker.handle());
+    let parts = Parts {
+        link: Box::new(worker),
+        tables: Workshop::threaded("slipline-table", crate::tables::make, wake(ctx))?,
+        live: Workshop::threaded("slipline-mirror", live::work(), wake(ctx))?,
+        trials: Workshop::threaded("slipline-plate", |job| trial::run(&job), wake(ctx))?,
+        files: Box::new(SystemFiles::new(wake(ctx))),
+        ports: Box::new(list_ports),
+    };
+    let settings =
+        context.storage.and_then(|storage| eframe::get_value(storage, KEPT_SETTINGS)).unwrap_or_default();
+    let kept = context.storage.and_then(|storage| storage.get_string(KEPT_SETUP));
+    let setup = match kept.as_deref().map(setup_file::read) {
+        Some(Ok(Opened::Setup(setup))) => *setup,
+        _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
+    };
+    Ok(Window(App::new(ctx, parts, setup, settings)))
+}

@@ -1,0 +1,257 @@
+//! The app on a simulated device in virtual time: no thread, no clock, no display.
+
+use eframe::egui;
+use egui_kittest::Harness;
+use slipline::app::{App, Link, Parts, first_setup};
+use slipline::files::{FileEvent, FileJob, Files};
+use slipline::link::connection::Connection;
+use slipline::link::simulated::{Options, SimulatedDevice};
+use slipline::link::transport::{Opener, Transport, Waker};
+use slipline::link::{Port, PortInfo, Request, Snapshot, Ticket, Trouble};
+use slipline::settings::{Settings, ThemeChoice};
+use slipline::workshop::Workshop;
+use slipline::{live, setup_file, tables, trial};
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::io;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// The device and its cable.
+struct Desk {
+    device: SimulatedDevice,
+    is_plugged: bool,
+}
+
+struct DeskLine(Arc<Mutex<Desk>>);
+
+impl Transport for DeskLine {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut desk = self.0.lock().unwrap();
+        if !desk.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let mut bytes = Vec::new();
+        desk.device.take(&mut bytes);
+        if bytes.is_empty() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
+        buffer[..bytes.len()].copy_from_slice(&bytes);
+        Ok(bytes.len())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut desk = self.0.lock().unwrap();
+        if !desk.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        desk.device.feed(bytes);
+        Ok(bytes.len())
+    }
+}
+
+struct DeskOpener(Arc<Mutex<Desk>>);
+
+impl Opener for DeskOpener {
+    fn list(&mut self) -> Vec<PortInfo> {
+        if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
+    }
+
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+        if self.0.lock().unwrap().is_plugged {
+            Ok(Box::new(DeskLine(Arc::clone(&self.0))))
+        } else {
+            Err(Trouble::NoSuchPort(port.clone()))
+        }
+    }
+}
+
+/// The worker's part: the connection, told the time by the test.
+struct Rig {
+    connection: Connection<DeskOpener>,
+    desk: Arc<Mutex<Desk>>,
+    now: Duration,
+    tickets: u64,
+    sent: Vec<Request>,
+}
+
+impl Rig {
+    fn advance(&mut self, time: Duration) {
+        const STEP: Duration = Duration::from_millis(1);
+        let end = self.now + time;
+        while self.now < end {
+            self.now += STEP;
+            // 400 kS/s in blocks of 128 are 3.125 blocks a millisecond.
+            let blocks = |time: Duration| time.as_millis() as u64 * 25 / 8;
+            let due = blocks(self.now) - blocks(self.now - STEP);
+            self.desk.lock().unwrap().device.advance(due, |_| {});
+            self.connection.step(self.now);
+        }
+    }
+}
+
+struct RigLink(Rc<RefCell<Rig>>);
+
+impl Link for RigLink {
+    fn send(&self, request: Request) -> Ticket {
+        let mut rig = self.0.borrow_mut();
+        rig.tickets += 1;
+        let (ticket, now) = (Ticket(rig.tickets), rig.now);
+        rig.sent.push(request.clone());
+        rig.connection.request(ticket, request, now);
+        rig.connection.step(now);
+        ticket
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        let mut rig = self.0.borrow_mut();
+        // As the worker does: it numbers the changes.
+        rig.connection.take_changes();
+        Arc::new(rig.connection.view().clone())
+    }
+}
+
+/// Files as the test gives them.
+#[derive(Clone, Default)]
+pub struct Drawer {
+    /// What opening a path gives.
+    pub contents: Rc<RefCell<Vec<(PathBuf, Result<String, String>)>>>,
+    /// What was saved.
+    pub saved: Rc<RefCell<Vec<(String, Vec<u8>)>>>,
+    events: Rc<RefCell<VecDeque<FileEvent>>>,
+}
+
+impl Files for Drawer {
+    fn begin(&mut self, job: FileJob) {
+        let event = match job {
+            FileJob::Choose => {
+                let (path, text) = self.contents.borrow()[0].clone();
+                FileEvent::Opened(path, text)
+            }
+            FileJob::Open(path) => {
+                let contents = self.contents.borrow();
+                let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
+                FileEvent::Opened(path, text.unwrap_or_else(|| Err("no such file".to_owned())))
+            }
+            FileJob::Save(save) => {
+                self.saved.borrow_mut().push((save.name.clone(), save.bytes.to_vec()));
+                FileEvent::Saved(PathBuf::from(save.name), Ok(()))
+            }
+        };
+        self.events.borrow_mut().push_back(event);
+    }
+
+    fn take(&mut self) -> Option<FileEvent> {
+        self.events.borrow_mut().pop_front()
+    }
+}
+
+/// The app, its device and its files.
+pub struct Bench {
+    /// The window.
+    pub window: Harness<'static, App>,
+    /// The files.
+    pub drawer: Drawer,
+    rig: Rc<RefCell<Rig>>,
+}
+
+impl Bench {
+    /// The app at its first start, connected and driving.
+    pub fn driving() -> Self {
+        Self::driving_with(
+            ThemeChoice::Light,
+            egui_kittest::HarnessBuilder::default().with_theme(egui::Theme::Light),
+        )
+    }
+
+    /// The same with a theme and a window of the test's own.
+    pub fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        let mut bench = Self::starting(theme, builder);
+        for _ in 0..40 {
+            bench.wait(50);
+            if bench.is_driving() {
+                // The plate settles and the pictures follow.
+                bench.wait(400);
+                return bench;
+            }
+        }
+        panic!("the simulated plate does not move: {:?}", bench.snapshot().log);
+    }
+
+    fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        let device = SimulatedDevice::new(Options::default());
+        let desk = Arc::new(Mutex::new(Desk { device, is_plugged: true }));
+        let mut nonce = 0u32;
+        let nonces = Box::new(move || {
+            nonce += 1;
+            nonce.to_le_bytes()
+        });
+        let connection = Connection::new(DeskOpener(Arc::clone(&desk)), Waker::new(|| {}), nonces);
+        let rig = Rig { connection, desk, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
+        let rig = Rc::new(RefCell::new(rig));
+        let drawer = Drawer::default();
+        let mut parts = Some(Parts {
+            link: Box::new(RigLink(Rc::clone(&rig))),
+            tables: Workshop::inline(tables::make),
+            live: Workshop::inline(live::work()),
+            trials: Workshop::inline(|job| trial::run(&job)),
+            files: Box::new(drawer.clone()),
+            ports: Box::new(|| vec![PortInfo::simulated()]),
+        });
+        // The wave stands, so that no picture depends on when it was taken.
+        let settings = Settings { theme, animate: false, ..Settings::default() };
+        let setup = first_setup().unwrap();
+        let ctx = egui::Context::default();
+        let app = App::new(&ctx, parts.take().unwrap(), setup, settings);
+        let window = builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0).build_ui_state(
+            |ui: &mut egui::Ui, app: &mut App| {
+                slipline::view::theme::install(ui.ctx());
+                app.logic(&ui.ctx().clone());
+                app.show(ui);
+            },
+            app,
+        );
+        Self { window, drawer, rig }
+    }
+
+    /// Lets time pass, in milliseconds, and the window look at what has changed.
+    pub fn wait(&mut self, ms: u64) {
+        for _ in 0..ms.div_ceil(50) {
+            self.rig.borrow_mut().advance(Duration::from_millis(50.min(ms)));
+            self.window.step();
+        }
+    }
+
+    /// What is known of link and device.
+    pub fn snapshot(&self) -> Snapshot {
+        self.rig.borrow().connection.view().clone()
+    }
+
+    /// Everything the app has asked of the link since the last call.
+    pub fn take_sent(&self) -> Vec<Request> {
+        std::mem::take(&mut self.rig.borrow_mut().sent)
+    }
+
+    /// Whether tones sound.
+    pub fn is_driving(&self) -> bool {
+        self.snapshot().status.is_some_and(|status| status.state == slipline_protocol::event::State::Driving)
+    }
+
+    /// Pulls the cable, or puts it in again; the device restarts.
+    pub fn plug(&mut self, is_plugged: bool) {
+        let rig = self.rig.borrow();
+        let mut desk = rig.desk.lock().unwrap();
+        desk.is_plugged = is_plugged;
+        if is_plugged {
+            desk.device.restart(slipline_protocol::event::ResetCause::PowerOn);
+        }
+    }
+
+    /// The setup as its file would be.
+    pub fn setup_text(&self) -> String {
+        setup_file::write(self.window.state().setup())
+    }
+}
