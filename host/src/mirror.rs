@@ -172,3 +172,70 @@ impl Mirror {
         self.diverged |= !matches!(published, Ok(Ok(())));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_protocol::command::{Apply, Tone};
+    use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
+
+    fn knots() -> Arc<[Knot]> {
+        (0..5u32).map(|i| Knot { step: 100_000_000 + i * 1_000_000, gain: Gain::FULL }).collect()
+    }
+
+    fn drive() -> Drive {
+        let tone = Tone { slot: 1, position: Position(9), level: Level::FULL, phase: Phase(0) };
+        Drive {
+            tones: [tone].into_iter().collect(),
+            master: CentiDecibel(0),
+            glide: 2000,
+            apply: Apply::Next,
+        }
+    }
+
+    fn peak(mirror: &mut Mirror, until: SampleIndex) -> u16 {
+        let mut peak = 0;
+        mirror.render(until, |_, codes| {
+            peak = codes.iter().map(|code| code.abs_diff(2048)).max().unwrap_or(0).max(peak);
+        });
+        peak
+    }
+
+    #[test]
+    fn a_change_that_comes_too_late_is_told_and_a_known_silence_makes_the_mirror_true_again() {
+        let mut mirror = Mirror::new(400_000, 1_000_000);
+        mirror.acknowledge_table(knots(), mirror.now()).unwrap();
+        assert_eq!(peak(&mut mirror, 1_010_000), 0);
+        let now = mirror.now();
+        assert_eq!(mirror.acknowledge_drive(&drive(), now - 128), Err(TooLate { at: now - 128, now }));
+        assert!(!mirror.is_true());
+        mirror.silence(2_000_000);
+        assert!(mirror.is_true());
+        mirror.acknowledge_drive(&drive(), 2_000_000 / 128 * 128 + 1280).unwrap();
+        assert_eq!(peak(&mut mirror, 2_000_000), 0);
+        assert_eq!(peak(&mut mirror, 2_010_000), 2047, "the table was kept");
+        assert!(mirror.is_true());
+    }
+
+    #[test]
+    fn a_stop_drops_the_drive_that_had_not_begun_and_a_mirror_needs_no_host_that_keeps_alive() {
+        let mut mirror = Mirror::new(400_000, 0);
+        mirror.acknowledge_table(knots(), 0).unwrap();
+        mirror.acknowledge_drive(&drive(), 12_800).unwrap();
+        mirror.acknowledge_stop(Stop::Normal, 6400).unwrap();
+        assert_eq!(peak(&mut mirror, 20_000), 0);
+        mirror.acknowledge_drive(&drive(), 25_600).unwrap();
+        assert_eq!(peak(&mut mirror, 30_000), 2047);
+        mirror.render(1_000_000, |_, _| {});
+        assert_eq!(peak(&mut mirror, 1_010_000), 2047);
+        assert!(mirror.is_true());
+    }
+
+    #[test]
+    fn a_drive_without_a_table_is_not_true() {
+        let mut mirror = Mirror::new(400_000, 0);
+        mirror.acknowledge_drive(&drive(), 0).unwrap();
+        assert_eq!(peak(&mut mirror, 10_000), 0);
+        assert!(!mirror.is_true());
+    }
+}
