@@ -49,7 +49,7 @@ pub use error::{PlateError, PlateFileError};
 pub use model::{Bending, Model};
 pub use num_complex::Complex64;
 pub use peak::Peak;
-pub use plate::{FREQUENCY_RANGE_HZ, Plate, PlateSpec, WAVELENGTHS_MAX};
+pub use plate::{BAND_RATIO_MAX, FREQUENCY_RANGE_HZ, Plate, PlateSpec, WAVELENGTHS_MAX};
 pub use plate_file::PLATE_FILE_BYTES_MAX;
 pub use presets::{Preset, preset, presets};
 pub use respond::{Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch};

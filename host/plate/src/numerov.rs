@@ -15,6 +15,8 @@ use crate::sweep::{LANES, Sweep};
 use num_complex::Complex64;
 use pulp::Arch;
 
+/// Most points a refined grid has: a plate that would need more has a tail too steep to be seen.
+const GRID_POINTS_MAX: usize = 400_000;
 /// Decay exponents beyond which the tail is set to zero (e^-60 is below anything that is shown).
 const TAIL_EXPONENTS: f64 = 60.0;
 /// Decay exponents that the taper is continued beyond the plate's end, so that the end condition cannot be seen.
@@ -89,7 +91,8 @@ pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize
     let tail = (guide.width_term(plate.length_m()) - guide.axial_squared(frequency_hz)).max(0.0).sqrt();
     let steepest = wavenumber.max(kappa).max(0.5 * tail);
     let wanted = (480.0 * 1e-9 / phase).sqrt().sqrt() / steepest.max(1e-9);
-    ((step_m / wanted).ceil().max(1.0) as usize).clamp(1, 2000)
+    let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
+    (step_m / wanted).ceil().clamp(1.0, most) as usize
 }
 
 /// f'(0) + a f(0) = b of the driven end at `frequency_hz`, or a prescribed f(0).

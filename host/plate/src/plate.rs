@@ -11,6 +11,8 @@ use std::f64::consts::TAU;
 
 /// Most wavelengths a plate may hold between the driven end and the boundary; keeps every computation bounded.
 pub const WAVELENGTHS_MAX: f64 = 60.0;
+/// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
+pub const BAND_RATIO_MAX: f64 = 64.0;
 /// Lowest and highest frequency a boundary may need, Hz.
 pub const FREQUENCY_RANGE_HZ: (f64, f64) = (0.5, 1e7);
 
@@ -92,6 +94,16 @@ impl Plate {
                 "span_end_m",
                 self.spec.span_end_m,
                 format!("where the boundary needs at most {} Hz (here {high:.4e} Hz)", FREQUENCY_RANGE_HZ.1),
+            );
+        }
+        if high > low * BAND_RATIO_MAX {
+            return refuse(
+                "span_start_m",
+                self.spec.span_start_m,
+                format!(
+                    "where the boundary needs at least 1/{BAND_RATIO_MAX} of the {high:.4} Hz at the span's end \
+                     (here {low:.4} Hz)"
+                ),
             );
         }
         let wavelengths = self.guide(1).phase_to(self.spec.span_end_m, high) / TAU;

@@ -204,3 +204,13 @@ fn errors_can_be_matched_by_field() {
         matches!(error, PlateError::OutOfRange { ref field, value, .. } if field == "loss_factor" && value == 2.0)
     );
 }
+
+#[test]
+fn a_span_of_more_than_six_octaves_is_refused() {
+    let mut spec = preset("membrane").expect("a preset").spec().clone();
+    spec.taper = slipline_plate::Taper::Exponential { half_width_m: 0.5, rate_per_m: 30.0 };
+    (spec.length_m, spec.span_start_m, spec.span_end_m) = (0.3, 0.01, 0.2);
+    spec.drive_end = slipline_plate::DriveEnd::Displacement;
+    let found = Plate::new(spec).expect_err("too wide a band").to_string();
+    assert!(found.contains("span_start_m") && found.contains("1/64"), "{found}");
+}
