@@ -78,7 +78,7 @@ pub struct Request {
     pub end_margin_m: Option<f64>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1).
     pub full_scale_m: f64,
-    /// Width of the frame's rim, metres (0.005 to 0.5).
+    /// Width of the frame's rim, metres (0.01 to 0.5: the bolts need room).
     pub rim_m: f64,
 }
 
@@ -162,7 +162,7 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     within("band low", request.band_hz.0, 0.5, 1e7, "Hz")?;
     within("band high", request.band_hz.1, 1.05 * request.band_hz.0, 1e7, "Hz (5 % above its low end)")?;
     within("full_scale_m", request.full_scale_m, 1e-9, 0.1, "m")?;
-    within("rim_m", request.rim_m, 0.005, 0.5, "m")?;
+    within("rim_m", request.rim_m, 0.01, 0.5, "m")?;
     let model = model(request);
     model.validate()?;
     let taper = taper_for(request, &model)?;

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::Plate;
+use crate::check::{Checker, Conditions};
+use proptest::prelude::*;
 
 fn aluminium() -> Request {
     let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
@@ -223,6 +225,66 @@ fn names_with_markup_do_not_break_the_files() {
     svg_cut_extents(&designed.frame_drawing().to_svg());
     dxf_cut_extents(&designed.frame_drawing().to_dxf());
     assert!(Plate::from_toml(&designed.plate.to_toml()).is_ok());
+}
+
+/// Numbers as they may come from outside: sensible, absurd, and no numbers at all.
+fn any_number(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![
+        12 => (low.ln()..high.ln()).prop_map(f64::exp),
+        1 => prop_oneof![Just(0.0), Just(-1.0), Just(f64::NAN), Just(f64::INFINITY), Just(1e-300), Just(1e300)],
+    ]
+}
+
+fn any_wave() -> impl Strategy<Value = Wave> {
+    prop_oneof![
+        any::<bool>().prop_map(|thick_plate| Wave::Bending { edge: Edge::Supported, thick_plate }),
+        any::<bool>().prop_map(|thick_plate| Wave::Bending { edge: Edge::Clamped, thick_plate }),
+        any_number(1.0, 1e3).prop_map(|wave_speed_m_per_s| Wave::Membrane { wave_speed_m_per_s }),
+        Just(Wave::ShearHorizontal),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn whatever_is_asked_is_refused_in_words_or_gives_a_plate_that_holds_its_band(
+        number in 0..11_usize,
+        thickness_m in any_number(1e-5, 1e-2),
+        wave in any_wave(),
+        low_hz in any_number(20.0, 5e4),
+        octaves in 0.0..3.0_f64,
+        length_m in any_number(0.02, 5.0),
+        margins in (proptest::option::of(any_number(1e-3, 1.0)), proptest::option::of(any_number(1e-3, 1.0))),
+        rim_m in any_number(0.01, 0.5),
+    ) {
+        let name = material_names().nth(number).expect("eleven");
+        let material = Material::named(name).expect("known");
+        let band_hz = (low_hz, low_hz * octaves.exp2());
+        let mut request = Request::new("any", material, thickness_m, wave, band_hz, length_m);
+        (request.start_margin_m, request.end_margin_m) = margins;
+        request.rim_m = rim_m;
+        match design(&request) {
+            Err(error) => {
+                let text = error.to_string();
+                prop_assert!(text.contains("must be") || text.contains("at most"), "{}", text);
+            }
+            Ok(designed) => {
+                let read = Plate::from_toml(&designed.plate.to_toml()).expect("a valid plate file");
+                let (low, high) = read.band_hz();
+                prop_assert!((low / band_hz.0 - 1.0).abs() < 1e-6 && (high / band_hz.1 - 1.0).abs() < 1e-6);
+                prop_assert!(designed.damper.resistance_n_s_per_m > 0.0);
+                for drawing in [designed.plate_drawing(), designed.frame_drawing()] {
+                    let extents = drawing.cut_extents_mm();
+                    prop_assert!(extents.iter().all(|x| x.is_finite()) && extents[2] > extents[0]);
+                }
+                if let Ok(checker) = Checker::new(&designed.plate, Conditions::default()) {
+                    let report = checker.at(designed.low.boundary_m).expect("on the plate");
+                    prop_assert!(report.lights.iter().all(|light| light.value.is_none_or(f64::is_finite)));
+                }
+            }
+        }
+    }
 }
 
 fn close(found: &[f64; 4], expected: &[f64; 4]) {
