@@ -1,6 +1,7 @@
 """The image under test, built once, and boards that run it."""
 import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -21,10 +22,17 @@ def cargo(*arguments):
     return [message["executable"] for message in messages if message.get("executable")][-1]
 
 
+def firmware(board):
+    """Builds a board's image by the documented command and returns its path."""
+    features = ["--no-default-features", "--features", board]
+    return cargo("--release", "-p", "slipline-stm32", "--target", TARGET, *features)
+
+
 @pytest.fixture(scope="session")
-def image():
-    """The very image that is flashed."""
-    return cargo("--release", "-p", "slipline-stm32", "--target", TARGET)
+def image(tmp_path_factory):
+    """The very image that is flashed; a copy, for other boards' images go to the same place."""
+    copy = tmp_path_factory.mktemp("image") / "slipline-stm32.elf"
+    return shutil.copy(firmware("board-f4discovery"), copy)
 
 
 @pytest.fixture(scope="session")

@@ -94,7 +94,8 @@ class Board:
         self.resets.append(cause)
         if cause == "power":
             noise = random.Random(len(self.resets))
-            self.cpu.mem_write(CCM, noise.randbytes(CCM_SIZE))
+            self.noise = noise.randbytes(CCM_SIZE)
+            self.cpu.mem_write(CCM, self.noise)
             self.cpu.mem_write(SRAM, noise.randbytes(SRAM_SIZE))
             self.flash.cut_at = None
         self.events.clear()
@@ -128,6 +129,11 @@ class Board:
     def cut_power(self):
         self.cut = True
         self.cpu.emu_stop()
+
+    def stack_used(self):
+        """Bytes of the core-coupled RAM, from its top, that have been written since power-on: the stack."""
+        now = self.cpu.mem_read(CCM, CCM_SIZE)
+        return CCM_SIZE - next(i for i in range(CCM_SIZE) if now[i] != self.noise[i])
 
     cut = False
     # Plays half a ring of codes at once, when it is due: many times faster, but the DAC is not watched code by code.

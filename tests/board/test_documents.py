@@ -1,0 +1,90 @@
+"""What firmware/BOARDS.md and the udev rule say is true."""
+import re
+
+import pytest
+from elftools.elf.elffile import ELFFile
+
+from conftest import ROOT, firmware
+from host import DISARM, DRIVE, STORE, drive
+
+TEXT = (ROOT / "firmware/BOARDS.md").read_text()
+RULES = (ROOT / "firmware/70-slipline.rules").read_text()
+BOARDS = ("board-f4discovery", "board-nucleo-g474re", "board-nucleo-h743zi2")
+ALLOCATED, NO_BITS = 2, "SHT_NOBITS"
+# A table in the documents may lag a little behind the code.
+TOLERANCE = 0.10
+
+
+def sizes(path):
+    """Bytes of flash and of RAM, stack not counted."""
+    flash = ram = 0
+    with open(path, "rb") as file:
+        for section in ELFFile(file).iter_sections():
+            if section["sh_flags"] & ALLOCATED:
+                flash += section["sh_size"] if section["sh_type"] != NO_BITS else 0
+                ram += section["sh_size"] if section["sh_addr"] >= 0x20000000 else 0
+    return flash, ram
+
+
+def documented(row):
+    """The numbers in a row of the sizes' table."""
+    line = next(line for line in TEXT.splitlines() if line.startswith(f"| `{row}`"))
+    return [int(number.replace(" ", "")) for number in re.findall(r"\d[\d ]*(?= \|)", line)]
+
+
+def agrees(told, true):
+    return abs(told - true) <= TOLERANCE * true
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_the_sizes_in_the_documents_are_the_images(board):
+    flash, ram = sizes(firmware(board))
+    told = documented(board)
+    print(f"{board}: {flash} bytes of flash, {ram} bytes of RAM")
+    assert agrees(told[0], flash) and agrees(told[1], ram), f"documented {told}, built {flash}, {ram}"
+
+
+def test_the_stack_in_the_documents_is_what_the_image_needs(bench):
+    bench.host.connect()
+    bench.host.upload()
+    bench.host.arm()
+    bench.host.accept(DRIVE, drive([(slot, slot / 17, 0.06) for slot in range(16)], 4000))
+    bench.host.live(0.03)
+    bench.host.accept(DISARM)
+    bench.host.live(0.1)
+    bench.host.accept(STORE, patience=3)
+    used = bench.board.stack_used()
+    print(f"worst stack: {used} bytes")
+    told = documented("worst stack")[0]
+    assert agrees(told, used), f"documented {told}, seen {used}"
+
+
+def test_the_rule_is_for_this_device_and_this_user_only():
+    """R-65."""
+    rules = [line for line in RULES.splitlines() if line and not line.startswith("#")]
+    assert rules
+    for rule in rules:
+        assert re.search(r'ATTRS\{idVendor\}=="[0-9a-f]{4}"', rule) and re.search(r'ATTRS\{idProduct\}=="[0-9a-f]{4}"', rule)
+        assert 'TAG+="uaccess"' in rule
+        assert "MODE" not in rule and "0666" not in rule and "GROUP" not in rule
+    assert 'ATTRS{idVendor}=="1209", ATTRS{idProduct}=="0001"' in rules[0]
+    assert 'ENV{ID_MM_DEVICE_IGNORE}="1"' in rules[0]
+
+
+def test_the_rule_comes_before_the_one_that_grants_what_it_asks_for():
+    """systemd's 73-seat-late.rules acts on the tag; a later file would ask in vain."""
+    (rule,) = (ROOT / "firmware").glob("*.rules")
+    assert int(rule.name[:2]) < 73
+
+
+def test_the_rule_names_the_identity_that_the_firmware_has():
+    source = (ROOT / "firmware/stm32/src/usb_link.rs").read_text()
+    vendor, product = (re.search(rf"const {name}: u16 = 0x(\w+);", source)[1] for name in ("VENDOR", "PRODUCT"))
+    assert f'=="{vendor}"' in RULES and f'=="{product}"' in RULES
+    assert 'manufacturer = Some("Slipline")' in source and 'ATTRS{manufacturer}=="Slipline"' in RULES
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_every_board_has_its_command_in_the_documents(board):
+    command = f"--no-default-features --features {board}"
+    assert command in TEXT or board == "board-f4discovery"
