@@ -190,3 +190,26 @@ fn a_plate_one_percent_faster_than_its_table_stays_within_1_db_when_matched_and_
     assert!(worst("al-bending", 1.0) < 1.8, "{}", worst("al-bending", 1.0));
     assert!(worst("al-bending-displacement", 1.0) > 20.0);
 }
+
+#[test]
+fn the_held_plate_resonates_where_the_closed_form_says() {
+    // Phi + pi/4 = n pi with Phi = nu acosh(nu/s0) - sqrt(nu^2 - s0^2).
+    let plate = variation("al-bending-displacement", 0.002, |end| end);
+    let s0 = std::f64::consts::FRAC_PI_2 / (0.02 * 4.62);
+    let phase = |frequency: f64| {
+        let k = plate.spec().model.wavenumber_squared(std::f64::consts::TAU * frequency).sqrt();
+        let nu = ((k / 4.62).powi(2) - 0.25).sqrt();
+        nu * (nu / s0).acosh() - (nu * nu - s0 * s0).sqrt()
+    };
+    for n in [6, 9, 12] {
+        let wanted = f64::from(n) * std::f64::consts::PI - std::f64::consts::FRAC_PI_4;
+        let (mut low, mut high) = (plate.cut_off_hz() * 1.01, 45e3);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if phase(middle) < wanted { low = middle } else { high = middle }
+        }
+        let near = (-60..=60).map(|i| low * (1.0 + 1.5e-4 * f64::from(i)));
+        let found = near.max_by(|a, b| peak(&plate, *a).total_cmp(&peak(&plate, *b))).expect("places");
+        assert!((found / low - 1.0).abs() < 1e-3, "resonance {n}: {found} Hz for {low} Hz");
+    }
+}
