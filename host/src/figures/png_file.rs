@@ -75,12 +75,12 @@ mod tests {
 
     #[test]
     fn blocks_are_averaged_and_read_back() {
-        // 4 x 2 pixels: a black and white block, then a red one.
+        // 4 x 2 pixels: a block with one white pixel in four, then a red one.
         let (k, w, r) = ([0, 0, 0], [255, 255, 255], [255, 0, 0]);
-        let rgb: Vec<u8> = [k, w, r, r, w, k, r, r].into_iter().flatten().collect();
+        let rgb: Vec<u8> = [k, w, r, r, k, k, r, r].into_iter().flatten().collect();
         let (width, height, data) = decoded(&encode(&rgb, (4, 2), 2).expect("encodes"));
         assert_eq!((width, height), (2, 1));
-        assert_eq!(data, [136, 136, 136, 255, 0, 0], "half grey on the grid of sixteen levels, then red");
+        assert_eq!(data, [68, 68, 68, 255, 0, 0], "a quarter of white, on the grid of sixteen levels, then red");
     }
 
     #[test]
