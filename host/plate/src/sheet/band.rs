@@ -96,7 +96,7 @@ impl Band {
                     from = self.step_pair(plan, upper, flipped);
                 }
                 for row in [upper, lower] {
-                    if rows.contains(&row) {
+                    if rows.contains(&row) && (from < plan.padded(row) || plan.column.is_some()) {
                         self.step_row(plan, row, from, drive[step], flipped);
                     }
                 }
@@ -142,10 +142,11 @@ impl Band {
         let below = at + self.stride;
         let above = if row == 0 && plan.mirrored { below } else { at - self.stride };
         let (past, now) = self.fields(flipped);
-        let column = &plan.column;
-        past[at - 1] = (column.own[row] * now[at - 1] - column.past * past[at - 1])
-            + (column.inward * now[at] + column.across * (now[above - 1] + now[below - 1]))
-            + column.profile[row] * drive;
+        if let Some(column) = &plan.column {
+            past[at - 1] = (column.own[row] * now[at - 1] - column.past * past[at - 1])
+                + (column.inward * now[at] + column.across * (now[above - 1] + now[below - 1]))
+                + column.profile[row] * drive;
+        }
         let (plain, cells, padded) = (plan.plain[row], plan.reach[row], plan.padded(row));
         if plain > from {
             kernel::advance(

@@ -40,7 +40,8 @@ pub(super) struct Plan {
     pub(super) edge_own: Vec<f32>,
     /// Where each row begins in `edge_own`.
     pub(super) edge_start: Vec<usize>,
-    pub(super) column: Column,
+    /// What drives the sheet at x = 0; `None` for a fixed edge.
+    pub(super) column: Option<Column>,
     /// Rows whose envelope is recorded.
     pub(super) recorded: Range<usize>,
     pub(super) width: Width,
@@ -90,10 +91,8 @@ impl Lattice {
             along: courant_squared,
             across: courant_squared,
         };
-        let column =
-            Column { own: vec![0.0; rows], past: 0.0, inward: 0.0, across: 0.0, profile: vec![0.0; rows] };
         let own = vec![vec![weights.own; cells]; rows];
-        let plan = plan_of(&vec![cells; rows], &vec![cells; rows], &own, false, weights, column, 0..0);
+        let plan = plan_of(&vec![cells; rows], &vec![cells; rows], &own, false, weights, None, 0..0);
         Self::new(plan, threads)
     }
 
@@ -228,7 +227,7 @@ pub(super) fn plan_of(
     own: &[Vec<f32>],
     mirrored: bool,
     weights: Weights,
-    column: Column,
+    column: Option<Column>,
     recorded: Range<usize>,
 ) -> Plan {
     let longest = reach.iter().copied().max().unwrap_or(0).next_multiple_of(LANES);

@@ -427,6 +427,6 @@ impl Scheme<'_> {
         };
         let reach: Vec<usize> = rows.iter().map(|&row| outline.reach[row]).collect();
         let plain: Vec<usize> = rows.iter().map(|&row| outline.plain(row)).collect();
-        (plan_of(&reach, &plain, &own_by_row, self.mirrored, weights, column, recorded), feed)
+        (plan_of(&reach, &plain, &own_by_row, self.mirrored, weights, Some(column), recorded), feed)
     }
 }
