@@ -80,7 +80,11 @@ mod tests {
         let rgb: Vec<u8> = [k, w, r, r, k, k, r, r].into_iter().flatten().collect();
         let (width, height, data) = decoded(&encode(&rgb, (4, 2), 2).expect("encodes"));
         assert_eq!((width, height), (2, 1));
-        assert_eq!(data, [68, 68, 68, 255, 0, 0], "a quarter of white, on the grid of sixteen levels, then red");
+        assert_eq!(
+            data,
+            [68, 68, 68, 255, 0, 0],
+            "a quarter of white, on the grid of sixteen levels, then red"
+        );
     }
 
     #[test]
