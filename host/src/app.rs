@@ -118,7 +118,6 @@ impl App {
         theme::install(ctx);
         set_theme(ctx, settings.theme);
         let ports = (parts.ports)();
-        let snapshot = parts.link.snapshot();
         let selected = setup.tones.first().map_or(0, |tone| tone.slot);
         let mut app = Self {
             parts,
@@ -129,7 +128,7 @@ impl App {
             selected,
             grab: None,
             gesture: 0,
-            snapshot,
+            snapshot: Arc::default(),
             ports,
             table: TableState::Waiting,
             table_asked: None,
@@ -207,7 +206,9 @@ impl App {
         let made = self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
         for act in self.pilot.look(before, &self.snapshot, made, &self.settings) {
             match act {
-                pilot::Act::Upload(table) => drop(self.parts.link.send(Request::Upload(table))),
+                pilot::Act::Upload(table) => {
+                    self.parts.link.send(Request::Upload(table));
+                }
                 pilot::Act::Drive => self.send_drive(),
             }
         }

@@ -78,6 +78,7 @@ impl Job {
 }
 
 /// Follows the journal.
+#[derive(Default)]
 pub struct Follower {
     mirror: Option<Mirror>,
     sample_rate_hz: u32,
@@ -87,19 +88,6 @@ pub struct Follower {
     silent_since: Option<u64>,
     codes: VecDeque<u16>,
     spectrum: Spectrum,
-}
-
-impl Default for Follower {
-    fn default() -> Self {
-        Self {
-            mirror: None,
-            sample_rate_hz: 0,
-            latest: 0,
-            silent_since: None,
-            codes: VecDeque::new(),
-            spectrum: Spectrum::default(),
-        }
-    }
 }
 
 impl Follower {
@@ -169,7 +157,7 @@ impl Follower {
                 let taken = mirror.acknowledge_table(table.knots().into(), entry.at);
                 if self.silent_since.is_some() {
                     // Taken up at once, so that a leap over silence finds it.
-                    mirror.render(entry.at + AHEAD, |_, _| {});
+                    mirror.render(entry.at + BLOCK as u64, |_, _| {});
                 }
                 taken
             }

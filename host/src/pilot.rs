@@ -142,7 +142,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
         match &entry.change {
             Change::Drive(drive) => latest = Some((entry.number, drive)),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
-                latest = None
+                latest = None;
             }
             // The tones glide to the new table's places and gains.
             Change::Table(_) => latest = latest.map(|(_, drive)| (entry.number, drive)),

@@ -28,6 +28,10 @@ impl App {
                     }
                 }
                 Intent::Stop => self.stop(),
+                Intent::Disarm => {
+                    self.stop();
+                    self.parts.link.send(Request::Disarm);
+                }
                 Intent::Select(slot) => self.selected = slot,
                 Intent::Grab(grab) => {
                     self.grab = Some(grab);

@@ -71,6 +71,8 @@ pub enum Intent {
     Start,
     /// Ramp to silence.
     Stop,
+    /// Ramp to silence and mute.
+    Disarm,
     /// Make this tone the selected one.
     Select(u8),
     /// The pointer took a handle.

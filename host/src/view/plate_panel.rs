@@ -214,19 +214,19 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
                 });
             };
             of(ui, "Young's modulus", bending.youngs_modulus_pa, Unit::Plain("GPa", 1e9), |b, v| {
-                b.youngs_modulus_pa = v
+                b.youngs_modulus_pa = v;
             });
             of(ui, "Poisson's ratio", bending.poisson_ratio, Unit::Plain("", 1.0), |b, v| {
-                b.poisson_ratio = v
+                b.poisson_ratio = v;
             });
             of(ui, "Density", bending.density_kg_per_m3, Unit::Plain("kg/m³", 1.0), |b, v| {
-                b.density_kg_per_m3 = v
+                b.density_kg_per_m3 = v;
             });
             of(ui, "Thickness", bending.thickness_m, Unit::Length, |b, v| b.thickness_m = v);
         }
     }
     numbers.number(ui, "Loss factor", spec.loss_factor, &Unit::Plain("", 1.0), |spec, value| {
-        spec.loss_factor = value
+        spec.loss_factor = value;
     });
 }
 
@@ -250,7 +250,7 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         });
     }
     numbers.number(ui, "At full scale", spec.full_scale_m, &Unit::Length, |spec, value| {
-        spec.full_scale_m = value
+        spec.full_scale_m = value;
     });
 }
 

@@ -31,7 +31,7 @@ fn pitches(scene: &Scene<'_>) -> Vec<f64> {
 
 /// Whether the plots show anything: something sounds, or they are held.
 fn is_shown(scene: &Scene<'_>) -> bool {
-    scene.sounding.is_some() || !scene.settings.animate
+    scene.live.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
 }
 
 fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
@@ -57,12 +57,15 @@ fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents)
     is_reset
 }
 
-fn nothing(ui: &mut egui::Ui) {
+/// What stands where there is nothing to draw.
+fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    let is_lost = scene.sounding.is_some() && !scene.live.is_true();
+    let text = if is_lost { "not followed: stop and drive again" } else { "nothing is driven" };
     let palette = theme::palette(ui);
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
     ui.painter().rect_filled(rect, 4.0, palette.well);
     let font = egui::FontId::proportional(12.5);
-    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "nothing is driven", font, palette.weak);
+    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak);
 }
 
 fn plot<'a>(name: &str, is_reset: bool, palette: &theme::Palette) -> Plot<'a> {
@@ -82,7 +85,7 @@ fn plot<'a>(name: &str, is_reset: bool, palette: &theme::Palette) -> Plot<'a> {
 
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     view.plots.reset_waveform = head(ui, scene, "Drive waveform", intents);
-    let Some(window) = scene.live.window().filter(|_| is_shown(scene)) else { return nothing(ui) };
+    let Some(window) = scene.live.window().filter(|_| is_shown(scene)) else { return nothing(ui, scene) };
     let palette = theme::palette(ui);
     let slowest_hz = pitches(scene).into_iter().fold(f64::INFINITY, f64::min);
     let wanted = (TURNS / slowest_hz * window.sample_rate_hz) as usize;
@@ -129,7 +132,7 @@ pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
     view.plots.reset_spectrum = head(ui, scene, "Spectrum", intents);
     let lines = scene.live.spectrum();
     if lines.is_empty() || !is_shown(scene) {
-        return nothing(ui);
+        return nothing(ui, scene);
     }
     let palette = theme::palette(ui);
     let pitches = pitches(scene);

@@ -158,12 +158,13 @@ fn handle(
     let is_held = scene.grab.is_some_and(|grab| grab.slot == slot);
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, tone.position_m * 1e3, &name));
-    if response.drag_started() || response.is_pointer_button_down_on() && !is_held {
-        if let Some(pointer) = response.interact_pointer_pos() {
-            response.request_focus();
-            intents.push(Intent::Select(slot));
-            intents.push(Intent::Grab(Grab { slot, axis: layout.axis, offset: pointer.x - x }));
-        }
+    if response.is_pointer_button_down_on()
+        && !is_held
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        response.request_focus();
+        intents.push(Intent::Select(slot));
+        intents.push(Intent::Grab(Grab { slot, axis: layout.axis, offset: pointer.x - x }));
     }
     if response.has_focus() {
         // Left and right move the boundary instead of the focus.

@@ -159,7 +159,6 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
 }
 
 /// The frame of a panel.
-#[must_use]
 pub fn panel_frame(palette: &Palette) -> egui::Frame {
     egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(14, 10))
 }

@@ -92,44 +92,37 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
     }
 }
 
-/// Arm and drive: explicit on a real device, one button on the simulated one.
+/// What can be asked of the device in a state: the word, what it does, what is asked. Arming is explicit on a real
+/// device; the simulated one is armed by itself.
+fn offers(state: State, is_simulated: bool) -> Vec<(&'static str, &'static str, Vec<Intent>)> {
+    let drive = ("Drive", "Sound the tones of the setup (Ctrl+Enter)", vec![Intent::Start]);
+    let disarm = ("Disarm", "Ramp to silence and mute the amplifier", vec![Intent::Disarm]);
+    let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
+    let arm = ("Arm…", "Unmute the amplifier and accept drives", vec![arm]);
+    let clear = (
+        "Clear fault",
+        "Clear the latched faults whose cause is gone",
+        vec![Intent::Request(Request::ClearFaults)],
+    );
+    match (state, is_simulated) {
+        (State::Idle, false) => vec![arm],
+        (State::Idle | State::Armed, true) => vec![drive],
+        (State::Armed, false) => vec![drive, disarm],
+        (State::Driving | State::Stopping, false) => vec![disarm],
+        (State::Fault, _) => vec![clear],
+        (State::Driving | State::Stopping, true) | (State::SafeMode, _) => Vec::new(),
+    }
+}
+
 fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let snapshot = scene.snapshot;
-    if !snapshot.is_connected() {
-        return;
-    }
+    let Some(status) = snapshot.status.filter(|_| snapshot.is_connected()) else { return };
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
-    let state = snapshot.status.map(|status| status.state);
-    let button = |ui: &mut egui::Ui, name: &str, help: &str| {
-        ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked()
-    };
-    match state {
-        Some(State::Idle) if !is_simulated => {
-            if button(ui, "Arm…", "Unmute the amplifier and accept drives") {
-                intents.push(Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm))));
-            }
+    for (name, help, asked) in offers(status.state, is_simulated) {
+        if ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked() {
+            intents.extend(asked);
         }
-        Some(State::Idle | State::Armed) => {
-            if button(ui, "Drive", "Sound the tones of the setup (Ctrl+Enter)") {
-                intents.push(Intent::Start);
-            }
-            if state == Some(State::Armed) && !is_simulated && button(ui, "Disarm", "Mute the amplifier") {
-                intents.push(Intent::Request(Request::Disarm));
-            }
-        }
-        Some(State::Driving | State::Stopping) if !is_simulated => {
-            if button(ui, "Disarm", "Ramp to silence and mute the amplifier") {
-                intents.push(Intent::Stop);
-                intents.push(Intent::Request(Request::Disarm));
-            }
-        }
-        Some(State::Fault) => {
-            if button(ui, "Clear fault", "Clear the latched faults whose cause is gone") {
-                intents.push(Intent::Request(Request::ClearFaults));
-            }
-        }
-        _ => {}
     }
 }
 

@@ -114,13 +114,16 @@ impl Link for RigLink {
     }
 }
 
+/// A list that the test and the app both hold.
+type Shared<T> = Rc<RefCell<Vec<T>>>;
+
 /// Files as the test gives them.
 #[derive(Clone, Default)]
-pub struct Drawer {
+pub(crate) struct Drawer {
     /// What opening a path gives.
-    pub contents: Rc<RefCell<Vec<(PathBuf, Result<String, String>)>>>,
+    pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
     /// What was saved.
-    pub saved: Rc<RefCell<Vec<(String, Vec<u8>)>>>,
+    pub(crate) saved: Shared<(String, Vec<u8>)>,
     events: Rc<RefCell<VecDeque<FileEvent>>>,
 }
 
@@ -150,17 +153,17 @@ impl Files for Drawer {
 }
 
 /// The app, its device and its files.
-pub struct Bench {
+pub(crate) struct Bench {
     /// The window.
-    pub window: Harness<'static, App>,
+    pub(crate) window: Harness<'static, App>,
     /// The files.
-    pub drawer: Drawer,
+    pub(crate) drawer: Drawer,
     rig: Rc<RefCell<Rig>>,
 }
 
 impl Bench {
     /// The app at its first start, connected and driving.
-    pub fn driving() -> Self {
+    pub(crate) fn driving() -> Self {
         Self::driving_with(
             ThemeChoice::Light,
             egui_kittest::HarnessBuilder::default().with_theme(egui::Theme::Light),
@@ -168,7 +171,7 @@ impl Bench {
     }
 
     /// The same with a theme and a window of the test's own.
-    pub fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+    pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
         let mut bench = Self::starting(theme, builder);
         for _ in 0..40 {
             bench.wait(50);
@@ -193,32 +196,12 @@ impl Bench {
         let rig = Rig { connection, desk, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
         let rig = Rc::new(RefCell::new(rig));
         let drawer = Drawer::default();
-        let mut parts = Some(Parts {
-            link: Box::new(RigLink(Rc::clone(&rig))),
-            tables: Workshop::inline(tables::make),
-            live: Workshop::inline(live::work()),
-            trials: Workshop::inline(|job| trial::run(&job)),
-            files: Box::new(drawer.clone()),
-            ports: Box::new(|| vec![PortInfo::simulated()]),
-        });
-        // The wave stands, so that no picture depends on when it was taken.
-        let settings = Settings { theme, animate: false, ..Settings::default() };
-        let setup = first_setup().unwrap();
-        let ctx = egui::Context::default();
-        let app = App::new(&ctx, parts.take().unwrap(), setup, settings);
-        let window = builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0).build_ui_state(
-            |ui: &mut egui::Ui, app: &mut App| {
-                slipline::view::theme::install(ui.ctx());
-                app.logic(&ui.ctx().clone());
-                app.show(ui);
-            },
-            app,
-        );
+        let window = open_window(Box::new(RigLink(Rc::clone(&rig))), &drawer, theme, builder);
         Self { window, drawer, rig }
     }
 
     /// Lets time pass, in milliseconds, and the window look at what has changed.
-    pub fn wait(&mut self, ms: u64) {
+    pub(crate) fn wait(&mut self, ms: u64) {
         for _ in 0..ms.div_ceil(50) {
             self.rig.borrow_mut().advance(Duration::from_millis(50.min(ms)));
             self.window.step();
@@ -226,22 +209,22 @@ impl Bench {
     }
 
     /// What is known of link and device.
-    pub fn snapshot(&self) -> Snapshot {
+    pub(crate) fn snapshot(&self) -> Snapshot {
         self.rig.borrow().connection.view().clone()
     }
 
     /// Everything the app has asked of the link since the last call.
-    pub fn take_sent(&self) -> Vec<Request> {
+    pub(crate) fn take_sent(&self) -> Vec<Request> {
         std::mem::take(&mut self.rig.borrow_mut().sent)
     }
 
     /// Whether tones sound.
-    pub fn is_driving(&self) -> bool {
+    pub(crate) fn is_driving(&self) -> bool {
         self.snapshot().status.is_some_and(|status| status.state == slipline_protocol::event::State::Driving)
     }
 
     /// Pulls the cable, or puts it in again; the device restarts.
-    pub fn plug(&mut self, is_plugged: bool) {
+    pub(crate) fn plug(&mut self, is_plugged: bool) {
         let rig = self.rig.borrow();
         let mut desk = rig.desk.lock().unwrap();
         desk.is_plugged = is_plugged;
@@ -251,7 +234,54 @@ impl Bench {
     }
 
     /// The setup as its file would be.
-    pub fn setup_text(&self) -> String {
+    pub(crate) fn setup_text(&self) -> String {
         setup_file::write(self.window.state().setup())
     }
+}
+
+/// A link that knows one thing and notes what it is asked.
+#[derive(Clone)]
+pub(crate) struct FixedLink {
+    /// What is known.
+    pub(crate) snapshot: Arc<Snapshot>,
+    /// What was asked.
+    pub(crate) sent: Shared<Request>,
+}
+
+impl Link for FixedLink {
+    fn send(&self, request: Request) -> Ticket {
+        self.sent.borrow_mut().push(request);
+        Ticket(self.sent.borrow().len() as u64)
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Arc::clone(&self.snapshot)
+    }
+}
+
+/// The app's window over a link.
+pub(crate) fn open_window(
+    link: Box<dyn Link>,
+    drawer: &Drawer,
+    theme: ThemeChoice,
+    builder: egui_kittest::HarnessBuilder<App>,
+) -> Harness<'static, App> {
+    let parts = Parts {
+        link,
+        tables: Workshop::inline(tables::make),
+        live: Workshop::inline(live::work()),
+        trials: Workshop::inline(|job| trial::run(&job)),
+        files: Box::new(drawer.clone()),
+        ports: Box::new(|| vec![PortInfo::simulated()]),
+    };
+    let settings = Settings { theme, ..Settings::default() };
+    let app = App::new(&egui::Context::default(), parts, first_setup().unwrap(), settings);
+    builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0).build_ui_state(
+        |ui: &mut egui::Ui, app: &mut App| {
+            slipline::view::theme::install(ui.ctx());
+            app.logic(&ui.ctx().clone());
+            app.show(ui);
+        },
+        app,
+    )
 }

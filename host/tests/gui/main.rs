@@ -5,12 +5,14 @@ mod bench;
 mod painter;
 mod snapshots;
 
-use bench::Bench;
+use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline::link::{LinkState, Request};
+use slipline::link::{LinkState, Request, Snapshot};
+use slipline::settings::ThemeChoice;
 use slipline_protocol::event::State;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Types into the field of this name and leaves it with Enter.
 fn type_into(bench: &mut Bench, name: &str, text: &str) {
@@ -287,6 +289,52 @@ fn another_plate_gets_its_table_made_sent_and_verified() {
     type_into(&mut bench, "Loss factor", "7");
     assert!(bench.window.query_by_label_contains("must be").is_some());
     assert!(bench.window.state().setup().plate.spec().loss_factor < 0.5);
+}
+
+/// A device with a real plate on it, in this state.
+fn real_device(state: State) -> FixedLink {
+    let mut snapshot: Snapshot = Bench::driving().snapshot();
+    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
+    identity.simulated = false;
+    snapshot.identity = Some(Arc::new(identity));
+    snapshot.status.as_mut().unwrap().state = state;
+    snapshot.revision += 1;
+    FixedLink { snapshot: Arc::new(snapshot), sent: Default::default() }
+}
+
+#[test]
+fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself() {
+    let link = real_device(State::Idle);
+    let builder = egui_kittest::HarnessBuilder::default();
+    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    let asked = |link: &FixedLink, want: fn(&Request) -> bool| link.sent.borrow().iter().any(want);
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    assert!(!asked(&link, |request| matches!(request, Request::Arm)));
+    window.get_by_label("Cancel").click();
+    window.run_steps(5);
+    assert!(!asked(&link, |request| matches!(request, Request::Arm)), "cancelled is not confirmed");
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    window.get_by_label("Arm").click();
+    window.run_steps(5);
+    assert!(asked(&link, |request| matches!(request, Request::Arm)));
+    assert!(!asked(&link, |request| matches!(request, Request::Drive(_) | Request::Upload(_))));
+}
+
+#[test]
+fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
+    let mut link = real_device(State::Idle);
+    let snapshot = Arc::make_mut(&mut link.snapshot);
+    snapshot.table.active.as_mut().unwrap().crc ^= 1;
+    let builder = egui_kittest::HarnessBuilder::default();
+    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    assert!(!link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
+    window.get_by_label("table differs: upload").click();
+    window.run_steps(5);
+    assert!(link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
 }
 
 #[test]

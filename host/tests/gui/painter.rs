@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 /// The textures of a window.
 #[derive(Clone, Default)]
-pub struct Painter(Rc<RefCell<HashMap<TextureId, ColorImage>>>);
+pub(crate) struct Painter(Rc<RefCell<HashMap<TextureId, ColorImage>>>);
 
 impl TestRenderer for Painter {
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
@@ -39,7 +39,12 @@ impl TestRenderer for Painter {
 
 impl Painter {
     /// The window as it looks now.
-    pub fn paint(&self, ctx: &egui::Context, output: &egui::FullOutput, size: [usize; 2]) -> ColorImage {
+    pub(crate) fn paint(
+        &self,
+        ctx: &egui::Context,
+        output: &egui::FullOutput,
+        size: [usize; 2],
+    ) -> ColorImage {
         let mut image = ColorImage::filled(size, Color32::BLACK);
         let textures = self.0.borrow();
         for primitive in ctx.tessellate(output.shapes.clone(), output.pixels_per_point) {
