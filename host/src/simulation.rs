@@ -8,14 +8,16 @@
 //! Once the plate has settled, the field at each place is multiplied by each tone's own phasor under a Hann window:
 //! what is left is that tone's complex amplitude, whatever else sounds.
 
+mod demodulator;
+
 use crate::chain::{Chain, ChainError};
 use crate::link::{DriveRequest, Request, ToneRequest};
 use crate::table::{DeviceTable, DeviceTableError};
+use demodulator::Demodulator;
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, RespondError, Response, TableError, TimeLine,
     ToneDrive, predict_envelope, respond,
 };
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Samples per second of the simulated device, in Hz.
@@ -274,73 +276,6 @@ fn falls_to(field: &[Complex64], step_m: f64, from_m: f64, to: f64) -> Option<f6
     let (before, after) = (magnitude(at - 1)?, magnitude(at)?);
     let share = if before > after { ((before - to) / (before - after)).clamp(0.0, 1.0) } else { 1.0 };
     Some(((at - 1) as f64 + share) * step_m)
-}
-
-/// Takes each tone's complex amplitude out of the field.
-struct Demodulator {
-    /// Codes per step of the line: after so many it has a new field.
-    stride: usize,
-    /// Turns per step of each tone.
-    turns: Vec<f64>,
-    sums: Vec<Vec<Complex64>>,
-    field: Vec<Complex64>,
-    step: u64,
-    steps: u64,
-    weight: f64,
-    waiting: usize,
-}
-
-impl Demodulator {
-    fn new(line: &TimeLine, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
-        let places = line.positions_m().len();
-        Self {
-            stride: (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
-            turns: frequencies.iter().map(|frequency| frequency / line.step_rate_hz()).collect(),
-            sums: vec![vec![Complex64::ZERO; places]; frequencies.len()],
-            field: vec![Complex64::ZERO; places],
-            step: 0,
-            steps: ((window_s * line.step_rate_hz()) as u64).max(1),
-            weight: 0.0,
-            waiting: 0,
-        }
-    }
-
-    fn push(&mut self, line: &mut TimeLine, mut codes: &[u16]) {
-        while !codes.is_empty() {
-            let count = (self.stride - self.waiting).min(codes.len());
-            let (now, later) = codes.split_at(count);
-            codes = later;
-            line.push_codes(now, 12);
-            self.waiting += count;
-            if self.waiting == self.stride {
-                self.waiting = 0;
-                self.take(line);
-            }
-        }
-    }
-
-    fn take(&mut self, line: &TimeLine) {
-        if self.step >= self.steps {
-            return;
-        }
-        line.analytic_m(&mut self.field);
-        let place = (self.step as f64 + 0.5) / self.steps as f64;
-        let window = 1.0 - (TAU * place).cos();
-        self.weight += window;
-        for (turns, sums) in self.turns.iter().zip(&mut self.sums) {
-            // e^(+j w t) takes the phasor of e^(-j w t) to rest.
-            let phasor = Complex64::cis(TAU * (turns * self.step as f64).fract()) * window;
-            for (sum, value) in sums.iter_mut().zip(&self.field) {
-                *sum += phasor * value;
-            }
-        }
-        self.step += 1;
-    }
-
-    fn fields(self) -> Vec<Vec<Complex64>> {
-        let weight = if self.weight > 0.0 { self.weight } else { 1.0 };
-        self.sums.into_iter().map(|sums| sums.into_iter().map(|sum| sum / weight).collect()).collect()
-    }
 }
 
 #[cfg(test)]

@@ -16,6 +16,9 @@ use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
+/// Changes a reply on its way.
+type Rewrite = fn(Event) -> Event;
+
 /// What lies behind the ports, and how it behaves.
 struct World {
     device: SimulatedDevice,
@@ -29,7 +32,7 @@ struct World {
     /// Drops this many commands.
     mute_for: u32,
     /// Changes a reply on its way.
-    rewrite: fn(Event) -> Event,
+    rewrite: Rewrite,
     from_host: Decoder,
     from_device: Decoder,
     /// Sequence and kind of everything the host has sent.
@@ -388,7 +391,7 @@ fn another_board_in_its_place_is_not_taken_for_it() {
 #[test]
 fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
     //
-    let foreign: [(fn(Event) -> Event, Compatibility); 3] = [
+    let foreign: [(Rewrite, Compatibility); 3] = [
         (|event| reversion(event, |v| v.major += 1), Compatibility::UpdateHost),
         (|event| reversion(event, |v| v.major = 0), Compatibility::FlashDevice),
         (|event| reversion(event, |v| v.schema[0] ^= 1), Compatibility::FlashDevice),

@@ -4,9 +4,10 @@
 //! Request --Worker::send--> [ connection -> conversation -> frames ] --Transport--> device
 //! Snapshot <--Worker::snapshot-- [          "                      ] <-------------
 //! ```
-//! [`connection`] is the state machine (connect, lose, look again), [`conversation`] one session's talk (numbering,
-//! time-outs, repeats). Both are told the time and own no thread, so tests and the simulation run them in virtual
-//! time. [`worker`] gives them a thread; [`serial`], `socket` and [`pace`] are the ends they talk through.
+//! [`connection`] is the state machine (connect, lose, look again); behind it `dialogue` knows what to say next and
+//! `conversation` numbers, times out and repeats. All are told the time and own no thread, so tests and the
+//! simulation run them in virtual time. [`worker`] gives them a thread; [`serial`], `socket` and [`pace`] are the ends
+//! they talk through.
 
 pub mod connection;
 mod conversation;

@@ -1,0 +1,293 @@
+//! What a device's answers mean for the talk.
+
+use super::{BUSY_TRIES, Current, Dialogue, Job, Stage, Task, Verdict};
+use crate::link::conversation::{Answer, KEEP_ALIVE_PERIOD, Reply};
+use crate::link::record::Record;
+use crate::link::upload::{BUSY_PAUSE, Step};
+use crate::link::{Change, LinkState, Outcome, Severity, Trouble};
+use slipline_protocol::event::{Digest, Identity, State, Status};
+use slipline_protocol::refusal::Busy;
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Event, Refusal};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A drive that came before the device took up the last one is said again after so long: three blocks of 128 codes
+/// at 400 kS/s.
+const DRIVE_PAUSE: Duration = Duration::from_millis(1);
+/// A digest is asked for this often until its window is over.
+const DIGEST_PAUSE: Duration = Duration::from_millis(20);
+/// A numbered command is given a new number so often before the device counts as lost.
+const RENUMBERINGS: u32 = 3;
+
+impl Dialogue {
+    /// Takes one answer.
+    pub(super) fn understand(&mut self, answer: Answer, record: &mut Record, now: Duration) -> Verdict {
+        let Answer { command, reply, .. } = answer;
+        let event = match reply {
+            Reply::Hello(version, identity) => {
+                if self.stage == Stage::Greeting {
+                    self.greeted(version, identity, record, now);
+                }
+                return Verdict::GoOn;
+            }
+            Reply::Event(event) => *event,
+        };
+        if event == Event::Refused(Refusal::StaleSession) {
+            return Verdict::Lose(Trouble::SessionEnded);
+        }
+        match command {
+            Command::Stop | Command::EmergencyStop => {
+                self.stopped(&command, &event, record);
+                Verdict::GoOn
+            }
+            Command::KeepAlive(_) | Command::Status => {
+                if let Event::Status(status) = event {
+                    self.take_status(status, record);
+                }
+                Verdict::GoOn
+            }
+            command => self.numbered(command, event, record, now),
+        }
+    }
+
+    fn greeted(
+        &mut self,
+        version: Version,
+        identity: Option<Box<Identity>>,
+        record: &mut Record,
+        now: Duration,
+    ) {
+        let compatibility = version.compare_device();
+        record.view.compatibility = Some(compatibility);
+        if let Some(identity) = &identity {
+            let (major, minor, patch) = identity.firmware;
+            record.log(Severity::Info, format!("{} with firmware {major}.{minor}.{patch}.", identity.board));
+            if !identity.crash.is_empty() {
+                record.log(Severity::Error, format!("Before its last reset it crashed: {}", identity.crash));
+            }
+        }
+        record.view.identity = identity.map(|identity| Arc::new(*identity));
+        if compatibility.may_drive() && record.view.identity.is_some() {
+            self.stage = Stage::Reading;
+            self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
+            self.talk.keep_alive(now);
+            self.tasks.push_front(Task::new(None, Job::FirstReadBack));
+        } else {
+            self.stage = Stage::Limited;
+            record.log(Severity::Warning, compatibility.sentence());
+            self.connected(0, record);
+        }
+    }
+
+    /// The device and what it holds is known: the connection stands.
+    fn connected(&mut self, at: u64, record: &mut Record) {
+        record.view.trouble = None;
+        record.link(LinkState::Connected);
+        record.finish(self.connect.take(), Outcome::Done { at });
+    }
+
+    fn take_status(&mut self, status: Status, record: &mut Record) {
+        let is_first = record.view.status.is_none();
+        record.status(status);
+        if is_first {
+            record.acknowledge(status.now, Change::Session);
+        }
+        for ticket in std::mem::take(&mut self.status_wanted) {
+            record.finish(Some(ticket), Outcome::Done { at: status.now });
+        }
+    }
+
+    fn stopped(&mut self, command: &Command, event: &Event, record: &mut Record) {
+        let Event::Accepted(accepted) = event else { return };
+        let change = if *command == Command::Stop { Change::Stop } else { Change::EmergencyStop };
+        record.acknowledge(accepted.at, change);
+        for ticket in std::mem::take(&mut self.urgent) {
+            record.finish(Some(ticket), Outcome::Done { at: accepted.at });
+        }
+        self.status_stale = true;
+    }
+
+    fn numbered(&mut self, command: Command, event: Event, record: &mut Record, now: Duration) -> Verdict {
+        if let Event::Refused(Refusal::BadSequence { expected }) = event {
+            self.renumberings += 1;
+            if self.renumberings > RENUMBERINGS {
+                return Verdict::Lose(Trouble::SessionEnded);
+            }
+            self.talk.renumber(command, expected, now);
+            return Verdict::GoOn;
+        }
+        self.renumberings = 0;
+        match self.current.take() {
+            Some(Current::Upload) => self.uploaded(event, record, now),
+            Some(Current::Task(task)) => return self.done(*task, command, event, record, now),
+            None => {}
+        }
+        Verdict::GoOn
+    }
+
+    fn uploaded(&mut self, event: Event, record: &mut Record, now: Duration) {
+        // Cancelled or replaced while a step was under way.
+        let Some(upload) = &mut self.upload else { return };
+        match (upload.step, event) {
+            (_, Event::Refused(Refusal::Busy(_))) if upload.tries < BUSY_TRIES => {
+                upload.tries += 1;
+                upload.not_before = now + BUSY_PAUSE;
+            }
+            (Step::Verify, Event::Table(report)) => {
+                let is_verified = report.active == Some(upload.table.header());
+                record.view.table = report;
+                record.view.upload_verified = Some(is_verified);
+                record.view.upload = None;
+                if let Some(upload) = self.upload.take() {
+                    if is_verified {
+                        record.view.confirmed_table = Some(upload.table.clone());
+                        record.log(
+                            Severity::Info,
+                            format!("Table {:08x} is on the device.", upload.table.crc()),
+                        );
+                        let at = record.view.status.map_or(0, |status| status.now);
+                        record.finish(Some(upload.ticket), Outcome::Done { at });
+                    } else {
+                        let sentence = "the table on the device is not the one that was sent";
+                        record.finish(Some(upload.ticket), Outcome::Refused(sentence.to_owned()));
+                    }
+                }
+                self.status_stale = true;
+            }
+            (Step::Begin | Step::Chunk { .. }, Event::Accepted(_)) => {
+                upload.advance();
+                record.view.upload = Some(upload.progress());
+                record.touch();
+            }
+            (Step::Commit, Event::Accepted(accepted)) => {
+                upload.advance();
+                record.acknowledge(accepted.at, Change::Table(upload.table.clone()));
+            }
+            (_, event) => {
+                let ticket = upload.ticket;
+                self.upload = None;
+                record.view.upload = None;
+                record.view.upload_verified = Some(false);
+                record.finish(Some(ticket), Outcome::Refused(sentence(&event)));
+            }
+        }
+    }
+
+    fn done(
+        &mut self,
+        mut task: Task,
+        command: Command,
+        event: Event,
+        record: &mut Record,
+        now: Duration,
+    ) -> Verdict {
+        let at = match event {
+            Event::Accepted(accepted) => accepted.at,
+            Event::Refused(Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
+                if matches!(task.job, Job::Drive(_))
+                    && task.tries < BUSY_TRIES
+                    && self.farewell.is_none() =>
+            {
+                // The last change is being taken up, or a stop ramps out. A newer drive takes this one's place.
+                if self.tasks.iter().any(|waiting| matches!(waiting.job, Job::Drive(_))) {
+                    record.superseded();
+                    record.finish(task.ticket, Outcome::Superseded);
+                } else {
+                    task.tries += 1;
+                    task.not_before = now + DRIVE_PAUSE;
+                    self.tasks.push_front(task);
+                }
+                return Verdict::GoOn;
+            }
+            Event::Table(report) => {
+                record.view.table = report;
+                if record.view.confirmed_table.as_ref().map(|table| table.header()) != report.active {
+                    record.view.confirmed_table = None;
+                }
+                record.touch();
+                let now_at = record.view.status.map_or(0, |status| status.now);
+                match task.job {
+                    Job::FirstReadBack => {
+                        self.stage = Stage::Connected;
+                        self.connected(now_at, record);
+                        self.arm_simulated(record);
+                    }
+                    // A defused drive or arm that never got through.
+                    _ if command != Command::TableDigest => {
+                        record.finish(task.ticket, Outcome::Superseded);
+                    }
+                    _ => record.finish(task.ticket, Outcome::Done { at: now_at }),
+                }
+                return Verdict::GoOn;
+            }
+            Event::Digest(digest) => {
+                self.digested(task, digest, record, now);
+                return Verdict::GoOn;
+            }
+            Event::BootloaderToken(token) => {
+                let enter = Job::Say(Command::BootloaderEnter(token));
+                self.tasks.push_front(Task::new(task.ticket, enter));
+                return Verdict::GoOn;
+            }
+            event => {
+                if self.farewell.is_some() && command == Command::Disarm {
+                    return Verdict::Close;
+                }
+                record.finish(task.ticket, Outcome::Refused(sentence(&event)));
+                self.status_stale = true;
+                return Verdict::GoOn;
+            }
+        };
+        match command {
+            Command::Arm => record.acknowledge(at, Change::Armed),
+            Command::Disarm => {
+                record.acknowledge(at, Change::Disarmed);
+                if self.farewell.is_some() {
+                    return Verdict::Close;
+                }
+            }
+            Command::Drive(drive) => record.acknowledge(at, Change::Drive(Arc::new(drive))),
+            Command::ClearFaults => self.arm_simulated(record),
+            Command::DigestStart(_) => {
+                let mut read = Task::new(task.ticket, Job::DigestRead);
+                read.not_before = now + DIGEST_PAUSE;
+                self.tasks.push_back(read);
+                return Verdict::GoOn;
+            }
+            Command::BootloaderEnter(_) => {
+                record.log(Severity::Info, "The device restarts into its bootloader.");
+                record.finish(task.ticket, Outcome::Done { at });
+                return Verdict::Close;
+            }
+            _ => {}
+        }
+        record.finish(task.ticket, Outcome::Done { at });
+        // A drag changes the status little: the keep-alives tell it soon enough.
+        let is_dragging = record.view.status.is_some_and(|status| status.state == State::Driving);
+        self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
+        Verdict::GoOn
+    }
+
+    fn digested(&mut self, mut task: Task, digest: Digest, record: &mut Record, now: Duration) {
+        if digest.crc.is_some() {
+            return record.finish(task.ticket, Outcome::Digest(digest));
+        }
+        task.not_before = now + DIGEST_PAUSE;
+        self.tasks.push_back(task);
+    }
+
+    /// No real plate hangs on a simulated device, so it needs no leave.
+    fn arm_simulated(&mut self, record: &Record) {
+        if record.view.identity.as_ref().is_some_and(|identity| identity.simulated) {
+            self.tasks.push_front(Task::new(None, Job::Say(Command::Arm)));
+        }
+    }
+}
+
+fn sentence(event: &Event) -> String {
+    match event {
+        Event::Refused(refusal) => refusal.to_string(),
+        _ => "the device gave an answer that does not fit the question".to_owned(),
+    }
+}
