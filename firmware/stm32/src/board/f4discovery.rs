@@ -90,7 +90,7 @@ pub(crate) fn config() -> Config {
 
 /// embassy-stm32 sets the five wait states that 168 MHz needs and switches the flash's caches off with the same
 /// write. On, they bring the core close to zero wait states (RM0090 3.5.2). Revision A has a faulty prefetch
-/// (ES0182 2.1.3; DBGMCU REV_ID 0x1000), so it stays off there.
+/// (errata sheet ES0182; DBGMCU REV_ID 0x1000), so it stays off there.
 pub(crate) fn tune_flash() {
     let is_revision_a = pac::DBGMCU.idcode().read().rev_id() == 0x1000;
     pac::FLASH.acr().modify(|w| {
@@ -186,10 +186,11 @@ pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optcr().read().bor_lev() == 0b00
 }
 
-/// PWR_CR.PLS = 111: the supply detector trips at 2.9 V (DS8626 table 23). Its output is EXTI line 16.
+/// PWR_CR.PLS = 110: the supply detector trips at about 2.8 V (DS8626 table 23). Its output is EXTI line 16. This
+/// board feeds its chip with 3.0 V: the next level, 2.9 V, would be too near.
 pub(crate) fn watch_supply() {
     pac::PWR.cr1().modify(|w| {
-        w.set_pls(0b111);
+        w.set_pls(0b110);
         w.set_pvde(true);
     });
     pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));

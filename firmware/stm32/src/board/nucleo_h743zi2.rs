@@ -35,7 +35,7 @@ const DMA_REQUEST: u8 = 67;
 pub(crate) type DacDma = peripherals::DMA1_CH0;
 pub(crate) type Watchdog = peripherals::IWDG1;
 
-/// The request is chosen in the DMAMUX. TRBUFF (bufferable transfers) is for UARTs and stays 0 (ES0392 2.3.1).
+/// The request is chosen in the DMAMUX. TRBUFF (bufferable transfers) is for UARTs and stays 0.
 pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
     pac::DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
 }
