@@ -34,24 +34,19 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     });
     for info in scene.ports {
         let is_current = scene.snapshot.port.as_ref() == Some(&info.port);
-        ui.horizontal(|ui| {
-            let badge = match info.port {
-                Port::Simulated => Some("simulated"),
-                _ if info.is_ours => Some("Slipline"),
-                _ => None,
-            };
-            let room = ui.available_width() - if badge.is_some() { 84.0 } else { 0.0 };
-            let label =
-                ui.add_sized([room, 26.0], egui::Button::selectable(is_current, &info.label).truncate());
-            if label.on_hover_text(info.port.to_string()).clicked()
-                && !(is_current && scene.snapshot.is_connected())
-            {
-                intents.push(Intent::Connect(info.port.clone()));
-            }
-            if let Some(badge) = badge {
-                ui.label(RichText::new(badge).small().color(palette.accent));
-            }
-        });
+        let badge = match info.port {
+            Port::Simulated => "simulated",
+            _ if info.is_ours => "Slipline",
+            _ => "",
+        };
+        let badge = RichText::new(badge).small().color(palette.accent);
+        let size = egui::vec2(ui.available_width(), 28.0);
+        let button =
+            egui::Button::selectable(is_current, &info.label).right_text(badge).truncate().min_size(size);
+        let is_open = is_current && scene.snapshot.is_connected();
+        if ui.add(button).on_hover_text(info.port.to_string()).clicked() && !is_open {
+            intents.push(Intent::Connect(info.port.clone()));
+        }
     }
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));

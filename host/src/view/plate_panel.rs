@@ -38,6 +38,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
     let response = egui::ComboBox::from_id_salt("preset")
         .selected_text(name)
         .width(ui.available_width() - 8.0)
+        .height(340.0)
         .show_ui(ui, |ui| {
             for preset in slipline_plate::presets() {
                 let Some(other) = preset.plate() else { continue };
@@ -82,10 +83,9 @@ impl Numbers<'_, '_> {
     ) {
         ui.horizontal_top(|ui| {
             let palette = theme::palette(ui);
-            ui.add_sized(
-                [118.0, 26.0],
-                egui::Label::new(RichText::new(name).color(palette.weak)).halign(egui::Align::LEFT),
-            );
+            let (rect, _) = ui.allocate_exact_size(egui::vec2(118.0, 26.0), egui::Sense::hover());
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, palette.weak);
             let text = match unit {
                 Unit::Length => show_millimetres(value),
                 Unit::Plain(unit, factor) => {

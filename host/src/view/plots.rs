@@ -113,13 +113,22 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
         .include_x(end)
         .include_y(-1.0)
         .include_y(1.0)
-        .x_axis_formatter(move |mark, range| {
-            let is_last = mark.value + mark.step_size > *range.end();
-            if is_last { format!("{} {unit}", trim(mark.value)) } else { trim(mark.value) }
-        })
+        .x_axis_formatter(move |mark, range| axis_label(mark.value, range, unit))
         .show(ui, |plot| {
             plot.line(Line::new("code, of full scale", PlotPoints::from(points)).color(accent).width(1.4));
         });
+}
+
+/// A mark of the x axis: its unit stands at zero, and what would be cut off at the right end is left out.
+fn axis_label(value: f64, range: &std::ops::RangeInclusive<f64>, unit: &str) -> String {
+    let span = range.end() - range.start();
+    if value > range.end() - 0.05 * span {
+        String::new()
+    } else if value.abs() < 1e-9 * span {
+        format!("0 {unit}")
+    } else {
+        trim(value)
+    }
 }
 
 /// A number with as many decimals as it needs, at most three.
@@ -147,10 +156,7 @@ pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
     plot("spectrum", view.plots.reset_spectrum, palette)
         .include_y(FLOOR_DB)
         .include_y(0.0)
-        .x_axis_formatter(move |mark, range| {
-            let is_last = mark.value + mark.step_size > *range.end();
-            if is_last { format!("{} {unit}", trim(mark.value)) } else { trim(mark.value) }
-        })
+        .x_axis_formatter(move |mark, range| axis_label(mark.value, range, unit))
         .show(ui, |plot| {
             for hertz in pitches {
                 let line = VLine::new(show_frequency(hertz), hertz * scale);

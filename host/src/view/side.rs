@@ -46,10 +46,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     ui.separator();
     ui.add_space(4.0);
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| match view.tab {
-        Tab::Boundary => boundary::show(ui, scene, view, intents),
-        Tab::Tones => tones::show(ui, scene, view, intents),
-        Tab::Plate => plate_panel::show(ui, scene, view, intents),
-        Tab::Device => device::show(ui, scene, view, intents),
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        // The scroll bar floats; nothing may lie under it.
+        ui.set_max_width(ui.available_width() - 8.0);
+        match view.tab {
+            Tab::Boundary => boundary::show(ui, scene, view, intents),
+            Tab::Tones => tones::show(ui, scene, view, intents),
+            Tab::Plate => plate_panel::show(ui, scene, view, intents),
+            Tab::Device => device::show(ui, scene, view, intents),
+        }
     });
 }
