@@ -11,7 +11,7 @@ use slipline::table::DeviceTable;
 use slipline_protocol::event::State;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_protocol::version::Compatibility;
-use slipline_protocol::{Command, Decoder, Event};
+use slipline_protocol::{Command, Decoder, Event, Refusal};
 use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
@@ -372,6 +372,26 @@ fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     assert_eq!(bench.world().opened.len(), 1);
     bench.ask(Request::AutoReconnect(true));
     bench.pass_ms(300);
+    assert_eq!(bench.view().link, LinkState::Connected);
+}
+
+#[test]
+fn a_device_that_another_program_keeps_taking_is_left_to_it() {
+    let mut bench = Bench::connected();
+    let refused: Rewrite = |event| match as_real(event) {
+        Event::Status(_) => Event::Refused(Refusal::StaleSession),
+        event => event,
+    };
+    bench.world().rewrite = refused;
+    bench.pass_ms(20_000);
+    assert_eq!(bench.view().link, LinkState::Disconnected);
+    assert_eq!(bench.view().trouble, Some(Trouble::SessionEnded));
+    let hellos = bench.world().heard.iter().filter(|(_, c)| matches!(c, Command::Hello(_))).count();
+    assert!((2..=4).contains(&hellos), "{hellos}");
+    // Asked for again, it is tried again.
+    bench.world().rewrite = as_real;
+    bench.ask(Request::Connect(Port::Serial("A".to_owned())));
+    bench.pass_ms(100);
     assert_eq!(bench.view().link, LinkState::Connected);
 }
 

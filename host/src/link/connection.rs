@@ -23,6 +23,11 @@ const READS: usize = 16;
 /// What does not fit the port now is tried again after so long.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
+/// A session that lives shorter than this was ended by another program rather than by a restart...
+const SHORT_LIFE: Duration = Duration::from_secs(5);
+/// ...if it happens so often in a row: two programs that take a device from each other would stop its drive for ever.
+const SHORT_LIVES: u32 = 3;
+
 /// Draws the number that makes one session's hello differ from another's.
 pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
 
@@ -59,6 +64,9 @@ pub struct Connection<O> {
     record: Record,
     /// There may be more to read than one step took.
     has_more: bool,
+    opened_at: Duration,
+    /// Sessions in a row that others have ended soon after their beginning.
+    short_lives: u32,
 }
 
 impl<O: Opener> Connection<O> {
@@ -76,6 +84,8 @@ impl<O: Opener> Connection<O> {
             leave: None,
             record,
             has_more: false,
+            opened_at: Duration::ZERO,
+            short_lives: 0,
         }
     }
 
@@ -115,7 +125,10 @@ impl<O: Opener> Connection<O> {
         }
         match request {
             Request::Connect(port) => {
-                self.next = Some((ticket, port));
+                if let Some((older, _)) = self.next.replace((ticket, port)) {
+                    self.record.finish(Some(older), Outcome::Superseded);
+                }
+                self.short_lives = 0;
                 match &mut self.phase {
                     Phase::Open(open) => open.dialogue.leave(&mut self.record, now),
                     Phase::Closed | Phase::Seeking { .. } => self.open_next(now),
@@ -124,7 +137,8 @@ impl<O: Opener> Connection<O> {
             Request::Disconnect => {
                 if let Phase::Open(open) = &mut self.phase {
                     open.dialogue.leave(&mut self.record, now);
-                    self.leave = Some(ticket);
+                    let older = self.leave.replace(ticket);
+                    self.record.finish(older, Outcome::Superseded);
                 } else {
                     self.phase = Phase::Closed;
                     self.record.link(LinkState::Disconnected);
@@ -287,9 +301,11 @@ impl<O: Opener> Connection<O> {
         if is_leaving {
             return self.close(now);
         }
+        let is_short = trouble == Trouble::SessionEnded && now < self.opened_at + SHORT_LIFE;
+        self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
         let was_seeking = matches!(self.record.view.link, LinkState::Reconnecting(_));
         self.record.part(Some(trouble.clone()));
-        if was_first {
+        if was_first || self.short_lives >= SHORT_LIVES {
             self.record.link(LinkState::Disconnected);
         } else if was_seeking {
             // A port that is there but does not answer yet: it may still be starting.
@@ -330,6 +346,7 @@ impl<O: Opener> Connection<O> {
 
     fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), Trouble> {
         let transport = self.opener.open(port, &self.waker)?;
+        self.opened_at = now;
         let dialogue = Dialogue::begin((self.nonces)(), ticket, now);
         self.phase = Phase::Open(Box::new(Open { transport, dialogue, is_new: true }));
         Ok(())
