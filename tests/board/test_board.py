@@ -101,6 +101,7 @@ def test_a_silent_host_is_noticed_by_the_device_itself(armed):
     start(armed)
     last = armed.played()
     armed.host.lives = False
+    armed.board.is_hasty = True
     armed.board.run(0.95)
     assert not is_silent(armed.codes(armed.played() - MILLISECOND, armed.played())), "not before its time"
     armed.board.run(0.3)
@@ -114,6 +115,7 @@ def test_a_pulled_cable_ends_in_silence_and_a_new_session(armed):
     """R-20, R-21, R-22."""
     start(armed)
     armed.usb.unplug()
+    armed.board.is_hasty = True
     armed.board.run(1.3)
     assert armed.board.pin(UNMUTE) == 0
     assert is_silent(armed.codes(armed.played() - MILLISECOND, armed.played()))
@@ -251,6 +253,7 @@ def test_three_crashes_in_a_row_end_in_safe_mode(bench):
 def test_a_frozen_task_is_reset_by_the_watchdog(armed, frozen):
     """R-50."""
     start(armed)
+    armed.board.is_hasty = True
     if frozen == "renderer":
         armed.board.enabled.discard(RENDERER_IRQ)
     else:
@@ -349,6 +352,7 @@ def test_the_lamp_tells_muted_from_sounding(armed):
         armed.host.live(seconds)
         return sum(1 for entry in armed.board.log if entry[1] == "PD12" and entry[2] == 1)
 
+    armed.board.is_hasty = True
     armed.host.live(0.2)
     assert flashes(0.9) == 0 and armed.board.pin("PD12") == 1, "steady while the amplifier is on"
     armed.host.accept(DISARM)
