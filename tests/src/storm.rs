@@ -72,10 +72,17 @@ pub fn play(acts: &[(Act, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCa
     for (act, blocks) in acts {
         match act {
             Act::Drive { tones, master, glide, ahead } => {
-                let drive = random_drive(tones, *master, *glide, ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead));
+                let drive = random_drive(
+                    tones,
+                    *master,
+                    *glide,
+                    ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead),
+                );
                 match rig.send(&Command::Drive(drive.clone())) {
                     Event::Accepted(accepted) => mirror.acknowledge_drive(&drive, accepted.at)?,
-                    Event::Refused(Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_)) => {}
+                    Event::Refused(
+                        Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_),
+                    ) => {}
                     other => return Err(TestCaseError::fail(format!("{other:?}"))),
                 }
             }

@@ -15,8 +15,7 @@ fn every_master_level_that_is_out_of_range_is_refused_with_its_range() {
     // there are no floats on the wire, so every value of the field can be tried.
     let mut rig = Rig::armed();
     for master in (i16::MIN..=i16::MAX).step_by(3).chain([-9601, -9600, 0, 1, i16::MAX]) {
-        let command =
-            Command::Drive(Drive { master: CentiDecibel(master), ..drive(&[(0, 0.5, 0.5)], 2000) });
+        let command = Command::Drive(Drive { master: CentiDecibel(master), ..drive(&[(0, 0.5, 0.5)], 2000) });
         if (-9600..=0).contains(&master) {
             continue;
         }
@@ -210,7 +209,9 @@ fn a_digest_is_that_of_the_codes_in_its_window() {
     let bytes: Vec<u8> = codes.iter().flat_map(|code| code.to_le_bytes()).collect();
     let want = slipline_protocol::frame::CRC.checksum(&bytes);
     match rig.send(&Command::DigestRead) {
-        Event::Digest(digest) => assert_eq!((digest.from, digest.count, digest.crc), (from, count, Some(want))),
+        Event::Digest(digest) => {
+            assert_eq!((digest.from, digest.count, digest.crc), (from, count, Some(want)))
+        }
         other => panic!("{other:?}"),
     }
 }

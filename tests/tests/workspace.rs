@@ -62,7 +62,8 @@ fn there_are_seven_crates_with_exactly_the_arrows_of_the_design() {
 
 #[test]
 fn every_crate_takes_its_lints_from_the_one_table() {
-    for folder in ["shared", "firmware/app", "firmware/stm32", "firmware/qemu", "host", "host/plate", "tests"] {
+    for folder in ["shared", "firmware/app", "firmware/stm32", "firmware/qemu", "host", "host/plate", "tests"]
+    {
         let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("manifest");
         assert!(manifest.contains("[lints]\nworkspace = true"), "{folder}");
     }
