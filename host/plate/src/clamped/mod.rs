@@ -14,6 +14,7 @@ mod shape;
 
 use crate::peak::{self, Peak};
 use crate::plate::Plate;
+use crate::taper::LogWidth;
 use crate::{Model, RespondError};
 use band_matrix::BandMatrix;
 use num_complex::Complex64;
@@ -140,17 +141,14 @@ fn add_element(
     let (mut value, mut laplacian) = (vec![0.0; count], vec![0.0; count]);
     for (t, weight_x) in gauss(5) {
         let law = plate.width.at((element as f64 + t) * h);
-        let (width, s) = (law.value.exp(), law.slope);
+        let width = law.value.exp();
         let cubics = along(t, h);
         for (b, weight_b, jets) in &polynomials {
             for (order, p) in jets.iter().enumerate() {
-                let constant =
-                    (b * b * s * s + width.powi(-2)) * p.bend + (s * s - law.curvature) * b * p.slope;
                 for (number, cubic) in cubics.iter().enumerate() {
                     let at = number * orders + order;
                     value[at] = cubic.value * p.value;
-                    laplacian[at] =
-                        cubic.bend * p.value - 2.0 * s * cubic.slope * b * p.slope + cubic.value * constant;
+                    laplacian[at] = laplacian_of(*cubic, *p, *b, law);
                 }
             }
             let area = h * weight_x * weight_b * width;
@@ -169,6 +167,13 @@ fn add_element(
             matrix.add(index(row), index(column), term);
         }
     }
+}
+
+/// lap (f(x) p(b)) at b = z/W(x).
+fn laplacian_of(f: Jet, p: Jet, b: f64, law: LogWidth) -> f64 {
+    let (width, s) = (law.value.exp(), law.slope);
+    let constant = (b * b * s * s + width.powi(-2)) * p.bend + (s * s - law.curvature) * b * p.slope;
+    f.bend * p.value - 2.0 * s * f.slope * b * p.slope + f.value * constant
 }
 
 #[cfg(test)]
@@ -207,6 +212,23 @@ mod tests {
         let peak = line.peak.unwrap();
         assert!((adiabatic - 0.1805).abs() < 1e-4, "{adiabatic}");
         assert!((peak.position_m - 0.1807).abs() < 1e-4, "{}", peak.position_m);
+    }
+
+    #[test]
+    fn the_mapped_laplacian_is_that_of_the_plane() {
+        // A steep linear taper, where every term counts.
+        let mut spec = aluminium().spec().clone();
+        spec.taper = Taper::Linear { half_width_m: 0.3, end_half_width_m: 0.02 };
+        let plate = Plate::new(spec).unwrap();
+        let (x0, h) = (0.1, 0.1);
+        let f = |x: f64| along((x - x0) / h, h)[2];
+        let w = |x: f64, z: f64| f(x).value * across(2, z / plate.half_width_m(x)).value;
+        let (x, z, step) = (0.163, 0.08, 1e-4);
+        let around = w(x - step, z) + w(x + step, z) + w(x, z - step) + w(x, z + step);
+        let plane = (around - 4.0 * w(x, z)) / (step * step);
+        let b = z / plate.half_width_m(x);
+        let mapped = laplacian_of(f(x), across(2, b), b, plate.width.at(x));
+        assert!((mapped / plane - 1.0).abs() < 1e-4, "{mapped} against {plane}");
     }
 
     #[test]
