@@ -188,6 +188,10 @@ impl App {
         let snapshot = self.parts.link.snapshot();
         let before = std::mem::replace(&mut self.snapshot, snapshot);
         if before.revision == self.snapshot.revision {
+            let now = |snapshot: &Snapshot| snapshot.status.map(|status| status.now);
+            if self.sounding.is_some() && now(&before) != now(&self.snapshot) {
+                self.follow();
+            }
             return;
         }
         self.settings.auto_reconnect = self.snapshot.auto_reconnect;
@@ -328,12 +332,21 @@ impl App {
         self.predicted = Picture::solve(&self.setup.plate, &tones);
     }
 
-    /// Solves for what the device has acknowledged, when that has changed, and has it tried on the simulated plate.
-    fn hear(&mut self) {
+    /// Has the mirror follow the device up to now.
+    fn follow(&mut self) {
         if let Some(job) = live::Job::of(&self.snapshot) {
             self.parts.live.ask(job);
         }
-        let Some(heard) = pilot::sounding(&self.snapshot) else {
+    }
+
+    /// Solves for what the device has acknowledged, when that has changed, and has it tried on the simulated plate.
+    fn hear(&mut self) {
+        let heard = pilot::sounding(&self.snapshot);
+        // At rest the mirror has nothing to follow; the change to rest itself is followed.
+        if heard.is_some() || self.sounding.is_some() {
+            self.follow();
+        }
+        let Some(heard) = heard else {
             self.sounding = None;
             return;
         };
