@@ -210,7 +210,7 @@ fn a_digest_is_that_of_the_codes_in_its_window() {
     let want = slipline_protocol::frame::CRC.checksum(&bytes);
     match rig.send(&Command::DigestRead) {
         Event::Digest(digest) => {
-            assert_eq!((digest.from, digest.count, digest.crc), (from, count, Some(want)))
+            assert_eq!((digest.from, digest.count, digest.crc), (from, count, Some(want)));
         }
         other => panic!("{other:?}"),
     }

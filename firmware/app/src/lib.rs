@@ -63,5 +63,7 @@ pub use link::Link;
 pub use mailbox::Crossing;
 pub use orders::Stop;
 pub use renderer::Renderer;
+/// The protocol's word for why a device was reset; a shell reads it from the hardware.
+pub use slipline_protocol::event::ResetCause;
 pub use supervisor::Supervisor;
 pub use timing::Timing;

@@ -10,9 +10,9 @@ use core::fmt::Display;
 use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
+use slipline_app::ResetCause;
 use slipline_app::boot::Boot;
 use slipline_app::crash::CrashRecord;
-use slipline_protocol::event::ResetCause;
 
 use crate::{board, dac};
 

@@ -7,7 +7,7 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, usb};
-use slipline_protocol::event::ResetCause;
+use slipline_app::ResetCause;
 
 use crate::{dac, priority};
 

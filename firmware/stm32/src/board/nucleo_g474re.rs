@@ -8,7 +8,7 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals};
-use slipline_protocol::event::ResetCause;
+use slipline_app::ResetCause;
 
 use crate::{dac, priority};
 
