@@ -6,6 +6,11 @@
 //! gain linearly between knots, so the table is made for that: knots are moved onto the plate's resonances (by
 //! less than a knot), gains share the error between a knot and the middle of its neighbours, and what is left
 //! between the knots is measured and reported.
+//!
+//! A wave speed that is known to a tolerance only shifts the ripple of an imperfect match along the plate. A table
+//! that undoes the ripple where it is supposed to be doubles it where it is not. So with a tolerance the gain at each
+//! knot lies in the middle, in dB, between the lowest and the highest peak of all speeds within it: the worst
+//! departure is then the ripple itself, whatever the true speed.
 
 use crate::airy;
 use crate::numerov::{self, Grid};
@@ -18,6 +23,9 @@ use thiserror::Error;
 
 /// Most knots of a table.
 pub const KNOTS_MAX: usize = 1025;
+/// Wave speeds over a tolerance at which the levels are computed, the nominal one among them; odd. At 1 % and 40 kHz
+/// on the plates at hand the ripple turns by about pi over the tolerance: a tenth of a turn from speed to speed.
+const SPEEDS: usize = 9;
 /// Largest frequency of a table, as a part of the sample rate.
 pub const FREQUENCY_TO_RATE_MAX: f64 = 0.45;
 
@@ -109,9 +117,11 @@ impl DriveTable {
 
         let mut frequency: Vec<f64> = shifted.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
         rising(&mut frequency);
-        let at_knots = chain.levels(&frequency)?;
+        let others = other_speeds(plate);
+        let others = chains(&others, sample_rate_hz);
+        let at_knots = amid(chain.levels(&frequency)?, &others, &frequency)?;
         let middles: Vec<f64> = frequency.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-        let between = chain.levels(&middles)?;
+        let between = amid(chain.levels(&middles)?, &others, &middles)?;
         let mut gain: Vec<f64> = at_knots.iter().map(|level| 1.0 / level.amplitude).collect();
         share_error(&mut gain, &at_knots, &between);
         let largest = gain.iter().copied().fold(0.0, f64::max);
@@ -206,12 +216,18 @@ impl<'a> Chain<'a> {
         if !(low..=1e8).contains(&sample_rate_hz) {
             return Err(TableError::SampleRate { sample_rate_hz, low, highest_hz });
         }
+        Ok(Self::unchecked(plate, sample_rate_hz))
+    }
+
+    /// The same for a plate whose band may end a little above what the rate carries.
+    fn unchecked(plate: &'a Plate, sample_rate_hz: f64) -> Self {
+        let highest_hz = plate.band_hz().1;
         // 1e-6 of the amplitude is 1e-5 dB: a coarser grid than a response needs.
         let points = 257;
         let refinement = numerov::refinement(plate, highest_hz, plate.length_m() / 256.0).div_ceil(4).max(2);
         let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
         let step_m = plate.length_m() / (256 * refinement) as f64;
-        Ok(Self { plate, grid, step_m, sample_rate_hz })
+        Self { plate, grid, step_m, sample_rate_hz }
     }
 
     /// Drive-to-peak gain at each frequency.
@@ -257,6 +273,48 @@ impl<'a> Chain<'a> {
         let droop = turn.sin() / turn;
         droop * self.plate.spec().actuator.map_or(1.0, |actuator| actuator.response(frequency_hz).norm())
     }
+}
+
+/// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude.
+pub(crate) fn levelled(plate: &Plate, sample_rate_hz: f64, frequency_hz: f64) -> Result<f64, TableError> {
+    let others = other_speeds(plate);
+    let nominal = vec![Chain::new(plate, sample_rate_hz)?.level(frequency_hz)?];
+    let levels = amid(nominal, &chains(&others, sample_rate_hz), &[frequency_hz])?;
+    Ok(levels[0].amplitude)
+}
+
+/// The plate at other wave speeds within its tolerance; a speed at which it is no valid plate is left out.
+fn other_speeds(plate: &Plate) -> Vec<Plate> {
+    let tolerance = plate.spec().wave_speed_tolerance;
+    if tolerance == 0.0 {
+        return Vec::new();
+    }
+    let half = (SPEEDS / 2) as f64;
+    (0..SPEEDS)
+        .filter(|&number| number != SPEEDS / 2)
+        .filter_map(|number| plate.with_wave_speed(1.0 + tolerance * (number as f64 / half - 1.0)).ok())
+        .collect()
+}
+
+fn chains(plates: &[Plate], sample_rate_hz: f64) -> Vec<Chain<'_>> {
+    plates.iter().map(|plate| Chain::unchecked(plate, sample_rate_hz)).collect()
+}
+
+/// Each level moved to the middle, in dB, of the lowest and the highest that the chains give with it.
+fn amid(
+    levels: Vec<Level>,
+    others: &[Chain<'_>],
+    frequencies_hz: &[f64],
+) -> Result<Vec<Level>, TableError> {
+    let mut ranges: Vec<_> = levels.iter().map(|level| (level.amplitude, level.amplitude)).collect();
+    for chain in others {
+        for ((low, high), other) in ranges.iter_mut().zip(chain.levels(frequencies_hz)?) {
+            *low = low.min(other.amplitude);
+            *high = high.max(other.amplitude);
+        }
+    }
+    let middle = |(level, (low, high)): (Level, (f64, f64))| Level { amplitude: (low * high).sqrt(), ..level };
+    Ok(levels.into_iter().zip(ranges).map(middle).collect())
 }
 
 /// Moves knots so that each sharp resonance of the level falls on a knot; between resonances the shift is linear.

@@ -31,6 +31,9 @@ pub struct PlateSpec {
     pub model: Model,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
+    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled over every speed
+    /// within it, not for the nominal speed alone. Useful with a matched drive end, whose ripple is small.
+    pub wave_speed_tolerance: f64,
     /// What is held at x = 0.
     pub drive_end: DriveEnd,
     /// The actuator's resonance, if it matters.
@@ -62,6 +65,7 @@ impl Plate {
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
         within("loss_factor", spec.loss_factor, 0.0, 0.5, "")?;
+        within("wave_speed_tolerance", spec.wave_speed_tolerance, 0.0, 0.05, "")?;
         spec.drive_end.validate()?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;

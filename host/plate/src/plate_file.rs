@@ -18,6 +18,8 @@ struct PlateText {
     description: String,
     length_m: f64,
     loss_factor: f64,
+    #[serde(default)]
+    wave_speed_tolerance: f64,
     #[serde(default = "default_full_scale")]
     full_scale_m: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -118,6 +120,7 @@ impl Plate {
             description: spec.description.clone(),
             length_m: spec.length_m,
             loss_factor: spec.loss_factor,
+            wave_speed_tolerance: spec.wave_speed_tolerance,
             full_scale_m: spec.full_scale_m,
             span_start_m: Some(spec.span_start_m),
             span_end_m: Some(spec.span_end_m),
@@ -147,6 +150,7 @@ fn build(text: PlateText) -> Result<Plate, PlateError> {
         length_m: text.length_m,
         model,
         loss_factor: text.loss_factor,
+        wave_speed_tolerance: text.wave_speed_tolerance,
         drive_end,
         actuator: text
             .actuator

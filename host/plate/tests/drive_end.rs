@@ -103,23 +103,25 @@ fn the_table_holds_the_level_within_1_db_for_every_preset_at_the_knots_and_betwe
 #[test]
 fn the_table_undoes_the_hold_and_the_actuator() {
     let mut spec = preset("al-bending").expect("a preset").spec().clone();
+    spec.wave_speed_tolerance = 0.0;
+    let bare = Plate::new(spec.clone()).expect("a valid plate");
     spec.actuator = Some(slipline_plate::Actuator { resonance_hz: 28e3, quality: 8.0 });
     let plate = Plate::new(spec).expect("a valid plate");
     let table = DriveTable::build(&plate, 100e3, 1025).expect("a table");
     assert!(table.worst_error_db < 0.5, "{}", table.worst_error_db);
-    let bare = DriveTable::build(&preset("al-bending").expect("a preset"), 100e3, 1025).expect("a table");
-    let ratio = |x: f64| (table.gain(x) / bare.gain(x)) / (table.gain(0.1) / bare.gain(0.1));
+    let fast = DriveTable::build(&bare, 10e6, 1025).expect("a table");
+    let bare = DriveTable::build(&bare, 100e3, 1025).expect("a table");
+    let ratio = |x: f64| (table.gain(x) / bare.gain(x)) / (table.gain(0.2) / bare.gain(0.2));
     let x = 0.22;
     let response = |x: f64| plate.spec().actuator.expect("set").response(table.frequency_hz(x)).norm();
-    assert!((ratio(x) * response(x) / response(0.1) - 1.0).abs() < 0.01);
+    assert!((ratio(x) * response(x) / response(0.2) - 1.0).abs() < 0.01);
     // At 100 kS/s the hold takes 2.4 dB more at 40 kHz than at rest; at 10 MS/s it takes nothing.
-    let fast = DriveTable::build(&preset("al-bending").expect("a preset"), 10e6, 1025).expect("a table");
     let between = |x: f64| bare.gain(x) / fast.gain(x);
     let droop = |x: f64| {
         let turn = std::f64::consts::PI * bare.frequency_hz(x) / 100e3;
         turn.sin() / turn
     };
-    let undone = between(0.27) / between(0.1) * droop(0.27) / droop(0.1);
+    let undone = between(0.27) / between(0.2) * droop(0.27) / droop(0.2);
     assert!((undone - 1.0).abs() < 1e-3 && droop(0.27) < 0.82, "{undone}");
 }
 
@@ -128,7 +130,7 @@ fn the_sensitivity_tells_a_matched_plate_from_a_held_one() {
     let membrane = sensitivity_per_percent(&preset("membrane").expect("a preset"), 400e3).expect("a table");
     assert!(membrane.worst_db < 0.25, "{membrane:?}");
     let matched = sensitivity_per_percent(&preset("al-bending").expect("a preset"), 400e3).expect("a table");
-    assert!(matched.worst_db < 1.8, "a constant damper over three octaves: {matched:?}");
+    assert!(matched.worst_db < 0.9, "a constant damper over an octave: {matched:?}");
     let held = sensitivity_per_percent(&preset("al-bending-displacement").expect("a preset"), 400e3)
         .expect("a table");
     assert!(held.worst_db > 20.0, "{held:?}");
@@ -177,12 +179,12 @@ fn a_lossy_plate_has_no_peak_and_says_so() {
 
 #[test]
 fn a_plate_one_percent_faster_than_its_table_stays_within_1_db_when_matched_and_not_when_held() {
-    let worst = |name: &str, end_m: f64| {
+    let worst = |name: &str| {
         let plate = preset(name).expect("a preset");
         let fast = plate.with_wave_speed(1.01).expect("in range");
         let table = DriveTable::build(&plate, 400e3, 1025).expect("a table");
         let level = table.peak_at_full_scale_m / plate.spec().full_scale_m;
-        let (start, end) = (table.span_start_m, table.span_end_m.min(end_m));
+        let (start, end) = (table.span_start_m, table.span_end_m);
         (0..300)
             .map(|i| start + (end - start) * f64::from(i) / 299.0)
             .map(|x| {
@@ -192,12 +194,10 @@ fn a_plate_one_percent_faster_than_its_table_stays_within_1_db_when_matched_and_
             })
             .fold(0.0, f64::max)
     };
-    assert!(worst("membrane", 1.0) < 0.25, "{}", worst("membrane", 1.0));
-    assert!(worst("al-sh", 1.0) < 0.3, "{}", worst("al-sh", 1.0));
-    // Above 260 mm (34 kHz) the constant damper of the bending plate is 20 % off the wave's impedance.
-    assert!(worst("al-bending", 0.26) < 1.02, "{}", worst("al-bending", 0.26));
-    assert!(worst("al-bending", 1.0) < 1.8, "{}", worst("al-bending", 1.0));
-    assert!(worst("al-bending-displacement", 1.0) > 20.0);
+    assert!(worst("membrane") < 0.25, "{}", worst("membrane"));
+    assert!(worst("al-sh") < 0.3, "{}", worst("al-sh"));
+    assert!(worst("al-bending") < 0.9, "{}", worst("al-bending"));
+    assert!(worst("al-bending-displacement") > 20.0);
 }
 
 #[test]
@@ -221,4 +221,18 @@ fn the_held_plate_resonates_where_the_closed_form_says() {
         let found = near.max_by(|a, b| peak(&plate, *a).total_cmp(&peak(&plate, *b))).expect("places");
         assert!((found / low - 1.0).abs() < 1e-3, "resonance {n}: {found} Hz for {low} Hz");
     }
+}
+
+#[test]
+fn a_tolerance_halves_what_a_wrong_wave_speed_costs_and_is_not_exact_where_it_is_right() {
+    let known = preset("al-bending").expect("a preset");
+    let mut spec = known.spec().clone();
+    spec.wave_speed_tolerance = 0.0;
+    let nominal = Plate::new(spec).expect("a valid plate");
+    let cost = |plate: &Plate| sensitivity_per_percent(plate, 400e3).expect("a table").worst_db;
+    assert!((1.1..1.6).contains(&cost(&nominal)), "levelled for one speed: {} dB", cost(&nominal));
+    assert!(cost(&known) < 0.7 * cost(&nominal), "levelled for all within 1 %: {} dB", cost(&known));
+    let error = |plate: &Plate| DriveTable::build(plate, 400e3, 1025).expect("a table").worst_error_db;
+    assert!(error(&nominal) < 0.01, "{}", error(&nominal));
+    assert!((0.4..0.75).contains(&error(&known)), "{}", error(&known));
 }

@@ -240,6 +240,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 length_m: length,
                 model,
                 loss_factor: loss,
+                wave_speed_tolerance: 0.0,
                 drive_end: DriveEnd::Displacement,
                 actuator: None,
                 full_scale_m: 1e-5,

@@ -3,7 +3,7 @@
 use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
 use super::{CheckError, Colour, Finding, Site, colour, pick};
 use crate::drive::DriveEnd;
-use crate::drive_table::Chain;
+use crate::drive_table::{Chain, levelled};
 use crate::plate::Plate;
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
@@ -49,7 +49,7 @@ pub(super) fn match_light(site: &Site<'_>) -> Finding {
 
 pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
     let rate = site.checker.conditions.sample_rate_hz;
-    let intended = Chain::new(site.plate, rate)?.level(site.frequency_hz)?.amplitude;
+    let intended = levelled(site.plate, rate, site.frequency_hz)?;
     let mut worst: f64 = 0.0;
     for actual in &site.checker.detuned {
         let found = Chain::new(actual, rate)?.level(site.frequency_hz)?.amplitude;

@@ -17,6 +17,7 @@ mod wave;
 
 use crate::drive_table::{Chain, TableError};
 use crate::plate::Plate;
+use crate::progress::{Progress, Stopped};
 use serde::Serialize;
 use thiserror::Error;
 use thresholds::Limits;
@@ -102,6 +103,19 @@ impl Default for Conditions {
     }
 }
 
+impl Conditions {
+    fn validate(&self, plate: &Plate) -> Result<(), CheckError> {
+        let level = self.level;
+        if !(0.0..=1.0).contains(&level) {
+            return Err(CheckError::Level { level });
+        }
+        for &boundary_m in &self.other_boundaries_m {
+            on_plate(plate, "other boundary", boundary_m)?;
+        }
+        Ok(())
+    }
+}
+
 /// Why a plate could not be checked.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CheckError {
@@ -126,17 +140,20 @@ pub enum CheckError {
     /// The plate cannot be driven at this sample rate.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// The check was given up.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// A plate prepared for checks; make it once and ask it for as many boundaries as there are.
 #[derive(Debug)]
-pub struct Checker<'a> {
-    plate: &'a Plate,
+pub struct Checker {
+    plate: Plate,
     conditions: Conditions,
     /// The plate with its waves 1 %, 0.5 % slower and faster.
     detuned: Vec<Plate>,
-    /// Peak displacement that a table can keep over the whole span, at the conditions' level, metres.
-    peak_m: f64,
+    /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
+    lowest_gain: f64,
 }
 
 /// A light and how bad it is within its colour, so that the worst of a span can be picked.
@@ -147,41 +164,68 @@ struct Finding {
 
 /// One boundary, with what the groups of lights need of it.
 struct Site<'a> {
-    checker: &'a Checker<'a>,
+    checker: &'a Checker,
     plate: &'a Plate,
     boundary_m: f64,
     frequency_hz: f64,
 }
 
-impl<'a> Checker<'a> {
+impl Checker {
     /// Prepares the checks of `plate`.
     ///
     /// # Errors
     /// [`CheckError`] when a condition is out of range, or the sample rate cannot carry the plate's band.
-    pub fn new(plate: &'a Plate, conditions: Conditions) -> Result<Self, CheckError> {
-        let level = conditions.level;
-        if !(0.0..=1.0).contains(&level) {
-            return Err(CheckError::Level { level });
-        }
-        for &boundary_m in &conditions.other_boundaries_m {
-            on_plate(plate, "other boundary", boundary_m)?;
-        }
+    pub fn new(plate: &Plate, conditions: Conditions) -> Result<Self, CheckError> {
+        Self::watched(plate, conditions, &mut Progress::new(&mut |_| true))
+    }
+
+    /// [`Checker::new`] that tells how far it is and can be stopped: a fraction of a second for a usual plate, some
+    /// seconds for one of thousands of wavelengths.
+    ///
+    /// # Errors
+    /// As [`Checker::new`], and [`CheckError::Stopped`].
+    pub fn watched(
+        plate: &Plate,
+        conditions: Conditions,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, CheckError> {
+        conditions.validate(plate)?;
         let chain = Chain::new(plate, conditions.sample_rate_hz)?;
-        let mut lowest = f64::INFINITY;
-        for x in places(plate, 2 * SPAN_PLACES - 1) {
-            lowest = lowest.min(chain.level(plate.frequency_for_boundary_hz(x))?.amplitude);
+        let mut lowest_gain = f64::INFINITY;
+        let count = 2 * SPAN_PLACES - 1;
+        for (number, x) in places(plate, count).enumerate() {
+            progress.at(number as f64 / count as f64)?;
+            lowest_gain = lowest_gain.min(chain.level(plate.frequency_for_boundary_hz(x))?.amplitude);
         }
         // A material at the very end of its allowed range has neighbours on one side only.
         let detuned =
             [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
-        let peak_m = level * lowest * plate.spec().full_scale_m;
-        Ok(Self { plate, conditions, detuned, peak_m })
+        Ok(Self { plate: plate.clone(), conditions, detuned, lowest_gain })
+    }
+
+    /// Goes on under other conditions.
+    ///
+    /// # Errors
+    /// As [`Checker::new`]; the conditions stay as they were.
+    pub fn set_conditions(&mut self, conditions: Conditions) -> Result<(), CheckError> {
+        if conditions.sample_rate_hz == self.conditions.sample_rate_hz {
+            conditions.validate(&self.plate)?;
+            self.conditions = conditions;
+        } else {
+            *self = Self::new(&self.plate, conditions)?;
+        }
+        Ok(())
+    }
+
+    /// The plate it was made for.
+    pub fn plate(&self) -> &Plate {
+        &self.plate
     }
 
     /// Peak displacement the lights suppose, metres: what a turning-point table can keep over the whole span at the
     /// conditions' level.
     pub fn peak_m(&self) -> f64 {
-        self.peak_m
+        self.conditions.level * self.lowest_gain * self.plate.spec().full_scale_m
     }
 
     /// The lights at one boundary.
@@ -205,8 +249,17 @@ impl<'a> Checker<'a> {
     /// # Errors
     /// As [`Checker::at`].
     pub fn over_span(&self) -> Result<Report, CheckError> {
+        self.over_span_watched(&mut Progress::new(&mut |_| true))
+    }
+
+    /// [`Checker::over_span`] that tells how far it is and can be stopped.
+    ///
+    /// # Errors
+    /// As [`Checker::at`], and [`CheckError::Stopped`].
+    pub fn over_span_watched(&self, progress: &mut Progress<'_>) -> Result<Report, CheckError> {
         let mut worst: Vec<Finding> = Vec::new();
-        for x in places(self.plate, SPAN_PLACES) {
+        for (number, x) in places(&self.plate, SPAN_PLACES).enumerate() {
+            progress.at(number as f64 / SPAN_PLACES as f64)?;
             let found = self.findings(x)?;
             if worst.is_empty() {
                 worst = found;
@@ -227,9 +280,9 @@ impl<'a> Checker<'a> {
     }
 
     fn findings(&self, boundary_m: f64) -> Result<Vec<Finding>, CheckError> {
-        on_plate(self.plate, "boundary", boundary_m)?;
+        on_plate(&self.plate, "boundary", boundary_m)?;
         let frequency_hz = self.plate.frequency_for_boundary_hz(boundary_m);
-        let site = Site { checker: self, plate: self.plate, boundary_m, frequency_hz };
+        let site = Site { checker: self, plate: &self.plate, boundary_m, frequency_hz };
         Ok(vec![
             shape::slope_light(&site),
             shape::curvature_light(&site),

@@ -40,7 +40,7 @@ fn level_db(pressure_amplitude_pa: f64) -> f64 {
 /// or the plane wave if that is less.
 fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
     let peak = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
-    let scale_m = site.checker.peak_m / peak;
+    let scale_m = site.checker.peak_m() / peak;
     let step_m = site.plate.length_m() / (response.position_m.len() - 1) as f64;
     // The first width mode is a half sine: its mean over the width is 2/pi of the centre line.
     let swept_m3: f64 = response

@@ -195,6 +195,7 @@ mod tests {
                 thick_plate: false,
             }),
             loss_factor: 0.002,
+            wave_speed_tolerance: 0.0,
             drive_end: DriveEnd::Displacement,
             actuator: None,
             full_scale_m: 1e-6,

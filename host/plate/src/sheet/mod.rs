@@ -9,6 +9,7 @@
 //! is another equation (dispersive, fourth order) and is left to the modal lines.
 
 mod band;
+mod cost;
 mod energy;
 mod exchange;
 mod intake;
@@ -18,10 +19,12 @@ mod outline;
 #[cfg(test)]
 mod tests;
 
+pub use cost::Cost;
 pub use lattice::Lattice;
 
 use crate::plate::Plate;
-use intake::{EndLaw, Feed, Intake, Pace};
+use cost::Layout;
+use intake::{EndLaw, Feed, Intake};
 use kernel::Weights;
 use lattice::{Column, plan_of};
 use outline::Outline;
@@ -209,23 +212,12 @@ impl Sheet {
     /// # Errors
     /// [`SheetError`] when the plate bends, or the grid or the rate is out of range.
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
-        let Some(speed) = plate.spec().model.wave_speed_m_per_s() else {
-            return Err(SheetError::Bends { plate: plate.name().to_owned() });
-        };
-        grid.validate(sample_rate_hz)?;
-        let cells = 2 * grid.along * grid.across;
-        if cells > CELLS_MAX {
-            return Err(SheetError::TooBig { cells, limit: CELLS_MAX });
-        }
-        let outline = Outline::new(plate, grid.along, grid.across);
-        let longest = COURANT / (speed * (outline.dx.powi(-2) + outline.dz.powi(-2)).sqrt());
-        let pace = Pace::new(sample_rate_hz, longest);
-        let step_s = pace.step_s(sample_rate_hz);
+        let Layout { outline, pace, step_s, speed_m_per_s: speed, mirrored } =
+            Layout::new(plate, sample_rate_hz, &grid)?;
         let (low, high) = plate.band_hz();
         let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
         // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
         let damping = plate.wave_loss() * TAU * loss_at_hz;
-        let mirrored = !grid.whole && grid.drive.is_symmetric();
         let scheme = Scheme { outline: &outline, speed, step_s, damping, mirrored, grid: &grid };
         let (plan, feed) = scheme.plan(EndLaw::of(plate));
         let side = outline.rows() as isize - 1;

@@ -15,6 +15,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
         length_m,
         model: Model::Membrane { wave_speed_m_per_s: 12.0 },
         loss_factor: loss,
+        wave_speed_tolerance: 0.0,
         drive_end: end,
         actuator: None,
         full_scale_m: 1e-3,
