@@ -166,6 +166,7 @@ impl Follower {
                 self.silent_since.get_or_insert(entry.at);
                 mirror.acknowledge_stop(kind, entry.at)
             }
+            Change::Limit(per_mille) => mirror.acknowledge_limit(*per_mille, entry.at),
             Change::Session | Change::Armed => Ok(()),
         };
     }

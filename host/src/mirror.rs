@@ -2,8 +2,9 @@
 //!
 //! The device names the index at which each change begins. Replayed at the same indices through the same renderer,
 //! the same changes give the same codes, bit for bit: integers only, and one pure function from drive to program.
-//! What no reply names is not mirrored: the thermal fold-back, and the device's own stops (dead-man, faults). After
-//! one of these the mirror is wrong until the device has fallen silent and [`Mirror::silence`] is called.
+//! The thermal fold-back changes on a grid of indices, and the status tells it, so it is replayed too. What nothing
+//! tells is not mirrored: the device's own stops (dead-man, faults). After one of these the mirror is wrong until the
+//! device has fallen silent and [`Mirror::silence`] is called.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -45,6 +46,10 @@ pub struct Mirror {
     shape: RampShape,
     table: TableRef,
     changes: VecDeque<(SampleIndex, Change)>,
+    /// The thermal limits that are to come into force, per mille, and the latest that was told.
+    limits: VecDeque<(SampleIndex, u16)>,
+    latest_limit: Option<u16>,
+    has_rendered: bool,
     diverged: bool,
 }
 
@@ -65,6 +70,9 @@ impl Mirror {
             shape: RampShape::new(),
             table: TableRef::default(),
             changes: VecDeque::new(),
+            limits: VecDeque::new(),
+            latest_limit: None,
+            has_rendered: false,
             diverged: false,
         }
     }
@@ -107,6 +115,22 @@ impl Mirror {
         self.acknowledge(at, Change::Stop(stop))
     }
 
+    /// The device's thermal limit is `per_mille` from `at` on: [`limit_since`](slipline_app::timing::limit_since) the
+    /// status that tells it. A mirror that has rendered nothing yet begins with it.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_limit(&mut self, per_mille: u16, at: SampleIndex) -> Result<(), TooLate> {
+        if self.latest_limit.replace(per_mille) == Some(per_mille) {
+            return Ok(());
+        }
+        self.limits.push_back((at, per_mille));
+        let now = self.now();
+        let is_late = at < now && self.has_rendered;
+        self.diverged |= is_late;
+        if is_late { Err(TooLate { at, now }) } else { Ok(()) }
+    }
+
     fn acknowledge(&mut self, at: SampleIndex, change: Change) -> Result<(), TooLate> {
         let now = self.now();
         if at < now {
@@ -123,7 +147,10 @@ impl Mirror {
     pub fn silence(&mut self, index: SampleIndex) {
         let knots: Arc<[Knot]> =
             (0..self.table.knots).map(|index| self.crossing.slots().knot(self.table.slot, index)).collect();
+        let limit = self.latest_limit;
         *self = Self::new(self.timing.sample_rate_hz, index);
+        self.latest_limit = limit;
+        self.limits.extend(limit.map(|per_mille| (self.now(), per_mille)));
         if !knots.is_empty() {
             self.changes.push_back((self.now(), Change::Table(knots)));
         }
@@ -139,6 +166,10 @@ impl Mirror {
                     self.apply(change);
                 }
             }
+            while let Some((_, limit)) = self.limits.pop_front_if(|(at, _)| *at <= first) {
+                self.crossing.set_limit(limit);
+            }
+            self.has_rendered = true;
             // The mirror's host is always there.
             self.crossing.feed();
             self.renderer.render(&self.crossing, &mut codes);

@@ -144,6 +144,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }
+            Change::Limit(_) => {}
             // The tones glide to the new table's places and gains.
             Change::Table(_) => latest = latest.map(|(_, drive)| (entry.number, drive)),
         }

@@ -11,5 +11,7 @@ pub mod faulty_link;
 pub mod fuzz;
 pub mod measure;
 pub mod qemu;
+#[cfg(unix)]
+pub mod relay;
 pub mod rig;
 pub mod storm;

@@ -19,7 +19,7 @@ use slipline_protocol::event::{
 };
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
-use slipline_protocol::units::{Gain, SampleIndex};
+use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
 
 use crate::bank::{BLOCK, TONES};
@@ -113,6 +113,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if let Some(fault) = self.boot.fault() {
             crossing.latch(fault);
         }
+        // Before anything can sound: a coil that may be hot is never driven at full scale.
+        crossing.set_limit(self.thermal.limit_per_mille());
         let slot = self.active.slot.other();
         let knot = |index| crossing.slots().knot(slot, index);
         let loaded = store::load(&mut self.flash, self.timing.sample_rate_hz, |index, knot| {
@@ -179,7 +181,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             now: view.next,
             sum_per_mille: per_mille(view.report.sum),
             heat_per_mille: self.thermal.per_mille(),
-            foldback_per_mille: thousandths(self.thermal.limit()),
+            // What sounds by; before the first block, what it will sound by.
+            foldback_per_mille: view.report.limit_per_mille.unwrap_or(self.thermal.limit_per_mille()),
             table_crc: self.table.map_or(0, |table| table.crc),
             counters: Counters {
                 underruns: view.report.underruns,
@@ -295,7 +298,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         let view = crossing.view();
         let now = view.next;
         self.thermal.advance(now, view.report.energy, self.timing.sample_rate_hz);
-        crossing.set_limit(self.thermal.limit());
+        crossing.set_limit(self.thermal.limit_per_mille());
         if self.thermal.is_over() && !view.faults.set().contains(Fault::Overheat) {
             crossing.fault(Fault::Overheat, Stop::Normal);
         }
@@ -462,12 +465,6 @@ fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
 #[expect(clippy::cast_possible_truncation, reason = "block and knots are far below 65 536")]
 const fn small(constant: usize) -> u16 {
     constant as u16
-}
-
-/// A gain of at most one in thousandths, rounded down.
-#[expect(clippy::cast_possible_truncation, reason = "at most 1000")]
-const fn thousandths(gain: Gain) -> u16 {
-    ((gain.0 as u64).saturating_mul(1000) >> 31) as u16
 }
 
 const fn accepted(at: SampleIndex) -> Event {

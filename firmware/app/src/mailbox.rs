@@ -21,7 +21,7 @@ use embassy_sync::signal::Signal;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::table::Knot;
-use slipline_protocol::units::{Gain, SampleIndex};
+use slipline_protocol::units::SampleIndex;
 
 use crate::digest::DigestState;
 use crate::faults::FaultLatch;
@@ -51,7 +51,7 @@ struct Shared {
     armed: Cell<bool>,
     ready_at: Cell<SampleIndex>,
     fed_at: Cell<SampleIndex>,
-    limit: Cell<Gain>,
+    limit_per_mille: Cell<Option<u16>>,
     report: Cell<Report>,
     faults: Cell<FaultLatch>,
     digest: Cell<DigestState>,
@@ -93,7 +93,7 @@ impl<M: RawMutex> Crossing<M> {
                 armed: Cell::new(false),
                 ready_at: Cell::new(0),
                 fed_at: Cell::new(0),
-                limit: Cell::new(Gain::FULL),
+                limit_per_mille: Cell::new(None),
                 report: Cell::new(Report {
                     silent: true,
                     stopping: false,
@@ -102,6 +102,7 @@ impl<M: RawMutex> Crossing<M> {
                     clips: 0,
                     underruns: 0,
                     max_cycles: 0,
+                    limit_per_mille: None,
                 }),
                 faults: Cell::new(FaultLatch::new()),
                 digest: Cell::new(DigestState::None),
@@ -229,9 +230,11 @@ impl<M: RawMutex> Crossing<M> {
         self.shared.lock(|shared| shared.faults.set(shared.faults.get().cleared(standing)));
     }
 
-    /// Sets what the thermal fold-back leaves of every amplitude; the renderer goes there slowly.
-    pub fn set_limit(&self, limit: Gain) {
-        self.shared.lock(|shared| shared.limit.set(limit));
+    /// Sets what the thermal fold-back leaves of every amplitude, per mille. The first one is in force at once, later
+    /// ones from the next multiple of [`LIMIT_BLOCKS`](crate::timing::LIMIT_BLOCKS) on, and the renderer goes there
+    /// slowly.
+    pub fn set_limit(&self, per_mille: u16) {
+        self.shared.lock(|shared| shared.limit_per_mille.set(Some(per_mille)));
     }
 
     /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
@@ -309,7 +312,7 @@ impl<M: RawMutex> Crossing<M> {
                 armed: shared.armed.get(),
                 ready_at: shared.ready_at.get(),
                 fed_at: shared.fed_at.get(),
-                limit: shared.limit.get(),
+                limit_per_mille: shared.limit_per_mille.get(),
             }
         })
     }

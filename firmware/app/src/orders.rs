@@ -1,6 +1,6 @@
 //! What crosses between the halves: orders one way, reports the other.
 
-use slipline_protocol::units::{Gain, SampleIndex};
+use slipline_protocol::units::SampleIndex;
 
 use crate::faults::FaultLatch;
 use crate::motion::Motion;
@@ -42,8 +42,8 @@ pub struct Orders {
     pub ready_at: SampleIndex,
     /// When the host last said that it lives.
     pub fed_at: SampleIndex,
-    /// What the thermal fold-back leaves of every amplitude.
-    pub limit: Gain,
+    /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
+    pub limit_per_mille: Option<u16>,
 }
 
 /// What the renderer says at the end of a block.
@@ -63,6 +63,8 @@ pub struct Report {
     pub underruns: u32,
     /// The most cycles a block took.
     pub max_cycles: u32,
+    /// The thermal limit in force since [`limit_since`](crate::timing::limit_since) this block's end.
+    pub limit_per_mille: Option<u16>,
 }
 
 /// The state at one moment, as the link's half sees it.

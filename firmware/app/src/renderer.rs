@@ -21,7 +21,7 @@ use crate::motion::{Motion, Placement};
 use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
 use crate::ramp::RampShape;
-use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
+use crate::timing::{BLOCK_SAMPLES, LIMIT_BLOCKS, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
 /// The thermal limit moves by at most this much of full scale a block: from full to nothing in 65 blocks, 21 ms at
 /// 400 kS/s, as slow as the amplitude ramps of a glide.
@@ -41,7 +41,9 @@ pub struct Renderer {
     stop_ends: Option<SampleIndex>,
     /// Step and amplitude of every tone at the next block's first sample.
     tones: [(u64, u32); TONES],
+    /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
+    limit_goal: u32,
     /// Blocks of mid-scale since the last that was not.
     quiet_blocks: u64,
     muted: bool,
@@ -70,6 +72,7 @@ impl Renderer {
             stop_ends: None,
             tones: [(0, 0); TONES],
             limit: Gain::FULL.0,
+            limit_goal: Gain::FULL.0,
             quiet_blocks: 0,
             muted: true,
             digester: Digester::default(),
@@ -118,11 +121,12 @@ impl Renderer {
         }
         let index = self.index;
         let orders = crossing.begin_block(index);
+        self.take_limit(orders.limit_per_mille);
         self.obey(&orders, crossing);
 
         let mut samples = [0; BLOCK];
         let next = index.saturating_add(BLOCK_SAMPLES);
-        let (blocks, sum) = self.tone_blocks(next, orders.limit, crossing);
+        let (blocks, sum) = self.tone_blocks(next, crossing);
         self.bank.render(&blocks, &mut samples);
         let clipped = code::codes(&samples, codes);
 
@@ -155,6 +159,21 @@ impl Renderer {
         }
         crossing.disarm_now(Some((Fault::Underrun, self.index)));
         self.fade(Stop::Normal, crossing);
+    }
+
+    /// Takes the thermal limit over where it may change: the first one at once, then every so many blocks. While nothing
+    /// sounds it is there at once, so that a mirror may begin in any silence.
+    #[expect(clippy::cast_possible_truncation, reason = "at most full scale")]
+    fn take_limit(&mut self, per_mille: Option<u16>) {
+        let may_change = self.report.limit_per_mille.is_none()
+            || (self.index / BLOCK_SAMPLES).is_multiple_of(LIMIT_BLOCKS);
+        let Some(per_mille) = per_mille.filter(|_| may_change) else { return };
+        self.report.limit_per_mille = Some(per_mille);
+        // Both factors are small: the product fits.
+        self.limit_goal = (u64::from(Gain::FULL.0).saturating_mul(per_mille.min(1000).into()) / 1000) as u32;
+        if self.motion.is_silent_from(self.index) {
+            self.limit = self.limit_goal;
+        }
     }
 
     /// Follows the orders: first the stops, then the dead-man, then the program.
@@ -213,13 +232,12 @@ impl Renderer {
     fn tone_blocks<M: RawMutex>(
         &mut self,
         next: SampleIndex,
-        limit: Gain,
         crossing: &Crossing<M>,
     ) -> ([ToneBlock; TONES], u64) {
         let before = self.limit;
         let (lowest, highest) = (before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW));
         // Not `clamp`, which would panic if the bounds were crossed: the renderer has no way to panic at all.
-        self.limit = limit.0.max(lowest).min(highest).min(Gain::FULL.0);
+        self.limit = self.limit_goal.max(lowest).min(highest).min(Gain::FULL.0);
         let mut blocks = [ToneBlock::default(); TONES];
         let mut sum: u64 = 0;
         if self.index >= self.motion.end() && self.limit == before {

@@ -10,7 +10,7 @@
 //! them here.
 
 use micromath::F32Ext;
-use slipline_protocol::units::{Gain, SampleIndex};
+use slipline_protocol::units::SampleIndex;
 
 use crate::bank::code;
 
@@ -98,16 +98,18 @@ impl Thermal {
         self.rise().is_nan() || self.rise() > threshold
     }
 
-    /// What the fold-back leaves of the amplitude.
+    /// What the fold-back leaves of the amplitude, per mille: the status tells just this number, so a mirror knows the
+    /// limit exactly.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "lies in FLOOR..1")]
-    pub fn limit(&self) -> Gain {
+    #[expect(clippy::cast_possible_truncation, reason = "lies in FLOOR..1, times 1000")]
+    pub fn limit_per_mille(&self) -> u16 {
         if !self.is_warm() {
-            return Gain::FULL;
+            return 1000;
         }
         let over = ((self.rise() - WARN) / (1.0 - WARN)).clamp(0.0, 1.0);
         let left = 1.0 - over * (1.0 - FLOOR);
-        Gain((left * Gain::FULL.0 as f32) as u32)
+        // A NaN becomes 0: nothing is left.
+        (left * 1000.0) as u16
     }
 
     /// The temperature rise in per mille of its limit.
@@ -135,7 +137,7 @@ mod tests {
         thermal.advance(0, 0, RATE);
         let ticks = (seconds * f64::from(RATE) / 1024.0) as u64;
         for _ in 0..ticks {
-            let limit = if obey { f64::from(thermal.limit().0) / f64::from(Gain::FULL.0) } else { 1.0 };
+            let limit = if obey { f64::from(thermal.limit_per_mille()) / 1000.0 } else { 1.0 };
             let square = if on { (FULL_SQUARE as f64 * limit * limit) as u64 } else { 0 };
             let (at, energy) = (thermal.at.unwrap_or(0) + 1024, thermal.energy.wrapping_add(square * 1024));
             thermal.advance(at, energy, RATE);
@@ -181,15 +183,15 @@ mod tests {
     fn a_coil_that_is_assumed_hot_is_folded_back_to_the_floor_and_cools_at_rest() {
         let mut thermal = Thermal::new(Heat::AssumedHot);
         assert!(!thermal.is_over());
-        assert_eq!(thermal.limit(), Gain(Gain::FULL.0 / 2));
+        assert_eq!(thermal.limit_per_mille(), 500);
         run(&mut thermal, 10.0, false, true);
-        assert_eq!(thermal.limit(), Gain::FULL);
+        assert_eq!(thermal.limit_per_mille(), 1000);
     }
 
     #[test]
     fn a_temperature_that_is_no_number_counts_as_hot() {
         let thermal = Thermal { winding: f32::NAN, ..Thermal::new(Heat::Cold) };
         assert!(thermal.is_over() && thermal.is_warm());
-        assert_ne!(thermal.limit(), Gain::FULL);
+        assert_eq!(thermal.limit_per_mille(), 0);
     }
 }

@@ -1,6 +1,7 @@
 //! The limits' times in samples at the device's own rate: the application knows no other clock.
 
 use slipline_protocol::limits;
+use slipline_protocol::units::SampleIndex;
 
 use crate::bank::BLOCK;
 
@@ -15,6 +16,17 @@ pub const SETTLE_BLOCKS: u64 = 4;
 
 /// Blocks between two ticks of the link's half: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.
 pub const TICK_BLOCKS: u64 = 8;
+
+/// The thermal limit changes at multiples of so many blocks only: 328 ms at 400 kS/s, a twentieth of the winding's time
+/// constant. A host that hears a status in every such period knows the limit of every sample.
+pub const LIMIT_BLOCKS: u64 = 1024;
+
+/// Where the thermal limit came into force that stands at the last sample before `next`.
+#[must_use]
+pub const fn limit_since(next: SampleIndex) -> SampleIndex {
+    let last = next.saturating_sub(1);
+    last.saturating_sub(last % (LIMIT_BLOCKS * BLOCK_SAMPLES))
+}
 
 /// Times in samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

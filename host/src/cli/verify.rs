@@ -149,12 +149,19 @@ impl Follower {
         let now = device.perform_at(Request::Refresh)?;
         let mut mirror = Mirror::new(rate_hz, now);
         mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;
-        let seen = device.snapshot().journal.back().map_or(0, |entry| entry.number);
+        let snapshot = device.snapshot();
+        if let Some(status) = snapshot.status {
+            let limit = status.foldback_per_mille;
+            mirror.acknowledge_limit(limit, mirror.now()).map_err(Failure::failed)?;
+        }
+        let seen = snapshot.journal.back().map_or(0, |entry| entry.number);
         Ok(Self { mirror, seen })
     }
 
     /// The CRC-32 of a window that is over.
     fn digest(&mut self, device: &Device, window: DigestWindow) -> Result<u32, Failure> {
+        // The thermal limit up to the window's end is known from the status after it.
+        device.perform(Request::Refresh)?;
         let snapshot = device.snapshot();
         let seen = self.seen;
         for entry in snapshot.journal.iter().filter(|entry| entry.number > seen) {
@@ -182,6 +189,7 @@ impl Follower {
             }
             Change::EmergencyStop => self.mirror.acknowledge_stop(Stop::Emergency, entry.at),
             Change::Table(table) => self.mirror.acknowledge_table(table.knots().into(), entry.at),
+            Change::Limit(per_mille) => self.mirror.acknowledge_limit(*per_mille, entry.at),
             Change::Armed => Ok(()),
         }
     }

@@ -92,6 +92,8 @@ pub enum Change {
     EmergencyStop,
     /// This table was swapped in.
     Table(Arc<DeviceTable>),
+    /// What the thermal fold-back leaves of every amplitude from here on, per mille.
+    Limit(u16),
 }
 
 /// How much an entry of the log matters.

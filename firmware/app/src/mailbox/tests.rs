@@ -4,14 +4,14 @@ use std::boxed::Box;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use slipline_protocol::limits::MAX_TONES;
-use slipline_protocol::units::FinePosition;
+use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
 use crate::bank::BLOCK;
 use crate::program::Target;
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
-use crate::timing::Timing;
+use crate::timing::{LIMIT_BLOCKS, Timing, limit_since};
 
 type Local = Crossing<NoopRawMutex>;
 
@@ -89,9 +89,15 @@ fn a_slot_that_sounds_is_not_written() {
 #[test]
 fn the_thermal_limit_is_approached_slowly_and_kept() {
     let (crossing, mut renderer) = sounding();
+    crossing.set_limit(1000);
+    render(&mut renderer, &crossing, 1);
     let mut last = crossing.view().report.sum;
     assert_eq!(last, u64::from(Gain::FULL.0));
-    crossing.set_limit(Gain(Gain::FULL.0 / 4));
+    // It changes at every 1024th block only.
+    crossing.set_limit(250);
+    render(&mut renderer, &crossing, (LIMIT_BLOCKS - crossing.now() / BLOCK as u64) as u32);
+    assert_eq!(crossing.view().report.sum, last);
+    assert_eq!(limit_since(crossing.now()), 0);
     for _ in 0..80 {
         render(&mut renderer, &crossing, 1);
         let sum = crossing.view().report.sum;
@@ -99,9 +105,24 @@ fn the_thermal_limit_is_approached_slowly_and_kept() {
         last = sum;
     }
     assert_eq!(last, u64::from(Gain::FULL.0) / 4);
-    crossing.set_limit(Gain::FULL);
-    render(&mut renderer, &crossing, 80);
+    assert_eq!(limit_since(crossing.now()), LIMIT_BLOCKS * BLOCK as u64);
+    crossing.set_limit(1000);
+    render(&mut renderer, &crossing, LIMIT_BLOCKS as u32);
     assert_eq!(crossing.view().report.sum, u64::from(Gain::FULL.0));
+}
+
+#[test]
+fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
+    let (crossing, mut renderer) = (crossing(), Renderer::new(Timing::at(400_000)));
+    render(&mut renderer, &crossing, 3);
+    crossing.set_limit(500);
+    let at = crossing.arm();
+    assert_eq!(crossing.publish(program(at), &crossing.view()), Ok(()));
+    for _ in 0..40 {
+        render(&mut renderer, &crossing, 1);
+        assert!(crossing.view().report.sum <= u64::from(Gain::FULL.0) / 2);
+    }
+    assert_eq!(crossing.view().report.sum, u64::from(Gain::FULL.0) / 2);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::link::conversation::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::link::record::Record;
 use crate::link::upload::{BUSY_PAUSE, Step};
 use crate::link::{Change, LinkState, Outcome, Severity, Trouble};
+use slipline_app::timing::limit_since;
 use slipline_protocol::event::{Digest, Identity, State, Status};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::version::Version;
@@ -89,6 +90,10 @@ impl Dialogue {
 
     fn take_status(&mut self, status: Status, record: &mut Record) {
         let is_first = record.view.status.is_none();
+        let limit = record.view.status.map(|before| before.foldback_per_mille);
+        if limit != Some(status.foldback_per_mille) {
+            record.acknowledge(limit_since(status.now), Change::Limit(status.foldback_per_mille));
+        }
         record.status(status);
         if is_first {
             record.acknowledge(status.now, Change::Session);
