@@ -1,0 +1,89 @@
+//! What a sheet takes, told before it is built.
+
+use super::intake::Pace;
+use super::outline::Outline;
+use super::{CELLS_MAX, COURANT, SheetError, SheetGrid};
+use crate::plate::Plate;
+
+/// What a sheet takes to run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Cells that a step updates.
+    pub cells: usize,
+    /// Steps per second of plate time.
+    pub step_rate_hz: f64,
+}
+
+impl Cost {
+    /// Cell updates that one second of plate time takes; a processor core does some 1e9 a second.
+    pub fn updates_per_second(&self) -> f64 {
+        self.cells as f64 * self.step_rate_hz
+    }
+}
+
+/// The frame of a sheet: where its cells are and how long a step is.
+pub(super) struct Layout {
+    pub(super) outline: Outline,
+    pub(super) pace: Pace,
+    pub(super) step_s: f64,
+    pub(super) speed_m_per_s: f64,
+    /// Whether only one half is computed.
+    pub(super) mirrored: bool,
+}
+
+impl Layout {
+    pub(super) fn new(plate: &Plate, sample_rate_hz: f64, grid: &SheetGrid) -> Result<Self, SheetError> {
+        let Some(speed_m_per_s) = plate.spec().model.wave_speed_m_per_s() else {
+            return Err(SheetError::Bends { plate: plate.name().to_owned() });
+        };
+        grid.validate(sample_rate_hz)?;
+        let cells = 2 * grid.along * grid.across;
+        if cells > CELLS_MAX {
+            return Err(SheetError::TooBig { cells, limit: CELLS_MAX });
+        }
+        let outline = Outline::new(plate, grid.along, grid.across);
+        let longest = COURANT / (speed_m_per_s * (outline.dx.powi(-2) + outline.dz.powi(-2)).sqrt());
+        let pace = Pace::new(sample_rate_hz, longest);
+        let mirrored = !grid.whole && grid.drive.is_symmetric();
+        Ok(Self { step_s: pace.step_s(sample_rate_hz), outline, pace, speed_m_per_s, mirrored })
+    }
+
+    fn cost(&self) -> Cost {
+        let half: usize = self.outline.reach.iter().map(|reach| reach + 1).sum();
+        let centre = self.outline.reach.first().map_or(0, |reach| reach + 1);
+        let cells = if self.mirrored { half } else { 2 * half - centre };
+        Cost { cells, step_rate_hz: 1.0 / self.step_s }
+    }
+}
+
+impl SheetGrid {
+    /// What a sheet on this grid would take; builds no sheet.
+    ///
+    /// # Errors
+    /// [`SheetError`] as [`super::Sheet::new`].
+    pub fn cost(&self, plate: &Plate, sample_rate_hz: f64) -> Result<Cost, SheetError> {
+        Ok(Layout::new(plate, sample_rate_hz, self)?.cost())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sheet;
+    use super::*;
+    use crate::presets::preset;
+
+    #[test]
+    fn the_cost_told_is_the_cost_of_the_sheet_that_is_built() {
+        for (name, whole) in [("membrane", false), ("membrane", true), ("al-sh", false)] {
+            let plate = preset(name).expect("a preset");
+            let grid = SheetGrid { whole, ..SheetGrid::coarse(&plate) };
+            let cost = grid.cost(&plate, 400e3).expect("no bending");
+            let sheet = Sheet::new(&plate, 400e3, grid).expect("no bending");
+            assert_eq!(cost.cells, sheet.cells(), "{name} {whole}");
+            assert_eq!(cost.updates_per_second(), sheet.updates_per_second(), "{name} {whole}");
+        }
+        let bending = preset("al-bending").expect("a preset");
+        let refused = SheetGrid::coarse(&bending).cost(&bending, 400e3);
+        assert!(matches!(refused, Err(SheetError::Bends { .. })));
+    }
+}
