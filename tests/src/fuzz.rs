@@ -4,6 +4,7 @@
 //! them; the corpora under `corpus/` are replayed by a plain `cargo test` (tests/fuzz_corpora.rs).
 
 use crate::rig::{BLOCK, MID, Rig, Table, drive};
+use crate::talk::Talk;
 use slipline_plate::Plate;
 use slipline_protocol::command::{Hello, KeepAlive};
 use slipline_protocol::event::State;

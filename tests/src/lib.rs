@@ -6,6 +6,7 @@
 //! A rig is the production code with other edges; hardware, time and chance are arguments. Each file under `tests/`
 //! holds the tests of one subject; where a test answers a row of the reliability table it names it (R-..).
 
+pub mod bench;
 pub mod commands;
 pub mod faulty_link;
 pub mod fuzz;
@@ -15,3 +16,5 @@ pub mod qemu;
 pub mod relay;
 pub mod rig;
 pub mod storm;
+pub mod talk;
+pub mod world;

@@ -16,14 +16,15 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use slipline_app::bank::BLOCK;
+use slipline_protocol::Decoder;
 use slipline_protocol::command::{Command, Hello, KeepAlive};
 use slipline_protocol::event::{Event, Identity, Status};
 use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
-use slipline_protocol::{Decoder, Refusal};
 
 use crate::rig::Table;
+use crate::talk::Talk;
 
 /// However slow the machine: an answer that takes longer is none.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -262,37 +263,6 @@ impl Host {
         }
     }
 
-    /// Sends a command and returns the answer.
-    pub fn send(&mut self, command: &Command) -> Event {
-        if command.is_sequenced() {
-            self.sequence = self.sequence.wrapping_add(1);
-        }
-        self.say(command, self.session, self.sequence);
-        self.answer().1
-    }
-
-    /// Sends a command that must be accepted and returns the index.
-    ///
-    /// # Panics
-    /// If it is not.
-    pub fn accepted(&mut self, command: &Command) -> SampleIndex {
-        match self.send(command) {
-            Event::Accepted(accepted) => accepted.at,
-            other => panic!("{command:?} should be accepted, not {other:?}"),
-        }
-    }
-
-    /// Sends a command that must be refused and returns why.
-    ///
-    /// # Panics
-    /// If it is not.
-    pub fn refused(&mut self, command: &Command) -> Refusal {
-        match self.send(command) {
-            Event::Refused(refusal) => refusal,
-            other => panic!("{command:?} should be refused, not {other:?}"),
-        }
-    }
-
     /// Uploads a table and swaps it in; returns the index of the swap.
     pub fn upload(&mut self, table: &Table) -> SampleIndex {
         self.accepted(&Command::TableBegin(table.header));
@@ -300,17 +270,6 @@ impl Host {
             self.accepted(&Command::TableChunk(chunk));
         }
         self.accepted(&Command::TableCommit)
-    }
-
-    /// How the device is.
-    ///
-    /// # Panics
-    /// If it does not say.
-    pub fn status(&mut self) -> Status {
-        match self.send(&Command::Status) {
-            Event::Status(status) => status,
-            other => panic!("a status should come, not {other:?}"),
-        }
     }
 
     /// Lives until the device has come to an index.
@@ -364,5 +323,15 @@ impl Host {
                 Err(error) => panic!("the emulator has ended: {error}"),
             }
         }
+    }
+}
+
+impl Talk for Host {
+    fn send(&mut self, command: &Command) -> Event {
+        if command.is_sequenced() {
+            self.sequence = self.sequence.wrapping_add(1);
+        }
+        self.say(command, self.session, self.sequence);
+        self.answer().1
     }
 }

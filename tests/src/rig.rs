@@ -2,12 +2,14 @@
 
 use slipline::link::simulated::{Options, SentBlock, SimulatedDevice};
 use slipline_protocol::command::{Apply, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone};
-use slipline_protocol::event::{Event, Status};
+use slipline_protocol::event::Event;
 use slipline_protocol::limits::{CHUNK_KNOTS, KEEP_ALIVE_PERIOD_MS};
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position, SampleIndex};
 use slipline_protocol::version::Version;
-use slipline_protocol::{Decoder, Direction, Header, Refusal};
+use slipline_protocol::{Decoder, Direction, Header};
+
+use crate::talk::Talk;
 
 /// Samples in a block.
 pub const BLOCK: u64 = 128;
@@ -70,6 +72,18 @@ impl Table {
             |index| knots[usize::from(index)],
         );
         Self { header, knots }
+    }
+
+    /// The same phase steps for a device at another rate: every frequency goes with it.
+    #[must_use]
+    pub fn at_rate(mut self, sample_rate_hz: u32) -> Self {
+        let header = &mut self.header;
+        header.sample_rate_hz = sample_rate_hz;
+        header.crc =
+            table::digest(header.span_start_um, header.span_end_um, sample_rate_hz, header.knots, |index| {
+                self.knots[usize::from(index)]
+            });
+        self
     }
 
     /// The usual one: 60 kHz down to 20 kHz, gain 0.5 rising to 1.
@@ -277,48 +291,6 @@ impl Rig {
         }
     }
 
-    /// Sends a command and returns the answer.
-    ///
-    /// # Panics
-    /// If there is none.
-    pub fn send(&mut self, command: &Command) -> Event {
-        let bytes = self.frame(command);
-        self.exchange(&bytes).unwrap_or_else(|| panic!("{command:?} is answered")).event
-    }
-
-    /// Sends a command that must be accepted and returns the index.
-    ///
-    /// # Panics
-    /// If it is not.
-    pub fn accepted(&mut self, command: &Command) -> SampleIndex {
-        match self.send(command) {
-            Event::Accepted(accepted) => accepted.at,
-            other => panic!("{command:?} should be accepted, not {other:?}"),
-        }
-    }
-
-    /// Sends a command that must be refused and returns why.
-    ///
-    /// # Panics
-    /// If it is not.
-    pub fn refused(&mut self, command: &Command) -> Refusal {
-        match self.send(command) {
-            Event::Refused(refusal) => refusal,
-            other => panic!("{command:?} should be refused, not {other:?}"),
-        }
-    }
-
-    /// The device's status.
-    ///
-    /// # Panics
-    /// If it is not told.
-    pub fn status(&mut self) -> Status {
-        match self.send(&Command::Status) {
-            Event::Status(status) => status,
-            other => panic!("a status should come, not {other:?}"),
-        }
-    }
-
     /// Sends the next keep-alive.
     pub fn keep_alive(&mut self) -> Option<Reply> {
         self.beat += 1;
@@ -383,5 +355,12 @@ impl Rig {
     /// Begins a new recording.
     pub fn record(&mut self) {
         self.recording = Recording { first: self.device.now(), ..Recording::default() };
+    }
+}
+
+impl Talk for Rig {
+    fn send(&mut self, command: &Command) -> Event {
+        let bytes = self.frame(command);
+        self.exchange(&bytes).unwrap_or_else(|| panic!("{command:?} is answered")).event
     }
 }

@@ -12,6 +12,7 @@ use slipline_protocol::units::{CentiDecibel, Phase};
 use slipline_protocol::{Command, Refusal};
 
 use crate::rig::{BLOCK, RATE_HZ, Rig, Table, tone};
+use crate::talk::Talk;
 
 /// What the user does next.
 #[derive(Clone, Debug)]

@@ -6,6 +6,7 @@ use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::commands::every_command;
 use slipline_tests::rig::{Rig, drive};
+use slipline_tests::talk::Talk;
 
 fn token(rig: &mut Rig) -> u32 {
     match rig.send(&Command::BootloaderToken) {

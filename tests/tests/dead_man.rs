@@ -1,12 +1,14 @@
 //! The host dies and the actuator must not go on.
 
 use proptest::prelude::*;
+use slipline::link::simulated::Options;
 use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS};
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::measure::{envelope, largest_step};
-use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 /// Sounds one tone of 20 kHz at full scale.
 fn driving() -> Rig {
@@ -119,18 +121,31 @@ fn a_drive_that_was_to_begin_later_does_not_begin_when_the_host_is_gone() {
 }
 
 #[test]
-fn a_host_that_wakes_after_a_long_sleep_connects_cleanly() {
-    //
-    let mut rig = driving();
-    rig.silent_ms(20_000);
+fn a_host_that_wakes_after_an_hour_connects_cleanly() {
+    // R-25, at 8 kS/s, so that the hour is few blocks; `reconnecting.rs` has it with the host's own link.
+    let rate = 8000;
+    let table = Table::usual().at_rate(rate);
+    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
+    rig.hello();
+    rig.upload(&table);
+    rig.arm();
+    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 200)));
+    rig.live_ms(100);
+    assert_eq!(rig.status().state, State::Driving);
+    let end = rig.device.now() + rig.samples(DEAD_MAN_MS + DEAD_MAN_RAMP_MS) + 2 * BLOCK;
+    let muted_from = end + 8 * BLOCK;
+    rig.device.advance(rig.samples(3_600_000) / BLOCK, |block| {
+        assert!(block.first < end || block.codes.iter().all(|&code| code == MID), "at {}", block.first);
+        assert!(block.first < muted_from || block.muted, "at {}", block.first);
+    });
     let reply = rig.hello();
     assert!(matches!(reply.event, Event::Hello(_)));
     assert_eq!(rig.status().first_fault, Some(Fault::HostLost));
     rig.accepted(&Command::ClearFaults);
-    rig.upload(&Table::usual());
+    rig.upload(&table);
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 200)));
+    rig.live_ms(100);
     assert_eq!(rig.status().state, State::Driving);
 }
 

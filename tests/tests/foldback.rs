@@ -8,6 +8,7 @@ use slipline_app::thermal::Heat;
 use slipline_app::timing::{LIMIT_BLOCKS, limit_since};
 use slipline_protocol::Command;
 use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 /// Lives for some blocks, tells the mirror what the status says of the limit, and compares all codes since. Returns
 /// the limit, per mille.

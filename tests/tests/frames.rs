@@ -7,6 +7,7 @@ use slipline_protocol::limits::MAX_BODY;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::commands::every_command;
 use slipline_tests::rig::{Rig, drive};
+use slipline_tests::talk::Talk;
 
 /// A device that sounds two tones.
 fn driving() -> Rig {

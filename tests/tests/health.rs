@@ -4,12 +4,11 @@ use slipline::link::simulated::{Options, WATCHDOG_MS};
 use slipline_app::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS};
-use slipline_protocol::table::Knot;
-use slipline_protocol::units::Gain;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::commands::every_command;
 use slipline_tests::measure::mean_square;
 use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 #[test]
 fn the_watchdog_starves_when_the_link_hangs_and_not_before() {
@@ -172,14 +171,7 @@ fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
     let rate = 8000;
     let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
     rig.hello();
-    let mut table = Table::of(vec![
-        Knot { step: 1 << 24, gain: Gain(1 << 29) },
-        Knot { step: 1 << 25, gain: Gain(1 << 29) },
-    ]);
-    table.header.sample_rate_hz = rate;
-    table.header.crc =
-        slipline_protocol::table::digest(80_000, 270_000, rate, 2, |i| table.knots[usize::from(i)]);
-    rig.upload(&table);
+    rig.upload(&Table::usual().at_rate(rate));
     rig.arm();
     rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 100)));
     rig.live_ms(MAX_DRIVE_MS / 2);

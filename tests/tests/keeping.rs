@@ -6,6 +6,7 @@ use slipline_protocol::event::{Event, Fault, ResetCause, State, StoredConfig};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::rig::{MID, Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 fn stored(rig: &mut Rig) -> StoredConfig {
     match rig.hello().event {

@@ -9,6 +9,7 @@ use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::measure::peak;
 use slipline_tests::rig::{BLOCK, Rig, Table, drive, tone};
+use slipline_tests::talk::Talk;
 
 #[test]
 fn every_master_level_that_is_out_of_range_is_refused_with_its_range() {

@@ -5,6 +5,7 @@ use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::DEAD_MAN_MS;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 /// A short life that begins at an index: table, arm, drives across the first 40 000 samples, a host that dies.
 fn life(first_index: u64) -> Rig {

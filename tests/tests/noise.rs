@@ -8,6 +8,7 @@ use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS};
 use slipline_tests::commands::every_command;
 use slipline_tests::faulty_link::{Chance, Faults, FaultyLink};
 use slipline_tests::rig::{BLOCK, Rig, drive};
+use slipline_tests::talk::Talk;
 
 fn driving() -> Rig {
     let mut rig = Rig::armed();

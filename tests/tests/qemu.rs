@@ -19,6 +19,7 @@ use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, STOP_RAMP_MS};
 use slipline_protocol::units::SampleIndex;
 use slipline_tests::qemu::{Emulator, Host, Line};
 use slipline_tests::rig::{MID, RATE_HZ, Table, drive};
+use slipline_tests::talk::Talk;
 
 const MILLISECOND: u64 = RATE_HZ as u64 / 1000;
 /// What a slow computer may lose between asking for the index and naming one in a command.

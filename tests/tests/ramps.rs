@@ -7,6 +7,7 @@ use slipline_protocol::event::{Fault, ResetCause, State};
 use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
 use slipline_tests::measure::{envelope, peak};
 use slipline_tests::rig::{BLOCK, MID, Rig, drive};
+use slipline_tests::talk::Talk;
 
 /// Sounds 20 kHz at full scale.
 fn driving() -> Rig {

@@ -7,6 +7,7 @@ use slipline_protocol::event::{Event, State};
 use slipline_protocol::refusal::Refusal;
 use slipline_tests::faulty_link::{Faults, FaultyLink};
 use slipline_tests::rig::{Rig, Table, drive};
+use slipline_tests::talk::Talk;
 
 /// A session from hello to stop, each frame sent through `link`.
 fn play(mut link: FaultyLink) -> Rig {

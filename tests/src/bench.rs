@@ -1,0 +1,181 @@
+//! A host's link in virtual time, in a world that does as it is told.
+
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+use slipline::link::connection::Connection;
+use slipline::link::simulated::{Options, SimulatedDevice};
+use slipline::link::transport::Waker;
+use slipline::link::{DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Ticket, ToneRequest};
+use slipline::table::DeviceTable;
+use slipline_protocol::event::State;
+use slipline_protocol::limits::{MAX_RETRIES, REPLY_TIMEOUT_MS};
+
+use crate::rig::{BLOCK, MID};
+use crate::world::{Ports, Shared, World, lock};
+
+/// A connection in a world, in virtual time.
+pub struct Bench {
+    /// The link.
+    pub connection: Connection<Ports>,
+    /// What lies behind it.
+    pub world: Shared,
+    /// The time.
+    pub now: Duration,
+    tickets: u64,
+    /// The link's states, one after the other.
+    pub states: Vec<LinkState>,
+    /// How often the link was called.
+    pub steps: u64,
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Bench {
+    /// Not connected yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::of(World::default())
+    }
+
+    fn of(world: World) -> Self {
+        let world = Arc::new(Mutex::new(world));
+        let mut nonce = 0u32;
+        let nonces = Box::new(move || {
+            nonce += 1;
+            nonce.to_le_bytes()
+        });
+        let connection = Connection::new(Ports(world.clone()), Waker::new(|| ()), nonces);
+        Self { connection, world, now: Duration::ZERO, tickets: 0, states: Vec::new(), steps: 0 }
+    }
+
+    /// Connected.
+    #[must_use]
+    pub fn connected() -> Self {
+        Self::new().connect()
+    }
+
+    /// Connected, with a table, armed.
+    #[must_use]
+    pub fn armed() -> Self {
+        Self::connected().arm()
+    }
+
+    /// The same with a device that makes so few samples a second that hours of them are made soon.
+    #[must_use]
+    pub fn armed_at(sample_rate_hz: u32) -> Self {
+        let device = SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() });
+        Self::of(World { device, ..World::default() }).connect().arm()
+    }
+
+    fn connect(mut self) -> Self {
+        let ticket = self.ask(Request::Connect(Port::Serial("A".to_owned())));
+        self.pass_ms(100);
+        assert!(matches!(self.outcome(ticket), Some(Outcome::Done { .. })));
+        assert_eq!(self.view().link, LinkState::Connected);
+        self
+    }
+
+    /// Puts a table on the device and arms it.
+    fn arm(mut self) -> Self {
+        let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
+        let rate = f64::from(self.world().device.sample_rate_hz());
+        let table = DeviceTable::from_knots((0.0, 0.1), rate, knots, 1e-6).unwrap();
+        let upload = self.ask(Request::Upload(Arc::new(table)));
+        let arm = self.ask(Request::Arm);
+        // At the lowest rates a block takes long.
+        self.pass_ms(1000);
+        assert!(matches!(self.outcome(upload), Some(Outcome::Done { .. })));
+        assert_eq!(self.view().upload_verified, Some(true));
+        assert!(matches!(self.outcome(arm), Some(Outcome::Done { .. })));
+        self
+    }
+
+    /// What lies behind the link.
+    pub fn world(&self) -> MutexGuard<'_, World> {
+        lock(&self.world)
+    }
+
+    /// What the link shows.
+    pub fn view(&self) -> &Snapshot {
+        self.connection.view()
+    }
+
+    /// Hands a request over and lets the link work.
+    pub fn ask(&mut self, request: Request) -> Ticket {
+        let ticket = self.only_ask(request);
+        self.step();
+        ticket
+    }
+
+    /// Hands a request over without letting the link work.
+    pub fn only_ask(&mut self, request: Request) -> Ticket {
+        self.tickets += 1;
+        self.connection.request(Ticket(self.tickets), request, self.now);
+        Ticket(self.tickets)
+    }
+
+    fn step(&mut self) {
+        self.connection.step(self.now);
+        self.steps += 1;
+        let link = self.view().link.clone();
+        if self.states.last() != Some(&link) {
+            self.states.push(link);
+        }
+    }
+
+    /// Lets the device and the link go on; the link is called only when it asks for it, or bytes have come.
+    pub fn pass_ms(&mut self, milliseconds: u64) {
+        for _ in 0..milliseconds {
+            self.advance(Duration::from_millis(1));
+            let is_due = self.connection.deadline(self.now).is_some_and(|due| due <= self.now);
+            let has_answered = self.world().error.is_none();
+            if is_due || (has_answered && self.connection.is_open()) {
+                self.step();
+            }
+        }
+    }
+
+    /// The host's computer sleeps: the device goes on by itself. Returns whether anything sounded at the end.
+    pub fn sleep(&mut self, time: Duration) -> bool {
+        let last = Duration::from_secs(1);
+        self.advance(time - last);
+        self.advance(last)
+    }
+
+    /// Lets the device go on; returns whether anything sounded.
+    fn advance(&mut self, time: Duration) -> bool {
+        let mut world = lock(&self.world);
+        let rate = u128::from(world.device.sample_rate_hz());
+        let blocks_until =
+            |time: Duration| (time.as_micros() * rate / (1_000_000 * u128::from(BLOCK))) as u64;
+        let blocks = blocks_until(self.now + time) - blocks_until(self.now);
+        self.now += time;
+        let mut sounds = false;
+        world.device.advance(blocks, |block| sounds |= !block.muted || *block.codes != [MID; BLOCK as usize]);
+        sounds
+    }
+
+    /// How a request ended, if it has.
+    pub fn outcome(&self, ticket: Ticket) -> Option<Outcome> {
+        self.view().outcome(ticket).cloned()
+    }
+
+    /// The device's state, as the link knows it.
+    pub fn state(&self) -> State {
+        self.view().status.unwrap().state
+    }
+}
+
+/// A request for one tone with its boundary there, in metres.
+#[must_use]
+pub fn drive(boundary_m: f64) -> Request {
+    Request::Drive(DriveRequest::of(vec![ToneRequest { slot: 0, boundary_m, level: 0.5, phase_turns: 0.0 }]))
+}
+
+/// A device that answers no more is lost after so long, in milliseconds.
+pub const LOST_AFTER_MS: u64 = (REPLY_TIMEOUT_MS * (MAX_RETRIES + 1)) as u64;

@@ -1,0 +1,47 @@
+//! What every host of a test says, whatever device answers it.
+
+use slipline_protocol::event::{Event, Status};
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::{Command, Refusal};
+
+/// A host with a device that answers.
+pub trait Talk {
+    /// Sends a command and returns the answer.
+    ///
+    /// # Panics
+    /// If there is none.
+    fn send(&mut self, command: &Command) -> Event;
+
+    /// Sends a command that must be accepted and returns the index.
+    ///
+    /// # Panics
+    /// If it is not.
+    fn accepted(&mut self, command: &Command) -> SampleIndex {
+        match self.send(command) {
+            Event::Accepted(accepted) => accepted.at,
+            other => panic!("{command:?} should be accepted, not {other:?}"),
+        }
+    }
+
+    /// Sends a command that must be refused and returns why.
+    ///
+    /// # Panics
+    /// If it is not.
+    fn refused(&mut self, command: &Command) -> Refusal {
+        match self.send(command) {
+            Event::Refused(refusal) => refusal,
+            other => panic!("{command:?} should be refused, not {other:?}"),
+        }
+    }
+
+    /// How the device is.
+    ///
+    /// # Panics
+    /// If it does not say.
+    fn status(&mut self) -> Status {
+        match self.send(&Command::Status) {
+            Event::Status(status) => status,
+            other => panic!("a status should come, not {other:?}"),
+        }
+    }
+}
