@@ -7,6 +7,7 @@
 //! holds the tests of one subject; where a test answers a row of the reliability table it names it (R-..).
 
 pub mod bench;
+pub mod built;
 pub mod commands;
 pub mod faulty_link;
 pub mod fuzz;

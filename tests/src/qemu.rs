@@ -11,7 +11,6 @@ use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, Stdio};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
@@ -23,34 +22,12 @@ use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
 
+use crate::built::image;
 use crate::rig::Table;
 use crate::talk::Talk;
 
 /// However slow the machine: an answer that takes longer is none.
 const PATIENCE: Duration = Duration::from_secs(30);
-const TARGET: &str = "thumbv7em-none-eabihf";
-
-/// Builds the image, once per test program, and returns its path.
-///
-/// # Panics
-/// If it does not build.
-pub fn image() -> &'static Path {
-    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
-    IMAGE.get_or_init(|| {
-        let output = Process::new(env!("CARGO"))
-            .args(["build", "--release", "--target", TARGET, "-p", "slipline-qemu", "--bin", "slipline-qemu"])
-            .args(["--message-format", "json"])
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .stderr(Stdio::inherit())
-            .output()
-            .expect("cargo runs");
-        assert!(output.status.success(), "the image for the emulator does not build");
-        let messages = String::from_utf8_lossy(&output.stdout);
-        let path =
-            messages.lines().rev().find_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
-        PathBuf::from(path.expect("cargo names the image"))
-    })
-}
 
 /// How the emulated UART0 is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
