@@ -7,7 +7,7 @@
 //! Time is what has been rendered, so every run of the same requests gives the same codes.
 
 use crate::link::connection::Connection;
-use crate::link::simulated::{Options, SimulatedDevice};
+use crate::link::simulated::{MemoryFlash, Options, SimulatedDevice};
 use crate::link::transport::{Opener, Transport, Waker};
 use crate::link::{Outcome, Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline_app::bank::BLOCK;
@@ -49,8 +49,15 @@ impl Chain {
     /// # Errors
     /// [`ChainError`] if the device does not let itself be armed.
     pub fn connect(sample_rate_hz: u32) -> Result<Self, ChainError> {
-        let options = Options { sample_rate_hz, ..Options::default() };
-        let device = Arc::new(Mutex::new(SimulatedDevice::new(options)));
+        Self::connect_to(SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() }))
+    }
+
+    /// The same with a device that has a past: a table in its flash, a coil that counts as hot.
+    ///
+    /// # Errors
+    /// [`ChainError`] if the device does not let itself be armed.
+    pub fn connect_to(device: SimulatedDevice) -> Result<Self, ChainError> {
+        let device = Arc::new(Mutex::new(device));
         let opener = OneDevice(device.clone());
         // One session of one device: any nonce will do.
         let connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"sim0"));
@@ -93,6 +100,12 @@ impl Chain {
             }
         }
         Err(ChainError::NoAnswer)
+    }
+
+    /// The device's flash as it is now.
+    #[must_use]
+    pub fn flash(&self) -> MemoryFlash {
+        lock(&self.device).flash()
     }
 
     /// Lets so many samples pass (rounded up to blocks); `sink` gets their codes.

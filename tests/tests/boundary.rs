@@ -61,12 +61,14 @@ fn with_the_table_the_peak_stays_within_a_decibel_over_every_presets_span() {
     for preset in presets() {
         let plate = preset.plate().unwrap();
         let (table, _) = table_for(&plate, SAMPLE_RATE_HZ).unwrap();
-        if table.knots_without_peak > 0 {
-            continue;
-        }
         for step in 0..6 {
             let boundary_m = along(&plate, f64::from(step) / 5.0);
             let result = run(&plate, &plate, &table, boundary_m, true);
+            if result.tones[0].predicted.peak.is_none() {
+                // Loss leaves no peak here: there is none to level, and the result says so.
+                assert!(table.knots_without_peak > 0, "{}", plate.name());
+                continue;
+            }
             let measured_m = result.tones[0].measured.unwrap().amplitude;
             let db = 20.0 * (measured_m / (0.8 * result.peak_at_full_scale_m)).log10();
             assert!(db.abs() < 1.0, "{} at {:.1} mm: {db} dB", plate.name(), boundary_m * 1e3);
@@ -74,9 +76,10 @@ fn with_the_table_the_peak_stays_within_a_decibel_over_every_presets_span() {
     }
 }
 
-/// The aluminium plate with another drive end.
+/// The aluminium plate with another drive end, over the widest span.
 fn aluminium(drive_end: DriveEnd) -> Plate {
-    Plate::new(PlateSpec { drive_end, ..preset("al-bending").unwrap().spec().clone() }).unwrap()
+    let wide = preset("al-bending-displacement").unwrap();
+    Plate::new(PlateSpec { drive_end, ..wide.spec().clone() }).unwrap()
 }
 
 /// The largest over the smallest peak in dB for boundaries 80 to 270 mm without gains, measured at the places where
@@ -122,9 +125,11 @@ fn off_db_when_one_percent_faster(name: &str) -> f64 {
 }
 
 #[test]
-fn a_plate_one_percent_faster_leaves_the_matched_membrane_within_a_decibel() {
-    let db = off_db_when_one_percent_faster("membrane");
-    assert!(db.abs() < 1.0, "{db} dB");
+fn a_plate_one_percent_faster_leaves_every_matched_preset_within_a_decibel() {
+    for name in ["membrane", "al-bending", "al-sh"] {
+        let db = off_db_when_one_percent_faster(name);
+        assert!(db.abs() < 1.0, "{name}: {db} dB");
+    }
 }
 
 #[test]
@@ -172,6 +177,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 length_m,
                 model,
                 loss_factor,
+                wave_speed_tolerance: 0.0,
                 drive_end: DriveEnd::Displacement,
                 actuator: None,
                 full_scale_m: 1e-5,

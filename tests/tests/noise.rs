@@ -1,6 +1,8 @@
 //! Noise on the line: it says nothing, feeds nothing, stops nothing.
 
 use proptest::prelude::*;
+use slipline::chain::Chain;
+use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline_protocol::Command;
 use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
@@ -212,4 +214,14 @@ fn of_a_million_damaged_frames_none_is_taken_for_a_command() {
     let after = rig.status();
     assert_eq!((after.state, after.faults, after.now), (before.state, before.faults, before.now));
     assert_eq!(after.counters.frames, before.counters.frames + 1);
+}
+
+#[test]
+fn what_a_host_left_unfinished_does_not_cost_the_next_one_its_hello() {
+    let mut device = SimulatedDevice::new(Options::default());
+    device.feed(&[9, 2, 3, 4]);
+    let chain = Chain::connect_to(device).unwrap();
+    let view = chain.view();
+    assert!(view.is_connected());
+    assert_eq!((view.counters.retries, view.counters.timeouts), (0, 0));
 }

@@ -113,7 +113,8 @@ impl Conversation {
             pulse: None,
             ordered: None,
             decoder: Decoder::new(),
-            out: Vec::new(),
+            // Ends whatever a host before this one left unfinished: the hello need not be said twice.
+            out: vec![0],
             tally: Tally::default(),
         }
     }

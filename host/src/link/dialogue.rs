@@ -9,8 +9,9 @@ mod answers;
 use super::conversation::{Conversation, KEEP_ALIVE_PERIOD};
 use super::record::Record;
 use super::upload::{BUSY_TRIES, Upload};
-use super::{DriveRequest, Outcome, Request, Ticket, Trouble};
+use super::{Change, DriveRequest, Outcome, Request, Severity, Ticket, Trouble};
 use slipline_protocol::Command;
+use slipline_protocol::event::State;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -314,6 +315,7 @@ impl Dialogue {
                     return true;
                 }
             },
+            Job::BeginUpload(upload) if recognised(upload, record) => return true,
             Job::BeginUpload(upload) => {
                 if let Some(older) = self.upload.replace(upload.clone()) {
                     record.finish(Some(older.ticket), Outcome::Superseded);
@@ -337,4 +339,22 @@ impl Dialogue {
         self.current = Some(Current::Task(Box::new(task)));
         true
     }
+}
+
+/// A table that the device holds from before this session, as after a restart with a stored one, need not be sent: the
+/// read-back has named it. From now on it is known, so that the mirror can follow.
+fn recognised(upload: &Upload, record: &mut Record) -> bool {
+    let is_silent =
+        record.view.status.is_some_and(|status| !matches!(status.state, State::Driving | State::Stopping));
+    let is_held = record.view.table.active == Some(upload.table.header());
+    if !(is_held && is_silent && record.view.confirmed_table.is_none()) {
+        return false;
+    }
+    let at = record.view.status.map_or(0, |status| status.now);
+    record.view.confirmed_table = Some(upload.table.clone());
+    record.view.upload_verified = Some(true);
+    record.acknowledge(at, Change::Table(upload.table.clone()));
+    record.log(Severity::Info, format!("Table {:08x} is on the device already.", upload.table.crc()));
+    record.finish(Some(upload.ticket), Outcome::Done { at });
+    true
 }

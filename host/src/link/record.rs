@@ -82,6 +82,8 @@ impl Record {
             let mut seen = *status;
             seen.now = 0;
             seen.counters.frames = 0;
+            // Shown in percent, and it falls for minutes after the last tone.
+            seen.heat_per_mille = seen.heat_per_mille.saturating_add(5) / 10;
             seen
         };
         if let Some(before) = self.view.status {
