@@ -3,16 +3,19 @@
 //! ```text
 //! views --Intent--> App --Edit--> Setup --DriveRequest--> link worker --> device
 //!   ^                |  <--Snapshot-- link worker <-- device
-//!   +--- Scene ------+  <--table, files, simulated plate-- threads
+//!   +--- Scene ------+  <--table, lights, design, sheet, files, simulated plate-- threads
 //! ```
 //! Nothing here waits: what takes longer than a frame is done by the link worker, a [`Workshop`] or [`Files`].
 
+mod background;
 mod input;
 mod perform;
 mod window;
 
+pub use background::{Background, DesignState, Waiting};
 pub use window::run;
 
+use crate::designer::{Designed, Draft};
 use crate::edit::{self, Edit, History};
 use crate::export;
 use crate::files::Files;
@@ -23,8 +26,10 @@ use crate::model::{MASTER_MIN_DB, Setup};
 use crate::picture::{Picture, steady_tones};
 use crate::pilot::{self, Pilot};
 use crate::settings::{Settings, ThemeChoice};
-pub use crate::tables::{TableJob, TableMade, TableState};
+use crate::sheet;
+pub use crate::table_making::{TableJob, TableMade, TableState};
 use crate::trial::{self, Measured};
+use crate::validity::{self, Verdict};
 use crate::view::intent::{Dialog, Grab};
 use crate::view::{self, Scene, ViewState, theme};
 use crate::workshop::Workshop;
@@ -63,10 +68,16 @@ pub struct Parts {
     pub link: Box<dyn Link>,
     /// Where tables are made.
     pub tables: Workshop<TableJob, TableState>,
+    /// Where validity lights are made.
+    pub checks: Workshop<validity::Job, Verdict>,
+    /// Where plates are designed.
+    pub designs: Workshop<Draft, Designed>,
+    /// Where the 2-D sheet is run.
+    pub sheets: Workshop<sheet::Job, sheet::Frame>,
     /// Where the mirror follows the device.
     pub live: Workshop<live::Job, Live>,
     /// Where the simulated plate is run.
-    pub trials: Workshop<trial::Job, Option<Measured>>,
+    pub trials: Workshop<trial::Job, Measured>,
     /// Files.
     pub files: Box<dyn Files>,
     /// Which ports exist.
@@ -102,8 +113,11 @@ pub struct App {
     table_asked: Option<(Arc<Plate>, u32)>,
     predicted: Picture,
     sounding: Option<(u64, Picture)>,
+    /// The plate that the picture of what sounds was solved for.
+    heard_on: Option<Arc<Plate>>,
     live: Live,
     measured: Option<Measured>,
+    background: Background,
     notice: Option<Notice>,
     dialog: Option<Dialog>,
     view: ViewState,
@@ -134,8 +148,10 @@ impl App {
             table_asked: None,
             predicted: Picture::default(),
             sounding: None,
+            heard_on: None,
             live: Live::default(),
             measured: None,
+            background: Background::default(),
             notice: None,
             dialog: None,
             view: ViewState::default(),
@@ -181,6 +197,7 @@ impl App {
         self.keys(ctx);
         self.follow_pointer(ctx);
         self.dropped_files(ctx);
+        self.look_after_background(ctx);
         self.advance(ctx);
     }
 
@@ -242,10 +259,12 @@ impl App {
         if let Some(table) = self.parts.tables.take() {
             let is_current = table.made().is_none_or(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
             if is_current {
+                self.background.keep(&table);
                 self.table = table;
                 self.predict();
                 let snapshot = Arc::clone(&self.snapshot);
                 self.let_pilot_act(&snapshot);
+                self.hear();
             }
         }
         if let Some(live) = self.parts.live.take()
@@ -254,8 +273,9 @@ impl App {
             self.live = live;
         }
         if let Some(measured) = self.parts.trials.take() {
-            self.measured = measured;
+            self.measured = Some(measured);
         }
+        self.take_background();
         while let Some(event) = self.parts.files.take() {
             self.file_event(event);
         }
@@ -350,24 +370,32 @@ impl App {
             self.sounding = None;
             return;
         };
-        if self.sounding.as_ref().is_some_and(|(number, _)| *number == heard.number) {
+        // Another plate with the very same table leaves the device as it is; the picture is another all the same.
+        let made = self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
+        let has_table = made.is_some_and(|made| made.device_table.crc() == heard.table.crc());
+        let is_known = self.heard_on.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate));
+        let is_new = self.sounding.as_ref().is_none_or(|(number, _)| *number != heard.number);
+        if !is_new && (is_known || !has_table) {
             return;
         }
+        self.heard_on = Some(Arc::clone(&self.setup.plate));
         // What was refused before is settled: the device sounds something newer.
         if self.notice.as_ref().is_some_and(|notice| notice.is_refusal) {
             self.notice = None;
         }
         self.sounding = Some((heard.number, Picture::solve(&self.setup.plate, &heard.tones)));
-        let is_simulated = self.snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
-        if is_simulated && let Some(identity) = &self.snapshot.identity {
-            self.parts.trials.ask(trial::Job {
-                number: heard.number,
-                plate: Arc::clone(&self.setup.plate),
-                table: heard.table,
-                drive: heard.drive,
-                dac_bits: identity.dac_bits,
-            });
+        let Some(identity) = &self.snapshot.identity else { return };
+        let job = trial::Job {
+            number: heard.number,
+            plate: Arc::clone(&self.setup.plate),
+            table: heard.table,
+            drive: heard.drive,
+            dac_bits: identity.dac_bits,
+        };
+        if identity.simulated {
+            self.parts.trials.ask(job.clone());
         }
+        self.run_sheet(job);
     }
 
     /// What was measured, if it belongs to what sounds.
@@ -396,6 +424,9 @@ impl App {
             table: &self.table,
             live: &self.live,
             measured: self.current_measured(),
+            background: &self.background,
+            sheet: self.shown_sheet(),
+            waiting: self.background.waiting(&self.parts),
             settings: &self.settings,
             ports: &self.ports,
             notice: self.notice.as_ref(),

@@ -5,7 +5,7 @@ use crate::live::Live;
 use crate::model::Setup;
 use crate::picture::{POINTS, Picture};
 use crate::setup_file;
-use crate::tables::TableState;
+use crate::table_making::TableState;
 use crate::trial::Measured;
 use eframe::egui::ColorImage;
 use std::fmt::Write as _;
@@ -108,6 +108,7 @@ pub fn diagnostics(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> St
         TableState::Failed(reason) => reason.clone(),
         TableState::Waiting => "waiting for a device".to_owned(),
         TableState::Making => "being made".to_owned(),
+        TableState::Cancelled => "given up".to_owned(),
     };
     part("screen table", made);
     part("setup", setup_file::write(setup));

@@ -29,6 +29,8 @@ pub enum FileJob {
     Open(PathBuf),
     /// Let the user choose where to, and write.
     Save(Save),
+    /// Let the user choose a folder and write these files (name, text) into it.
+    SaveFolder(Vec<(String, String)>),
 }
 
 /// How it went.
@@ -103,7 +105,16 @@ fn perform(job: FileJob) -> Option<FileEvent> {
             let result = write_whole(&path, &save.bytes).map_err(|error| error.to_string());
             Some(FileEvent::Saved(path, result))
         }
+        FileJob::SaveFolder(files) => {
+            let folder = rfd::FileDialog::new().set_title("A folder for the files").pick_folder()?;
+            let result = write_all(&folder, &files).map_err(|error| error.to_string());
+            Some(FileEvent::Saved(folder, result))
+        }
     }
+}
+
+fn write_all(folder: &Path, files: &[(String, String)]) -> io::Result<()> {
+    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
 }
 
 /// The text of a file that is not too big; what is too big is not read.

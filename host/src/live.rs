@@ -3,6 +3,7 @@
 use crate::link::{Acknowledged, Change, Snapshot};
 use crate::mirror::Mirror;
 use crate::spectrum::{Line, Spectrum};
+use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_app::mailbox::Stop;
 use std::collections::VecDeque;
@@ -189,7 +190,8 @@ fn render(mirror: &mut Mirror, codes: &mut VecDeque<u16>, until: u64, rate: f64)
 }
 
 /// The work of the thread that follows.
-pub fn work() -> impl FnMut(Job) -> Live + Send {
+pub fn work() -> impl FnMut(Job, &Task) -> Option<Live> + Send {
     let mut follower = Follower::default();
-    move |job| follower.follow(&job)
+    // A job is short, and the next one needs what this one did: it is never given up.
+    move |job, _| Some(follower.follow(&job))
 }

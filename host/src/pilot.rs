@@ -7,7 +7,7 @@ use crate::link::{Change, LinkState, Port, Snapshot};
 use crate::picture::SteadyTone;
 use crate::settings::Settings;
 use crate::table::DeviceTable;
-use crate::tables::TableMade;
+use crate::table_making::TableMade;
 use slipline_protocol::command::Drive;
 use slipline_protocol::event::State;
 use std::sync::Arc;

@@ -30,6 +30,33 @@ impl ThemeChoice {
     }
 }
 
+/// What the wave on the plate is drawn from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WavePicture {
+    /// The 2-D sheet where it runs live, else the modal lines.
+    #[default]
+    Automatic,
+    /// The modal lines.
+    Lines,
+    /// The 2-D sheet wherever it is possible at all.
+    Sheet,
+}
+
+impl WavePicture {
+    /// Every choice, in the order of the menu.
+    pub const ALL: [Self; 3] = [Self::Automatic, Self::Lines, Self::Sheet];
+
+    /// Its name in the menu.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Automatic => "Wave: automatic",
+            Self::Lines => "Wave: modal lines",
+            Self::Sheet => "Wave: 2-D sheet if possible",
+        }
+    }
+}
+
 /// Files the app remembers having opened.
 const RECENT: usize = 8;
 
@@ -39,6 +66,8 @@ const RECENT: usize = 8;
 pub struct Settings {
     /// Light, dark or as the system.
     pub theme: ThemeChoice,
+    /// What the wave is drawn from.
+    pub wave: WavePicture,
     /// The port used last, as its name is written on the command line.
     pub port: Option<String>,
     /// Whether a lost device is looked for.
@@ -62,6 +91,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: ThemeChoice::System,
+            wave: WavePicture::Automatic,
             port: None,
             auto_reconnect: true,
             auto_upload: false,

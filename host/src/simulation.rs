@@ -15,8 +15,8 @@ use crate::link::{DriveRequest, Request, ToneRequest};
 use crate::table::{DeviceTable, DeviceTableError};
 use demodulator::Demodulator;
 use slipline_plate::{
-    Complex64, DriveTable, Equation, LineError, Peak, Plate, RespondError, Response, TableError, TimeLine,
-    ToneDrive, predict_envelope, respond,
+    Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
+    TimeLine, ToneDrive, predict_envelope, respond,
 };
 use std::sync::Arc;
 
@@ -120,7 +120,19 @@ pub fn table_for(
     plate: &Plate,
     sample_rate_hz: u32,
 ) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
-    let table = DriveTable::build(plate, f64::from(sample_rate_hz), KNOTS)?;
+    table_for_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
+}
+
+/// [`table_for`] that tells how far it is and can be stopped.
+///
+/// # Errors
+/// As [`table_for`], and when it was stopped.
+pub fn table_for_watched(
+    plate: &Plate,
+    sample_rate_hz: u32,
+    progress: &mut Progress<'_>,
+) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
+    let table = DriveTable::build_watched(plate, f64::from(sample_rate_hz), KNOTS, progress)?;
     let device_table = Arc::new(DeviceTable::quantise(&table)?);
     Ok((table, device_table))
 }

@@ -7,6 +7,7 @@
 
 use crate::mirror::Mirror;
 use crate::table::DeviceTable;
+use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_plate::{Plate, TimeLine};
 use slipline_protocol::command::Drive;
@@ -19,9 +20,11 @@ const TURNS: f64 = 6.0;
 /// The longest watch, in seconds: a beat slower than this is not seen to its top.
 const WATCH_MAX_S: f64 = 0.25;
 /// The longest run, in seconds of the device's time.
-const RUN_MAX_S: f64 = 12.0;
+pub(crate) const RUN_MAX_S: f64 = 12.0;
 /// Codes from the table to the drive, so that the table is in place.
 const AHEAD: u64 = 8 * BLOCK as u64;
+/// Blocks between two looks at whether the result is still wanted.
+const BLOCKS_AT_ONCE: u64 = 64;
 
 /// Largest displacement at places along the simulated plate.
 #[derive(Clone, Debug, Default)]
@@ -70,10 +73,18 @@ pub struct Job {
     pub dac_bits: u8,
 }
 
+/// How long the settled plate is watched so that its largest displacement is seen, in seconds.
+pub(crate) fn watch_s(job: &Job) -> f64 {
+    let tones = &job.drive.tones;
+    let slowest_hz =
+        tones.iter().map(|tone| job.table.frequency_hz(tone.position)).fold(f64::INFINITY, f64::min);
+    if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
+}
+
 /// Runs the drive on the plate until it has settled, and watches it. `None` when the plate cannot be run at the
-/// device's rate, or the drive could not be replayed.
+/// device's rate, the drive could not be replayed, or the task was over before.
 #[must_use]
-pub fn run(job: &Job) -> Option<Measured> {
+pub fn run(job: &Job, task: &Task) -> Option<Measured> {
     let rate = job.table.header().sample_rate_hz;
     let mut line = TimeLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
     let mut mirror = Mirror::new(rate, 0);
@@ -82,18 +93,20 @@ pub fn run(job: &Job) -> Option<Measured> {
     let samples = |seconds: f64| (seconds * f64::from(rate)) as u64;
     let glide_s = f64::from(job.drive.glide) / f64::from(rate);
     let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
-    let slowest_hz = job
-        .drive
-        .tones
-        .iter()
-        .map(|tone| job.table.frequency_hz(tone.position))
-        .fold(f64::INFINITY, f64::min);
-    let watch_s = if job.drive.tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) };
     let bits = u32::from(job.dac_bits);
-    mirror.render(settled, |_, codes| line.push_codes(codes, bits));
-    line.reset_envelope();
-    let end = mirror.now() + samples(watch_s).max(2 * BLOCK as u64);
-    mirror.render(end, |_, codes| line.push_codes(codes, bits));
+    let end = settled + samples(watch_s(job)).max(2 * BLOCK as u64);
+    for (until, is_watch) in [(settled, false), (end, true)] {
+        if is_watch {
+            line.reset_envelope();
+        }
+        while mirror.now() + (BLOCK as u64) <= until {
+            let part = (mirror.now() + BLOCKS_AT_ONCE * BLOCK as u64).min(until);
+            mirror.render(part, |_, codes| line.push_codes(codes, bits));
+            if !task.tell(mirror.now() as f64 / end as f64) {
+                return None;
+            }
+        }
+    }
     let maximum_m = line.envelope().maximum_m().into_iter().map(f64::from).collect();
     mirror.is_true().then(|| Measured {
         number: job.number,
@@ -133,7 +146,7 @@ mod tests {
                 drive: Arc::new(drive),
                 dac_bits: 12,
             };
-            let measured = run(&job).unwrap();
+            let measured = run(&job, &Task::default()).unwrap();
             let frequency_hz = table.frequency_hz(position);
             let peak_m = table.peak_at_full_scale_m();
             let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);

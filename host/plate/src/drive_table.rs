@@ -16,6 +16,7 @@ use crate::airy;
 use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
 use crate::plate::Plate;
+use crate::progress::{Progress, Stopped};
 use crate::respond::Equation;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -26,6 +27,8 @@ pub const KNOTS_MAX: usize = 1025;
 /// Wave speeds over a tolerance at which the levels are computed, the nominal one among them; odd. At 1 % and 40 kHz
 /// on the plates at hand the ripple turns by about pi over the tolerance: a tenth of a turn from speed to speed.
 const SPEEDS: usize = 9;
+/// Frequencies between two looks at whether the table is still wanted.
+const FREQUENCIES_AT_ONCE: usize = 64;
 /// Largest frequency of a table, as a part of the sample rate.
 pub const FREQUENCY_TO_RATE_MAX: f64 = 0.45;
 
@@ -58,6 +61,9 @@ pub enum TableError {
         /// Frequency, Hz.
         frequency_hz: f64,
     },
+    /// The computation was given up.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// One knot of the table.
@@ -103,6 +109,20 @@ impl DriveTable {
     /// # Errors
     /// [`TableError`] when the rate cannot carry the band, `knots` is out of range, or the plate is silent somewhere.
     pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
+        Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
+    }
+
+    /// [`DriveTable::build`] that tells how far it is and can be stopped: some tenths of a second for a usual plate,
+    /// a minute for one of thousands of wavelengths.
+    ///
+    /// # Errors
+    /// As [`DriveTable::build`], and [`TableError::Stopped`].
+    pub fn build_watched(
+        plate: &Plate,
+        sample_rate_hz: f64,
+        knots: usize,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, TableError> {
         if !(2..=KNOTS_MAX).contains(&knots) {
             return Err(TableError::Knots { knots });
         }
@@ -112,24 +132,29 @@ impl DriveTable {
         let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
         // Halves: knots at even indices, middles at odd ones.
         let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
-        let levels = chain.levels_at(&halves)?;
+        let others = other_speeds(plate);
+        let others = chains(&others, sample_rate_hz);
+        // Frequencies that each stage solves, per knot: they share out the progress.
+        let speeds = 1.0 + others.len() as f64;
+        let whole = 2.0 + 2.0 * speeds + 4.0;
+        let ends = [0.0, 2.0, 2.0 + speeds, 2.0 + 2.0 * speeds, whole].map(|end| end / whole);
+        let levels = chain.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
         let shifted = onto_resonances(&chain, &places, &halves, &levels);
 
         let mut frequency: Vec<f64> = shifted.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
         rising(&mut frequency);
-        let others = other_speeds(plate);
-        let others = chains(&others, sample_rate_hz);
-        let at_knots = amid(chain.levels(&frequency)?, &others, &frequency)?;
+        let at_knots = amid(&chain, &others, &frequency, &mut progress.part(ends[1], ends[2]))?;
         let middles: Vec<f64> = frequency.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-        let between = amid(chain.levels(&middles)?, &others, &middles)?;
+        let between = amid(&chain, &others, &middles, &mut progress.part(ends[2], ends[3]))?;
         let mut gain: Vec<f64> = at_knots.iter().map(|level| 1.0 / level.amplitude).collect();
         share_error(&mut gain, &at_knots, &between);
         let largest = gain.iter().copied().fold(0.0, f64::max);
         gain.iter_mut().for_each(|gain| *gain /= largest);
         let level = 1.0 / largest;
 
-        let ends = at_knots.iter().chain(&levels).map(|level| level.amplitude);
-        let (low, high) = ends.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+        let amplitudes = at_knots.iter().chain(&levels).map(|level| level.amplitude);
+        let (low, high) =
+            amplitudes.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
         let mut table = Self {
             span_start_m: start,
             span_end_m: end,
@@ -148,7 +173,7 @@ impl DriveTable {
             swing_without_gain_db: 20.0 * (high / low).log10(),
             knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
         };
-        table.measure(plate, &chain, level)?;
+        table.measure(plate, &chain, level, &mut progress.part(ends[3], ends[4]))?;
         Ok(table)
     }
 
@@ -172,7 +197,13 @@ impl DriveTable {
     }
 
     /// Measures the error at each knot and at three places between each pair.
-    fn measure(&mut self, plate: &Plate, chain: &Chain<'_>, level: f64) -> Result<(), TableError> {
+    fn measure(
+        &mut self,
+        plate: &Plate,
+        chain: &Chain<'_>,
+        level: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<(), TableError> {
         let count = 4 * (self.knots.len() - 1) + 1;
         let places: Vec<f64> = (0..count)
             .map(|i| {
@@ -180,7 +211,7 @@ impl DriveTable {
             })
             .collect();
         let frequencies: Vec<f64> = places.iter().map(|&x| self.frequency_hz(x)).collect();
-        let levels = chain.levels(&frequencies)?;
+        let levels = chain.levels(&frequencies, progress)?;
         for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {
             let error_db = 20.0 * (self.gain(x) * found.amplitude / level).log10();
             self.worst_error_db = self.worst_error_db.max(error_db.abs());
@@ -231,18 +262,26 @@ impl<'a> Chain<'a> {
     }
 
     /// Drive-to-peak gain at each frequency.
-    pub(crate) fn levels(&self, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
-        let mut levels = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each(&self.grid, self.plate, frequencies_hz, |number, field| {
-            levels.push(self.judge(frequencies_hz[number], field));
-        });
+    pub(crate) fn levels(
+        &self,
+        frequencies_hz: &[f64],
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<Level>, TableError> {
+        let count = frequencies_hz.len();
+        let mut levels = Vec::with_capacity(count);
+        for part in frequencies_hz.chunks(FREQUENCIES_AT_ONCE) {
+            progress.at(levels.len() as f64 / count as f64)?;
+            numerov::solve_each(&self.grid, self.plate, part, |number, field| {
+                levels.push(self.judge(part[number], field));
+            });
+        }
         levels.into_iter().collect()
     }
 
-    fn levels_at(&self, places_m: &[f64]) -> Result<Vec<Level>, TableError> {
+    fn levels_at(&self, places_m: &[f64], progress: &mut Progress<'_>) -> Result<Vec<Level>, TableError> {
         let frequencies: Vec<f64> =
             places_m.iter().map(|&x| self.plate.frequency_for_boundary_hz(x)).collect();
-        self.levels(&frequencies)
+        self.levels(&frequencies, progress)
     }
 
     pub(crate) fn level(&self, frequency_hz: f64) -> Result<Level, TableError> {
@@ -277,9 +316,10 @@ impl<'a> Chain<'a> {
 
 /// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude.
 pub(crate) fn levelled(plate: &Plate, sample_rate_hz: f64, frequency_hz: f64) -> Result<f64, TableError> {
+    let chain = Chain::new(plate, sample_rate_hz)?;
     let others = other_speeds(plate);
-    let nominal = vec![Chain::new(plate, sample_rate_hz)?.level(frequency_hz)?];
-    let levels = amid(nominal, &chains(&others, sample_rate_hz), &[frequency_hz])?;
+    let others = chains(&others, sample_rate_hz);
+    let levels = amid(&chain, &others, &[frequency_hz], &mut Progress::new(&mut |_| true))?;
     Ok(levels[0].amplitude)
 }
 
@@ -300,20 +340,26 @@ fn chains(plates: &[Plate], sample_rate_hz: f64) -> Vec<Chain<'_>> {
     plates.iter().map(|plate| Chain::unchecked(plate, sample_rate_hz)).collect()
 }
 
-/// Each level moved to the middle, in dB, of the lowest and the highest that the chains give with it.
+/// The nominal plate's levels, each moved to the middle, in dB, of the lowest and the highest that all plates give.
 fn amid(
-    levels: Vec<Level>,
+    nominal: &Chain<'_>,
     others: &[Chain<'_>],
     frequencies_hz: &[f64],
+    progress: &mut Progress<'_>,
 ) -> Result<Vec<Level>, TableError> {
+    let speeds = 1.0 + others.len() as f64;
+    let levels = nominal.levels(frequencies_hz, &mut progress.part(0.0, 1.0 / speeds))?;
     let mut ranges: Vec<_> = levels.iter().map(|level| (level.amplitude, level.amplitude)).collect();
-    for chain in others {
-        for ((low, high), other) in ranges.iter_mut().zip(chain.levels(frequencies_hz)?) {
+    for (number, chain) in others.iter().enumerate() {
+        let done = 1.0 + number as f64;
+        let part = &mut progress.part(done / speeds, (done + 1.0) / speeds);
+        for ((low, high), other) in ranges.iter_mut().zip(chain.levels(frequencies_hz, part)?) {
             *low = low.min(other.amplitude);
             *high = high.max(other.amplitude);
         }
     }
-    let middle = |(level, (low, high)): (Level, (f64, f64))| Level { amplitude: (low * high).sqrt(), ..level };
+    let middle =
+        |(level, (low, high)): (Level, (f64, f64))| Level { amplitude: (low * high).sqrt(), ..level };
     Ok(levels.into_iter().zip(ranges).map(middle).collect())
 }
 

@@ -2,6 +2,7 @@
 
 use crate::drive_table::{Chain, DriveTable, KNOTS_MAX, TableError};
 use crate::plate::Plate;
+use crate::progress::Progress;
 
 /// What a table made for one plate does on another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +42,15 @@ pub fn table_sensitivity(
     table_plate: &Plate,
     actual_plate: &Plate,
 ) -> Result<Sensitivity, TableError> {
+    watched(table, table_plate, actual_plate, &mut Progress::new(&mut |_| true))
+}
+
+fn watched(
+    table: &DriveTable,
+    table_plate: &Plate,
+    actual_plate: &Plate,
+    progress: &mut Progress<'_>,
+) -> Result<Sensitivity, TableError> {
     let intended = table.peak_at_full_scale_m / table_plate.spec().full_scale_m;
     // The actual plate's own band may end lower; only the sample rate has to carry it.
     let chain = Chain::new(actual_plate, table.sample_rate_hz)?;
@@ -50,7 +60,7 @@ pub fn table_sensitivity(
         table.span_start_m + (table.span_end_m - table.span_start_m) * i as f64 / (PLACES - 1) as f64
     };
     let frequencies: Vec<f64> = (0..PLACES).map(|i| table.frequency_hz(place(i))).collect();
-    for (i, level) in chain.levels(&frequencies)?.into_iter().enumerate() {
+    for (i, level) in chain.levels(&frequencies, progress)?.into_iter().enumerate() {
         let x = place(i);
         let error_db = 20.0 * (level.amplitude * table.gain(x) / intended).log10();
         result.highest_db = result.highest_db.max(error_db);
@@ -67,12 +77,24 @@ pub fn table_sensitivity(
 /// # Errors
 /// [`TableError`] as [`DriveTable::build`].
 pub fn sensitivity_per_percent(plate: &Plate, sample_rate_hz: f64) -> Result<Sensitivity, TableError> {
-    let table = DriveTable::build(plate, sample_rate_hz, KNOTS_MAX)?;
+    sensitivity_per_percent_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
+}
+
+/// [`sensitivity_per_percent`] that tells how far it is and can be stopped.
+///
+/// # Errors
+/// As [`DriveTable::build_watched`].
+pub fn sensitivity_per_percent_watched(
+    plate: &Plate,
+    sample_rate_hz: f64,
+    progress: &mut Progress<'_>,
+) -> Result<Sensitivity, TableError> {
+    let table = DriveTable::build_watched(plate, sample_rate_hz, KNOTS_MAX, &mut progress.part(0.0, 0.8))?;
     let mut result: Option<Sensitivity> = None;
-    for factor in [1.01, 0.99] {
+    for (factor, from) in [(1.01, 0.8), (0.99, 0.9)] {
         // A material at the very end of its allowed range has only one neighbour.
         let Ok(actual) = plate.with_wave_speed(factor) else { continue };
-        let found = table_sensitivity(&table, plate, &actual)?;
+        let found = watched(&table, plate, &actual, &mut progress.part(from, from + 0.1))?;
         if result.is_none_or(|best| found.worst_db > best.worst_db) {
             result = Some(found);
         }

@@ -123,6 +123,7 @@ impl App {
         if self.settings.animate {
             let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
             self.wave_time_s += step;
+            self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {
             ctx.request_repaint_after(GLANCE);

@@ -1,6 +1,7 @@
 //! Carrying out what the views ask for.
 
-use super::{App, Notice, first_setup, set_theme};
+use super::{App, DesignState, Notice, first_setup, set_theme};
+use crate::designer::cut_files;
 use crate::edit::Edit;
 use crate::export;
 use crate::files::{FileEvent, FileJob, Save};
@@ -8,6 +9,7 @@ use crate::link::Request;
 use crate::setup_file::{self, Opened};
 use crate::view::intent::{Confirm, Export, Intent, Intents};
 use eframe::egui;
+use slipline_plate::design::Design;
 use std::sync::Arc;
 
 impl App {
@@ -61,6 +63,29 @@ impl App {
                     let text = self.setup.plate.to_toml();
                     self.save("plate.toml", "Plate", "toml", text.into_bytes());
                 }
+                Intent::Design(draft) => self.design(*draft),
+                Intent::UseDesign => {
+                    if let Some(designed) = self.designed() {
+                        self.edit(&Edit::Plate(Arc::new(designed.plate.clone())));
+                    }
+                }
+                Intent::SaveDesign => {
+                    if let Some(designed) = self.designed() {
+                        let text = designed.plate.to_toml();
+                        self.save("plate.toml", "Plate", "toml", text.into_bytes());
+                    }
+                }
+                Intent::SaveCutFiles => {
+                    if let Some(designed) = self.designed() {
+                        self.parts.files.begin(FileJob::SaveFolder(cut_files(&designed)));
+                    }
+                }
+                Intent::CancelWork => self.cancel_work(),
+                Intent::MakeTable => {
+                    self.table_asked = None;
+                    self.ask_for_table();
+                }
+                Intent::Wave(wish) => self.settings.wave = wish,
                 Intent::Export(export) => self.export(ctx, export),
                 Intent::Upload => {
                     if let Some(made) = self.table.made() {
@@ -88,6 +113,12 @@ impl App {
             }
             ctx.request_repaint();
         }
+    }
+
+    /// The plate that was designed for the present draft.
+    fn designed(&self) -> Option<Arc<Design>> {
+        let DesignState::Ready(designed) = &self.background.design else { return None };
+        designed.result.as_ref().ok().cloned()
     }
 
     pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {

@@ -6,7 +6,7 @@ use crate::link::list_ports;
 use crate::link::worker::{Worker, stop_on_panic};
 use crate::setup_file::{self, Opened};
 use crate::workshop::Workshop;
-use crate::{live, trial};
+use crate::{live, sheet, trial, validity};
 use eframe::egui;
 
 /// The app in a window of the system.
@@ -64,9 +64,12 @@ fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
     stop_on_panic(worker.handle());
     let parts = Parts {
         link: Box::new(worker),
-        tables: Workshop::threaded("slipline-table", crate::tables::make, wake(ctx))?,
+        tables: Workshop::threaded("slipline-table", crate::table_making::make, wake(ctx))?,
+        checks: Workshop::threaded("slipline-check", validity::work(), wake(ctx))?,
+        designs: Workshop::threaded("slipline-design", crate::designer::work, wake(ctx))?,
+        sheets: Workshop::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
         live: Workshop::threaded("slipline-mirror", live::work(), wake(ctx))?,
-        trials: Workshop::threaded("slipline-plate", |job| trial::run(&job), wake(ctx))?,
+        trials: Workshop::threaded("slipline-plate", |job, task: &_| trial::run(&job, task), wake(ctx))?,
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),
     };

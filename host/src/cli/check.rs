@@ -1,6 +1,6 @@
 //! `slipline check`.
 
-use super::{CheckArguments, Failure, argument, output};
+use super::{CheckArguments, Failure, argument, output, progress};
 use serde_json::json;
 use slipline_plate::check::{Checker, Colour, Conditions};
 
@@ -9,11 +9,13 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
     let boundary_m = arguments.boundary.map(|boundary| boundary.on(&plate)).transpose()?;
     let conditions =
         Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
-    let checker = Checker::new(&plate, conditions).map_err(Failure::usage)?;
-    let report = match boundary_m {
-        Some(boundary_m) => checker.at(boundary_m),
-        None => checker.over_span(),
-    }
+    let report = progress::watched("check", |progress| {
+        let checker = Checker::watched(&plate, conditions, &mut progress.part(0.0, 0.2))?;
+        match boundary_m {
+            Some(boundary_m) => checker.at(boundary_m),
+            None => checker.over_span_watched(&mut progress.part(0.2, 1.0)),
+        }
+    })
     .map_err(Failure::usage)?;
     let value = serde_json::to_value(&report).map_err(Failure::failed)?;
     let value = match value {

@@ -1,6 +1,6 @@
 //! `slipline design`.
 
-use super::{Failure, output};
+use super::{Failure, output, progress};
 use crate::quantity::{self, show_frequency, show_length};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
@@ -122,9 +122,11 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
     let request = arguments.request()?;
     let designed = design(&request).map_err(Failure::usage)?;
     // A band above what the usual device can play is designed all the same: only its lights are missing.
-    let lights = Checker::new(&designed.plate, Conditions::default())
-        .and_then(|checker| checker.over_span())
-        .map_err(|error| error.to_string());
+    let lights = progress::watched("check", |progress| {
+        Checker::watched(&designed.plate, Conditions::default(), &mut progress.part(0.0, 0.2))?
+            .over_span_watched(&mut progress.part(0.2, 1.0))
+    })
+    .map_err(|error| error.to_string());
     let files = match &arguments.out {
         Some(folder) => write_files(&designed, folder)?,
         None => Vec::new(),

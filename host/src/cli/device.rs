@@ -1,9 +1,8 @@
 //! A device for one command: the worker, waited for.
 
-use super::Failure;
+use super::{Failure, progress};
 use crate::link::worker::{Handle, Worker};
 use crate::link::{Outcome, Port, Request, Snapshot};
-use crate::simulation::table_for;
 use crate::table::DeviceTable;
 use slipline_plate::Plate;
 use slipline_protocol::event::Identity;
@@ -75,7 +74,7 @@ impl Device {
 
     /// Makes sure that the device holds the plate's table, made for its sample rate.
     pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
-        let (_, table) = table_for(plate, self.identity()?.sample_rate_hz)?;
+        let (_, table) = progress::table_for(plate, self.identity()?.sample_rate_hz)?;
         if self.snapshot().table.active != Some(table.header()) {
             self.perform(Request::Upload(table.clone()))?;
         }

@@ -13,6 +13,7 @@ mod figures;
 mod info;
 mod output;
 mod presets;
+mod progress;
 mod record;
 mod respond;
 mod simulate;

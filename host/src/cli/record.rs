@@ -1,9 +1,9 @@
 //! `slipline record`.
 
-use super::{Failure, RecordArguments, argument, output};
+use super::{Failure, RecordArguments, argument, output, progress};
 use crate::chain::Chain;
 use crate::link::{DriveRequest, Request, ToneRequest};
-use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, table_for};
+use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ};
 use serde_json::json;
 use slipline_plate::Plate;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
 
 /// Records so many codes, from the block in which the drive begins.
 fn write(path: &Path, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
-    let (_, table) = table_for(plate, SAMPLE_RATE_HZ)?;
+    let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
     let tones = (0u8..)

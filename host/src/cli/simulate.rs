@@ -1,9 +1,9 @@
 //! `slipline simulate`.
 
-use super::{Failure, SimulateArguments, argument, output};
+use super::{Failure, SimulateArguments, argument, output, progress};
 use crate::envelope_plot;
 use crate::quantity::{show_frequency, show_length, show_place};
-use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult, table_for};
+use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
 use serde_json::{Value, json};
 use slipline_plate::table_sensitivity;
 use std::io::Write;
@@ -15,7 +15,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
     let seconds =
         arguments.seconds.map(|s| argument::seconds("--seconds", s, (0.01, MAX_SECONDS))).transpose()?;
-    let (table, _) = table_for(&plate, SAMPLE_RATE_HZ)?;
+    let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let sensitivity = actual
         .as_ref()
         .map(|actual| table_sensitivity(&table, &plate, actual))

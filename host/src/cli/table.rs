@@ -1,18 +1,23 @@
 //! `slipline table`.
 
-use super::{Failure, TableArguments, argument, output};
+use super::{Failure, TableArguments, argument, output, progress};
 use crate::quantity::{show_frequency, show_length, show_place};
 use crate::table::DeviceTable;
 use serde_json::json;
-use slipline_plate::{DriveTable, sensitivity_per_percent};
+use slipline_plate::{DriveTable, TableError, sensitivity_per_percent_watched};
 use std::io::Write;
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let rate_hz = arguments.sample_rate;
-    let table = DriveTable::build(&plate, rate_hz, arguments.knots).map_err(Failure::usage)?;
+    let (table, sensitivity) = progress::watched("table", |progress| {
+        let first = &mut progress.part(0.0, 0.45);
+        let table = DriveTable::build_watched(&plate, rate_hz, arguments.knots, first)?;
+        let rest = &mut progress.part(0.45, 1.0);
+        Ok((table, sensitivity_per_percent_watched(&plate, rate_hz, rest)?))
+    })
+    .map_err(|error: TableError| Failure::usage(error))?;
     let device_table = DeviceTable::quantise(&table).map_err(Failure::usage)?;
-    let sensitivity = sensitivity_per_percent(&plate, rate_hz).map_err(Failure::usage)?;
     let value = json!({
         "plate": plate.name(),
         "sample_rate_hz": rate_hz,

@@ -87,6 +87,18 @@ impl Field<'_> {
     }
 }
 
+/// A control with its name at the left, so that names and controls line up.
+pub(super) fn labelled<R>(ui: &mut egui::Ui, name: &str, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
+    ui.horizontal_top(|ui| {
+        let palette = theme::palette(ui);
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(118.0, 26.0), egui::Sense::hover());
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, palette.weak);
+        add(ui)
+    })
+    .inner
+}
+
 /// Height of a line of a table of values, in points.
 const ROW: f32 = 17.0;
 

@@ -1,9 +1,10 @@
 //! What a view asks for. Views send nothing and change nothing of the device; the app carries intents out.
 
 use super::axis::Axis;
+use crate::designer::Draft;
 use crate::edit::Edit;
 use crate::link::Request;
-use crate::settings::ThemeChoice;
+use crate::settings::{ThemeChoice, WavePicture};
 use std::path::PathBuf;
 
 /// What was grabbed with the pointer, so that every later move of the pointer is a move of the tone.
@@ -91,6 +92,20 @@ pub enum Intent {
     SaveDialog,
     /// Save the plate alone as a file.
     SavePlateDialog,
+    /// Design the plate of this draft.
+    Design(Box<Draft>),
+    /// Put the designed plate in the setup.
+    UseDesign,
+    /// Save the designed plate as a plate file.
+    SaveDesign,
+    /// Save the cut files of the designed plate and its frame.
+    SaveCutFiles,
+    /// Give up the work that is under way.
+    CancelWork,
+    /// Make the table whose making was given up.
+    MakeTable,
+    /// Choose what the wave is drawn from.
+    Wave(WavePicture),
     /// Save what is seen.
     Export(Export),
     /// Send the table for the plate on the screen.

@@ -10,6 +10,7 @@
 pub mod axis;
 mod bottom;
 mod boundary;
+mod designer;
 mod device;
 mod dialogs;
 mod envelope;
@@ -26,16 +27,19 @@ mod strip;
 pub mod theme;
 mod tones;
 mod top_bar;
+mod validity;
 
 pub(crate) use log::line as log_line;
+pub(crate) use plate::slow_factor;
 pub(crate) use stage::arrow_step_m;
 
-use crate::app::{Notice, TableState};
+use crate::app::{Background, Notice, TableState, Waiting};
 use crate::link::{PortInfo, Snapshot};
 use crate::live::Live;
 use crate::model::Setup;
 use crate::picture::Picture;
 use crate::settings::Settings;
+use crate::sheet::Frame;
 use crate::trial::Measured;
 use eframe::egui;
 use intent::{Dialog, Grab, Intents};
@@ -64,6 +68,12 @@ pub struct Scene<'a> {
     pub live: &'a Live,
     /// The simulated plate under the tones that sound, once it has settled.
     pub measured: Option<&'a Measured>,
+    /// The lights, the designer and what the wave is drawn from.
+    pub background: &'a Background,
+    /// The sheet, if the wave is drawn from it.
+    pub sheet: Option<&'a Frame>,
+    /// Work that takes long.
+    pub waiting: Option<Waiting>,
     /// What is remembered.
     pub settings: &'a Settings,
     /// Ports that exist.
@@ -82,6 +92,7 @@ pub struct Scene<'a> {
 #[derive(Default)]
 pub struct ViewState {
     pub(crate) tab: side::Tab,
+    pub(crate) plate_page: plate_panel::Page,
     pub(crate) fields: field::Fields,
     pub(crate) show_amplitude: bool,
     pub(crate) log: log::LogView,
@@ -93,6 +104,12 @@ impl ViewState {
     /// Opens a tab by its place, 0..4.
     pub(crate) fn open_tab(&mut self, index: usize) {
         self.tab = side::Tab::by_index(index);
+    }
+
+    /// Opens the validity lights.
+    fn open_validity(&mut self) {
+        self.tab = side::Tab::Plate;
+        self.plate_page = plate_panel::Page::Validity;
     }
 
     /// Whether the focus is on a boundary handle.

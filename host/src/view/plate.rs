@@ -1,13 +1,17 @@
 //! The plate from above, to scale, with its wave.
 
 use super::axis::Axis;
-use super::intent::Intents;
-use super::{Scene, ViewState, theme};
+use super::{Scene, ViewState, theme, validity};
 use crate::picture::{POINTS, Picture};
 use crate::quantity::show_length;
-use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use crate::sheet::Source;
+use eframe::egui::{
+    self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
+};
 use slipline_plate::{Complex64, Model};
 use std::f64::consts::TAU;
+use std::sync::Arc;
+use theme::GAP;
 
 /// Rows of the mesh across the plate.
 const ROWS: usize = 19;
@@ -21,39 +25,71 @@ pub(crate) fn slow_factor(picture: &Picture) -> f64 {
     if slowest.is_finite() { super::axis::round_step(slowest * 1.2) } else { 1.0 }
 }
 
-/// The line above the plate: what is drawn, how slow, and the colour scale.
-pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    let _ = intents;
+/// The narrowest line above the plate that has room for the whole colour scale, in points.
+const ROOM_FOR_SCALE: f32 = 720.0;
+
+/// The line above the plate: what is drawn, how slow, the validity lights' summary, and the colour scale.
+pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     let palette = theme::palette(ui);
     ui.horizontal_centered(|ui| {
-        ui.label(egui::RichText::new(scene.setup.plate.name()).strong().size(15.0));
-        let (text, colour) = match scene.sounding {
-            Some(picture) if view.show_amplitude => {
-                let _ = picture;
-                ("amplitude".to_owned(), palette.weak)
-            }
-            Some(picture) => {
-                let factor = slow_factor(picture);
-                let state = if scene.settings.animate { "slowed" } else { "paused, slowed" };
-                (format!("live wave, {state} {factor:.0}×"), palette.weak)
-            }
-            None => ("at rest".to_owned(), palette.weak),
-        };
-        ui.label(egui::RichText::new(text).color(colour));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add_space(14.0);
-            colour_bar(ui, scene, view.show_amplitude);
-            ui.add_space(8.0);
-            let amplitude = ui.selectable_label(view.show_amplitude, "Amplitude");
-            if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
-                view.show_amplitude = true;
-            }
-            let wave = ui.selectable_label(!view.show_amplitude, "Wave");
-            if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
-                view.show_amplitude = false;
+        let look =
+            Scale { show_amplitude: view.show_amplitude, is_wide: ui.available_width() >= ROOM_FOR_SCALE };
+        let right = validity::chip_width(ui, scene)
+            + ["Wave", "Amplitude"].iter().map(|name| button_width(ui, name)).sum::<f32>()
+            + look.size(ui, scene).x
+            + 4.0 * GAP
+            + 14.0;
+        // The name gives way to what stands at the right; its whole is told on hovering.
+        let left = vec2((ui.available_width() - right).max(60.0), ui.available_height());
+        ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.set_min_width(left.x);
+            let text = egui::RichText::new(drawn(scene, view)).color(palette.weak);
+            let room = left.x
+                - ui.painter()
+                    .layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak)
+                    .size()
+                    .x
+                - GAP;
+            let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
+            ui.scope(|ui| {
+                ui.set_max_width(room.max(40.0));
+                ui.add(egui::Label::new(name).truncate());
+            });
+            let shown = ui.add(egui::Label::new(text).truncate());
+            if let Some(Source::Lines(Some(reason))) = &scene.background.source {
+                shown.on_hover_text(format!("Modal lines: {reason}"));
             }
         });
+        if validity::chip(ui, scene) {
+            view.open_validity();
+        }
+        let wave = ui.selectable_label(!view.show_amplitude, "Wave");
+        if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
+            view.show_amplitude = false;
+        }
+        let amplitude = ui.selectable_label(view.show_amplitude, "Amplitude");
+        if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
+            view.show_amplitude = true;
+        }
+        look.show(ui, scene);
     });
+}
+
+fn button_width(ui: &egui::Ui, name: &str) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, Color32::PLACEHOLDER);
+    galley.size().x + 2.0 * ui.spacing().button_padding.x
+}
+
+/// What the plate's colours are, and how slow.
+fn drawn(scene: &Scene<'_>, view: &ViewState) -> String {
+    let Some(picture) = scene.sounding else { return "at rest".to_owned() };
+    let source = if scene.sheet.is_some() { "2-D sheet" } else { "modal lines" };
+    if view.show_amplitude {
+        return format!("{source}, largest");
+    }
+    let paused = if scene.settings.animate { "" } else { ", paused" };
+    format!("{source}, 1/{:.0} speed{paused}", slow_factor(picture))
 }
 
 /// The displacement that full colour stands for, in metres.
@@ -61,36 +97,61 @@ fn full_colour_m(scene: &Scene<'_>) -> f64 {
     scene.full_peak_m.max(scene.sounding.map_or(0.0, Picture::highest_m))
 }
 
-fn colour_bar(ui: &mut egui::Ui, scene: &Scene<'_>, show_amplitude: bool) {
-    let palette = theme::palette(ui);
-    let full = show_length(full_colour_m(scene));
-    let font = FontId::proportional(11.5);
-    let ends =
-        if show_amplitude { ("0".to_owned(), full) } else { (format!("−{full}"), format!("+{full}")) };
-    let right = ui.painter().layout_no_wrap(ends.1, font.clone(), palette.weak);
-    let left = ui.painter().layout_no_wrap(ends.0, font, palette.weak);
-    let bar = vec2(90.0, 10.0);
-    let size = vec2(left.size().x + right.size().x + bar.x + 12.0, 18.0);
-    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::hover());
-    response.on_hover_text("What full colour stands for");
-    let painter = ui.painter();
-    let bar_rect =
-        Rect::from_center_size(pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y), bar);
-    let steps = 45;
-    for i in 0..steps {
-        let share = (i as f32 + 0.5) / steps as f32;
-        let colour = if show_amplitude {
-            theme::sequential(share, palette.dark)
-        } else {
-            theme::diverging(2.0 * share - 1.0, palette.dark)
-        };
-        let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
-        let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
-        painter.rect_filled(cell, 0.0, colour);
+/// What the colours stand for: the displacements at both ends, or at the right end only where there is little room.
+#[derive(Clone, Copy)]
+struct Scale {
+    show_amplitude: bool,
+    is_wide: bool,
+}
+
+impl Scale {
+    fn bar(self) -> Vec2 {
+        vec2(if self.is_wide { 90.0 } else { 40.0 }, 10.0)
     }
-    painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
-    let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
-    painter.galley(place, right, palette.weak);
+
+    /// The words at its ends.
+    fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
+        let full = show_length(full_colour_m(scene));
+        let ends = match (self.show_amplitude, self.is_wide) {
+            (true, true) => ["0".to_owned(), full],
+            (true, false) => [String::new(), full],
+            (false, true) => [format!("−{full}"), format!("+{full}")],
+            (false, false) => [String::new(), format!("±{full}")],
+        };
+        let ink = theme::palette(ui).weak;
+        ends.map(|end| ui.painter().layout_no_wrap(end, FontId::proportional(11.5), ink))
+    }
+
+    fn size(self, ui: &egui::Ui, scene: &Scene<'_>) -> Vec2 {
+        let [left, right] = self.ends(ui, scene);
+        vec2(left.size().x + right.size().x + self.bar().x + 12.0, 18.0)
+    }
+
+    fn show(self, ui: &mut egui::Ui, scene: &Scene<'_>) {
+        let palette = theme::palette(ui);
+        let (rect, response) = ui.allocate_exact_size(self.size(ui, scene), egui::Sense::hover());
+        let [left, right] = self.ends(ui, scene);
+        response.on_hover_text("What full colour stands for");
+        let painter = ui.painter();
+        let bar = self.bar();
+        let centre = pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y);
+        let bar_rect = Rect::from_center_size(centre, bar);
+        let steps = 45;
+        for i in 0..steps {
+            let share = (i as f32 + 0.5) / steps as f32;
+            let colour = if self.show_amplitude {
+                theme::sequential(share, palette.dark)
+            } else {
+                theme::diverging(2.0 * share - 1.0, palette.dark)
+            };
+            let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
+            let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
+            painter.rect_filled(cell, 0.0, colour);
+        }
+        painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
+        let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
+        painter.galley(place, right, palette.weak);
+    }
 }
 
 /// Shows the plate in `rect`, its ends at the axis' ends.
@@ -108,7 +169,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
             (beta, mode_shape(&plate.spec().model, f64::from(beta)) as f32)
         })
         .collect();
-    let values = along(scene, show_amplitude, columns);
+    let full_m = full_colour_m(scene).max(1e-12);
+    let values = if scene.sheet.is_some() { Vec::new() } else { along(scene, show_amplitude, columns) };
     let mut mesh = Mesh::default();
     mesh.reserve_vertices((columns + 1) * ROWS);
     mesh.reserve_triangles(columns * (ROWS - 1) * 2);
@@ -116,9 +178,18 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     for column in 0..=columns {
         let share = column as f32 / columns as f32;
         let x = screen.min + share * screen.span();
-        let half = half_px(f64::from(share) * axis.length_m()) * squeeze;
+        let x_m = f64::from(share) * axis.length_m();
+        let half = half_px(x_m) * squeeze;
         for &(beta, shape) in &across {
-            let value = values.get(column).copied().unwrap_or(0.0) * shape;
+            let value = match scene.sheet.filter(|_| scene.sounding.is_some()) {
+                Some(sheet) => {
+                    let z_m = f64::from(beta) * plate.half_width_m(x_m);
+                    let metres =
+                        if show_amplitude { sheet.largest_m(x_m, z_m) } else { sheet.now_m(x_m, z_m) };
+                    (metres / full_m) as f32
+                }
+                None => values.get(column).copied().unwrap_or(0.0) * shape,
+            };
             let colour = if show_amplitude {
                 theme::sequential(value.abs(), palette.dark)
             } else {

@@ -1,15 +1,50 @@
-//! The plate panel: which plate, its taper, material and loss; the table for it.
+//! The plate panel: which plate, its taper, material and loss, the table for it; its validity lights; the designer.
 
-use super::field::{Field, row};
+use super::field::{Field, labelled, row};
 use super::intent::{Intent, Intents};
-use super::{Scene, ViewState, theme};
+use super::{Scene, ViewState, designer, theme, validity};
 use crate::edit::Edit;
 use crate::quantity::{self, show_frequency, show_length, show_place};
 use eframe::egui::{self, RichText};
 use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper};
 use std::sync::Arc;
 
+/// What the panel is open at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Page {
+    #[default]
+    Plate,
+    Validity,
+    Designer,
+}
+
+const PAGES: [(Page, &str, &str); 3] = [
+    (Page::Plate, "This plate", "Which plate it is, and its numbers"),
+    (Page::Validity, "Validity", "How far plate and boundary can be relied on"),
+    (Page::Designer, "Designer", "A plate for a band: taper, damper, cut files"),
+];
+
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        let width = ((ui.available_width() - 8.0) / 3.0).floor();
+        for (page, name, help) in PAGES {
+            let text = RichText::new(name).size(12.5);
+            let button = egui::Button::selectable(view.plate_page == page, text);
+            if ui.add(button.min_size(egui::vec2(width, 24.0))).on_hover_text(help).clicked() {
+                view.plate_page = page;
+            }
+        }
+    });
+    ui.add_space(6.0);
+    match view.plate_page {
+        Page::Plate => numbers(ui, scene, view, intents),
+        Page::Validity => validity::show(ui, scene),
+        Page::Designer => designer::show(ui, scene, view, intents),
+    }
+}
+
+fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let plate = &scene.setup.plate;
     presets(ui, plate, intents);
@@ -30,7 +65,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let (low, high) = plate.band_hz();
     row(ui, "Cut-off", show_frequency(plate.cut_off_hz()));
     row(ui, "Band", format!("{} to {}", show_frequency(low), show_frequency(high)));
-    table(ui, scene);
+    table(ui, scene, intents);
 }
 
 fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
@@ -81,11 +116,7 @@ impl Numbers<'_, '_> {
         unit: &Unit,
         set: impl FnOnce(&mut PlateSpec, f64),
     ) {
-        ui.horizontal_top(|ui| {
-            let palette = theme::palette(ui);
-            let (rect, _) = ui.allocate_exact_size(egui::vec2(118.0, 26.0), egui::Sense::hover());
-            let font = egui::TextStyle::Body.resolve(ui.style());
-            ui.painter().text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, palette.weak);
+        labelled(ui, name, |ui| {
             let text = match unit {
                 Unit::Length => show_millimetres(value),
                 Unit::Plain(unit, factor) => {
@@ -254,12 +285,18 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     });
 }
 
-fn table(ui: &mut egui::Ui, scene: &Scene<'_>) {
+fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     use crate::app::TableState;
     let palette = theme::palette(ui);
     match scene.table {
         TableState::Waiting => row(ui, "Table", "made once a device tells its rate"),
         TableState::Making => row(ui, "Table", "being made…"),
+        TableState::Cancelled => {
+            row(ui, "Table", "given up");
+            if ui.button("Make the table").clicked() {
+                intents.push(Intent::MakeTable);
+            }
+        }
         TableState::Failed(reason) => {
             ui.label(RichText::new(reason).small().color(palette.bad));
         }

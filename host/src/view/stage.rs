@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::intent::{Grab, Intent, Intents};
 use super::{Scene, ViewState, envelope, plate, strip, theme};
 use crate::edit::Edit;
+use crate::model::ToneSetup;
 use crate::picture::{SteadyTone, shown_boundary_m};
 use crate::quantity::{show_frequency, show_place};
 use eframe::egui::{
@@ -59,7 +60,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let plate = &scene.setup.plate;
     let layout = Layout::new(area, plate.length_m(), plate.half_width_m(0.0), ui.pixels_per_point());
     ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
-        plate::title(ui, scene, view, intents);
+        plate::title(ui, scene, view);
     });
     grid(ui, &layout);
     plate::show(ui, scene, view.show_amplitude, &layout.axis, layout.plate);
@@ -103,18 +104,29 @@ fn place_scale(ui: &egui::Ui, layout: &Layout) {
     painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
 }
 
+/// What the hint says, in as many words as there is room for.
+const HINTS: [&str; 2] = ["Drag the line: it moves the boundary", "Drag the line"];
+
 fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     if scene.settings.has_dragged {
         return;
     }
     let palette = theme::palette(ui);
-    let place = layout.plate.right_top() + vec2(-MARGIN.1, 8.0);
-    let galley = ui.painter().layout_no_wrap(
-        "Drag the line: it moves the boundary".to_owned(),
-        FontId::proportional(14.0),
-        palette.text,
-    );
-    let rect = Align2::RIGHT_TOP.anchor_size(place, galley.size() + vec2(20.0, 12.0));
+    let Some(tone) = scene.setup.tone(scene.selected) else { return };
+    let line = layout.axis.line_from_place(shown_m(scene, tone));
+    let right = layout.axis.screen().max;
+    let size = |text: &str| {
+        let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(14.0), palette.text);
+        (galley.size() + vec2(20.0, 12.0), galley)
+    };
+    let room = right - line - HANDLE;
+    let fits = HINTS.into_iter().map(size).find(|(size, _)| size.x <= room);
+    // Beside the line: on the narrow side of the plate if it can be, else on the other.
+    let (anchor, (size, galley)) = match fits {
+        Some(fits) => (right, fits),
+        None => (line - HANDLE, size(HINTS[1])),
+    };
+    let rect = Align2::RIGHT_TOP.anchor_size(pos2(anchor, layout.plate.top() + 8.0), size);
     ui.painter().rect(
         rect,
         CornerRadius::same(8),
@@ -123,6 +135,15 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
         egui::StrokeKind::Inside,
     );
     ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
+}
+
+/// Where the boundary of a tone is drawn, in metres.
+fn shown_m(scene: &Scene<'_>, tone: &ToneSetup) -> f64 {
+    let setup = scene.setup;
+    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+    let peak_m = tone.level * setup.master() * scene.full_peak_m;
+    let steady = SteadyTone { slot: tone.slot, frequency_hz, peak_m };
+    shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m)
 }
 
 /// The name of a tone's handle for those who cannot see it.
@@ -145,8 +166,7 @@ fn handle(
     let setup = scene.setup;
     let Some(tone) = setup.tone(slot) else { return };
     let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-    let steady = SteadyTone { slot, frequency_hz, peak_m: tone.level * setup.master() * scene.full_peak_m };
-    let shown_m = shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m);
+    let shown_m = shown_m(scene, tone);
     let x = layout.axis.line_from_place(shown_m);
     let is_selected = slot == scene.selected;
     let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);

@@ -3,7 +3,7 @@
 use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, theme};
 use crate::link::{LinkState, Request};
-use crate::settings::ThemeChoice;
+use crate::settings::{ThemeChoice, WavePicture};
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, vec2};
 use slipline_protocol::event::State;
 use theme::Palette;
@@ -136,6 +136,13 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let text = format!("table {} / {}", progress.sent, progress.total);
         let bar = egui::ProgressBar::new(share).desired_width(130.0).text(text);
         ui.add(bar).on_hover_text("The table is being sent");
+    } else if let Some(waiting) = scene.waiting {
+        if ui.button("Cancel").on_hover_text("Give it up; what was there before stays").clicked() {
+            intents.push(Intent::CancelWork);
+        }
+        let text = format!("{} {:.0} %", waiting.what, 100.0 * waiting.share);
+        let bar = egui::ProgressBar::new(waiting.share).desired_width(130.0).text(text);
+        ui.add(bar).on_hover_text("Being computed");
     } else if scene.is_table_dirty() {
         let text = RichText::new("table differs: upload").color(palette.warn);
         let button = egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn));
@@ -223,6 +230,13 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         for choice in ThemeChoice::ALL {
             if ui.radio(scene.settings.theme == choice, choice.name()).clicked() {
                 intents.push(Intent::Theme(choice));
+                ui.close();
+            }
+        }
+        ui.separator();
+        for choice in WavePicture::ALL {
+            if ui.radio(scene.settings.wave == choice, choice.name()).clicked() {
+                intents.push(Intent::Wave(choice));
                 ui.close();
             }
         }

@@ -2,7 +2,7 @@
 
 use eframe::egui;
 use egui_kittest::Harness;
-use slipline::app::{App, Link, Parts, first_setup};
+use slipline::app::{App, Link, Parts, TableJob, TableState, first_setup};
 use slipline::files::{FileEvent, FileJob, Files};
 use slipline::link::connection::Connection;
 use slipline::link::simulated::{Options, SimulatedDevice};
@@ -10,7 +10,7 @@ use slipline::link::transport::{Opener, Transport, Waker};
 use slipline::link::{Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline::settings::{Settings, ThemeChoice};
 use slipline::workshop::Workshop;
-use slipline::{live, setup_file, tables, trial};
+use slipline::{designer, live, setup_file, sheet, table_making, trial, validity};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::io;
@@ -143,6 +143,11 @@ impl Files for Drawer {
                 self.saved.borrow_mut().push((save.name.clone(), save.bytes.to_vec()));
                 FileEvent::Saved(PathBuf::from(save.name), Ok(()))
             }
+            FileJob::SaveFolder(files) => {
+                let files = files.into_iter().map(|(name, text)| (name, text.into_bytes()));
+                self.saved.borrow_mut().extend(files);
+                FileEvent::Saved(PathBuf::from("folder"), Ok(()))
+            }
         };
         self.events.borrow_mut().push_back(event);
     }
@@ -166,7 +171,7 @@ impl Bench {
     pub(crate) fn driving() -> Self {
         Self::driving_with(
             ThemeChoice::Light,
-            egui_kittest::HarnessBuilder::default().with_theme(egui::Theme::Light),
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light),
         )
     }
 
@@ -184,7 +189,22 @@ impl Bench {
         panic!("the simulated plate does not move: {:?}", bench.snapshot().log);
     }
 
+    /// The app at its first start, with tables made the test's own way, on a thread.
+    pub(crate) fn with_tables(tables: Workshop<TableJob, TableState>) -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        Self::starting_with(ThemeChoice::Light, builder, tables)
+    }
+
     fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        Self::starting_with(theme, builder, Workshop::inline(table_making::make))
+    }
+
+    fn starting_with(
+        theme: ThemeChoice,
+        builder: egui_kittest::HarnessBuilder<App>,
+        tables: Workshop<TableJob, TableState>,
+    ) -> Self {
         let device = SimulatedDevice::new(Options::default());
         let desk = Arc::new(Mutex::new(Desk { device, is_plugged: true }));
         let mut nonce = 0u32;
@@ -196,7 +216,8 @@ impl Bench {
         let rig = Rig { connection, desk, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
         let rig = Rc::new(RefCell::new(rig));
         let drawer = Drawer::default();
-        let window = open_window(Box::new(RigLink(Rc::clone(&rig))), &drawer, theme, builder);
+        let link = Box::new(RigLink(Rc::clone(&rig)));
+        let window = open_window_with(link, &drawer, theme, builder, tables);
         Self { window, drawer, rig }
     }
 
@@ -266,17 +287,30 @@ pub(crate) fn open_window(
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
+    open_window_with(link, drawer, theme, builder, Workshop::inline(table_making::make))
+}
+
+fn open_window_with(
+    link: Box<dyn Link>,
+    drawer: &Drawer,
+    theme: ThemeChoice,
+    builder: egui_kittest::HarnessBuilder<App>,
+    tables: Workshop<TableJob, TableState>,
+) -> Harness<'static, App> {
     let parts = Parts {
         link,
-        tables: Workshop::inline(tables::make),
+        tables,
+        checks: Workshop::inline(validity::work()),
+        designs: Workshop::inline(designer::work),
+        sheets: Workshop::inline(sheet::work()),
         live: Workshop::inline(live::work()),
-        trials: Workshop::inline(|job| trial::run(&job)),
+        trials: Workshop::inline(|job, task: &_| trial::run(&job, task)),
         files: Box::new(drawer.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
     };
     let settings = Settings { theme, ..Settings::default() };
     let app = App::new(&egui::Context::default(), parts, first_setup().unwrap(), settings);
-    builder.with_size([1280.0, 800.0]).with_step_dt(1.0 / 60.0).build_ui_state(
+    builder.with_step_dt(1.0 / 60.0).build_ui_state(
         |ui: &mut egui::Ui, app: &mut App| {
             slipline::view::theme::install(ui.ctx());
             app.logic(&ui.ctx().clone());

@@ -1,9 +1,11 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 #![cfg(feature = "gui")]
 
+mod background;
 mod bench;
 mod painter;
 mod snapshots;
+mod tab_order;
 
 use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
@@ -305,7 +307,7 @@ fn real_device(state: State) -> FixedLink {
 #[test]
 fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself() {
     let link = real_device(State::Idle);
-    let builder = egui_kittest::HarnessBuilder::default();
+    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
     let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     let asked = |link: &FixedLink, want: fn(&Request) -> bool| link.sent.borrow().iter().any(want);
@@ -328,7 +330,7 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
     let mut link = real_device(State::Idle);
     let snapshot = Arc::make_mut(&mut link.snapshot);
     snapshot.table.active.as_mut().unwrap().crc ^= 1;
-    let builder = egui_kittest::HarnessBuilder::default();
+    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
     let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     assert!(!link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));

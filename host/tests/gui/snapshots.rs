@@ -2,26 +2,32 @@
 //!
 //! `SLIPLINE_BLESS=1 cargo test -p slipline --test gui` takes the present look as right.
 
+use crate::background::{open_page, open_plate};
 use crate::bench::Bench;
 use crate::painter::Painter;
 use eframe::egui::{Color32, ColorImage, Theme};
 use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
 use slipline::export;
 use slipline::settings::ThemeChoice;
 use std::path::PathBuf;
 
-const SIZE: [usize; 2] = [1280, 800];
 /// A pixel this far off in one channel differs: less is a rounding of the last bits of a float.
 const DIFFERS: u8 = 24;
 /// So many pixels may differ, of a thousand.
 const MOST_PER_MILLE: usize = 3;
 
-fn picture(theme: ThemeChoice) -> ColorImage {
+/// The window in this theme and of this size, in points, after something was done with it.
+fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut Bench)) -> ColorImage {
     let painter = Painter::default();
     let egui_theme = if theme == ThemeChoice::Dark { Theme::Dark } else { Theme::Light };
-    let builder = HarnessBuilder::default().with_theme(egui_theme).renderer(painter.clone());
-    let bench = Bench::driving_with(theme, builder);
-    painter.paint(&bench.window.ctx, bench.window.output(), SIZE)
+    let builder = HarnessBuilder::default()
+        .with_size(size.map(f32::from))
+        .with_theme(egui_theme)
+        .renderer(painter.clone());
+    let mut bench = Bench::driving_with(theme, builder);
+    prepare(&mut bench);
+    painter.paint(&bench.window.ctx, bench.window.output(), size.map(usize::from))
 }
 
 fn read(path: &PathBuf) -> ColorImage {
@@ -57,12 +63,38 @@ fn compare(name: &str, seen: &ColorImage) {
     }
 }
 
+const USUAL: [u16; 2] = [1280, 800];
+/// The smallest the window may be made.
+const SMALLEST: [u16; 2] = [960, 620];
+
 #[test]
 fn the_window_looks_as_it_was_approved_in_light() {
-    compare("light", &picture(ThemeChoice::Light));
+    compare("light", &picture(ThemeChoice::Light, USUAL, |_| ()));
 }
 
 #[test]
 fn the_window_looks_as_it_was_approved_in_dark() {
-    compare("dark", &picture(ThemeChoice::Dark));
+    compare("dark", &picture(ThemeChoice::Dark, USUAL, |_| ()));
+}
+
+#[test]
+fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
+    let long_name = |bench: &mut Bench| {
+        let text = slipline_plate::preset("membrane").unwrap().to_toml();
+        let name = "name = \"a plate whose name is as long as a name may be made by whoever has the time\"";
+        open_plate(bench, text.replace("name = \"membrane\"", name));
+        bench.window.get_by_label("Dismiss").click();
+        bench.wait(1500);
+    };
+    compare("smallest", &picture(ThemeChoice::Light, SMALLEST, long_name));
+}
+
+#[test]
+fn the_lights_look_as_they_were_approved() {
+    compare("validity", &picture(ThemeChoice::Dark, USUAL, |bench| open_page(bench, "Validity")));
+}
+
+#[test]
+fn the_designer_looks_as_it_was_approved() {
+    compare("designer", &picture(ThemeChoice::Light, USUAL, |bench| open_page(bench, "Designer")));
 }

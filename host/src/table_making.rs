@@ -2,7 +2,8 @@
 
 use crate::model::Setup;
 use crate::table::DeviceTable;
-use slipline_plate::{DriveTable, Plate, sensitivity_per_percent};
+use crate::workshop::Task;
+use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_watched};
 use std::sync::Arc;
 
 /// Knots of the tables this program makes: as many as a device takes, because a plate that resonates needs them.
@@ -44,6 +45,8 @@ pub enum TableState {
     Ready(Arc<TableMade>),
     /// It cannot be made; a sentence that says why.
     Failed(String),
+    /// Its making was given up, and there was none before.
+    Cancelled,
 }
 
 impl TableState {
@@ -62,20 +65,39 @@ impl TableState {
     }
 }
 
-/// Makes a table: some tenths of a second.
+/// Makes a table: some tenths of a second for a usual plate, a minute for one of thousands of wavelengths. `None` when
+/// the task was over before.
 #[must_use]
-pub fn make(job: TableJob) -> TableState {
+pub fn make(job: TableJob, task: &Task) -> Option<TableState> {
+    match build(job, &mut Progress::new(&mut |share| task.tell(share))) {
+        Ok(made) => Some(TableState::Ready(Arc::new(made))),
+        Err(Unmade::Stopped) => None,
+        Err(Unmade::Because(reason)) => Some(TableState::Failed(reason)),
+    }
+}
+
+enum Unmade {
+    Stopped,
+    Because(String),
+}
+
+impl From<TableError> for Unmade {
+    fn from(error: TableError) -> Self {
+        if let TableError::Stopped(_) = error { Self::Stopped } else { Self::Because(error.to_string()) }
+    }
+}
+
+fn build(job: TableJob, progress: &mut Progress<'_>) -> Result<TableMade, Unmade> {
     let knots = KNOTS.min(job.max_knots);
-    let drive_table = match DriveTable::build(&job.plate, job.sample_rate_hz, knots) {
-        Ok(table) => table,
-        Err(error) => return TableState::Failed(error.to_string()),
+    let drive_table =
+        DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.4))?;
+    let device_table =
+        DeviceTable::quantise(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
+    let rest = &mut progress.part(0.4, 1.0);
+    let sensitivity_db = match sensitivity_per_percent_watched(&job.plate, job.sample_rate_hz, rest) {
+        Ok(sensitivity) => Some(sensitivity.worst_db.abs()),
+        Err(TableError::Stopped(_)) => return Err(Unmade::Stopped),
+        Err(_) => None,
     };
-    let device_table = match DeviceTable::quantise(&drive_table) {
-        Ok(table) => Arc::new(table),
-        Err(error) => return TableState::Failed(error.to_string()),
-    };
-    let sensitivity_db = sensitivity_per_percent(&job.plate, job.sample_rate_hz)
-        .ok()
-        .map(|sensitivity| sensitivity.worst_db.abs());
-    TableState::Ready(Arc::new(TableMade { plate: job.plate, drive_table, device_table, sensitivity_db }))
+    Ok(TableMade { plate: job.plate, drive_table, device_table: Arc::new(device_table), sensitivity_db })
 }

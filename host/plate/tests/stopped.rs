@@ -1,0 +1,54 @@
+//! Long computations tell how far they are, and end when nobody wants them any more.
+
+use slipline_plate::check::{CheckError, Checker, Conditions};
+use slipline_plate::{
+    DriveTable, KNOTS_MAX, Progress, Stopped, TableError, preset, sensitivity_per_percent_watched,
+};
+
+/// The shares that a computation tells until `limit` of it is done.
+fn told(limit: f64, compute: impl FnOnce(&mut Progress<'_>)) -> Vec<f64> {
+    let mut shares = Vec::new();
+    compute(&mut Progress::new(&mut |share| {
+        shares.push(share);
+        share < limit
+    }));
+    shares
+}
+
+#[test]
+fn a_whole_computation_tells_shares_that_rise_from_none_to_nearly_all() {
+    let plate = preset("membrane").expect("a preset");
+    let computations: [&dyn Fn(&mut Progress<'_>); 4] = [
+        &|progress| drop(DriveTable::build_watched(&plate, 400e3, KNOTS_MAX, progress).expect("a table")),
+        &|progress| drop(sensitivity_per_percent_watched(&plate, 400e3, progress).expect("a table")),
+        &|progress| drop(Checker::watched(&plate, Conditions::default(), progress).expect("checks")),
+        &|progress| {
+            let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+            drop(checker.over_span_watched(progress).expect("on the span"));
+        },
+    ];
+    for (number, compute) in computations.into_iter().enumerate() {
+        let shares = told(2.0, compute);
+        assert!(shares.len() >= 40, "{number}: {}", shares.len());
+        assert!(shares.windows(2).all(|pair| pair[0] <= pair[1]), "{number}");
+        assert!(shares[0] < 0.03 && shares[shares.len() - 1] > 0.95, "{number}: {shares:?}");
+    }
+}
+
+#[test]
+fn a_no_ends_the_computation_at_once() {
+    for name in ["membrane", "al-bending"] {
+        let plate = preset(name).expect("a preset");
+        let shares = told(0.3, |progress| {
+            let table = DriveTable::build_watched(&plate, 400e3, KNOTS_MAX, progress);
+            assert_eq!(table, Err(TableError::Stopped(Stopped)));
+        });
+        let last = shares[shares.len() - 1];
+        assert!((0.3..0.4).contains(&last), "{name}: {last}");
+        assert!(shares[..shares.len() - 1].iter().all(|&share| share < 0.3), "{name}");
+        told(0.3, |progress| {
+            let checker = Checker::watched(&plate, Conditions::default(), progress);
+            assert_eq!(checker.map(drop), Err(CheckError::Stopped(Stopped)));
+        });
+    }
+}

@@ -1,0 +1,245 @@
+//! What takes longer than a frame: the validity lights, the designer, the 2-D sheet; how far each is, and giving it up.
+
+use super::{App, Parts};
+use crate::designer::{Designed, Draft};
+use crate::edit::Edit;
+use crate::sheet::{self, Frame, Source};
+use crate::table_making::{TableMade, TableState};
+use crate::trial;
+use crate::validity::{self, Verdict};
+use crate::view::slow_factor;
+use eframe::egui;
+use slipline_plate::Plate;
+use slipline_plate::check::Conditions;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Work that takes longer than this gets a bar and a Cancel button, in seconds.
+const PATIENCE_S: f64 = 0.3;
+/// Time between two looks at how far the work is.
+const BAR: Duration = Duration::from_millis(100);
+/// The sample rate that is supposed until a device tells its own, in Hz.
+const USUAL_RATE_HZ: f64 = 400e3;
+
+/// Where the designer stands.
+#[derive(Clone, Debug, Default)]
+pub enum DesignState {
+    /// Nobody has opened it.
+    #[default]
+    Closed,
+    /// It is being designed.
+    Making,
+    /// A plate, or the reason why there is none.
+    Ready(Designed),
+    /// It was given up.
+    Cancelled,
+}
+
+/// Work that is waited for, as a bar shows it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waiting {
+    /// What is being done.
+    pub what: &'static str,
+    /// How much of it is done, 0..=1.
+    pub share: f32,
+}
+
+/// What the app keeps of its background work.
+#[derive(Default)]
+pub struct Background {
+    /// The lights, of the plate and boundary they name.
+    pub verdict: Option<Verdict>,
+    asked: Option<validity::Job>,
+    /// What is wanted of the designer.
+    pub draft: Draft,
+    /// What came of it.
+    pub design: DesignState,
+    /// What the wave is drawn from.
+    pub source: Option<Source>,
+    /// For which plate, rate and wish that was decided.
+    decided: Option<(Arc<Plate>, f64, crate::settings::WavePicture)>,
+    frame: Option<Frame>,
+    driven: Option<trial::Job>,
+    /// Plate time that has passed in slow motion, in seconds.
+    plate_time_s: f64,
+    /// The table made last.
+    kept: Option<Arc<TableMade>>,
+    /// What is waited for, and since when.
+    since: Option<(&'static str, f64)>,
+    is_long: bool,
+}
+
+impl Background {
+    /// Notes the table that was made last: it comes back when another's making is given up.
+    pub(super) fn keep(&mut self, table: &TableState) {
+        if let Some(made) = table.made() {
+            self.kept = Some(Arc::clone(made));
+        }
+    }
+
+    /// Whether the lights are those of the plate and boundary on the screen.
+    #[must_use]
+    pub fn is_checked(&self) -> bool {
+        self.verdict.as_ref().map(|verdict| &verdict.job) == self.asked.as_ref()
+    }
+
+    /// The work that is waited for, once it has taken longer than people like to wait.
+    pub(super) fn waiting(&self, parts: &Parts) -> Option<Waiting> {
+        under_way(parts).filter(|_| self.is_long)
+    }
+}
+
+/// The work that is under way, the weightiest first.
+fn under_way(parts: &Parts) -> Option<Waiting> {
+    [
+        ("table", parts.tables.progress()),
+        ("design", parts.designs.progress()),
+        ("sheet", parts.sheets.progress()),
+        ("check", parts.checks.progress()),
+    ]
+    .into_iter()
+    .find_map(|(what, share)| Some(Waiting { what, share: share? }))
+}
+
+impl App {
+    /// Asks for what the screen needs, and watches how long it takes.
+    pub(super) fn look_after_background(&mut self, ctx: &egui::Context) {
+        self.decide_source();
+        // While something is held down, boundary and levels are on their way.
+        if self.grab.is_none() && !ctx.input(|input| input.pointer.any_down()) {
+            self.check();
+        }
+        let now = ctx.input(|input| input.time);
+        let Some(Waiting { what, .. }) = under_way(&self.parts) else {
+            self.background.since = None;
+            self.background.is_long = false;
+            return;
+        };
+        let since = match self.background.since {
+            Some((before, since)) if before == what => since,
+            _ => now,
+        };
+        self.background.since = Some((what, since));
+        self.background.is_long = now - since > PATIENCE_S;
+        ctx.request_repaint_after(BAR);
+    }
+
+    fn sample_rate_hz(&self) -> f64 {
+        self.snapshot.identity.as_ref().map_or(USUAL_RATE_HZ, |identity| f64::from(identity.sample_rate_hz))
+    }
+
+    fn decide_source(&mut self) {
+        let (plate, rate_hz, wish) = (&self.setup.plate, self.sample_rate_hz(), self.settings.wave);
+        let is_decided =
+            self.background.decided.as_ref().is_some_and(|(of, rate, wished)| {
+                Arc::ptr_eq(of, plate) && *rate == rate_hz && *wished == wish
+            });
+        if is_decided {
+            return;
+        }
+        self.background.source = Some(sheet::source(plate, rate_hz, wish));
+        self.background.decided = Some((Arc::clone(plate), rate_hz, wish));
+        if let Some(job) = self.background.driven.take() {
+            self.run_sheet(job);
+        }
+    }
+
+    /// Has the lights made for the plate and boundary on the screen, unless they are.
+    fn check(&mut self) {
+        let Some(tone) = self.setup.tone(self.selected) else { return };
+        let others = self.setup.tones.iter().filter(|other| other.slot != tone.slot);
+        let job = validity::Job {
+            plate: Arc::clone(&self.setup.plate),
+            boundary_m: tone.position_m,
+            conditions: Conditions {
+                sample_rate_hz: self.sample_rate_hz(),
+                level: (tone.level * self.setup.master()).clamp(0.0, 1.0),
+                off_centre: false,
+                other_boundaries_m: others.map(|other| other.position_m).collect(),
+            },
+        };
+        if self.background.asked.as_ref() != Some(&job) {
+            self.background.asked = Some(job.clone());
+            self.parts.checks.ask(job);
+        }
+    }
+
+    /// Has the sheet take this drive, if the wave is drawn from it.
+    pub(super) fn run_sheet(&mut self, drive: trial::Job) {
+        self.background.driven = Some(drive.clone());
+        self.decide_source();
+        if self.background.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate) {
+            self.parts.sheets.ask(sheet::Job { drive, time_s: self.background.plate_time_s });
+        }
+    }
+
+    /// Moves the sheet on by `step_s` seconds of what the user sees.
+    pub(super) fn advance_sheet(&mut self, step_s: f64) {
+        let Some((number, picture)) = &self.sounding else { return };
+        self.background.plate_time_s += step_s / slow_factor(picture);
+        let is_behind = self.parts.sheets.progress().is_some();
+        let is_shown = self.shown_sheet().is_some();
+        if let Some(drive) = self.background.driven.as_ref().filter(|drive| drive.number == *number)
+            && is_shown
+            && !is_behind
+        {
+            let job = sheet::Job { drive: drive.clone(), time_s: self.background.plate_time_s };
+            self.parts.sheets.ask(job);
+        }
+    }
+
+    /// The sheet, if the wave of the plate on the screen is drawn from it.
+    pub(super) fn shown_sheet(&self) -> Option<&Frame> {
+        let frame =
+            self.background.frame.as_ref().filter(|_| self.background.source == Some(Source::Sheet))?;
+        frame.plate.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate)).then_some(frame)
+    }
+
+    pub(super) fn take_background(&mut self) {
+        if let Some(verdict) = self.parts.checks.take() {
+            self.background.verdict = Some(verdict);
+        }
+        if let Some(designed) = self.parts.designs.take()
+            && designed.draft == self.background.draft
+        {
+            self.background.design = DesignState::Ready(designed);
+        }
+        if let Some(frame) = self.parts.sheets.take() {
+            self.background.frame = Some(frame);
+        }
+    }
+
+    /// Has the plate of a draft designed.
+    pub(super) fn design(&mut self, draft: Draft) {
+        self.background.draft = draft.clone();
+        self.background.design = DesignState::Making;
+        self.parts.designs.ask(draft);
+    }
+
+    /// Gives up what is under way. A table's making ends with the plate and the table that were there before.
+    pub(super) fn cancel_work(&mut self) {
+        match under_way(&self.parts).map(|waiting| waiting.what) {
+            Some("table") => {
+                self.parts.tables.cancel();
+                self.table = TableState::Cancelled;
+                let kept = self.background.kept.clone();
+                if let Some(kept) = kept.filter(|kept| !Arc::ptr_eq(&kept.plate, &self.setup.plate)) {
+                    self.edit(&Edit::Plate(Arc::clone(&kept.plate)));
+                    self.parts.tables.cancel();
+                    self.table = TableState::Ready(kept);
+                    self.predict();
+                }
+            }
+            Some("design") => {
+                self.parts.designs.cancel();
+                self.background.design = DesignState::Cancelled;
+            }
+            Some("sheet") => {
+                self.parts.sheets.cancel();
+                self.background.source = Some(Source::Lines(Some("the sheet was given up".to_owned())));
+            }
+            Some(_) => self.parts.checks.cancel(),
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The validity lights: a summary that is always in sight, and the list with a sentence each.
+
+use super::{Scene, theme};
+use crate::quantity::{show_frequency, show_place};
+use crate::validity::word;
+use eframe::egui::{
+    self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
+};
+use slipline_plate::check::{Colour, Light};
+use theme::Palette;
+
+/// Half the size of a light's mark, in points.
+const MARK: f32 = 4.5;
+
+fn ink(colour: Colour, palette: &Palette) -> Color32 {
+    match colour {
+        Colour::Green => palette.good,
+        Colour::Amber => palette.warn,
+        Colour::Red => palette.bad,
+    }
+}
+
+/// The mark of a colour: a dot, a triangle, a square. The shape tells it to those who cannot tell the colours.
+fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette) {
+    let fill = ink(colour, palette);
+    match colour {
+        Colour::Green => {
+            painter.circle_filled(centre, MARK, fill);
+        }
+        Colour::Amber => {
+            let corners = [vec2(0.0, -MARK - 0.5), vec2(MARK + 0.8, MARK), vec2(-MARK - 0.8, MARK)];
+            let corners = corners.map(|corner| centre + corner).to_vec();
+            painter.add(Shape::convex_polygon(corners, fill, Stroke::NONE));
+        }
+        Colour::Red => {
+            painter.rect_filled(Rect::from_center_size(centre, vec2(2.0 * MARK, 2.0 * MARK)), 0.0, fill);
+        }
+    }
+}
+
+/// The worst colour and what the summary says.
+fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
+    let Some(verdict) = &scene.background.verdict else { return (None, "checking".to_owned()) };
+    let Ok(report) = &verdict.report else { return (None, "not checked".to_owned()) };
+    let counts = [Colour::Red, Colour::Amber].map(|colour| (verdict.count(colour), word(colour)));
+    let bad: Vec<String> = counts
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| format!("{count} {word}"))
+        .collect();
+    let text = if bad.is_empty() { "all green".to_owned() } else { bad.join(", ") };
+    (Some(report.worst()), text)
+}
+
+const CHIP_FONT: FontId = FontId::proportional(12.5);
+
+/// Width of the summary's box, in points.
+pub(super) fn chip_width(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
+    ui.painter().layout_no_wrap(summary(scene).1, CHIP_FONT, Color32::PLACEHOLDER).size().x + 32.0
+}
+
+/// The summary in a small box; returns whether it was pressed.
+pub(super) fn chip(ui: &mut egui::Ui, scene: &Scene<'_>) -> bool {
+    let palette = theme::palette(ui);
+    let (worst, text) = summary(scene);
+    let colour = worst.map_or(palette.weak, |worst| ink(worst, palette));
+    let galley = ui.painter().layout_no_wrap(text.clone(), CHIP_FONT, colour);
+    let (rect, response) = ui.allocate_exact_size(vec2(chip_width(ui, scene), 24.0), Sense::click());
+    let name = format!("Validity: {text}");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    let painter = ui.painter();
+    let faint = colour.gamma_multiply(if response.hovered() { 0.2 } else { 0.1 });
+    let rim = if response.has_focus() {
+        Stroke::new(2.0, palette.accent)
+    } else {
+        Stroke::new(1.0, colour.gamma_multiply(0.5))
+    };
+    painter.rect(rect, CornerRadius::same(12), faint, rim, egui::StrokeKind::Inside);
+    if let Some(worst) = worst {
+        mark(painter, rect.left_center() + vec2(13.0, 0.0), worst, palette);
+    }
+    painter.galley(pos2(rect.left() + 22.0, rect.center().y - 0.5 * galley.size().y), galley, colour);
+    response
+        .on_hover_text("How far this plate and boundary can be relied on: press for the reasons")
+        .clicked()
+}
+
+/// The list.
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    let palette = theme::palette(ui);
+    let Some(verdict) = &scene.background.verdict else {
+        ui.label(RichText::new("Being checked…").color(palette.weak));
+        return;
+    };
+    let job = &verdict.job;
+    let frequency_hz = job.plate.frequency_for_boundary_hz(job.boundary_m);
+    ui.horizontal(|ui| {
+        let text = format!("At {}, {}", show_place(job.boundary_m), show_frequency(frequency_hz));
+        ui.label(RichText::new(text).strong());
+        if !scene.background.is_checked() {
+            ui.label(RichText::new("being checked…").small().color(palette.weak));
+        }
+    });
+    ui.add_space(4.0);
+    match &verdict.report {
+        Err(reason) => {
+            ui.label(RichText::new(reason).color(palette.warn));
+        }
+        Ok(report) => {
+            let mut lights: Vec<&Light> = report.lights.iter().collect();
+            // What needs a look comes first; among equals the order stays.
+            lights.sort_by_key(|light| std::cmp::Reverse(light.colour));
+            for shown in lights {
+                light(ui, shown, palette);
+            }
+        }
+    }
+}
+
+fn light(ui: &mut egui::Ui, light: &Light, palette: &Palette) {
+    const INDENT: f32 = 20.0;
+    ui.spacing_mut().item_spacing.y = 1.0;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.y = 18.0;
+        let (rect, _) =
+            ui.allocate_exact_size(vec2(INDENT - ui.spacing().item_spacing.x, 18.0), Sense::hover());
+        mark(ui.painter(), rect.left_center() + vec2(MARK + 1.0, 0.0), light.colour, palette);
+        let mut name = light.name.to_owned();
+        if let Some(first) = name.get_mut(..1) {
+            first.make_ascii_uppercase();
+        }
+        ui.label(name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let text = RichText::new(word(light.colour)).small().color(ink(light.colour, palette));
+            let label = ui.label(text);
+            let said = format!("{}: {}", light.name, word(light.colour));
+            label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
+        });
+    });
+    ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.y = 10.0;
+        ui.add_space(INDENT);
+        ui.add(egui::Label::new(RichText::new(&light.sentence).small().color(palette.weak)).wrap());
+    });
+    ui.add_space(6.0);
+}
