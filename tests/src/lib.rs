@@ -16,6 +16,7 @@ pub mod qemu;
 #[cfg(unix)]
 pub mod relay;
 pub mod rig;
+pub mod soak;
 pub mod storm;
 pub mod talk;
 pub mod world;

@@ -1,0 +1,267 @@
+//! A long day with a user who never tires: R-57.
+//!
+//! ```text
+//! seed -> acts (drives, stops, tables, rests, sessions) -> Rig -> every code compared with the mirror's
+//!                                                           +--> every status: no fault, counters that add up
+//! ```
+//! Time is virtual, so a day takes what its blocks take to compute. The same seed is the same day.
+
+use std::sync::Arc;
+
+use slipline::link::simulated::Options;
+use slipline::mirror::Mirror;
+use slipline_app::Stop;
+use slipline_app::timing::{LIMIT_BLOCKS, limit_since};
+use slipline_protocol::command::Command;
+use slipline_protocol::event::{Event, Fault, Faults, State, Status};
+use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
+use slipline_protocol::refusal::Refusal;
+use slipline_protocol::units::SampleIndex;
+
+use crate::rig::{BLOCK, Rig, Table, drive};
+use crate::talk::Talk;
+
+/// Beats come at most so late: the dead-man needs longer by a twentieth, and by the blocks that are rendered ahead.
+const LATEST_BEAT_MS: u32 = DEAD_MAN_MS * 9 / 10;
+/// The longest the user does nothing while something sounds.
+const LONGEST_REST_MS: u32 = MAX_DRIVE_MS / 4;
+
+/// What a day came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Samples that passed.
+    pub samples: u64,
+    /// Frames the host has sent.
+    pub frames: u32,
+    /// Drives that were taken.
+    pub drives: u32,
+    /// Tables that were swapped in.
+    pub tables: u32,
+    /// Stops, the emergency stops among them.
+    pub stops: u32,
+    /// Sessions that began.
+    pub sessions: u32,
+    /// The highest temperature seen, per mille of its limit.
+    pub hottest_per_mille: u16,
+}
+
+/// A device, its mirror, and the user.
+pub struct Soak {
+    rig: Rig,
+    mirror: Mirror,
+    tables: [Table; 3],
+    dice: Dice,
+    beat_due: SampleIndex,
+    tally: Tally,
+}
+
+impl Talk for Soak {
+    fn send(&mut self, command: &Command) -> Event {
+        self.tally.frames += 1;
+        self.rig.send(command)
+    }
+}
+
+impl Soak {
+    /// A device at this rate in Hz, connected, with a table, armed.
+    #[must_use]
+    pub fn new(sample_rate_hz: u32, seed: u64) -> Self {
+        let tables = [
+            Table::usual(),
+            Table::line(33, 25_000.0, 90_000.0, |u| 0.3 + 0.6 * (1.0 - u)),
+            Table::line(1025, 500.0, 4_000.0, |u| 0.2 + 0.7 * u * u),
+        ];
+        let mut soak = Self {
+            rig: Rig::new(Options { sample_rate_hz, ..Options::default() }),
+            mirror: Mirror::new(sample_rate_hz, 0),
+            tables: tables.map(|table| table.at_rate(sample_rate_hz)),
+            dice: Dice(seed | 1),
+            beat_due: 0,
+            tally: Tally::default(),
+        };
+        soak.begin_session();
+        soak.change_table(0);
+        soak.pass_ms(20);
+        soak.arm();
+        soak
+    }
+
+    /// Lets the user act for so many seconds more.
+    ///
+    /// # Panics
+    /// If a code is not the mirror's, a fault stands that the user has not caused, a counter is off, or a command is
+    /// answered with anything but what can be expected.
+    pub fn run(&mut self, seconds: u32) -> Tally {
+        let rate = u64::from(self.rig.device.sample_rate_hz());
+        let end = self.rig.device.now() + u64::from(seconds) * rate;
+        while self.rig.device.now() < end {
+            let left_ms = ((end - self.rig.device.now()) * 1000 / rate) as u32;
+            self.act();
+            // Mostly a drag, now and then a while, rarely a long one.
+            let rest_ms = match self.dice.below(16) {
+                0 => self.dice.below(LONGEST_REST_MS),
+                1..4 => self.dice.below(10_000),
+                _ => self.dice.below(400),
+            };
+            self.pass_ms(rest_ms.min(left_ms).max(20));
+        }
+        self.tally.samples = self.rig.device.now();
+        self.tally
+    }
+
+    fn act(&mut self) {
+        match self.dice.below(32) {
+            0 => {
+                // The evening: silent for hours, as seen from a day.
+                self.stop(&Command::Disarm);
+                self.pass_ms(200);
+                for _ in 0..self.dice.below(8) {
+                    self.pass_ms(LONGEST_REST_MS);
+                }
+                self.begin_session();
+                self.pass_ms(20);
+                self.arm();
+            }
+            1 => {
+                self.stop(&Command::EmergencyStop);
+                self.rig.silent_ms(2 * STOP_RAMP_MS);
+                assert_eq!(self.status().faults, Faults::NONE.with(Fault::EmergencyStop));
+                self.accepted(&Command::ClearFaults);
+                self.pass_ms(20);
+                self.arm();
+            }
+            2..4 => self.stop(&Command::Stop),
+            4 => {
+                let number = self.dice.below(3) as usize;
+                self.change_table(number);
+            }
+            _ => self.drive(),
+        }
+    }
+
+    fn begin_session(&mut self) {
+        self.tally.frames += 1;
+        self.tally.sessions += 1;
+        self.rig.hello();
+    }
+
+    fn arm(&mut self) {
+        self.accepted(&Command::Arm);
+        self.beat();
+        self.pass_ms(40);
+    }
+
+    fn stop(&mut self, command: &Command) {
+        let kind = if *command == Command::EmergencyStop { Stop::Emergency } else { Stop::Normal };
+        let at = self.accepted(command);
+        self.mirror.acknowledge_stop(kind, at).expect("the mirror is not ahead");
+        self.tally.stops += 1;
+    }
+
+    /// Uploads a table, unless the place for it sounds.
+    fn change_table(&mut self, number: usize) {
+        let table = self.tables[number].clone();
+        match self.send(&Command::TableBegin(table.header)) {
+            Event::Accepted(_) => {}
+            Event::Refused(Refusal::Busy(_)) => return,
+            other => panic!("a table should be taken or put off, not {other:?}"),
+        }
+        for chunk in table.chunks() {
+            self.accepted(&Command::TableChunk(chunk));
+        }
+        let at = self.accepted(&Command::TableCommit);
+        self.mirror.acknowledge_table(Arc::from(table.knots), at).expect("the mirror is not ahead");
+        self.tally.tables += 1;
+    }
+
+    fn drive(&mut self) {
+        let count = 1 + self.dice.below(16);
+        let tones: Vec<(u8, f64, f64)> = (0..count)
+            .map(|slot| (slot as u8, self.dice.share(), 0.9 * self.dice.share() / f64::from(count)))
+            .collect();
+        let glide = 20 + self.dice.below(480);
+        let drive = drive(&tones, self.rig.samples(glide) as u32);
+        match self.send(&Command::Drive(drive.clone())) {
+            Event::Accepted(accepted) => {
+                self.mirror.acknowledge_drive(&drive, accepted.at).expect("the mirror is not ahead");
+                self.tally.drives += 1;
+            }
+            // A stop is still ramping.
+            Event::Refused(Refusal::Busy(_)) => {}
+            other => panic!("a drive should be taken or put off, not {other:?}"),
+        }
+    }
+
+    fn beat(&mut self) {
+        self.tally.frames += 1;
+        self.rig.keep_alive();
+        let next_ms = 50 + self.dice.below(LATEST_BEAT_MS - 50);
+        self.beat_due = self.rig.device.now() + self.rig.samples(next_ms);
+    }
+
+    /// Lets time pass as the host lives through it, and looks at everything that was sent meanwhile.
+    fn pass_ms(&mut self, milliseconds: u32) {
+        let end = self.rig.device.now() + self.rig.samples(milliseconds);
+        while self.rig.device.now() < end {
+            let now = self.rig.device.now();
+            // Never past a beat, nor past a step of the thermal limit without having heard of it.
+            let until = end.min(self.beat_due.max(now + BLOCK)).min(now + LIMIT_BLOCKS * BLOCK / 2);
+            self.rig.silent_blocks((until - now).div_ceil(BLOCK));
+            if self.rig.device.now() >= self.beat_due {
+                self.beat();
+            }
+            let status = self.status();
+            self.look(&status);
+        }
+    }
+
+    fn look(&mut self, status: &Status) {
+        self.mirror
+            .acknowledge_limit(status.foldback_per_mille, limit_since(status.now))
+            .expect("the mirror is not ahead");
+        let recording = &self.rig.recording;
+        self.mirror.render(self.rig.device.now(), |first, codes| {
+            let at = first.checked_sub(recording.first).map_or(usize::MAX, |at| at as usize);
+            let sent = recording.codes.get(at..at + codes.len());
+            assert_eq!(sent, Some(&codes[..]), "at sample {first}");
+        });
+        assert!(self.mirror.is_true());
+        self.rig.record();
+        assert_eq!((status.faults, status.first_fault), (Faults::NONE, None), "at {}", status.now);
+        assert!(matches!(status.state, State::Idle | State::Armed | State::Driving | State::Stopping));
+        let counters = status.counters;
+        assert_eq!(counters.frames, self.tally.frames, "every frame was heard once");
+        let losses = [counters.crc_errors, counters.overlong, counters.duplicates, counters.dropped];
+        assert_eq!((losses, counters.underruns, counters.clips), ([0; 4], 0, 0));
+        assert!(!self.rig.device.is_watchdog_starved() && self.rig.replies.is_empty());
+        self.tally.hottest_per_mille = self.tally.hottest_per_mille.max(status.heat_per_mille);
+    }
+}
+
+/// The user's whims: xorshift64.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, limit: u32) -> u32 {
+        (((self.roll() >> 32) * u64::from(limit)) >> 32) as u32
+    }
+
+    fn share(&mut self) -> f64 {
+        f64::from(self.below(u32::MAX)) / f64::from(u32::MAX)
+    }
+}
+
+/// Memory this process has in use, in bytes; `None` where the system does not tell.
+#[must_use]
+pub fn resident_bytes() -> Option<u64> {
+    let statm = std::fs::read_to_string("/proc/self/statm").ok()?;
+    // Pages of 4 KiB: the resident set is the second number.
+    Some(statm.split_whitespace().nth(1)?.parse::<u64>().ok()? * 4096)
+}
