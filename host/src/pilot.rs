@@ -96,8 +96,11 @@ impl Pilot {
         let on_device = now.table.active.map(|header| header.crc);
         if let Some(made) = made {
             let crc = made.device_table.crc();
-            let is_wanted = is_simulated || settings.auto_upload;
-            if is_wanted && on_device != Some(crc) && now.upload.is_none() && self.sent_table != Some(crc) {
+            // A table the device holds from before is only recognised: that asks nothing of the user.
+            let is_held = on_device == Some(crc);
+            let is_wanted = is_simulated || settings.auto_upload || is_held;
+            let is_known = is_held && now.confirmed_table.is_some();
+            if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
                 self.sent_table = Some(crc);
                 acts.push(Act::Upload(Arc::clone(&made.device_table)));
                 return acts;
