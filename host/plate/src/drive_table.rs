@@ -251,7 +251,7 @@ impl<'a> Chain<'a> {
     }
 
     /// The same for a plate whose band may end a little above what the rate carries.
-    fn unchecked(plate: &'a Plate, sample_rate_hz: f64) -> Self {
+    pub(crate) fn unchecked(plate: &'a Plate, sample_rate_hz: f64) -> Self {
         let highest_hz = plate.band_hz().1;
         // 1e-6 of the amplitude is 1e-5 dB: a coarser grid than a response needs.
         let points = 257;

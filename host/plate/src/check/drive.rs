@@ -52,7 +52,8 @@ pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> 
     let intended = levelled(site.plate, rate, site.frequency_hz)?;
     let mut worst: f64 = 0.0;
     for actual in &site.checker.detuned {
-        let found = Chain::new(actual, rate)?.level(site.frequency_hz)?.amplitude;
+        // Its band may end a little above what the rate carries; this frequency does not.
+        let found = Chain::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
         worst = worst.max((20.0 * (found / intended).log10()).abs());
     }
     Ok(site.graded(

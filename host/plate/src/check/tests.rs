@@ -278,3 +278,14 @@ fn boundaries_off_the_plate_and_absurd_conditions_are_refused_with_their_range()
     let off = Conditions { other_boundaries_m: vec![9.0], ..Conditions::default() };
     assert!(refused(off).contains("other boundary = 9"));
 }
+
+#[test]
+fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
+    let plate = preset("membrane").expect("a preset");
+    // At 1 % more wave speed the band would no longer fit: the boundaries' own frequencies do.
+    let sample_rate_hz = 1.001 * plate.band_hz().1 / crate::FREQUENCY_TO_RATE_MAX;
+    let checker = Checker::new(&plate, Conditions { sample_rate_hz, ..Conditions::default() }).expect("fits");
+    assert!(checker.at(plate.span_m().1).is_ok());
+    assert!(checker.over_span().is_ok());
+    assert!(crate::sensitivity_per_percent(&plate, sample_rate_hz).is_ok());
+}
