@@ -75,7 +75,7 @@ def bench(image):
 @pytest.fixture(scope="session")
 def cool(image):
     """Connected, with a table, armed, and so long after the start that the thermal model lets the full level pass:
-    after a reset it takes the coil for hot, and the mirror does not know how hot. Shared, for it takes a while."""
+    after a reset it takes the coil for hot, and `mirror_codes` is not told the limit. Shared, for it takes a while."""
     bench = Bench(image)
     bench.host.connect()
     bench.host.upload()

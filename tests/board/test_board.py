@@ -13,7 +13,8 @@ MID = 2048
 UNMUTE = "PB1"
 MILLISECOND = RATE_HZ // 1000
 RENDERER_IRQ, DMA_STREAM = 53, 5
-WATCHDOG_SECONDS = 2.0
+WATCHDOG_SECONDS = 4.0
+SYSCFG_MEMRMP = 0x40013800
 
 
 def sixteen(shift=0.0):
@@ -341,6 +342,8 @@ def test_the_rom_bootloader_is_entered_in_two_steps(bench):
     bench.board.run(0.1)
     assert bench.board.resets == ["software"]
     assert bench.board.pc & ~1 == 0x1FFF0100
+    assert bench.board.vectors == 0x1FFF0000, "the ROM's interrupts are the ROM's"
+    assert bench.board.registers[SYSCFG_MEMRMP] & 3 == 1, "system memory at address 0, as after a boot from ROM"
     bench.board.reset("pin")
     bench.host.inbox.clear()
     bench.host.connect()

@@ -9,6 +9,7 @@
 //! | `WATCHDOG_US` | the watchdog's period |
 //! | `SYSTEM_MEMORY` | the ROM bootloader's vector table |
 //! | `config()` | clocks, as embassy takes them |
+//! | `map_system_memory()` | the ROM bootloader's vectors where a boot from ROM has them |
 //! | `Board::take(..)` | the peripherals under their uses' names, with the amplifier muted |
 //! | `mute_now()` | register writes alone, for the fault handlers |
 //! | `reset_cause()`, `is_brown_out_guarded()` | what the chip says of itself |

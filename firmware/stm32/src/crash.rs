@@ -17,6 +17,7 @@ use slipline_app::crash::CrashRecord;
 use crate::{board, dac};
 
 /// The record's bytes; garbage after power-on, so they are decoded (with their CRC) and never trusted.
+#[repr(align(4))]
 struct Kept(UnsafeCell<[u8; CrashRecord::BYTES]>);
 
 // SAFETY: written at boot before any interrupt is enabled, by the supervisor in thread mode, and by handlers that
@@ -44,6 +45,13 @@ fn read() -> Option<CrashRecord> {
 fn write(record: &CrashRecord) {
     // SAFETY: see `Kept`.
     unsafe { KEPT.0.get().write_volatile(record.encode()) };
+    // The H743's RAM has error correction over whole words: bytes wait in a buffer for the rest of their word, and a
+    // reset loses them. Reading every word and writing it back brings them into the RAM; elsewhere it does nothing.
+    let words = KEPT.0.get().cast::<u32>();
+    for word in 0..CrashRecord::BYTES.div_ceil(size_of::<u32>()) {
+        // SAFETY: see `Kept`, which begins at a word and whose size is a multiple of one: the last word is its own.
+        unsafe { words.add(word).write_volatile(words.add(word).read_volatile()) };
+    }
 }
 
 /// What the application is told about the start, once, at boot.
@@ -102,9 +110,14 @@ pub(crate) fn enter_bootloader_if_wished() {
     // SAFETY: as above. Asked once, entered once: the next reset starts the program.
     unsafe { WISH.0.get().write_volatile(0) };
     if wish == BOOTLOADER {
-        // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table begins with its stack
-        // pointer and its reset vector (AN2606).
-        unsafe { cortex_m::asm::bootload(board::SYSTEM_MEMORY as *const u32) }
+        // The ROM's own interrupts (USB's, for DFU) must find its vectors: the jump alone leaves this program's in force.
+        board::map_system_memory();
+        // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table, aligned as VTOR wants it,
+        // begins with its stack pointer and its reset vector (AN2606).
+        unsafe {
+            (*SCB::PTR).vtor.write(board::SYSTEM_MEMORY);
+            cortex_m::asm::bootload(board::SYSTEM_MEMORY as *const u32)
+        }
     }
 }
 

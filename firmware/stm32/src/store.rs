@@ -47,11 +47,13 @@ impl FlashPages for Store {
     fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
         let from = Self::place(slot, 0, board::SLOT_BYTES)?;
         let to = from + board::SLOT_BYTES as u32;
+        torn::forget_old_errors();
         dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError)
     }
 
     fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
         let at = Self::place(slot, offset, FLASH_WORD)?;
+        torn::forget_old_errors();
         dac::paused(|| self.0.blocking_write(at, word)).map_err(|_| FlashError)
     }
 
@@ -73,6 +75,8 @@ mod torn {
     pub(super) fn guard(read: impl FnOnce() -> bool) -> bool {
         read()
     }
+
+    pub(super) const fn forget_old_errors() {}
 }
 
 /// A double error sets FLASH_ECCR.ECCD and raises the NMI (RM0440 3.3.8). Only then is ECCD cleared here, so a torn
@@ -94,6 +98,9 @@ mod torn {
         GUARDED.store(false, Relaxed);
         done && !TORN.load(Relaxed)
     }
+
+    /// embassy clears them itself.
+    pub(super) const fn forget_old_errors() {}
 
     #[exception]
     unsafe fn NonMaskableInt() {
@@ -134,5 +141,23 @@ mod torn {
         let is_torn = bank.sr().read().dbeccerr();
         bank.ccr().write(|w| w.set_clr_dbeccerr(true));
         done && !is_torn
+    }
+
+    /// A corrected bit or a speculative read of a protected place leaves a flag in FLASH_SR2 that stands until it is
+    /// cleared in FLASH_CCR2 (RM0433 4.9), and embassy-stm32 0.6, which writes FLASH_SR2 instead, takes it
+    /// for an error of the next erasure or write.
+    pub(super) fn forget_old_errors() {
+        FLASH.bank(1).ccr().write(|w| {
+            w.set_clr_eop(true);
+            w.set_clr_wrperr(true);
+            w.set_clr_pgserr(true);
+            w.set_clr_strberr(true);
+            w.set_clr_incerr(true);
+            w.set_clr_operr(true);
+            w.set_clr_rdperr(true);
+            w.set_clr_rdserr(true);
+            w.set_clr_sneccerr(true);
+            w.set_clr_dbeccerr(true);
+        });
     }
 }

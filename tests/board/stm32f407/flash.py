@@ -8,8 +8,9 @@ ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
 KEYS = (0x45670123, 0xCDEF89AB)
 PROGRAM, ERASE, BEGIN, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
 BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
-# At 32 bit parallelism: 16 KiB in 250 ms, and in proportion (DS8626 table 40); a word in 16 us.
-ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = 0.25 / 0x4000, 16e-6
+# The longest that 16 KiB take, by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time), and in proportion (DS8626
+# table 40); a word in 16 us.
+ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = [seconds / 0x4000 for seconds in (0.8, 0.6, 0.5, 0.5)], 16e-6
 
 
 def sector(number):
@@ -39,7 +40,7 @@ class Flash:
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
         assert self.control & PROGRAM and not self.control & LOCK, f"a store into locked flash at {address:#x}"
-        assert size == 4, "PSIZE says words"
+        assert size == 4 == 1 << (self.control >> 8 & 3), "a store is as wide as PSIZE says (RM0090 3.5.4)"
         old = int.from_bytes(self.board.cpu.mem_read(address, 4), "little")
         is_cut = self.cut()
         # A torn word has some of its bits programmed.
@@ -79,6 +80,6 @@ class Flash:
         # A torn erasure leaves half of the sector as it was.
         self.board.cpu.mem_write(start, b"\xff" * (size // 2 if is_cut else size))
         self.board.note("erase", number)
-        self.board.stall(size * ERASE_SECONDS_PER_BYTE)
+        self.board.stall(size * ERASE_SECONDS_PER_BYTE[self.control >> 8 & 3])
         if is_cut:
             self.board.cut_power()

@@ -40,11 +40,11 @@ pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x4000, 0x8000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
-/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 36), so 1.36 s to 3.8 s. The longest
-/// stall is a 16 KiB sector's erasure, 500 ms at most at 32 bit parallelism (DS8626 table 40), and the writing of
-/// 8 KiB after it, 2048 words of at most 100 us: 0.7 s, less than half of the shortest period with typical words
-/// (16 us), and below it even with the slowest.
-pub(crate) const WATCHDOG_US: u32 = 2_000_000;
+/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 36), so 2.7 s to 7.5 s. The longest
+/// stall is a 16 KiB sector's erasure and the writing of 8.5 KiB after it. embassy-stm32 0.6 erases with FLASH_CR.PSIZE
+/// as its last write has left it, 00, 8 bits at a time: 800 ms at most (DS8626 table 40; 500 ms at 32 bits). The words
+/// are written at 32 bits, 2176 of at most 100 us. 1.02 s in all, less than half of the shortest period.
+pub(crate) const WATCHDOG_US: u32 = 4_000_000;
 
 /// System memory (RM0090 2.4; AN2606: PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
@@ -98,6 +98,12 @@ pub(crate) fn tune_flash() {
         w.set_dcen(true);
         w.set_prften(!is_revision_a);
     });
+}
+
+/// SYSCFG_MEMRMP.MEM_MODE = 01: system memory at address 0, as it is when BOOT0 chooses it (RM0090 9.2.1).
+pub(crate) fn map_system_memory() {
+    pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
+    pac::SYSCFG.memrm().modify(|w| w.set_mem_mode(0b01));
 }
 
 pub(crate) struct Board {

@@ -96,6 +96,12 @@ pub(crate) fn tune_flash() {
     });
 }
 
+/// SYSCFG_MEMRMP.MEM_MODE = 001: system memory at address 0, as it is when BOOT0 chooses it (RM0440 10.2.1).
+pub(crate) fn map_system_memory() {
+    pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
+    pac::SYSCFG.memrmp().modify(|w| w.set_mem_mode(0b001));
+}
+
 pub(crate) struct Board {
     /// High: the amplifier may sound.
     pub(crate) unmute: Output<'static>,
@@ -135,7 +141,8 @@ impl Board {
 }
 
 impl Uart {
-    /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK. Its clock is APB1:
+    /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK; UM2505 calls them LPUART1's
+    /// (alternate function 12), but the pins carry either. Its clock is APB1:
     /// 170 MHz / 184 = 923913 baud, 0.25 % from 921600.
     pub(crate) fn open(
         self,

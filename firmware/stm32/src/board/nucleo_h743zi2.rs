@@ -3,7 +3,7 @@
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, Hsi48Config, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
+    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
     VoltageScale, mux,
 };
 use embassy_stm32::time::Hertz;
@@ -20,7 +20,9 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 //   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
 //   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433 table 56).
 //   200 MHz / 500 = 400 kHz.
-//   USB = HSI48, trimmed to the host's start-of-frame by the CRS.
+//   USB: VCO = 8 * 48 = 384 MHz (DIVM3 = 1, DIVN3 = 48), 384 / 8 = 48 MHz exactly (DIVQ3 = 8), as true as the
+//   ST-LINK's crystal. Not HSI48: full speed wants 0.25 %, so it would have to be trimmed by the CRS, whose SYNCSRC
+//   10, the only one embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433 chapter 9, CRS_CFGR).
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
@@ -44,9 +46,11 @@ pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x1c_0000, 0x1e_0000];
 pub(crate) const SLOT_BYTES: usize = 128 * 1024;
 
-/// The watchdog's oscillator keeps 32 kHz within some 5 % (DS12110 table 44). A sector erases in 2 s at most at 64 bit
-/// parallelism (DS12110 table 54) while the thread, but not the renderer, waits: less than half of this.
-pub(crate) const WATCHDOG_US: u32 = 5_000_000;
+/// The watchdog's oscillator keeps 32 kHz within some 5 % (DS12110 table 44). The thread, but not the renderer, waits for
+/// a sector's erasure. embassy-stm32 0.6 erases with FLASH_CR2.PSIZE as its last write has left it, 00, 8 bits at a
+/// time: 4 s at most (DS12110 table 54; 2 s at 64 bits). With 272 flash words after it of at most 0.6 ms: less than half
+/// of this.
+pub(crate) const WATCHDOG_US: u32 = 10_000_000;
 
 /// System memory (AN2606; PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1ff0_9800;
@@ -77,7 +81,7 @@ pub(crate) const USB_INTERRUPT: interrupt::Interrupt = interrupt::OTG_FS;
 pub(crate) fn config() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(8_000_000), mode: HseMode::Bypass });
-    config.rcc.hsi48 = Some(Hsi48Config { sync_from_usb: true });
+    config.rcc.hsi48 = None;
     config.rcc.pll1 = Some(Pll {
         source: PllSource::HSE,
         prediv: PllPreDiv::DIV1,
@@ -87,6 +91,15 @@ pub(crate) fn config() -> Config {
         divq: None,
         divr: None,
     });
+    config.rcc.pll3 = Some(Pll {
+        source: PllSource::HSE,
+        prediv: PllPreDiv::DIV1,
+        mul: PllMul::MUL48,
+        fracn: None,
+        divp: None,
+        divq: Some(PllDiv::DIV8),
+        divr: None,
+    });
     config.rcc.sys = Sysclk::PLL1_P;
     config.rcc.ahb_pre = AHBPrescaler::DIV2;
     config.rcc.apb1_pre = APBPrescaler::DIV2;
@@ -94,14 +107,25 @@ pub(crate) fn config() -> Config {
     config.rcc.apb3_pre = APBPrescaler::DIV2;
     config.rcc.apb4_pre = APBPrescaler::DIV2;
     config.rcc.voltage_scale = VoltageScale::Scale1;
-    config.rcc.mux.usbsel = mux::Usbsel::HSI48;
+    config.rcc.mux.usbsel = mux::Usbsel::PLL3_Q;
     config.dma_interrupt_priority = priority::DAC;
     config
 }
 
+/// Nothing to do: this chip has no remap to address 0, the bootloader's vectors are found by VTOR alone.
+pub(crate) fn map_system_memory() {}
+
 /// The instruction cache hides the flash's wait states. The data cache stays off: variables are in the DTCM, which it
 /// does not serve, and the DMA's ring must not be in it.
+///
+/// Revision Y (DBGMCU REV_ID 0x1003) may read the AXI SRAM wrongly when two reads are under way (errata sheet ES0392
+/// 2.2.9): READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD lets only one be issued, which is what the sheet says to do.
 pub(crate) fn tune_flash() {
+    if pac::DBGMCU.idc().read().rev_id() == 0x1003 {
+        // SAFETY: a register of the AXI interconnect (RM0433 2.2: base 0x5100_0000, target 7 at 0x8000, FN_MOD at
+        // 0x108) that nothing else touches; it may be written at any time.
+        unsafe { (0x5100_8108 as *mut u32).write_volatile(1) };
+    }
     // SAFETY: called once, before any interrupt handler runs that could use the system control block.
     let mut core = unsafe { cortex_m::Peripherals::steal() };
     core.SCB.enable_icache();
