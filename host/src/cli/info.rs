@@ -93,6 +93,9 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         if let Some(it) = status {
             lines.push(("State", format!("{:?}", it.state)));
             lines.push(("Faults", it.faults.to_string()));
+            if it.counters.max_cycles > 0 {
+                lines.push(("Worst block", format!("{} cycles", it.counters.max_cycles)));
+            }
         }
         let table = table.map_or_else(
             || "none".to_owned(),

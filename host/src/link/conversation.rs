@@ -15,8 +15,9 @@ use std::time::Duration;
 pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
 /// A keep-alive goes out this often.
 pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
-/// Erasing flash stalls an STM32 for up to 2.6 s; for so long a device that was told to is left in peace.
-pub(crate) const FLASH_PATIENCE: Duration = Duration::from_secs(4);
+/// Erasing and writing a slot takes the slowest board, the H743, up to 4.2 s; for so long a device that was told to is
+/// left in peace.
+pub(crate) const FLASH_PATIENCE: Duration = Duration::from_secs(6);
 
 /// Which queue a command travels in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

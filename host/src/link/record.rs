@@ -1,7 +1,7 @@
 //! The picture of the link under construction: what the next snapshot will show.
 
 use super::conversation::Conversation;
-use super::snapshot::{JOURNAL_ENTRIES, LOG_LINES, OUTCOMES};
+use super::snapshot::{JOURNAL_ENTRIES, JOURNAL_LIMITS, LOG_LINES, OUTCOMES};
 use super::{Acknowledged, Change, LogEntry, Outcome, Severity, Snapshot, Ticket, Trouble};
 use crate::link::LinkState;
 use slipline_protocol::event::Status;
@@ -54,8 +54,12 @@ impl Record {
     /// Notes what the device has agreed to.
     pub(crate) fn acknowledge(&mut self, at: SampleIndex, change: Change) {
         self.entries += 1;
+        let journal = Arc::make_mut(&mut self.view.journal);
+        if matches!(change, Change::Limit(_)) {
+            drop_oldest_limit(journal);
+        }
         let entry = Arc::new(Acknowledged { number: self.entries, at, change });
-        push_bounded(Arc::make_mut(&mut self.view.journal), JOURNAL_ENTRIES, entry);
+        push_bounded(journal, JOURNAL_ENTRIES, entry);
         self.touch();
     }
 
@@ -158,9 +162,40 @@ impl Record {
     }
 }
 
+/// A warm coil's limit changes some times a second for minutes: that must not push out the drive that warms it.
+fn drop_oldest_limit(journal: &mut VecDeque<Arc<Acknowledged>>) {
+    let is_limit = |entry: &Arc<Acknowledged>| matches!(entry.change, Change::Limit(_));
+    if journal.iter().filter(|entry| is_limit(entry)).count() >= JOURNAL_LIMITS
+        && let Some(oldest) = journal.iter().position(is_limit)
+    {
+        journal.remove(oldest);
+    }
+}
+
 fn push_bounded<T>(list: &mut VecDeque<T>, limit: usize, item: T) {
     if list.len() >= limit {
         list.pop_front();
     }
     list.push_back(item);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_that_changes_for_minutes_does_not_push_out_the_drive() {
+        let mut record = Record::default();
+        record.acknowledge(0, Change::Armed);
+        for at in 1..1000 {
+            record.acknowledge(at, Change::Limit(at as u16));
+        }
+        let journal = &record.view.journal;
+        assert_eq!(journal.front().map(|entry| &entry.change), Some(&Change::Armed));
+        assert_eq!(journal.len(), 1 + JOURNAL_LIMITS);
+        assert_eq!(
+            journal.back().map(|entry| (entry.number, &entry.change)),
+            Some((1000, &Change::Limit(999)))
+        );
+    }
 }
