@@ -91,7 +91,7 @@ impl Frame {
 
     /// Bilinear between the cells.
     fn at(&self, values: &[f32], x_m: f64, z_m: f64) -> f64 {
-        let rows = if self.stations == 0 { 0 } else { values.len() / self.stations };
+        let rows = values.len().checked_div(self.stations).unwrap_or(0);
         let (column, row) = (x_m / self.step_m.0, z_m / self.step_m.1 + 0.5 * rows.saturating_sub(1) as f64);
         if !(column >= 0.0 && row >= 0.0) {
             return 0.0;

@@ -51,9 +51,12 @@ pub struct Workshop<Job, Done> {
     unwanted: u64,
 }
 
+/// What is done with a job.
+type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
+
 enum Way<Job, Done> {
     Thread(Sender<(u64, Job, Arc<Task>)>),
-    Inline(Box<dyn FnMut(Job, &Task) -> Option<Done>>, Sender<(u64, Option<Done>)>),
+    Inline(Box<Work<Job, Done>>, Sender<(u64, Option<Done>)>),
 }
 
 impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {

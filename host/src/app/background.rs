@@ -30,7 +30,7 @@ pub enum DesignState {
     /// It is being designed.
     Making,
     /// A plate, or the reason why there is none.
-    Ready(Designed),
+    Ready(Arc<Designed>),
     /// It was given up.
     Cancelled,
 }
@@ -202,7 +202,7 @@ impl App {
         if let Some(designed) = self.parts.designs.take()
             && designed.draft == self.background.draft
         {
-            self.background.design = DesignState::Ready(designed);
+            self.background.design = DesignState::Ready(Arc::new(designed));
         }
         if let Some(frame) = self.parts.sheets.take() {
             self.background.frame = Some(frame);

@@ -226,3 +226,21 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
         bench.snapshot().table.active.is_some_and(|header| header.crc != crc)
     });
 }
+
+#[test]
+fn at_rest_nothing_is_painted_again_and_the_sheet_sleeps() {
+    let mut bench = Bench::driving();
+    let delay = |bench: &Bench| {
+        bench.window.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min().unwrap()
+    };
+    let before = bench.sheet_jobs.get();
+    bench.wait(500);
+    assert!(bench.sheet_jobs.get() >= before + 5, "it moves while it is driven");
+    assert!(delay(&bench) <= Duration::from_millis(33));
+    bench.window.key_press(Key::Space);
+    bench.wait(3000);
+    let asleep = bench.sheet_jobs.get();
+    bench.wait(1000);
+    assert_eq!(bench.sheet_jobs.get(), asleep);
+    assert!(delay(&bench) > Duration::from_secs(1), "{:?}", delay(&bench));
+}

@@ -11,7 +11,7 @@ use slipline::link::{Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline::settings::{Settings, ThemeChoice};
 use slipline::workshop::Workshop;
 use slipline::{designer, live, setup_file, sheet, table_making, trial, validity};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::io;
 use std::path::PathBuf;
@@ -163,6 +163,8 @@ pub(crate) struct Bench {
     pub(crate) window: Harness<'static, App>,
     /// The files.
     pub(crate) drawer: Drawer,
+    /// How often the 2-D sheet was asked to move on.
+    pub(crate) sheet_jobs: Rc<Cell<usize>>,
     rig: Rc<RefCell<Rig>>,
 }
 
@@ -217,8 +219,10 @@ impl Bench {
         let rig = Rc::new(RefCell::new(rig));
         let drawer = Drawer::default();
         let link = Box::new(RigLink(Rc::clone(&rig)));
-        let window = open_window_with(link, &drawer, theme, builder, tables);
-        Self { window, drawer, rig }
+        let sheet_jobs = Rc::default();
+        let parts = parts(link, &drawer, tables, &sheet_jobs);
+        let window = open_window_with(parts, theme, builder);
+        Self { window, drawer, sheet_jobs, rig }
     }
 
     /// Lets time pass, in milliseconds, and the window look at what has changed.
@@ -287,27 +291,38 @@ pub(crate) fn open_window(
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
-    open_window_with(link, drawer, theme, builder, Workshop::inline(table_making::make))
+    let parts = parts(link, drawer, Workshop::inline(table_making::make), &Rc::default());
+    open_window_with(parts, theme, builder)
 }
 
-fn open_window_with(
+fn parts(
     link: Box<dyn Link>,
     drawer: &Drawer,
-    theme: ThemeChoice,
-    builder: egui_kittest::HarnessBuilder<App>,
     tables: Workshop<TableJob, TableState>,
-) -> Harness<'static, App> {
-    let parts = Parts {
+    sheet_jobs: &Rc<Cell<usize>>,
+) -> Parts {
+    let (count, mut run_sheet) = (Rc::clone(sheet_jobs), sheet::work());
+    Parts {
         link,
         tables,
         checks: Workshop::inline(validity::work()),
         designs: Workshop::inline(designer::work),
-        sheets: Workshop::inline(sheet::work()),
+        sheets: Workshop::inline(move |job, task: &_| {
+            count.set(count.get() + 1);
+            run_sheet(job, task)
+        }),
         live: Workshop::inline(live::work()),
         trials: Workshop::inline(|job, task: &_| trial::run(&job, task)),
         files: Box::new(drawer.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
-    };
+    }
+}
+
+fn open_window_with(
+    parts: Parts,
+    theme: ThemeChoice,
+    builder: egui_kittest::HarnessBuilder<App>,
+) -> Harness<'static, App> {
     let settings = Settings { theme, ..Settings::default() };
     let app = App::new(&egui::Context::default(), parts, first_setup().unwrap(), settings);
     builder.with_step_dt(1.0 / 60.0).build_ui_state(
