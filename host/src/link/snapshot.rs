@@ -125,7 +125,7 @@ pub const LOG_LINES: usize = 500;
 /// Acknowledged changes that are kept for the mirror.
 pub const JOURNAL_ENTRIES: usize = 128;
 /// How many of them may be thermal limits: some ten seconds of the fastest change.
-pub const JOURNAL_LIMITS: usize = 32;
+pub(crate) const JOURNAL_LIMITS: usize = 32;
 /// Outcomes that are kept.
 pub const OUTCOMES: usize = 64;
 
