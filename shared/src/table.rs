@@ -29,22 +29,37 @@ pub struct Setting {
 
 /// The table's value at `position`, with knots read by index through `knot`.
 ///
-/// With `t = position * (count - 1)`, `i = floor(t)` and `u = t - i`: `step = s[i] + u (s[i+1] - s[i])`, exact in
-/// Q0.64, and the gain likewise, rounded down to Q1.31. `count` below 2 gives the only knot, or the default for
+/// It lies between two knots as [`place`] and [`between`] say. `count` below 2 gives the only knot, or the default for
 /// none.
 pub fn evaluate(count: u16, position: FinePosition, knot: impl Fn(u16) -> Knot) -> Setting {
     let last = count.saturating_sub(1);
+    let (index, fraction) = place(count, position);
+    between(knot(index), knot((index + 1).min(last)), fraction)
+}
+
+/// Between which knots a position lies: the index of the first, and how far it is on the way to the next, Q1.31,
+/// 0..=2^31.
+///
+/// With `t = position * (count - 1)` that is `floor(t)`, but no further than the last interval, and the rest.
+#[inline]
+pub const fn place(count: u16, position: FinePosition) -> (u16, u32) {
+    let last = count.saturating_sub(1);
     // At most 2^31 * 1024: 42 bits.
-    let t = u64::from(position.raw()) * u64::from(last);
-    let index = (t >> 31) as u16;
-    let fraction = (t & 0x7fff_ffff) as i64;
-    let a = knot(index.min(last));
-    let b = knot((index + 1).min(last));
-    // A difference of two Q0.32 steps below 0.45 has 31 bits and a sign; times 31 bits it fits 62 and a sign.
-    let step_difference = i64::from(b.step) - i64::from(a.step);
-    let step = (u64::from(a.step) << 32).wrapping_add_signed((step_difference * fraction) << 1);
-    let gain_difference = i64::from(b.gain.0) - i64::from(a.gain.0);
-    let gain = i64::from(a.gain.0) + ((gain_difference * fraction) >> 31);
+    let t = position.raw() as u64 * last as u64;
+    let (index, last_interval) = (t >> 31, last.saturating_sub(1) as u64);
+    let index = if index < last_interval { index } else { last_interval };
+    (index as u16, (t - (index << 31)) as u32)
+}
+
+/// What lies `fraction` (Q1.31, 0..=2^31) of the way from one knot to another: `a + fraction (b - a)`, the step exact in
+/// Q0.64, the gain rounded down to Q1.31.
+#[inline]
+pub const fn between(a: Knot, b: Knot, fraction: u32) -> Setting {
+    // Weighted sums rather than a difference times the fraction: a multiplication each and no signs, and exact all the
+    // same. The weights add up to 2^31, so no sum exceeds 63 bits.
+    let (there, here) = (fraction as u64, (1u32 << 31).wrapping_sub(fraction) as u64);
+    let step = (a.step as u64 * here + b.step as u64 * there) << 1;
+    let gain = (a.gain.0 as u64 * here + b.gain.0 as u64 * there) >> 31;
     Setting { step: PhaseStep(step), gain: Gain(gain as u32) }
 }
 

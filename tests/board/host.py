@@ -8,8 +8,8 @@ TO_DEVICE, TO_HOST = 0xA5, 0x5A
 HELLO, KEEP_ALIVE, STATUS, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
     0x01, 0x02, 0x03, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
 )  # fmt: skip
-TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, TABLE_DIGEST, STORE, BOOTLOADER_TOKEN, BOOTLOADER_ENTER = (
-    0x20, 0x21, 0x22, 0x24, 0x40, 0x50, 0x51,
+TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, TABLE_DIGEST, DIGEST_START, STORE, BOOTLOADER_TOKEN, BOOTLOADER_ENTER = (
+    0x20, 0x21, 0x22, 0x24, 0x30, 0x40, 0x50, 0x51,
 )  # fmt: skip
 UNSEQUENCED = (HELLO, KEEP_ALIVE, STATUS, STOP, EMERGENCY_STOP)
 HELLO_REPLY, STATUS_REPLY, ACCEPTED, REFUSED, TABLE_REPLY, TOKEN_REPLY = 0x81, 0x83, 0x90, 0x91, 0xA4, 0xD0
@@ -201,6 +201,13 @@ class Host:
         return status(body)
 
     def upload(self, count=33):
+        """Uploads a table and makes it the one in force; returns its CRC."""
+        crc = self.stage(count)
+        self.accept(TABLE_COMMIT)
+        return crc
+
+    def stage(self, count):
+        """Uploads a table, which waits to be committed; returns its CRC."""
         header, crc, knots = table(count)
         body = varint(header[3]) + varint(header[0]) + varint(header[1]) + varint(header[2]) + varint(crc)
         self.accept(TABLE_BEGIN, body)
@@ -208,7 +215,6 @@ class Host:
             chunk = knots[first : first + CHUNK_KNOTS]
             body = varint(first) + varint(len(chunk))
             self.accept(TABLE_CHUNK, body + b"".join(varint(step) + varint(gain) for step, gain in chunk))
-        self.accept(TABLE_COMMIT)
         return crc
 
     def arm(self):

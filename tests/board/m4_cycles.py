@@ -4,30 +4,24 @@
     python m4_cycles.py ELF --call bench_steady --setup bench_setup --args 16 --per 2048 [--repeat 3] [--profile 12]
 
 Runs the real machine code in the Unicorn CPU emulator, from the symbol --call until it returns, and charges every
-executed instruction by the Cortex-M4 technical reference manual (r0p1, table 3-1) with zero wait states:
-ALU, MUL, SMMLA, SMLAD 1; LDR 2 (a following independent LDR 1); LDM/STM 1+n; LDRD/STRD 3; STR 1; taken branch 1+P
-with P = 2; VMLA/VFMA 3; VDIV/VSQRT 14; +1 for an address or FP operand produced by the previous instruction.
+executed instruction by the Cortex-M4 technical reference manual with zero wait states, as `m4_timing.py` says.
 --setup is called once before, with the same --args (u32, at most four). --per divides the result: for a bank of
 16 tones and 128 samples give 2048 to read cycles per tone and sample. Deterministic: same ELF, same figure.
 
 The functions must be `#[unsafe(no_mangle)] extern "C"`, kept by the linker, and must touch no peripheral.
-It reproduces published M4F figures for sinf and agrees with llvm-mca within 5 %. Flash wait states are not counted.
 """
 import argparse
-import re
 import sys
 
-from capstone import CS_ARCH_ARM, CS_MODE_MCLASS, CS_MODE_THUMB, Cs
-from capstone.arm import ARM_OP_MEM, ARM_OP_REG
 from elftools.elf.elffile import ELFFile
 from unicorn import UC_ARCH_ARM, UC_HOOK_CODE, UC_HOOK_MEM_UNMAPPED, UC_MODE_THUMB, Uc, UcError
 from unicorn.arm_const import (UC_ARM_REG_C1_C0_2, UC_ARM_REG_FPEXC, UC_ARM_REG_LR, UC_ARM_REG_PC, UC_ARM_REG_R0,
                                UC_ARM_REG_SP, UC_CPU_ARM_MAX)
 
+from m4_timing import REFILL, Timing
+
 STACK_TOP = 0x7010_0000 - 64
 RETURN_TO = 0x7020_0000
-BRANCH = re.compile(r"(b|cbz|cbnz)(eq|ne|lt|gt|le|ge|lo|hi|ls|hs|mi|pl|cc|cs|vs|vc|al)?$")
-MEMORY = {"ldr", "str", "ldm", "stm", "ldrd", "strd", "vldr", "vstr"}
 
 
 class Board:
@@ -57,9 +51,7 @@ class Board:
         self.cpu.hook_add(UC_HOOK_CODE, self._trace)
         self.cpu.hook_add(UC_HOOK_MEM_UNMAPPED, self._unmapped)
         self.trace = None
-        self.decoder = Cs(CS_ARCH_ARM, CS_MODE_THUMB | CS_MODE_MCLASS)
-        self.decoder.detail = True
-        self.decoded = {}
+        self.timing = Timing(self.cpu.mem_read)
 
     def map(self, base, size):
         for page in range(base >> 16, (base + max(size, 1) - 1 >> 16) + 1):
@@ -92,65 +84,17 @@ class Board:
             sys.exit(f"{name}: stopped at pc {self.cpu.reg_read(UC_ARM_REG_PC):#x}: {error}")
         return self.trace
 
-    def decode(self, address):
-        """(kind, base cycles, read, written, address registers, write-back, size, text) of one instruction."""
-        if address in self.decoded:
-            return self.decoded[address]
-        i = next(self.decoder.disasm(bytes(self.cpu.mem_read(address, 4)), address, 1))
-        m = i.mnemonic.replace(".w", "").replace(".n", "")
-        read, written = ({i.reg_name(r) for r in regs} for regs in i.regs_access())
-        memory = [op.mem for op in i.operands if op.type == ARM_OP_MEM]
-        pointers = {i.reg_name(r) for mem in memory for r in (mem.base, mem.index) if r}
-        listed = sum(op.type == ARM_OP_REG for op in i.operands) - (0 if m.startswith(("pop", "push", "vpop", "vpush")) else 1)
-        kind, cycles = "alu", 1
-        if m.startswith(("ldm", "pop", "vldm", "vpop")):
-            kind, cycles = "ldm", 1 + listed
-        elif m.startswith(("stm", "push", "vstm", "vpush")):
-            kind, cycles = "stm", 1 + listed
-        elif m.startswith(("ldrd", "strd")):
-            kind, cycles = m[:4], 3
-        elif m.startswith("ldr"):
-            kind, cycles = "ldr", 2
-        elif m.startswith("str"):
-            kind, cycles = "str", 2 if any(mem.index for mem in memory) else 1
-        elif m.startswith(("vldr", "vstr")):
-            kind, cycles = m[:4], 2
-        elif m.startswith(("sdiv", "udiv")):
-            cycles = 7
-        elif m in ("bl", "blx", "bx") or (BRANCH.match(m) and not m.startswith("bic")):
-            kind = "branch"
-        elif m.startswith("tb"):
-            kind, cycles = "branch", 2
-        elif m.startswith(("vdiv", "vsqrt")):
-            kind, cycles = "fp", 14
-        elif m.startswith(("vmla", "vmls", "vfma", "vfms", "vnml", "vfnm")):
-            kind, cycles = "fp", 3
-        elif m.startswith("v"):
-            kind = "fp"
-        self.decoded[address] = kind, cycles, read, written, pointers, i.writeback, i.size, f"{i.mnemonic} {i.op_str}"
-        return self.decoded[address]
-
-    def cycles(self, trace, refill=2):
+    def cycles(self, trace):
         total, by_address, previous = 0, {}, None
         for n, address in enumerate(trace):
-            kind, cost, read, written, pointers, writeback, size, text = self.decode(address)
-            if previous:
-                was, produced, was_writeback = previous
-                if kind == "ldr" and was == "ldr" and not was_writeback and not pointers & produced:
-                    cost = 1
-                if kind == "str" and was == "ldr" and cost == 2:
-                    cost = 1
-                if kind in MEMORY and was == "alu" and pointers & produced:
-                    cost += 1
-                if was == "fp" and kind in ("fp", "vstr") and read & produced:
-                    cost += 1
-            jumps = n + 1 < len(trace) and trace[n + 1] != address + size
-            if (kind == "branch" and jumps) or (kind == "ldm" and "pc" in text):
-                cost += refill
+            instruction = self.timing.decode(address)
+            cost = self.timing.cost(instruction, previous)
+            if instruction.jumps and n + 1 < len(trace) and trace[n + 1] != address + instruction.size:
+                cost += REFILL
             total += cost
             count, sum_ = by_address.get(address, (0, 0))
             by_address[address] = count + 1, sum_ + cost
-            previous = kind, written, writeback
+            previous = instruction
         return total, by_address
 
 
@@ -175,7 +119,7 @@ def main():
     instructions, cycles = max(runs, key=lambda r: r[1])  # the worst call counts
     print(f"{a.call}: {instructions:.3f} instructions, {cycles:.3f} cycles" + (f" per 1/{a.per:g}" if a.per != 1 else ""))
     for address, (count, sum_) in sorted(by_address.items(), key=lambda kv: -kv[1][1])[: a.profile]:
-        print(f"  {address:#010x} {count:8d} x {sum_:8d} cycles  {board.decode(address)[7]}")
+        print(f"  {address:#010x} {count:8d} x {sum_:8d} cycles  {board.timing.decode(address).text}")
 
 
 if __name__ == "__main__":

@@ -28,9 +28,10 @@ use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;
 use crate::headroom::per_mille;
 use crate::mailbox::{Crossing, NotPublished};
+use crate::motion::Motion;
 use crate::orders::{Stop, View};
 use crate::ports::{FlashPages, System};
-use crate::program::{Program, plan, plan_swap};
+use crate::program::{plan, plan_swap};
 use crate::ramp::RampShape;
 use crate::slots::TableRef;
 use crate::store;
@@ -429,10 +430,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 }
 
-/// Makes a program and hands it over, anew with a later index if the renderer was faster.
+/// Makes a motion and hands it over, anew with a later index if the renderer was faster.
 fn publish<M: RawMutex>(
     crossing: &Crossing<M>,
-    make: impl Fn(&View, u64) -> Result<Program, Refusal>,
+    make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
     for lead in LEADS {
         let view = crossing.view();
@@ -442,9 +443,9 @@ fn publish<M: RawMutex>(
         if view.pending.is_some() {
             break;
         }
-        let program = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
-        match crossing.publish(program, &view) {
-            Ok(()) => return Ok(program.at),
+        let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
+        match crossing.publish(motion, &view) {
+            Ok(()) => return Ok(motion.start()),
             Err(NotPublished::Pending) => break,
             Err(NotPublished::Late) => {}
         }

@@ -2,15 +2,19 @@
 //!
 //! ```text
 //! link's half                      Crossing                      renderer's half
-//!   publish(program) ---------->   pending, at its index   ---->  begin_block() -> Orders
+//!   publish(motion) ----------->   pending, at its start   ---->  begin_block() -> Orders, place()
 //!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
-//!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), moved(Motion), fault()
+//!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
 //!   write(slot, knot)        --->  table slots             ---->  evaluate
 //! ```
-//! All that has to agree stands under one lock that is held for some copies only. The renderer's index moves on under
-//! that lock, so what is published for the next block begins at the next block, exactly.
+//! All that has to agree stands under one lock. It is held for some copies, and by the renderer while it evaluates the
+//! motion, which is quicker than to copy it first: a twentieth of a block, in which nothing has to happen but that the
+//! DMA goes on by itself. The renderer's index moves on under that lock, so what is published for the next block begins
+//! at the next block, exactly.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
+mod renderer;
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -25,9 +29,8 @@ use slipline_protocol::units::SampleIndex;
 
 use crate::digest::DigestState;
 use crate::faults::FaultLatch;
-use crate::motion::Motion;
-pub use crate::orders::{Orders, Pulses, Report, Stop, View};
-use crate::program::Program;
+use crate::motion::{Motion, MotionCell};
+pub use crate::orders::{Orders, Pending, Pulses, Report, Stop, View};
 use crate::slots::{SlotIndex, TableSlots};
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
 
@@ -42,11 +45,13 @@ pub enum NotPublished {
 
 struct Shared {
     next: Cell<SampleIndex>,
-    motion: Cell<Motion>,
+    /// The motion in force and room for the one that is pending: to take that up is to swap the two.
+    motions: [MotionCell; 2],
+    /// Whether the second is the one in force.
+    is_swapped: Cell<bool>,
     changes: Cell<u32>,
-    /// The pending program; set with `set_pending`, so that its index stands beside it and need not be copied out.
-    pending: Cell<Option<Program>>,
-    pending_at: Cell<Option<SampleIndex>>,
+    /// What is pending; its motion lies in [`Self::spare`].
+    pending: Cell<Option<Pending>>,
     stop: Cell<Option<Stop>>,
     armed: Cell<bool>,
     ready_at: Cell<SampleIndex>,
@@ -58,9 +63,20 @@ struct Shared {
 }
 
 impl Shared {
-    fn set_pending(&self, program: Option<Program>) {
-        self.pending_at.set(program.map(|program| program.at));
-        self.pending.set(program);
+    /// The motion in force.
+    fn live(&self) -> &MotionCell {
+        let [first, second] = &self.motions;
+        if self.is_swapped.get() { second } else { first }
+    }
+
+    /// The other one.
+    fn spare(&self) -> &MotionCell {
+        let [first, second] = &self.motions;
+        if self.is_swapped.get() { first } else { second }
+    }
+
+    fn count_change(&self) {
+        self.changes.set(self.changes.get().wrapping_add(1));
     }
 }
 
@@ -85,25 +101,16 @@ impl<M: RawMutex> Crossing<M> {
         Self {
             shared: Mutex::new(Shared {
                 next: Cell::new(0),
-                motion: Cell::new(Motion::silent()),
+                motions: [const { MotionCell::silent() }; 2],
+                is_swapped: Cell::new(false),
                 changes: Cell::new(0),
                 pending: Cell::new(None),
-                pending_at: Cell::new(None),
                 stop: Cell::new(None),
                 armed: Cell::new(false),
                 ready_at: Cell::new(0),
                 fed_at: Cell::new(0),
                 limit_per_mille: Cell::new(None),
-                report: Cell::new(Report {
-                    silent: true,
-                    stopping: false,
-                    sum: 0,
-                    energy: 0,
-                    clips: 0,
-                    underruns: 0,
-                    max_cycles: 0,
-                    limit_per_mille: None,
-                }),
+                report: Cell::new(Report::SILENT),
                 faults: Cell::new(FaultLatch::new()),
                 digest: Cell::new(DigestState::None),
             }),
@@ -134,9 +141,9 @@ impl<M: RawMutex> Crossing<M> {
     pub fn view(&self) -> View {
         self.shared.lock(|shared| View {
             next: shared.next.get(),
-            motion: shared.motion.get(),
+            motion: shared.live().get(),
             changes: shared.changes.get(),
-            pending: shared.pending_at.get(),
+            pending: shared.pending.get().map(|pending| pending.at),
             stopping: shared.stop.get().is_some() || shared.report.get().stopping,
             armed: shared.armed.get(),
             ready_at: shared.ready_at.get(),
@@ -145,24 +152,27 @@ impl<M: RawMutex> Crossing<M> {
         })
     }
 
-    // ---- what the link's half does -------------------------------------------------------------------------
-
-    /// Hands a program over that was made for `view`.
+    /// Hands over a motion that goes on from that of `view`: it is pending until its start.
     ///
     /// # Errors
     /// [`NotPublished`]; nothing has changed then.
-    pub fn publish(&self, program: Program, view: &View) -> Result<(), NotPublished> {
+    pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
         self.shared.lock(|shared| {
-            if shared.pending_at.get().is_some() {
+            if shared.pending.get().is_some() {
                 return Err(NotPublished::Pending);
             }
-            if program.at < shared.next.get()
+            if motion.start() < shared.next.get()
                 || shared.changes.get() != view.changes
                 || shared.stop.get().is_some()
             {
                 return Err(NotPublished::Late);
             }
-            shared.set_pending(Some(program));
+            shared.spare().set(&motion);
+            shared.pending.set(Some(Pending {
+                at: motion.start(),
+                slot: motion.table().slot,
+                sounds: !motion.ends_silent(),
+            }));
             Ok(())
         })
     }
@@ -170,7 +180,7 @@ impl<M: RawMutex> Crossing<M> {
     /// Orders a ramp to silence, drops what is pending, and returns the index at which the ramp begins.
     pub fn stop(&self, stop: Stop) -> SampleIndex {
         self.shared.lock(|shared| {
-            shared.set_pending(None);
+            shared.pending.set(None);
             // With what was pending gone, silence stays silence: there is nothing to ramp.
             if !shared.report.get().silent {
                 shared.stop.set(Some(stop.quicker(shared.stop.get())));
@@ -240,9 +250,9 @@ impl<M: RawMutex> Crossing<M> {
     /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
     pub fn slot_is_free(&self, slot: SlotIndex) -> bool {
         self.shared.lock(|shared| {
-            let motion = shared.motion.get();
-            (motion.table().slot != slot || motion.is_silent_from(shared.next.get()))
-                && shared.pending.get().is_none_or(|program| program.table.slot != slot)
+            let outline = shared.live().outline();
+            (outline.table.slot != slot || outline.is_silent_from(shared.next.get()))
+                && shared.pending.get().is_none_or(|pending| pending.slot != slot)
         })
     }
 
@@ -283,72 +293,6 @@ impl<M: RawMutex> Crossing<M> {
     pub fn pulse_safety(&self) {
         let [_, _, safety] = &self.pulses;
         safety.fetch_add(1, Ordering::Relaxed);
-    }
-
-    // ---- what the renderer's half does ---------------------------------------------------------------------
-
-    /// Sets the index of the first block.
-    pub fn begin_at(&self, index: SampleIndex) {
-        self.shared.lock(|shared| {
-            shared.next.set(index);
-            shared.fed_at.set(index);
-        });
-    }
-
-    /// Takes the orders for the block at `index`, and moves the index on: what is published from now on begins later.
-    pub(crate) fn begin_block(&self, index: SampleIndex) -> Orders {
-        let [renderer, _, _] = &self.pulses;
-        renderer.fetch_add(1, Ordering::Relaxed);
-        self.shared.lock(|shared| {
-            shared.next.set(index.saturating_add(BLOCK_SAMPLES));
-            let due = shared.pending_at.get().is_some_and(|at| at <= index);
-            let program = if due { shared.pending.get() } else { None };
-            if due {
-                shared.set_pending(None);
-            }
-            Orders {
-                program,
-                stop: shared.stop.take(),
-                armed: shared.armed.get(),
-                ready_at: shared.ready_at.get(),
-                fed_at: shared.fed_at.get(),
-                limit_per_mille: shared.limit_per_mille.get(),
-            }
-        })
-    }
-
-    /// Publishes the motion from this block on.
-    pub(crate) fn moved(&self, motion: Motion) {
-        self.shared.lock(|shared| {
-            shared.motion.set(motion);
-            shared.changes.set(shared.changes.get().wrapping_add(1));
-        });
-    }
-
-    /// Publishes the block's report.
-    pub(crate) fn end_block(&self, report: Report) {
-        self.shared.lock(|shared| shared.report.set(report));
-    }
-
-    /// Publishes how the digest stands.
-    pub(crate) fn set_digest(&self, state: DigestState) {
-        self.shared.lock(|shared| shared.digest.set(state));
-    }
-
-    /// Disarms at once and drops what is pending; for the renderer, which ramps by itself.
-    pub(crate) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
-        self.shared.lock(|shared| {
-            shared.armed.set(false);
-            shared.set_pending(None);
-            if let Some((fault, at)) = fault {
-                shared.faults.set(shared.faults.get().with(fault, at));
-            }
-        });
-    }
-
-    /// Wakes the link's half.
-    pub(crate) fn signal_tick(&self) {
-        self.tick.signal(());
     }
 }
 

@@ -4,7 +4,7 @@ use slipline_protocol::units::SampleIndex;
 
 use crate::faults::FaultLatch;
 use crate::motion::Motion;
-use crate::program::Program;
+use crate::slots::SlotIndex;
 
 /// How the output is taken to silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,11 +29,24 @@ impl Stop {
     }
 }
 
+/// What is known of a motion that waits for its start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pending {
+    /// Its start.
+    pub at: SampleIndex,
+    /// The slot of the table it goes by.
+    pub slot: SlotIndex,
+    /// Whether any tone sounds at its end.
+    pub sounds: bool,
+}
+
 /// What the renderer is told at the start of a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Orders {
-    /// A program that begins with this block.
-    pub program: Option<Program>,
+    /// What is to begin with this block.
+    pub due: Option<Pending>,
+    /// Whether it does: the motion in force is the new one.
+    pub begins: bool,
     /// A ramp to silence that begins with this block.
     pub stop: Option<Stop>,
     /// Whether drives are accepted.
@@ -47,7 +60,7 @@ pub struct Orders {
 }
 
 /// What the renderer says at the end of a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
     /// Nothing sounds from the next block on, until a program says so.
     pub silent: bool,
@@ -65,6 +78,20 @@ pub struct Report {
     pub max_cycles: u32,
     /// The thermal limit in force since [`limit_since`](crate::timing::limit_since) this block's end.
     pub limit_per_mille: Option<u16>,
+}
+
+impl Report {
+    /// Before the first block.
+    pub(crate) const SILENT: Self = Self {
+        silent: true,
+        stopping: false,
+        sum: 0,
+        energy: 0,
+        clips: 0,
+        underruns: 0,
+        max_cycles: 0,
+        limit_per_mille: None,
+    };
 }
 
 /// The state at one moment, as the link's half sees it.

@@ -1,10 +1,10 @@
-//! From a drive, which a user means, to a program, which the renderer plays.
+//! From a drive, which a user means, to a program and the motion that the renderer plays.
 //!
 //! ```text
-//! Drive + table + motion at the index --plan--> Program --mailbox--> Motion::follow --> samples
+//! Drive + table + motion at the index --plan--> Program --Motion::follow--> Motion --mailbox--> samples
 //! ```
 //! [`plan`] is a pure function. The controller calls it before it accepts a drive; the host's mirror calls it with
-//! the acknowledged index and gets the same program.
+//! the acknowledged index and gets the same motion.
 
 use slipline_protocol::command::Drive;
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
@@ -47,7 +47,7 @@ const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
     Refusal::OutOfRange { field, min, max, got }
 }
 
-/// Makes the program of a drive that begins at `at`, where the output moves as `motion` says.
+/// Makes the motion of a drive that begins at `at`, where the output moves as `motion` says.
 ///
 /// The glide becomes longer than asked where the frequency would change faster than the bank's accuracy allows
 /// ([`MAX_STEP_CHANGE`] per block).
@@ -63,7 +63,7 @@ pub fn plan(
     slots: &TableSlots,
     shape: &RampShape,
     timing: &Timing,
-) -> Result<Program, Refusal> {
+) -> Result<Motion, Refusal> {
     if table.knots == 0 {
         return Err(Refusal::NoTable);
     }
@@ -101,7 +101,7 @@ pub fn plan(
     complete(Program { at, glide: drive.glide, table, targets }, motion, slots, shape)
 }
 
-/// Makes the program of a table swap: every tone keeps its place and level and glides to the new table's values.
+/// Makes the motion of a table swap: every tone keeps its place and level and glides to the new table's values.
 ///
 /// # Errors
 /// [`Refusal::Headroom`] if the sum would exceed full scale by the new table.
@@ -112,17 +112,17 @@ pub fn plan_swap(
     slots: &TableSlots,
     shape: &RampShape,
     timing: &Timing,
-) -> Result<Program, Refusal> {
+) -> Result<Motion, Refusal> {
     complete(Program { at, glide: timing.table_glide, table, targets: motion.goals() }, motion, slots, shape)
 }
 
-/// Checks the headroom and stretches the glide.
+/// Checks the headroom, stretches the glide, and goes on from where the tones are.
 fn complete(
     mut program: Program,
     motion: &Motion,
     slots: &TableSlots,
     shape: &RampShape,
-) -> Result<Program, Refusal> {
+) -> Result<Motion, Refusal> {
     let placements = motion.at(program.at, slots, shape);
     headroom::check(&program, &placements, slots)?;
     let mut needed = 0;
@@ -132,7 +132,7 @@ fn complete(
         }
     }
     program.glide = program.glide.max(needed);
-    Ok(program)
+    Ok(motion.follow(&placements, &program, slots))
 }
 
 /// The shortest glide in samples in which no block changes a tone's step by more than [`MAX_STEP_CHANGE`].

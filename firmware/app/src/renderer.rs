@@ -3,6 +3,10 @@
 //! ```text
 //! Orders --> stop? program? dead-man? --> Motion --at(next block)--> 16 ToneBlocks --bank--> samples --> codes
 //! ```
+//! What a block needs lies in the renderer itself and is changed in place, and new motions come ready from the link's
+//! half: copies of sixteen tones and a motion made here would cost a good part of a block's time, of which the whole
+//! renderer must take less than half.
+//!
 //! It may not fail, wait, allocate or take decisions that depend on anything but the program, the orders and the
 //! sample index. The dead-man and every ramp to silence live here, so that a link that hangs cannot keep the drive
 //! on. The same orders at the same indices give the same codes on every machine.
@@ -17,7 +21,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
 use crate::mailbox::Crossing;
-use crate::motion::{Motion, Placement};
+use crate::motion::{Outline, Placement};
 use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
 use crate::ramp::RampShape;
@@ -33,14 +37,20 @@ pub struct Renderer {
     shape: RampShape,
     bank: Bank,
     index: SampleIndex,
-    motion: Motion,
+    /// When the motion in force takes place; what it is stands in the crossing.
+    outline: Outline,
     /// Where every tone is at the next block's first sample: the motion's value there, kept because it has been
     /// computed for the block before.
     here: [Placement; TONES],
     /// When the ramp to silence that is under way ends.
     stop_ends: Option<SampleIndex>,
-    /// Step and amplitude of every tone at the next block's first sample.
-    tones: [(u64, u32); TONES],
+    /// What the bank was told of the last block: its ends are the next block's start.
+    tones: [ToneBlock; TONES],
+    /// Whether each of them ends as it starts.
+    is_steady: bool,
+    /// Whether none of them can be heard.
+    is_quiet: bool,
+    samples: [i32; BLOCK],
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
     limit_goal: u32,
@@ -55,28 +65,31 @@ pub struct Renderer {
 impl Renderer {
     /// A renderer whose first sample has index 0.
     #[must_use]
-    pub fn new(timing: Timing) -> Self {
+    pub const fn new(timing: Timing) -> Self {
         Self::starting_at(timing, 0)
     }
 
     /// A renderer whose first sample has the index given, rounded down to a block.
     #[must_use]
-    pub fn starting_at(timing: Timing, index: SampleIndex) -> Self {
+    pub const fn starting_at(timing: Timing, index: SampleIndex) -> Self {
         Self {
             timing,
             shape: RampShape::new(),
             bank: Bank::new(),
             index: index.saturating_sub(index % BLOCK_SAMPLES),
-            motion: Motion::silent(),
-            here: [Placement::default(); TONES],
+            outline: Outline::SILENT,
+            here: [Placement::NOWHERE; TONES],
             stop_ends: None,
-            tones: [(0, 0); TONES],
+            tones: [ToneBlock::steady(0, 0); TONES],
+            is_steady: true,
+            is_quiet: true,
+            samples: [0; BLOCK],
             limit: Gain::FULL.0,
             limit_goal: Gain::FULL.0,
             quiet_blocks: 0,
             muted: true,
-            digester: Digester::default(),
-            report: Report { silent: true, ..Report::default() },
+            digester: Digester::new(),
+            report: Report::SILENT,
             begun: false,
         }
     }
@@ -120,27 +133,37 @@ impl Renderer {
             crossing.begin_at(self.index);
         }
         let index = self.index;
-        let orders = crossing.begin_block(index);
-        self.take_limit(orders.limit_per_mille);
+        if self.stop_ends.is_some_and(|end| index >= end) {
+            self.stop_ends = None;
+        }
+        let was_silent = self.outline.is_silent_from(index);
+        let (stopping, dead_man) = (self.stop_ends.is_some(), self.timing.dead_man);
+        let orders = crossing.begin_block(index, |orders| {
+            // The controller has seen to all this; it is looked at again because this half is the last to look.
+            let allowed = orders.armed && index >= orders.ready_at;
+            let sounds = orders.due.is_some_and(|due| due.sounds);
+            !stopping
+                && orders.stop.is_none()
+                && !is_host_lost(orders, index, dead_man)
+                && (allowed || !sounds)
+        });
+        self.take_limit(orders.limit_per_mille, was_silent);
         self.obey(&orders, crossing);
 
-        let mut samples = [0; BLOCK];
         let next = index.saturating_add(BLOCK_SAMPLES);
-        let (blocks, sum) = self.tone_blocks(next, crossing);
-        self.bank.render(&blocks, &mut samples);
-        let clipped = code::codes(&samples, codes);
+        self.move_tones(next, crossing);
+        self.bank.render(&self.tones, &mut self.samples);
+        let clipped = code::codes(&self.samples, codes);
 
         if let Some(state) = self.digester.take(crossing.digest(), index, codes) {
             crossing.set_digest(state);
         }
-        let quiet = blocks.iter().all(|block| block.amplitude == 0 && block.amplitude_end == 0);
-        self.switch_mute(quiet, &orders);
-        self.report.silent = self.motion.is_silent_from(next);
+        self.switch_mute(&orders);
+        self.report.silent = self.outline.is_silent_from(next);
         self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
-        self.report.sum = sum;
         self.report.clips = self.report.clips.saturating_add(clipped);
-        if !quiet {
-            self.report.energy = self.report.energy.wrapping_add(energy(codes));
+        if !self.is_quiet {
+            self.report.energy = self.report.energy.wrapping_add(u64::from(code::energy(codes)));
         }
         crossing.end_block(self.report);
         self.index = next;
@@ -154,7 +177,7 @@ impl Renderer {
     /// While nothing sounds, as during an erase of the flash, a repeated mid-scale is as good as a new one.
     pub fn underrun<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
         self.report.underruns = self.report.underruns.saturating_add(1);
-        if self.motion.is_silent_from(self.index) {
+        if self.outline.is_silent_from(self.index) {
             return;
         }
         crossing.disarm_now(Some((Fault::Underrun, self.index)));
@@ -164,14 +187,14 @@ impl Renderer {
     /// Takes the thermal limit over where it may change: the first one at once, then every so many blocks. While nothing
     /// sounds it is there at once, so that a mirror may begin in any silence.
     #[expect(clippy::cast_possible_truncation, reason = "at most full scale")]
-    fn take_limit(&mut self, per_mille: Option<u16>) {
+    fn take_limit(&mut self, per_mille: Option<u16>, is_silent: bool) {
         let may_change = self.report.limit_per_mille.is_none()
             || (self.index / BLOCK_SAMPLES).is_multiple_of(LIMIT_BLOCKS);
         let Some(per_mille) = per_mille.filter(|_| may_change) else { return };
         self.report.limit_per_mille = Some(per_mille);
         // Both factors are small: the product fits.
         self.limit_goal = (u64::from(Gain::FULL.0).saturating_mul(per_mille.min(1000).into()) / 1000) as u32;
-        if self.motion.is_silent_from(self.index) {
+        if is_silent {
             self.limit = self.limit_goal;
         }
     }
@@ -179,36 +202,22 @@ impl Renderer {
     /// Follows the orders: first the stops, then the dead-man, then the program.
     fn obey<M: RawMutex>(&mut self, orders: &Orders, crossing: &Crossing<M>) {
         let index = self.index;
-        if self.stop_ends.is_some_and(|end| index >= end) {
-            self.stop_ends = None;
-        }
         if let Some(stop) = orders.stop {
             self.fade(stop, crossing);
         }
-        let silent = self.motion.is_silent_from(index);
-        let host_lost = orders.armed && index.saturating_sub(orders.fed_at) >= self.timing.dead_man;
-        if host_lost {
+        if is_host_lost(orders, index, self.timing.dead_man) {
             // A host that falls silent while nothing sounds has done no harm: the device disarms, without a fault.
-            let fault = !silent || orders.program.is_some();
+            let fault = orders.due.is_some() || !self.outline.is_silent_from(index);
             crossing.disarm_now(fault.then_some((Fault::HostLost, index)));
             self.fade(Stop::HostLost, crossing);
-            return;
-        }
-        if let Some(program) = orders.program {
-            // The controller has seen to all this; it is looked at again because this half is the last to look.
-            let sounds = program.targets.iter().any(Option::is_some);
-            let allowed = !sounds || (orders.armed && index >= orders.ready_at);
-            if allowed && self.stop_ends.is_none() {
-                let (motion, onsets) = self.motion.follow(&self.here, &program, crossing.slots());
-                for ((slot, onset), tone) in onsets.iter().enumerate().zip(&mut self.tones) {
-                    if let Some(onset) = onset {
-                        self.bank.set_phase(slot, onset.phase);
-                        *tone = (onset.step.0, 0);
-                    }
+        } else if orders.begins {
+            self.outline = crossing.outline();
+            crossing.onsets(|slot, onset| {
+                self.bank.set_phase(slot, onset.phase);
+                if let Some(tone) = self.tones.get_mut(slot) {
+                    (tone.step_end, tone.amplitude_end) = (onset.step.0, 0);
                 }
-                self.motion = motion;
-                crossing.moved(motion);
-            }
+            });
         }
     }
 
@@ -220,51 +229,56 @@ impl Renderer {
             Stop::Emergency => self.timing.emergency_ramp,
         };
         let end = self.index.saturating_add(u64::from(ramp));
-        if self.motion.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
+        if self.outline.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
             return;
         }
-        self.motion = self.motion.fade(&self.here, self.index, ramp);
+        crossing.fade(&self.here, self.index, ramp);
+        self.outline = crossing.outline();
         self.stop_ends = Some(end);
-        crossing.moved(self.motion);
     }
 
-    /// The bank's orders for this block, and the sum of the amplitudes at its end.
-    fn tone_blocks<M: RawMutex>(
-        &mut self,
-        next: SampleIndex,
-        crossing: &Crossing<M>,
-    ) -> ([ToneBlock; TONES], u64) {
+    /// Moves the bank's orders on by a block, to `next`.
+    fn move_tones<M: RawMutex>(&mut self, next: SampleIndex, crossing: &Crossing<M>) {
         let before = self.limit;
         let (lowest, highest) = (before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW));
         // Not `clamp`, which would panic if the bounds were crossed: the renderer has no way to panic at all.
         self.limit = self.limit_goal.max(lowest).min(highest).min(Gain::FULL.0);
-        let mut blocks = [ToneBlock::default(); TONES];
-        let mut sum: u64 = 0;
-        if self.index >= self.motion.end() && self.limit == before {
-            // Nothing moves any more: the values at this block's start are those at its end.
-            for (block, tone) in blocks.iter_mut().zip(&self.tones) {
-                *block = ToneBlock::steady(tone.0, tone.1);
-                sum = sum.saturating_add(u64::from(tone.1));
+        let mut heard = 0;
+        if self.index >= self.outline.end() && self.limit == before {
+            // Nothing moves any more: the values at this block's start are those at its end, and so on.
+            if self.is_steady {
+                return;
             }
-            return (blocks, sum);
+            self.is_steady = true;
+            for tone in &mut self.tones {
+                *tone = ToneBlock::steady(tone.step_end, tone.amplitude_end);
+                heard |= tone.amplitude;
+            }
+        } else {
+            self.is_steady = false;
+            let limit = Gain(self.limit);
+            let mut sum: u64 = 0;
+            crossing.place(next, &self.shape, &mut self.here);
+            for (tone, here) in self.tones.iter_mut().zip(&self.here) {
+                let amplitude_end = here.amplitude().times(limit).0;
+                *tone = ToneBlock {
+                    step: tone.step_end,
+                    step_end: here.setting.step.0,
+                    amplitude: tone.amplitude_end,
+                    amplitude_end,
+                };
+                heard |= tone.amplitude | amplitude_end;
+                // Sixteen 32-bit numbers: far from the end of 64 bits.
+                sum = sum.wrapping_add(u64::from(amplitude_end));
+            }
+            self.report.sum = sum;
         }
-        let ends = self.motion.placements(next, crossing.slots(), &self.shape);
-        for (((block, tone), here), end) in
-            blocks.iter_mut().zip(&mut self.tones).zip(&mut self.here).zip(ends)
-        {
-            let step_end = end.setting.step.0;
-            let amplitude_end = end.amplitude().times(Gain(self.limit)).0;
-            *block = ToneBlock { step: tone.0, step_end, amplitude: tone.1, amplitude_end };
-            *tone = (step_end, amplitude_end);
-            *here = end;
-            sum = sum.saturating_add(u64::from(amplitude_end));
-        }
-        (blocks, sum)
+        self.is_quiet = heard == 0;
     }
 
     /// Unmutes once mid-scale has flowed after arming; mutes once it has flowed after disarming.
-    fn switch_mute(&mut self, quiet: bool, orders: &Orders) {
-        self.quiet_blocks = if quiet { self.quiet_blocks.saturating_add(1) } else { 0 };
+    fn switch_mute(&mut self, orders: &Orders) {
+        self.quiet_blocks = if self.is_quiet { self.quiet_blocks.saturating_add(1) } else { 0 };
         if orders.armed {
             self.muted &= self.index < orders.ready_at;
         } else {
@@ -273,11 +287,7 @@ impl Renderer {
     }
 }
 
-/// The sum of the squares of the codes' distances from mid-scale: at most 128 * 2048^2, which 32 bits hold.
-fn energy(codes: &[u16; BLOCK]) -> u64 {
-    let sum = codes.iter().fold(0, |sum: i32, &code| {
-        let distance = i32::from(code).wrapping_sub(const { code::MID_SCALE as i32 });
-        sum.wrapping_add(distance.wrapping_mul(distance))
-    });
-    u64::from(sum.unsigned_abs())
+/// Whether an armed device has not heard of its host for too long.
+fn is_host_lost(orders: &Orders, index: SampleIndex, dead_man: u64) -> bool {
+    orders.armed && index.saturating_sub(orders.fed_at) >= dead_man
 }

@@ -45,11 +45,43 @@ struct KnotCell {
     gain: AtomicU32,
 }
 
+impl KnotCell {
+    #[inline(always)]
+    fn get(&self) -> Knot {
+        Knot { step: self.step.load(Ordering::Relaxed), gain: Gain(self.gain.load(Ordering::Relaxed)) }
+    }
+}
+
 struct Slot([KnotCell; MAX_KNOTS]);
 
 impl Slot {
     const fn new() -> Self {
         Self([const { KnotCell { step: AtomicU32::new(0), gain: AtomicU32::new(0) } }; MAX_KNOTS])
+    }
+
+    fn knot(&self, index: u16) -> Knot {
+        self.0.get(usize::from(index)).map_or_else(Knot::default, KnotCell::get)
+    }
+}
+
+/// One table, looked up.
+#[derive(Clone, Copy)]
+pub(crate) struct Table<'a> {
+    slot: &'a Slot,
+    knots: u16,
+}
+
+impl Table<'_> {
+    /// What a tone at `position` needs by this table.
+    #[inline(always)]
+    pub(crate) fn evaluate(self, position: FinePosition) -> Setting {
+        let (index, fraction) = table::place(self.knots, position);
+        let index = usize::from(index);
+        if let Some([a, b]) = self.slot.0.get(index..index.saturating_add(2)) {
+            table::between(a.get(), b.get(), fraction)
+        } else {
+            table::evaluate(self.knots, position, |index| self.slot.knot(index))
+        }
     }
 }
 
@@ -80,10 +112,7 @@ impl TableSlots {
     /// The knot at `index`; the default beyond the slot's end.
     #[must_use]
     pub fn knot(&self, slot: SlotIndex, index: u16) -> Knot {
-        self.slot(slot).0.get(usize::from(index)).map_or_else(Knot::default, |cell| Knot {
-            step: cell.step.load(Ordering::Relaxed),
-            gain: Gain(cell.gain.load(Ordering::Relaxed)),
-        })
+        self.slot(slot).knot(index)
     }
 
     /// Writes the knot at `index`; beyond the slot's end nothing happens.
@@ -97,7 +126,14 @@ impl TableSlots {
     /// What a tone at `position` needs by this table.
     #[must_use]
     pub fn evaluate(&self, table: TableRef, position: FinePosition) -> Setting {
-        table::evaluate(table.knots, position, |index| self.knot(table.slot, index))
+        self.table(table).evaluate(position)
+    }
+
+    /// A table to be evaluated for many positions.
+    #[must_use]
+    #[inline(always)]
+    pub(crate) const fn table(&self, table: TableRef) -> Table<'_> {
+        Table { slot: self.slot(table.slot), knots: table.knots }
     }
 }
 

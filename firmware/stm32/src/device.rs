@@ -10,7 +10,7 @@ use embassy_time::{Duration, Instant, Ticker};
 use slipline_app::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::ports::{CycleCounter, Mute, System};
 use slipline_app::{Crossing, Device, Link, Renderer, Supervisor, Timing};
-use static_cell::StaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board::{self, Board};
 use crate::dac::Dac;
@@ -93,8 +93,10 @@ fn start_cycle_counter() {
 /// The renderer, at interrupt priority, for ever.
 #[embassy_executor::task]
 async fn render(dac: Dac, mute: AmplifierMute) {
-    let mut renderer = Renderer::new(Timing::at(board::SAMPLE_RATE_HZ));
-    renderer.run(&CROSSING, dac, mute, Cycles).await;
+    // Made by the compiler: made here it would be 10 KiB on the stack for a moment, more than anything else ever needs.
+    static RENDERER: ConstStaticCell<Renderer> =
+        ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
+    RENDERER.take().run(&CROSSING, dac, mute, Cycles).await;
 }
 
 #[cfg(not(feature = "board-nucleo-g474re"))]

@@ -12,6 +12,8 @@ from unicorn.arm_const import (
     UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
 )  # fmt: skip
 
+from m4_timing import REFILL, Timing
+
 from . import dac, dma, flash, watchdog
 from .timer import TIMERS, Timer
 
@@ -32,11 +34,31 @@ class PowerCut(Exception):
     """The supply is gone; only the flash keeps what it had. Begin again with `Board.reset("power")`."""
 
 
+class Trace:
+    """An exception under way: when it was entered, where the stack stood, what lay below, and for how long others
+    have interrupted it."""
+
+    def __init__(self, entered, above, below):
+        self.entered, self.above, self.below, self.interrupted = entered, above, below, 0
+
+
+def first_difference(memory, other):
+    """Index of the first byte in which `memory` differs from the beginning of `other`, or its length."""
+    for start in range(0, len(memory), 256):
+        end = min(start + 256, len(memory))
+        if memory[start:end] != other[start:end]:
+            return next(i for i in range(start, end) if memory[i] != other[i])
+    return len(memory)
+
+
 class Board:
     CORE_HZ, APB1_TIMER_HZ, APB2_TIMER_HZ = 168e6, 84e6, 168e6
-    # An average over this kind of code at zero wait states: most instructions take one cycle, loads, branches and
-    # divisions more. For what a block costs in truth, see the bank's bench.
-    CYCLES_PER_INSTRUCTION = 1.25
+    # Entering an exception and leaving it: twelve and ten cycles (Cortex-M4 TRM 3.9.1), and seventeen for the floating-point
+    # registers that are saved when the handler uses them first. Every exception is taken as one that does, after code
+    # that did: nothing is cheaper or shallower than it may be.
+    ENTRY_CYCLES, EXIT_CYCLES = 12 + 17, 10
+    # The frame of an exception with floating point (ARMv7-M B1.5.7): eight registers, S0 to S15, FPSCR, one reserved.
+    FRAME = 4 * (8 + 18)
 
     def __init__(self, image):
         self.cpu = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
@@ -52,7 +74,9 @@ class Board:
         self.cpu.mem_write(SYSTEM_MEMORY, struct.pack("<II", SRAM + 0x1000, SYSTEM_MEMORY + 0x101))
         self.cpu.mem_write(SYSTEM_MEMORY + 0x100, b"\xfe\xe7")
         self.symbols = {}
-        self.costs = {}
+        self.timing, self.costs = Timing(self.cpu.mem_read), {}
+        # What comes next in memory after a block of code that may jump.
+        self.follows = None
         self.load(image)
         for start in (0x40000000, 0x50000000, 0xE0000000):
             self.cpu.mmio_map(
@@ -60,13 +84,15 @@ class Board:
                 lambda _, offset, size, __, start=start: self.bus_read(start + offset, size), None,
                 lambda _, offset, size, value, __, start=start: self.bus_write(start + offset, size, value), None,
             )  # fmt: skip
-        self.cpu.hook_add(UC_HOOK_BLOCK, self.on_block)
+        self.block_hook = self.cpu.hook_add(UC_HOOK_BLOCK, self.on_block)
         self.cpu.hook_add(UC_HOOK_CODE, self.on_return, begin=RETURN, end=RETURN + 64)
         self.cpu.hook_add(UC_HOOK_MEM_WRITE, self.on_flash_store, begin=CODE, end=CODE + flash.SIZE - 1)
         for sleep in self.sleeps:
             self.cpu.hook_add(UC_HOOK_CODE, self.on_sleep, begin=sleep, end=sleep + 1)
         self.usb = None
         self.now = 0.0
+        # By exception: the most cycles it has taken, without those that interrupted it. By priority: the deepest stack.
+        self.worst_cycles, self.worst_depth = {}, {}
         self.events, self.planned = [], 0
         self.log, self.resets = [], []
         self.flash = flash.Flash(self)
@@ -111,7 +137,7 @@ class Board:
         self.registers = {RCC: 0x83, GPIO: 0xA8000000, DEBUG_ID: 0x100F6413, RESET_FLAGS: CAUSES[cause]}
         self.levels = {}
         self.enabled, self.pending, self.priorities = set(), set(), {}
-        self.active, self.saved = [], []
+        self.active, self.saved, self.traces = [], [], []
         self.systick, self.pendsv, self.systick_due = {"control": 0, "reload": 0}, False, False
         self.vectors = CODE
         self.is_thread_frozen = self.is_locked_up = False
@@ -130,12 +156,34 @@ class Board:
         self.cut = True
         self.cpu.emu_stop()
 
-    def stack_used(self):
-        """Bytes of the core-coupled RAM, from its top, that have been written since power-on: the stack."""
-        now = self.cpu.mem_read(CCM, CCM_SIZE)
-        return CCM_SIZE - next(i for i in range(CCM_SIZE) if now[i] != self.noise[i])
+    def thread_depth(self):
+        """Bytes of the core-coupled RAM, from its top, that have been written since power-on: the stack.
+
+        While the stacks are watched this is what the program needs when no interrupt comes, to the word."""
+        now = bytes(self.cpu.mem_read(CCM, CCM_SIZE))
+        if self.traces:
+            # An interrupt is under way.
+            now = self.traces[0].below + now[len(self.traces[0].below) :]
+        return CCM_SIZE - first_difference(now, self.noise)
+
+    def paint_below(self, above):
+        """Keeps what lies below the stack pointer and writes noise there instead, if the stacks are watched."""
+        if not self.watches_stacks or not CCM < above <= CCM + CCM_SIZE:
+            return b""
+        below = bytes(self.cpu.mem_read(CCM, above - CCM))
+        self.cpu.mem_write(CCM, self.noise[: len(below)])
+        return below
+
+    def restore_below(self, trace):
+        """Undoes that: the interrupt leaves no trace. Returns the lowest address that it has written."""
+        lowest = CCM + first_difference(self.cpu.mem_read(CCM, len(trace.below)), self.noise)
+        self.cpu.mem_write(CCM, trace.below)
+        return lowest
 
     cut = False
+    # Measures how deep the stack gets in thread mode and in each priority's handlers, frames included, one by one:
+    # whenever they meet, the stack needs at most their sum. From power-on, or the program's start escapes it.
+    watches_stacks = False
     # Plays half a ring of codes at once, when it is due: many times faster, but the DAC is not watched code by code.
     is_hasty = False
 
@@ -175,16 +223,6 @@ class Board:
 
     # --- hooks
 
-    def cost(self, address, size):
-        """Cycles of a block of code."""
-        code = self.cpu.mem_read(address, size)
-        count = at = 0
-        while at < size:
-            # A first halfword of 11101, 11110 or 11111 in its upper bits begins a 32-bit instruction.
-            at += 4 if code[at + 1] >> 3 in (0b11101, 0b11110, 0b11111) else 2
-            count += 1
-        return count * self.CYCLES_PER_INSTRUCTION
-
     def on_block(self, _, address, size, ___):
         is_due = (
             (self.events and self.events[0][0] <= self.now)
@@ -198,10 +236,12 @@ class Board:
         # Whatever is due: always make progress.
         self.fresh = False
         block = (address, size)
-        cycles = self.costs.get(block)
-        if cycles is None:
-            cycles = self.costs[block] = self.cost(address, size)
-        self.now += cycles
+        known = self.costs.get(block)
+        if known is None:
+            known = self.costs[block] = self.timing.straight(address, size)
+        # A jump is known for one when the next block of code begins elsewhere.
+        self.now += known[0] + (REFILL if self.follows not in (None, address) else 0)
+        self.follows = address + size if known[1] else None
 
     def on_sleep(self, *_):
         self.slept = True
@@ -245,6 +285,7 @@ class Board:
         return min((w for w in waiting if w[0] < running), default=None)
 
     def enter(self, priority, exception):
+        self.now += self.ENTRY_CYCLES
         if exception == PENDSV:
             self.pendsv = False
         elif exception == SYSTICK:
@@ -254,7 +295,9 @@ class Board:
         cpu = self.cpu
         self.saved.append((cpu.context_save(), self.pc))
         self.active.append((priority, exception))
-        stack = cpu.reg_read(UC_ARM_REG_SP) - 32 & ~7
+        above = cpu.reg_read(UC_ARM_REG_SP)
+        self.traces.append(Trace(self.now - self.ENTRY_CYCLES, above, self.paint_below(above)))
+        stack = above - self.FRAME & ~7
         registers = (
             UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
         )  # fmt: skip
@@ -267,9 +310,18 @@ class Board:
         self.pc = struct.unpack("<I", cpu.mem_read(self.vectors + 4 * exception, 4))[0] | 1
 
     def leave(self):
+        self.now += self.EXIT_CYCLES
         context, self.pc = self.saved.pop()
-        _, exception = self.active.pop()
+        priority, exception = self.active.pop()
         self.cpu.context_restore(context)
+        trace = self.traces.pop()
+        cycles = self.now - trace.entered
+        self.worst_cycles[exception] = max(self.worst_cycles.get(exception, 0), cycles - trace.interrupted)
+        if self.traces:
+            self.traces[-1].interrupted += cycles
+        if trace.below:
+            depth = trace.above - self.restore_below(trace)
+            self.worst_depth[priority] = max(self.worst_depth.get(priority, 0), depth)
         if exception >= 16 and self.is_level_high(exception - 16):
             self.pend(exception - 16)
 
@@ -414,7 +466,7 @@ class Board:
                 self.now = min(max(self.now, self.events[0][0] if self.events else end), end)
                 continue
             self.slept = self.returned = self.was_reset = False
-            self.fresh = True
+            self.fresh, self.follows = True, None
             try:
                 self.cpu.emu_start(self.pc, 0xFFFFFFFF)
             except UcError as error:

@@ -37,6 +37,18 @@ fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 
     }
 }
 
+/// The sum of the squares of a block's distances from mid-scale: at most `128 * 2048^2`, 29 bits.
+#[must_use]
+pub fn energy(codes: &[u16; BLOCK]) -> u32 {
+    Native::energy(codes)
+}
+
+/// As [`energy`], by the portable kernel on every machine: what the assembly is compared with.
+#[must_use]
+pub fn energy_portably(codes: &[u16; BLOCK]) -> u32 {
+    Portable::energy(codes)
+}
+
 /// As [`codes`], with a rectangular dither of one code drawn from `dither`: the codes' error no longer follows the
 /// signal, at the price of 3 dB of noise.
 pub fn dithered_codes(samples: &[i32; BLOCK], dither: &mut Dither, codes: &mut [u16; BLOCK]) -> u32 {

@@ -13,7 +13,7 @@
 //! The loop over the four-sample groups is one straight run of 176 instructions, 704 bytes: it stays within the 1 KiB
 //! instruction cache of an STM32F4.
 
-use super::code::{ROUND, one_code};
+use super::code::{MID_SCALE, ROUND, one_code};
 use super::sine::{add_high, high};
 use super::steady::Turn;
 use super::{BLOCK, TONES, ToneBlock, glide, steady};
@@ -149,6 +149,8 @@ pub(super) trait Kernel {
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]);
     /// The codes of a block, rounded and clamped; whether any had to be clamped.
     fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool;
+    /// The sum of the squares of the codes' distances from mid-scale.
+    fn energy(codes: &[u16; BLOCK]) -> u32;
 }
 
 /// The kernel in Rust: the definition, and what runs on a host.
@@ -227,6 +229,10 @@ impl Kernel for Portable {
             clipped |= clamped;
         }
         clipped
+    }
+
+    fn energy(codes: &[u16; BLOCK]) -> u32 {
+        codes.iter().map(|code| u32::from(code.abs_diff(MID_SCALE)).pow(2)).sum()
     }
 }
 

@@ -8,7 +8,8 @@ use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
 use crate::bank::BLOCK;
-use crate::program::Target;
+use crate::motion::Placement;
+use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
 use crate::timing::{LIMIT_BLOCKS, Timing, limit_since};
@@ -24,10 +25,13 @@ fn crossing() -> Box<Local> {
     crossing
 }
 
-fn program(at: SampleIndex) -> Program {
+/// A tone that starts from silence at full scale.
+fn onset(at: SampleIndex, crossing: &Local) -> Motion {
     let mut targets = [None; MAX_TONES];
     targets[2] = Some(Target { position: FinePosition::END, level: Gain::FULL, phase: 0 });
-    Program { at, glide: 2000, table: TableRef { slot: SlotIndex::Second, knots: 2 }, targets }
+    let table = TableRef { slot: SlotIndex::Second, knots: 2 };
+    let program = Program { at, glide: 2000, table, targets };
+    Motion::silent().follow(&[Placement::default(); MAX_TONES], &program, crossing.slots())
 }
 
 /// Renders blocks, fed, and returns the last.
@@ -44,7 +48,7 @@ fn sounding() -> (Box<Local>, Renderer) {
     let (crossing, mut renderer) = (crossing(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &crossing, 1);
     let at = crossing.arm();
-    assert_eq!(crossing.publish(program(at), &crossing.view()), Ok(()));
+    assert_eq!(crossing.publish(onset(at, &crossing), &crossing.view()), Ok(()));
     render(&mut renderer, &crossing, 40);
     assert!(!crossing.view().is_silent());
     (crossing, renderer)
@@ -55,12 +59,12 @@ fn a_program_is_refused_while_another_is_pending_and_when_its_index_has_passed()
     let (crossing, mut renderer) = (crossing(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &crossing, 2);
     let view = crossing.view();
-    assert_eq!(crossing.publish(program(view.next + 256), &view), Ok(()));
-    assert_eq!(crossing.publish(program(view.next + 512), &view), Err(NotPublished::Pending));
+    assert_eq!(crossing.publish(onset(view.next + 256, &crossing), &view), Ok(()));
+    assert_eq!(crossing.publish(onset(view.next + 512, &crossing), &view), Err(NotPublished::Pending));
     crossing.stop(Stop::Normal);
     render(&mut renderer, &crossing, 1);
-    assert_eq!(crossing.publish(program(view.next), &view), Err(NotPublished::Late));
-    assert_eq!(crossing.publish(program(crossing.now()), &view), Ok(()));
+    assert_eq!(crossing.publish(onset(view.next, &crossing), &view), Err(NotPublished::Late));
+    assert_eq!(crossing.publish(onset(crossing.now(), &crossing), &view), Ok(()));
 }
 
 #[test]
@@ -68,9 +72,17 @@ fn a_program_made_for_a_motion_that_has_changed_since_is_refused() {
     let (crossing, mut renderer) = sounding();
     let view = crossing.view();
     crossing.stop(Stop::Normal);
-    assert_eq!(crossing.publish(program(view.next), &view), Err(NotPublished::Late), "the stop is ordered");
+    assert_eq!(
+        crossing.publish(onset(view.next, &crossing), &view),
+        Err(NotPublished::Late),
+        "the stop is ordered"
+    );
     render(&mut renderer, &crossing, 1);
-    assert_eq!(crossing.publish(program(crossing.now()), &view), Err(NotPublished::Late), "the stop ramps");
+    assert_eq!(
+        crossing.publish(onset(crossing.now(), &crossing), &view),
+        Err(NotPublished::Late),
+        "the stop ramps"
+    );
     assert!(crossing.view().stopping);
 }
 
@@ -117,7 +129,7 @@ fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
     render(&mut renderer, &crossing, 3);
     crossing.set_limit(500);
     let at = crossing.arm();
-    assert_eq!(crossing.publish(program(at), &crossing.view()), Ok(()));
+    assert_eq!(crossing.publish(onset(at, &crossing), &crossing.view()), Ok(()));
     for _ in 0..40 {
         render(&mut renderer, &crossing, 1);
         assert!(crossing.view().report.sum <= u64::from(Gain::FULL.0) / 2);
@@ -129,7 +141,7 @@ fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
 fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
     let (crossing, mut renderer) = (crossing(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &crossing, 2);
-    assert_eq!(crossing.publish(program(crossing.now()), &crossing.view()), Ok(()));
+    assert_eq!(crossing.publish(onset(crossing.now(), &crossing), &crossing.view()), Ok(()));
     assert_eq!(render(&mut renderer, &crossing, 40), [crate::bank::code::MID_SCALE; BLOCK]);
     assert!(renderer.is_muted());
 }

@@ -79,7 +79,7 @@ proptest! {
                 plan(&drive, at, tables[active], &motion, &slots, &shape, &timing)
             };
             match planned {
-                Ok(program) => motion = motion.follow(&motion.at(at, &slots, &shape), &program, &slots).0,
+                Ok(next) => motion = next,
                 Err(Refusal::Headroom { sum_per_mille }) => {
                     prop_assert!(sum_per_mille > 1000);
                     // The table in force stays that of the motion.

@@ -25,7 +25,7 @@ mod device {
     use cortex_m_semihosting::{debug, hprintln};
     use slipline_app::bank::{
         AMPLITUDE_ONE, BLOCK, Bank, MAX_STEP_CHANGE, TONES, ToneBlock,
-        code::{MID_SCALE, codes, codes_portably},
+        code::{MID_SCALE, codes, codes_portably, energy, energy_portably},
     };
 
     /// What the calls work on.
@@ -182,7 +182,10 @@ mod device {
             let clipped = codes(&bench.samples, &mut bench.codes);
             let clipped_portable = codes_portably(&samples, &mut codes_portable);
             different += u32::from(
-                samples != bench.samples || codes_portable != bench.codes || clipped != clipped_portable,
+                samples != bench.samples
+                    || codes_portable != bench.codes
+                    || clipped != clipped_portable
+                    || energy(&bench.codes) != energy_portably(&codes_portable),
             );
         }
         different

@@ -46,6 +46,19 @@ macro_rules! four_codes {
     };
 }
 
+/// Adds the squares of eight codes' distances from mid-scale, `$at` bytes on from `{from}`, to `{energy}`.
+macro_rules! eight_squares {
+    ($at:literal) => {
+        concat!(
+            "ldr r2, [{from}, #", $at, "]\nldr r3, [{from}, #", $at, " + 4]\n",
+            "ldr r4, [{from}, #", $at, " + 8]\nldr r5, [{from}, #", $at, " + 12]\n",
+            "ssub16 r2, r2, {mid}\nssub16 r3, r3, {mid}\nssub16 r4, r4, {mid}\nssub16 r5, r5, {mid}\n",
+            "smlad {energy}, r2, r2, {energy}\nsmlad {energy}, r3, r3, {energy}\n",
+            "smlad {energy}, r4, r4, {energy}\nsmlad {energy}, r5, r5, {energy}\n",
+        )
+    };
+}
+
 impl Kernel for CortexM4 {
     fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey {
         // SAFETY: the function reads sixteen tones and sixteen steps and writes nothing.
@@ -120,6 +133,29 @@ impl Kernel for CortexM4 {
             );
         }
         clamped & (1 << 27) != 0
+    }
+
+    fn energy(codes: &[u16; BLOCK]) -> u32 {
+        let energy: u32;
+        // SAFETY: eight rounds read sixteen codes each: 128, two to a word, which LDR may load from any address. Beside
+        // the comparison's flags GE changes, which no compiled code relies on.
+        unsafe {
+            asm!(
+                "2:",
+                eight_squares!("0"),
+                eight_squares!("16"),
+                "add {from}, {from}, #32",
+                "cmp {from}, {end}",
+                "bne 2b",
+                energy = inout(reg) 0_u32 => energy,
+                from = inout(reg) codes.as_ptr() => _,
+                end = in(reg) codes.as_ptr().wrapping_add(BLOCK),
+                mid = in(reg) u32::from(MID_SCALE) << 16 | u32::from(MID_SCALE),
+                out("r2") _, out("r3") _, out("r4") _, out("r5") _,
+                options(nostack, readonly),
+            );
+        }
+        energy
     }
 }
 

@@ -1,0 +1,110 @@
+//! What the renderer's half does with the crossing.
+
+use core::sync::atomic::Ordering;
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::event::Fault;
+use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::units::SampleIndex;
+
+use super::{Crossing, Orders, Report};
+use crate::digest::DigestState;
+use crate::motion::{Onset, Outline, Placement};
+use crate::ramp::RampShape;
+use crate::timing::BLOCK_SAMPLES;
+
+impl<M: RawMutex> Crossing<M> {
+    /// Sets the index of the first block.
+    pub fn begin_at(&self, index: SampleIndex) {
+        self.shared.lock(|shared| {
+            shared.next.set(index);
+            shared.fed_at.set(index);
+        });
+    }
+
+    /// Takes the orders for the block at `index`, and moves the index on: what is published from now on begins later.
+    /// A motion that begins with this block comes into force if `may_begin` says so; else it is dropped.
+    ///
+    /// All this is one step: a stop that comes a moment later finds the motion in force.
+    pub(crate) fn begin_block(&self, index: SampleIndex, may_begin: impl FnOnce(&Orders) -> bool) -> Orders {
+        let [renderer, _, _] = &self.pulses;
+        renderer.fetch_add(1, Ordering::Relaxed);
+        self.shared.lock(|shared| {
+            shared.next.set(index.saturating_add(BLOCK_SAMPLES));
+            let due = shared.pending.get().filter(|pending| pending.at <= index);
+            let mut orders = Orders {
+                due,
+                begins: false,
+                stop: shared.stop.take(),
+                armed: shared.armed.get(),
+                ready_at: shared.ready_at.get(),
+                fed_at: shared.fed_at.get(),
+                limit_per_mille: shared.limit_per_mille.get(),
+            };
+            if due.is_some() {
+                shared.pending.set(None);
+                orders.begins = may_begin(&orders);
+                if orders.begins {
+                    shared.is_swapped.set(!shared.is_swapped.get());
+                    shared.count_change();
+                }
+            }
+            orders
+        })
+    }
+
+    /// The outline of the motion in force.
+    pub(crate) fn outline(&self) -> Outline {
+        self.shared.lock(|shared| shared.live().outline())
+    }
+
+    /// Tells how each tone begins, by its slot, that starts from silence.
+    pub(crate) fn onsets(&self, mut begin: impl FnMut(usize, Onset)) {
+        self.shared.lock(|shared| {
+            for (slot, onset) in shared.live().onsets().enumerate() {
+                if let Some(onset) = onset {
+                    begin(slot, onset);
+                }
+            }
+        });
+    }
+
+    /// Writes where each tone is at an index to `places`.
+    pub(crate) fn place(&self, index: SampleIndex, shape: &RampShape, places: &mut [Placement; MAX_TONES]) {
+        self.shared.lock(|shared| shared.live().place(index, &self.slots, shape, places));
+    }
+
+    /// The motion in force becomes a ramp to silence from `here`, at an index, in `ramp` samples.
+    pub(crate) fn fade(&self, here: &[Placement; MAX_TONES], index: SampleIndex, ramp: u32) {
+        self.shared.lock(|shared| {
+            shared.live().fade(here, index, ramp);
+            shared.count_change();
+        });
+    }
+
+    /// Publishes the block's report.
+    pub(crate) fn end_block(&self, report: Report) {
+        self.shared.lock(|shared| shared.report.set(report));
+    }
+
+    /// Publishes how the digest stands.
+    pub(crate) fn set_digest(&self, state: DigestState) {
+        self.shared.lock(|shared| shared.digest.set(state));
+    }
+
+    /// Disarms at once and drops what is pending; for the renderer, which ramps by itself.
+    pub(crate) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
+        self.shared.lock(|shared| {
+            shared.armed.set(false);
+            shared.pending.set(None);
+            if let Some((fault, at)) = fault {
+                shared.faults.set(shared.faults.get().with(fault, at));
+            }
+        });
+    }
+
+    /// Wakes the link's half.
+    pub(crate) fn signal_tick(&self) {
+        self.tick.signal(());
+    }
+}

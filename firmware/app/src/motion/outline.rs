@@ -1,0 +1,54 @@
+//! When a motion takes place.
+
+use slipline_protocol::units::SampleIndex;
+
+use super::ONE;
+use crate::slots::{SlotIndex, TableRef};
+
+/// When a motion takes place, by which table, and whether it matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Outline {
+    pub(super) start: SampleIndex,
+    /// Its length in samples, at least 1.
+    pub(super) glide: u32,
+    /// `2^63 / glide`, rounded down: what a sample is of the whole.
+    sample: u64,
+    pub(crate) table: TableRef,
+    /// Every tone starts from silence.
+    pub(super) begins_silent: bool,
+    /// Every tone goes to silence.
+    pub(super) ends_silent: bool,
+}
+
+impl Outline {
+    pub(crate) const SILENT: Self = Self::new(0, 1, TableRef { slot: SlotIndex::First, knots: 0 });
+
+    /// Of a motion from silence to silence.
+    pub(super) const fn new(start: SampleIndex, glide: u32, table: TableRef) -> Self {
+        let glide = if glide == 0 { 1 } else { glide };
+        let sample = (1 << 63) / glide as u64;
+        Self { start, glide, sample, table, begins_silent: true, ends_silent: true }
+    }
+
+    /// As [`Motion::end`].
+    pub(crate) const fn end(&self) -> SampleIndex {
+        self.start.saturating_add(self.glide as u64)
+    }
+
+    /// The share of the glide's time that has passed at an index, Q1.31: at most 2^-31 below the truth.
+    ///
+    /// A multiplication, for a 64-bit division is a loop.
+    pub(super) fn share_of_time(&self, index: SampleIndex) -> u32 {
+        let elapsed = index.saturating_sub(self.start);
+        if elapsed >= u64::from(self.glide) {
+            return ONE;
+        }
+        // Fewer samples than 2^63 / sample: the product fits.
+        (elapsed.wrapping_mul(self.sample) >> 32) as u32
+    }
+
+    /// As [`Motion::is_silent_from`].
+    pub(crate) const fn is_silent_from(&self, index: SampleIndex) -> bool {
+        self.ends_silent && (self.begins_silent || index >= self.end())
+    }
+}
