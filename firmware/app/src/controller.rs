@@ -11,39 +11,30 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
+mod account;
+mod drive;
+mod tables;
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use heapless::String;
-use slipline_protocol::command::{Apply, Command, DigestWindow, Drive, KeepAlive, TableHeader};
-use slipline_protocol::event::{
-    Accepted, Counters, Digest, Event, Fault, Faults, Identity, State, Status, StoredConfig, TableReport,
-};
+use slipline_protocol::command::{Command, DigestWindow, KeepAlive, TableHeader};
+use slipline_protocol::event::{Accepted, Digest, Event, Fault, Faults, StoredConfig, TableReport};
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
-use slipline_protocol::version::Version;
 
-use crate::bank::{BLOCK, TONES};
+use self::drive::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;
-use crate::headroom::per_mille;
-use crate::mailbox::{Crossing, NotPublished};
-use crate::motion::Motion;
-use crate::orders::{Stop, View};
+use crate::mailbox::Crossing;
+use crate::orders::Stop;
 use crate::ports::{FlashPages, System};
-use crate::program::{plan, plan_swap};
 use crate::ramp::RampShape;
 use crate::slots::TableRef;
 use crate::store;
 use crate::thermal::Thermal;
-use crate::timing::{BLOCK_SAMPLES, Timing, block_at_or_after};
+use crate::timing::Timing;
 use crate::upload::{self, Upload};
-
-/// Bits of a DAC code.
-const DAC_BITS: u8 = 12;
-
-/// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.
-const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
 
 /// The facts about a device that never change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,70 +135,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         self.upload = None;
         self.door.close();
         self.last_beat = None;
-    }
-
-    /// Who the device is.
-    #[must_use]
-    pub fn identity(&self) -> Identity {
-        Identity {
-            version: Version::OURS,
-            firmware: self.device.firmware,
-            board: cut(self.device.board),
-            build: cut(self.device.build),
-            unit: self.device.unit,
-            simulated: self.device.simulated,
-            sample_rate_hz: self.device.sample_rate_hz,
-            block: small(BLOCK),
-            dac_bits: DAC_BITS,
-            tones: small(TONES).to_le_bytes()[0],
-            max_knots: small(limits::MAX_KNOTS),
-            min_glide: self.timing.min_glide,
-            max_glide: self.timing.max_glide,
-            dead_man_ms: limits::DEAD_MAN_MS,
-            reset: self.boot.reset,
-            stored: self.stored,
-            crash: self.boot.crash.clone(),
-        }
-    }
-
-    /// How the device is; `counters` has the link's part.
-    pub fn status<M: RawMutex>(&self, crossing: &Crossing<M>, counters: Counters) -> Status {
-        let view = crossing.view();
-        let first = view.faults.first();
-        Status {
-            state: self.state(&view),
-            faults: view.faults.set(),
-            first_fault: first.map(|(fault, _)| fault),
-            first_fault_at: first.map_or(0, |(_, at)| at),
-            now: view.next,
-            sum_per_mille: per_mille(view.report.sum),
-            heat_per_mille: self.thermal.per_mille(),
-            // What sounds by; before the first block, what it will sound by.
-            foldback_per_mille: view.report.limit_per_mille.unwrap_or(self.thermal.limit_per_mille()),
-            table_crc: self.table.map_or(0, |table| table.crc),
-            counters: Counters {
-                underruns: view.report.underruns,
-                clips: view.report.clips,
-                max_cycles: view.report.max_cycles,
-                ..counters
-            },
-        }
-    }
-
-    fn state(&self, view: &View) -> State {
-        if self.boot.safe_mode {
-            State::SafeMode
-        } else if !view.faults.set().is_empty() {
-            State::Fault
-        } else if view.stopping || (!view.armed && !view.is_silent()) {
-            State::Stopping
-        } else if !view.armed {
-            State::Idle
-        } else if view.is_silent() {
-            State::Armed
-        } else {
-            State::Driving
-        }
     }
 
     /// Feeds the dead-man if the beat is a new one.
@@ -316,70 +243,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         crossing.pulse_safety();
     }
 
-    fn arm<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        let view = crossing.view();
-        self.refuse_if_unfit(&view)?;
-        if view.armed {
-            return Ok(view.ready_at.max(view.next));
-        }
-        // What may be pending while disarmed is a table swap, which sounds nothing.
-        if !view.report.silent || view.stopping {
-            return Err(Refusal::Busy(Busy::DriveActive));
-        }
-        self.user_acted_at = view.next;
-        Ok(crossing.arm())
-    }
-
-    fn refuse_if_unfit(&self, view: &View) -> Result<(), Refusal> {
-        if self.boot.safe_mode {
-            return Err(Refusal::SafeMode);
-        }
-        let faults = view.faults.set();
-        if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
-    }
-
-    fn drive<M: RawMutex>(&mut self, drive: &Drive, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        let view = crossing.view();
-        self.refuse_if_unfit(&view)?;
-        if !view.armed {
-            return Err(Refusal::NotArmed);
-        }
-        let at = publish(crossing, |view, lead| {
-            let earliest = view.next.max(view.ready_at);
-            let at = match drive.apply {
-                Apply::Next => earliest.saturating_add(lead),
-                Apply::At(at) => {
-                    let latest = view.next.saturating_add(self.timing.max_apply_ahead);
-                    in_range(Field::ApplyAt, earliest, latest, at)?;
-                    block_at_or_after(at)
-                }
-            };
-            plan(drive, at, self.active, &view.motion, crossing.slots(), &self.shape, &self.timing)
-        })?;
-        self.user_acted_at = self.user_acted_at.max(at);
-        Ok(at)
-    }
-
-    fn commit_table<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        let upload = self.upload.ok_or(Refusal::NoUpload)?;
-        if let Err(refusal) = upload.check(crossing) {
-            // What is missing may still come; what is wrong stays wrong.
-            if !matches!(refusal, Refusal::UploadIncomplete { .. }) {
-                self.upload = None;
-            }
-            return Err(refusal);
-        }
-        let table = upload.table();
-        let at = publish(crossing, |view, lead| {
-            let at = view.next.saturating_add(lead);
-            plan_swap(at, table, &view.motion, crossing.slots(), &self.shape, &self.timing)
-        })?;
-        self.table = Some(*upload.header());
-        self.active = table;
-        self.upload = None;
-        Ok(at)
-    }
-
     fn start_digest<M: RawMutex>(
         &self,
         window: DigestWindow,
@@ -396,31 +259,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(window.from)
     }
 
-    fn store<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(crossing)?;
-        let header = self.table.ok_or(Refusal::NoTable)?;
-        let slot = self.active.slot;
-        store::save(&mut self.flash, &header, |index| crossing.slots().knot(slot, index))
-            .map_err(|_| Refusal::StoreFailed)?;
-        self.stored = StoredConfig::Loaded;
-        Ok(crossing.now())
-    }
-
-    fn forget<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(crossing)?;
-        store::forget(&mut self.flash).map_err(|_| Refusal::StoreFailed)?;
-        self.stored = StoredConfig::Empty;
-        Ok(crossing.now())
-    }
-
-    /// Erasing flash stalls the processor: only when a repeated mid-scale does no harm.
-    fn refuse_unless_storable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
-        if self.flash.slot_len() < store::SLOT_BYTES {
-            return Err(Refusal::NotSupported);
-        }
-        if crossing.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
-    }
-
     fn refuse_unless_leavable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
         if !self.system.has_bootloader() {
             return Err(Refusal::NotSupported);
@@ -430,54 +268,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 }
 
-/// Makes a motion and hands it over, anew with a later index if the renderer was faster.
-fn publish<M: RawMutex>(
-    crossing: &Crossing<M>,
-    make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
-) -> Result<SampleIndex, Refusal> {
-    for lead in LEADS {
-        let view = crossing.view();
-        if view.stopping {
-            return Err(Refusal::Busy(Busy::DriveActive));
-        }
-        if view.pending.is_some() {
-            break;
-        }
-        let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
-        match crossing.publish(motion, &view) {
-            Ok(()) => return Ok(motion.start()),
-            Err(NotPublished::Pending) => break,
-            Err(NotPublished::Late) => {}
-        }
-    }
-    Err(Refusal::Busy(Busy::CommitPending))
-}
-
-fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
-    if (min..=max).contains(&got) {
-        return Ok(());
-    }
-    // An index beyond 2^63 is 730 000 years away.
-    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-    Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
-}
-
-/// A constant that the protocol carries in 16 bits.
-#[expect(clippy::cast_possible_truncation, reason = "block and knots are far below 65 536")]
-const fn small(constant: usize) -> u16 {
-    constant as u16
-}
-
 const fn accepted(at: SampleIndex) -> Event {
     Event::Accepted(Accepted { at })
-}
-
-fn cut<const N: usize>(text: &str) -> String<N> {
-    let mut short = String::new();
-    for c in text.chars() {
-        if short.push(c).is_err() {
-            break;
-        }
-    }
-    short
 }

@@ -29,10 +29,10 @@
 //! swell `64(Ad/2 + ae) = A theta/4 + 8a 8e` [34]; curl `64 Ae^2/2` [37, packed at 18]. Packed corrections [17], packed
 //! words [13], their sums [30]. The sign of `tau C` and `tau S` is turned, since the dual products give `-G2`.
 
-use super::ToneBlock;
 use super::kernel::{GlideBasis, GlideSeeds};
 use super::sine::{add_high, doubled, high, sine_cosine, sub_high, turned};
 use super::steady::{loudness, upper};
+use super::{TONES, ToneBlock};
 
 /// Half of the packed numbers' unit, before their lower sixteen bits are cut off.
 pub(super) const HALF_UNIT: i32 = 1 << 15;
@@ -57,21 +57,14 @@ pub(super) fn rebuild(block: &ToneBlock, tone: usize, basis: &mut GlideBasis) {
     let (turn_sine, turn_cosine) = doubled(s, c);
 
     let mut tau = -1;
-    let packed = basis.even_bend.iter_mut().zip(&mut basis.odd_bend);
-    for ((even, odd), (even_bend, odd_bend)) in basis.even.iter_mut().zip(&mut basis.odd).zip(packed) {
-        let (Some(even), Some(odd), Some(even_bend), Some(odd_bend)) =
-            (even.get_mut(tone), odd.get_mut(tone), even_bend.get_mut(tone), odd_bend.get_mut(tone))
-        else {
-            continue;
-        };
-        let packed = even_bend.iter_mut().zip(odd_bend);
-        for ((even, odd), (even_bend, odd_bend)) in even.iter_mut().zip(odd).zip(packed) {
-            (*even, *odd) = (c, s);
-            *even_bend = pack(add_high(HALF_UNIT, c, tau << 26), s >> 18);
-            *odd_bend = pack(add_high(HALF_UNIT, s, tau << 26), c >> 18);
-            (s, c) = turned(s, c, turn_sine, turn_cosine);
-            tau -= 2;
-        }
+    let GlideBasis { even, odd, even_bend, odd_bend } = basis;
+    let bends = column(even_bend, tone).zip(column(odd_bend, tone));
+    for ((even, odd), (even_bend, odd_bend)) in column(even, tone).zip(column(odd, tone)).zip(bends) {
+        (*even, *odd) = (c, s);
+        *even_bend = pack(add_high(HALF_UNIT, c, tau << 26), s >> 18);
+        *odd_bend = pack(add_high(HALF_UNIT, s, tau << 26), c >> 18);
+        (s, c) = turned(s, c, turn_sine, turn_cosine);
+        tau -= 2;
     }
 }
 
@@ -98,38 +91,36 @@ pub(super) fn seed(phase: u64, block: &ToneBlock, tone: usize, seeds: &mut Glide
     let mut swell = add_high(add_high(HALF_UNIT, amplitude, theta >> 2), ramp, detune >> 4);
     let swell_change = add_high(high(ramp >> 3, theta >> 2), ramp, theta >> 4);
 
-    let packed = seeds.even_bend.iter_mut().zip(&mut seeds.odd_bend);
-    for ((even, odd), (even_bend, odd_bend)) in seeds.even.iter_mut().zip(&mut seeds.odd).zip(packed) {
-        let (Some(even), Some(odd), Some(even_bend), Some(odd_bend)) =
-            (even.get_mut(tone), odd.get_mut(tone), even_bend.get_mut(tone), odd_bend.get_mut(tone))
-        else {
-            continue;
-        };
-        let packed = even_bend.iter_mut().zip(odd_bend);
-        for ((even, odd), (even_bend, odd_bend)) in even.iter_mut().zip(odd).zip(packed) {
-            let (s, c) = sine_cosine(angle);
-            (*even, *odd) = (high(amplitude >> 1, s), high(amplitude >> 1, c));
-            let imaginary = add_high(lean, amplitude, detune);
-            let real = sub_high(slope, imaginary, straighten);
-            let curl = high(imaginary, detune) >> 21;
-            let (s, c) = (s >> 16, c >> 16);
-            let (first_re, first_im) = (real >> 16, imaginary >> 16);
-            let (second_re, second_im) = (curl, swell >> 16);
-            *even_bend = pack(
-                HALF_UNIT + second_re * s - second_im * c,
-                (HALF_UNIT + first_re * c - first_im * s) >> 16,
-            );
-            *odd_bend = pack(
-                HALF_UNIT + second_re * c + second_im * s,
-                (HALF_UNIT + first_re * s + first_im * c) >> 16,
-            );
-            angle = angle.wrapping_add_signed(gain.cast_signed());
-            gain = gain.wrapping_add_signed(gain_change);
-            amplitude += ramp >> 3;
-            detune += theta;
-            swell += swell_change;
-        }
+    let GlideSeeds { even, odd, even_bend, odd_bend } = seeds;
+    let bends = column(even_bend, tone).zip(column(odd_bend, tone));
+    for ((even, odd), (even_bend, odd_bend)) in column(even, tone).zip(column(odd, tone)).zip(bends) {
+        let (s, c) = sine_cosine(angle);
+        (*even, *odd) = (high(amplitude >> 1, s), high(amplitude >> 1, c));
+        let imaginary = add_high(lean, amplitude, detune);
+        let real = sub_high(slope, imaginary, straighten);
+        let curl = high(imaginary, detune) >> 21;
+        let (s, c) = (s >> 16, c >> 16);
+        let (first_re, first_im) = (real >> 16, imaginary >> 16);
+        let (second_re, second_im) = (curl, swell >> 16);
+        *even_bend =
+            pack(HALF_UNIT + second_re * s - second_im * c, (HALF_UNIT + first_re * c - first_im * s) >> 16);
+        *odd_bend =
+            pack(HALF_UNIT + second_re * c + second_im * s, (HALF_UNIT + first_re * s + first_im * c) >> 16);
+        angle = angle.wrapping_add_signed(gain.cast_signed());
+        gain = gain.wrapping_add_signed(gain_change);
+        amplitude += ramp >> 3;
+        detune += theta;
+        swell += swell_change;
     }
+}
+
+/// One tone's words in the order of the samples or sub-blocks.
+#[inline]
+fn column<const WIDTH: usize>(
+    rows: &mut [[[i32; WIDTH]; TONES]],
+    tone: usize,
+) -> impl Iterator<Item = &mut i32> {
+    rows.iter_mut().filter_map(move |row| row.get_mut(tone)).flatten()
 }
 
 /// The upper half of one number over the lower half of another.

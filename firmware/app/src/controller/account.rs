@@ -1,0 +1,99 @@
+//! What the device says of itself.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use heapless::String;
+use slipline_protocol::event::{Counters, Identity, State, Status};
+use slipline_protocol::limits;
+use slipline_protocol::version::Version;
+
+use super::Controller;
+use crate::bank::{BLOCK, TONES};
+use crate::headroom::per_mille;
+use crate::mailbox::Crossing;
+use crate::orders::View;
+use crate::ports::{FlashPages, System};
+
+/// Bits of a DAC code.
+const DAC_BITS: u8 = 12;
+
+impl<F: FlashPages, S: System> Controller<F, S> {
+    /// Who the device is.
+    #[must_use]
+    pub fn identity(&self) -> Identity {
+        Identity {
+            version: Version::OURS,
+            firmware: self.device.firmware,
+            board: cut(self.device.board),
+            build: cut(self.device.build),
+            unit: self.device.unit,
+            simulated: self.device.simulated,
+            sample_rate_hz: self.device.sample_rate_hz,
+            block: small(BLOCK),
+            dac_bits: DAC_BITS,
+            tones: small(TONES).to_le_bytes()[0],
+            max_knots: small(limits::MAX_KNOTS),
+            min_glide: self.timing.min_glide,
+            max_glide: self.timing.max_glide,
+            dead_man_ms: limits::DEAD_MAN_MS,
+            reset: self.boot.reset,
+            stored: self.stored,
+            crash: self.boot.crash.clone(),
+        }
+    }
+
+    /// How the device is; `counters` has the link's part.
+    pub fn status<M: RawMutex>(&self, crossing: &Crossing<M>, counters: Counters) -> Status {
+        let view = crossing.view();
+        let first = view.faults.first();
+        Status {
+            state: self.state(&view),
+            faults: view.faults.set(),
+            first_fault: first.map(|(fault, _)| fault),
+            first_fault_at: first.map_or(0, |(_, at)| at),
+            now: view.next,
+            sum_per_mille: per_mille(view.report.sum),
+            heat_per_mille: self.thermal.per_mille(),
+            // What sounds by; before the first block, what it will sound by.
+            foldback_per_mille: view.report.limit_per_mille.unwrap_or(self.thermal.limit_per_mille()),
+            table_crc: self.table.map_or(0, |table| table.crc),
+            counters: Counters {
+                underruns: view.report.underruns,
+                clips: view.report.clips,
+                max_cycles: view.report.max_cycles,
+                ..counters
+            },
+        }
+    }
+
+    fn state(&self, view: &View) -> State {
+        if self.boot.safe_mode {
+            State::SafeMode
+        } else if !view.faults.set().is_empty() {
+            State::Fault
+        } else if view.stopping || (!view.armed && !view.is_silent()) {
+            State::Stopping
+        } else if !view.armed {
+            State::Idle
+        } else if view.is_silent() {
+            State::Armed
+        } else {
+            State::Driving
+        }
+    }
+}
+
+/// A constant that the protocol carries in 16 bits.
+#[expect(clippy::cast_possible_truncation, reason = "block and knots are far below 65 536")]
+const fn small(constant: usize) -> u16 {
+    constant as u16
+}
+
+fn cut<const N: usize>(text: &str) -> String<N> {
+    let mut short = String::new();
+    for c in text.chars() {
+        if short.push(c).is_err() {
+            break;
+        }
+    }
+    short
+}

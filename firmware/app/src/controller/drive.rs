@@ -1,0 +1,99 @@
+//! Arming and driving: motions are made here and handed over.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::command::{Apply, Drive};
+use slipline_protocol::refusal::{Busy, Field, Refusal};
+use slipline_protocol::units::SampleIndex;
+
+use super::Controller;
+use crate::mailbox::{Crossing, NotPublished};
+use crate::motion::Motion;
+use crate::orders::View;
+use crate::ports::{FlashPages, System};
+use crate::program::plan;
+use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
+
+/// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.
+const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
+
+impl<F: FlashPages, S: System> Controller<F, S> {
+    pub(super) fn arm<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
+        let view = crossing.view();
+        self.refuse_if_unfit(&view)?;
+        if view.armed {
+            return Ok(view.ready_at.max(view.next));
+        }
+        // What may be pending while disarmed is a table swap, which sounds nothing.
+        if !view.report.silent || view.stopping {
+            return Err(Refusal::Busy(Busy::DriveActive));
+        }
+        self.user_acted_at = view.next;
+        Ok(crossing.arm())
+    }
+
+    fn refuse_if_unfit(&self, view: &View) -> Result<(), Refusal> {
+        if self.boot.safe_mode {
+            return Err(Refusal::SafeMode);
+        }
+        let faults = view.faults.set();
+        if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
+    }
+
+    pub(super) fn drive<M: RawMutex>(
+        &mut self,
+        drive: &Drive,
+        crossing: &Crossing<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let view = crossing.view();
+        self.refuse_if_unfit(&view)?;
+        if !view.armed {
+            return Err(Refusal::NotArmed);
+        }
+        let at = publish(crossing, |view, lead| {
+            let earliest = view.next.max(view.ready_at);
+            let at = match drive.apply {
+                Apply::Next => earliest.saturating_add(lead),
+                Apply::At(at) => {
+                    let latest = view.next.saturating_add(self.timing.max_apply_ahead);
+                    in_range(Field::ApplyAt, earliest, latest, at)?;
+                    block_at_or_after(at)
+                }
+            };
+            plan(drive, at, self.active, &view.motion, crossing.slots(), &self.shape, &self.timing)
+        })?;
+        self.user_acted_at = self.user_acted_at.max(at);
+        Ok(at)
+    }
+}
+
+/// Makes a motion and hands it over, anew with a later index if the renderer was faster.
+pub(super) fn publish<M: RawMutex>(
+    crossing: &Crossing<M>,
+    make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
+) -> Result<SampleIndex, Refusal> {
+    for lead in LEADS {
+        let view = crossing.view();
+        if view.stopping {
+            return Err(Refusal::Busy(Busy::DriveActive));
+        }
+        if view.pending.is_some() {
+            break;
+        }
+        let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
+        match crossing.publish(motion, &view) {
+            Ok(()) => return Ok(motion.start()),
+            Err(NotPublished::Pending) => break,
+            Err(NotPublished::Late) => {}
+        }
+    }
+    Err(Refusal::Busy(Busy::CommitPending))
+}
+
+pub(super) fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
+    if (min..=max).contains(&got) {
+        return Ok(());
+    }
+    // An index beyond 2^63 is 730 000 years away.
+    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
+    Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
+}
