@@ -368,14 +368,14 @@ impl App {
         }
         let Some(heard) = heard else {
             self.sounding = None;
+            self.heard_on = None;
             return;
         };
         // Another plate with the very same table leaves the device as it is; the picture is another all the same.
         let made = self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
         let has_table = made.is_some_and(|made| made.device_table.crc() == heard.table.crc());
-        let is_known = self.heard_on.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate));
         let is_new = self.sounding.as_ref().is_none_or(|(number, _)| *number != heard.number);
-        if !is_new && (is_known || !has_table) {
+        if !is_new && (self.is_heard_on_screen() || !has_table) {
             return;
         }
         self.heard_on = Some(Arc::clone(&self.setup.plate));
@@ -396,6 +396,11 @@ impl App {
             self.parts.trials.ask(job.clone());
         }
         self.run_sheet(job);
+    }
+
+    /// Whether what sounds was solved for the plate on the screen: not while its table is still to come.
+    fn is_heard_on_screen(&self) -> bool {
+        self.heard_on.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate))
     }
 
     /// What was measured, if it belongs to what sounds.
@@ -419,7 +424,11 @@ impl App {
             snapshot: &self.snapshot,
             drive_wanted: self.pilot.wants_drive(),
             predicted: &self.predicted,
-            sounding: self.sounding.as_ref().map(|(_, picture)| picture),
+            sounding: self
+                .sounding
+                .as_ref()
+                .filter(|_| self.is_heard_on_screen())
+                .map(|(_, picture)| picture),
             full_peak_m: self.full_peak_m(),
             table: &self.table,
             live: &self.live,

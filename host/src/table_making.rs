@@ -65,7 +65,7 @@ impl TableState {
     }
 }
 
-/// Makes a table: some tenths of a second for a usual plate, a minute for one of thousands of wavelengths. `None` when
+/// Makes a table: a moment for a usual plate, many times as long for one of many wavelengths. `None` when
 /// the task was over before.
 #[must_use]
 pub fn make(job: TableJob, task: &Task) -> Option<TableState> {

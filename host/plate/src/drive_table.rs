@@ -112,8 +112,8 @@ impl DriveTable {
         Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
     }
 
-    /// [`DriveTable::build`] that tells how far it is and can be stopped: some tenths of a second for a usual plate,
-    /// a minute for one of thousands of wavelengths.
+    /// [`DriveTable::build`] that tells how far it is and can be stopped: a moment for a usual plate,
+    /// many times as long for one of many wavelengths whose speed has a tolerance.
     ///
     /// # Errors
     /// As [`DriveTable::build`], and [`TableError::Stopped`].

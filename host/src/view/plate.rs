@@ -9,6 +9,7 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
 };
 use slipline_plate::{Complex64, Model};
+use slipline_protocol::event::State;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use theme::GAP;
@@ -83,7 +84,10 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
 
 /// What the plate's colours are, and how slow.
 fn drawn(scene: &Scene<'_>, view: &ViewState) -> String {
-    let Some(picture) = scene.sounding else { return "at rest".to_owned() };
+    let Some(picture) = scene.sounding else {
+        let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
+        return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
+    };
     let source = if scene.sheet.is_some() { "2-D sheet" } else { "modal lines" };
     if view.show_amplitude {
         return format!("{source}, largest");

@@ -208,10 +208,12 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     type_into(&mut bench, "Wave speed", "13 m/s");
     assert!(!Arc::ptr_eq(&bench.window.state().setup().plate, &plate));
     until(&mut bench, "a bar", &|bench| bench.window.query_by_label_contains("table 40 %").is_some());
+    assert!(bench.window.query_by_label("waits for its table").is_some(), "no wave of another plate");
     bench.window.get_by_label("Cancel").click();
     bench.wait(100);
     assert!(Arc::ptr_eq(&bench.window.state().setup().plate, &plate), "the old plate is back");
     assert!(bench.window.query_by_label_contains("table 40 %").is_none());
+    assert!(bench.window.query_by_label_contains("2-D sheet, 1/").is_some());
     bench.wait(500);
     assert_eq!(bench.snapshot().table.active.unwrap().crc, crc);
     assert!(bench.is_driving());

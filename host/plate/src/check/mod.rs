@@ -179,8 +179,8 @@ impl Checker {
         Self::watched(plate, conditions, &mut Progress::new(&mut |_| true))
     }
 
-    /// [`Checker::new`] that tells how far it is and can be stopped: a fraction of a second for a usual plate, some
-    /// seconds for one of thousands of wavelengths.
+    /// [`Checker::new`] that tells how far it is and can be stopped: a moment for a usual plate, many
+    /// times as long for one of many wavelengths.
     ///
     /// # Errors
     /// As [`Checker::new`], and [`CheckError::Stopped`].
