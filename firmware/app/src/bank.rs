@@ -5,13 +5,13 @@
 //!     |
 //!     +- survey: does any tone move?
 //!     |     no: basis of new steps only -> seeds at the 2 centres -> kernel    3.2 cycles per tone and sample
-//!     |    yes: basis -> seeds and corrections at the 8 centres -> kernel      9.9
+//!     |    yes: basis -> seeds and corrections at the 8 centres -> kernel      9.8
 //!     v
 //! 128 samples, 27 fractional bits -> code::codes -> 128 codes of 12 bits
 //! ```
 //! (Cycles of a Cortex-M4 without wait states, all included, by a cycle model of the image `slipline-bench`. A block
-//! that re-tunes all tones at once costs 6.8. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
-//! 12 % of that, a re-tuned one 26 %, the worst, gliding one 38 %.)
+//! that re-tunes all tones at once costs 6.5. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
+//! 12 % of that, a re-tuned one 25 %, the worst, gliding one 38 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
 //! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Nothing is ever

@@ -13,7 +13,7 @@
 //! qemu-system-arm -M mps2-an386 -nographic -semihosting -icount shift=0 -kernel slipline-bench
 //! ```
 //! It fails (exit code 1) if a single sample or code differs. On the M4 an instruction takes 1.2 cycles here (loads of
-//! several words, taken branches): steady 3.2, retune 6.8, glide 9.9 cycles per tone and sample by a cycle model.
+//! several words, taken branches): steady 3.2, retune 6.5, glide 9.8 cycles per tone and sample by a cycle model.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 
 #[cfg(target_arch = "arm")]
