@@ -57,7 +57,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             }
             Err(misfit) => {
                 let text = if told { "None: see the field above." } else { misfit.reason.as_str() };
-                ui.label(RichText::new(text).small().color(palette.bad));
+                ui.label(RichText::new(text).small().color(palette.wrong));
             }
         },
     }
@@ -168,7 +168,7 @@ impl Form<'_> {
                 self.change = taken.or(self.change.take());
                 if let Some(misfit) = reason {
                     self.told = true;
-                    let text = RichText::new(&misfit.reason).small().color(theme::palette(ui).bad);
+                    let text = RichText::new(&misfit.reason).small().color(theme::palette(ui).wrong);
                     ui.add(egui::Label::new(text).wrap());
                 }
             });

@@ -96,7 +96,7 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
     );
     if let Some(compatibility) = snapshot.compatibility {
-        let colour = if compatibility.may_drive() { palette.weak } else { palette.bad };
+        let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
     }
     if !identity.crash.is_empty() {
@@ -123,7 +123,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     row(ui, "On the screen", RichText::new(on_screen).monospace().small());
     let (text, colour) = match (snapshot.upload, scene.is_table_dirty(), snapshot.upload_verified) {
         (Some(progress), ..) => (format!("sending {} of {}", progress.sent, progress.total), palette.weak),
-        (None, true, Some(false)) => ("the digest read back is not the one sent".to_owned(), palette.bad),
+        (None, true, Some(false)) => ("the digest read back is not the one sent".to_owned(), palette.wrong),
         (None, true, _) => ("they differ".to_owned(), palette.warn),
         (None, false, Some(true)) => ("the same: verified by its digest".to_owned(), palette.good),
         (None, false, _) => ("the same".to_owned(), palette.good),

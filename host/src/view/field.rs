@@ -44,7 +44,7 @@ impl Field<'_> {
             let mut edit =
                 egui::TextEdit::singleline(&mut text).id(id).desired_width(self.width).char_limit(64);
             if error.is_some() {
-                edit = edit.text_color(theme::palette(ui).bad);
+                edit = edit.text_color(theme::palette(ui).wrong);
             }
             let response = ui.add(edit).on_hover_text(self.hint);
             response.widget_info(|| {
@@ -79,7 +79,7 @@ impl Field<'_> {
                 fields.texts.insert(id, Typing { text, error: error.clone() });
             }
             if let Some(error) = error {
-                ui.label(RichText::new(error).small().color(theme::palette(ui).bad));
+                ui.label(RichText::new(error).small().color(theme::palette(ui).wrong));
             }
             taken
         })

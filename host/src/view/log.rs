@@ -83,7 +83,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Severity::Detail => palette.weak,
                 Severity::Info => palette.text,
                 Severity::Warning => palette.warn,
-                Severity::Error => palette.bad,
+                Severity::Error => palette.wrong,
             };
             ui.horizontal(|ui| {
                 let seconds = format!("{:7.2}", entry.time.as_secs_f64());

@@ -298,7 +298,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             }
         }
         TableState::Failed(reason) => {
-            ui.label(RichText::new(reason).small().color(palette.bad));
+            ui.label(RichText::new(reason).small().color(palette.wrong));
         }
         TableState::Ready(made) => {
             let table = &made.drive_table;

@@ -37,8 +37,10 @@ pub struct Palette {
     pub good: Color32,
     /// Look at this.
     pub warn: Color32,
-    /// Wrong, and STOP.
+    /// Behind STOP, and around what went wrong.
     pub bad: Color32,
+    /// Words that say that something is wrong.
+    pub wrong: Color32,
     /// Words on `bad`, `good` and `accent`.
     pub on_colour: Color32,
 }
@@ -57,6 +59,7 @@ const LIGHT: Palette = Palette {
     good: Color32::from_rgb(0x1a, 0x74, 0x4a),
     warn: Color32::from_rgb(0x96, 0x5a, 0x00),
     bad: Color32::from_rgb(0xc4, 0x1e, 0x30),
+    wrong: Color32::from_rgb(0xb5, 0x17, 0x2a),
     on_colour: Color32::WHITE,
 };
 
@@ -74,6 +77,7 @@ const DARK: Palette = Palette {
     good: Color32::from_rgb(0x4f, 0xc0, 0x8a),
     warn: Color32::from_rgb(0xe0, 0xab, 0x4a),
     bad: Color32::from_rgb(0xd8, 0x36, 0x46),
+    wrong: Color32::from_rgb(0xff, 0x7a, 0x85),
     on_colour: Color32::WHITE,
 };
 
@@ -117,7 +121,7 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
     visuals.weak_text_color = Some(palette.weak);
     visuals.hyperlink_color = palette.accent;
     visuals.warn_fg_color = palette.warn;
-    visuals.error_fg_color = palette.bad;
+    visuals.error_fg_color = palette.wrong;
     visuals.selection.bg_fill = palette.accent.gamma_multiply(if palette.dark { 0.45 } else { 0.22 });
     visuals.selection.stroke = Stroke::new(1.0, palette.text);
     visuals.slider_trailing_fill = true;
@@ -232,7 +236,8 @@ mod tests {
     #[test]
     fn words_contrast_with_what_is_behind_them() {
         for palette in [LIGHT, DARK] {
-            for ink in [palette.text, palette.weak, palette.warn, palette.good, palette.accent] {
+            for ink in [palette.text, palette.weak, palette.warn, palette.good, palette.accent, palette.wrong]
+            {
                 for ground in [palette.panel, palette.page, palette.well] {
                     assert!(contrast(ink, ground) >= 4.5, "{ink:?} on {ground:?}: {}", contrast(ink, ground));
                 }

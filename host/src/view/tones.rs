@@ -77,12 +77,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     ui.add_space(4.0);
     let sum = scene.headroom_sum();
-    let colour = if sum > 1.0 { palette.bad } else { palette.text };
+    let colour = if sum > 1.0 { palette.wrong } else { palette.text };
     row(ui, "Sum, of full scale", RichText::new(format!("{:.0} %", sum * 100.0)).color(colour));
     if sum > 1.0 {
         ui.horizontal_wrapped(|ui| {
             let text = "More than the DAC can send: the device refuses it. Lower levels or the master.";
-            ui.label(RichText::new(text).small().color(palette.bad));
+            ui.label(RichText::new(text).small().color(palette.wrong));
             if ui.button("Make it fit").on_hover_text("Lower the master so that the sum fits").clicked() {
                 let master_db =
                     (setup.master_db - 20.0 * sum.log10() - 0.05).max(crate::model::MASTER_MIN_DB);

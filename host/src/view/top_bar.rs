@@ -18,7 +18,7 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
             ("disconnected", palette.weak, why)
         }
         LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
-        LinkState::Lost(trouble) => ("lost", palette.bad, trouble.to_string()),
+        LinkState::Lost(trouble) => ("lost", palette.wrong, trouble.to_string()),
         LinkState::Reconnecting(trouble) => {
             ("reconnecting", palette.warn, format!("{trouble}. Looking for it."))
         }
@@ -29,10 +29,10 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
                 State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
                 State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
                 State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
-                State::Fault => ("fault", palette.bad, format!("Stopped: {}.", status.faults)),
+                State::Fault => ("fault", palette.wrong, format!("Stopped: {}.", status.faults)),
                 State::SafeMode => (
                     "safe mode",
-                    palette.bad,
+                    palette.wrong,
                     "Restarted after repeated crashes: it talks but does not drive.".to_owned(),
                 ),
             },

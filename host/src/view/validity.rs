@@ -16,7 +16,7 @@ fn ink(colour: Colour, palette: &Palette) -> Color32 {
     match colour {
         Colour::Green => palette.good,
         Colour::Amber => palette.warn,
-        Colour::Red => palette.bad,
+        Colour::Red => palette.wrong,
     }
 }
 
