@@ -115,7 +115,7 @@ impl Mirror {
         self.acknowledge(at, Change::Stop(stop))
     }
 
-    /// The device's thermal limit is `per_mille` from `at` on: [`limit_since`](slipline_app::timing::limit_since) the
+    /// The device's thermal limit is `per_mille` from `at` on: [`limit_since`](slipline_app::Timing::limit_since) the
     /// status that tells it. A mirror that has rendered nothing yet begins with it.
     ///
     /// # Errors

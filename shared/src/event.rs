@@ -276,8 +276,8 @@ pub struct Status {
     pub sum_per_mille: u16,
     /// The computed temperature rise, per mille of its limit.
     pub heat_per_mille: u16,
-    /// What the thermal fold-back leaves of the amplitude, per mille; 1000 when cool. It changes at every 1024th block
-    /// only, so this is the limit since the last of them before `now`.
+    /// What the thermal fold-back leaves of the amplitude, per mille; 1000 when cool. It changes at multiples of 320 ms
+    /// (in whole blocks) only, so this is the limit since the last of them before `now`.
     pub foldback_per_mille: u16,
     /// The active table's CRC; 0 when there is none.
     pub table_crc: u32,

@@ -10,8 +10,7 @@ use std::sync::Arc;
 
 use slipline::link::simulated::Options;
 use slipline::mirror::Mirror;
-use slipline_app::Stop;
-use slipline_app::timing::{LIMIT_BLOCKS, limit_since};
+use slipline_app::{Stop, Timing};
 use slipline_protocol::command::Command;
 use slipline_protocol::event::{Event, Fault, Faults, State, Status};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
@@ -176,9 +175,13 @@ impl Soak {
 
     fn drive(&mut self) {
         let count = 1 + self.dice.below(16);
-        let tones: Vec<(u8, f64, f64)> = (0..count)
-            .map(|slot| (slot as u8, self.dice.share(), 0.9 * self.dice.share() / f64::from(count)))
-            .collect();
+        let tones: Vec<(u8, f64, f64)> = if self.dice.below(4) == 0 {
+            // One tone where the table's gain is full, as loud as it goes: the coil gets warm.
+            vec![(0, if self.dice.below(2) == 0 { 0.0 } else { 1.0 }, 1.0)]
+        } else {
+            let level = |share: f64| 0.9 * share / f64::from(count);
+            (0..count).map(|slot| (slot as u8, self.dice.share(), level(self.dice.share()))).collect()
+        };
         let glide = 20 + self.dice.below(480);
         let drive = drive(&tones, self.rig.samples(glide) as u32);
         match self.send(&Command::Drive(drive.clone())) {
@@ -202,10 +205,11 @@ impl Soak {
     /// Lets time pass as the host lives through it, and looks at everything that was sent meanwhile.
     fn pass_ms(&mut self, milliseconds: u32) {
         let end = self.rig.device.now() + self.rig.samples(milliseconds);
+        let period = Timing::at(self.rig.device.sample_rate_hz()).limit_period;
         while self.rig.device.now() < end {
             let now = self.rig.device.now();
             // Never past a beat, nor past a step of the thermal limit without having heard of it.
-            let until = end.min(self.beat_due.max(now + BLOCK)).min(now + LIMIT_BLOCKS * BLOCK / 2);
+            let until = end.min(self.beat_due.max(now + BLOCK)).min(now + (period / 2).max(BLOCK));
             self.rig.silent_blocks((until - now).div_ceil(BLOCK));
             if self.rig.device.now() >= self.beat_due {
                 self.beat();
@@ -217,7 +221,10 @@ impl Soak {
 
     fn look(&mut self, status: &Status) {
         self.mirror
-            .acknowledge_limit(status.foldback_per_mille, limit_since(status.now))
+            .acknowledge_limit(
+                status.foldback_per_mille,
+                Timing::at(self.rig.device.sample_rate_hz()).limit_since(status.now),
+            )
             .expect("the mirror is not ahead");
         let recording = &self.rig.recording;
         self.mirror.render(self.rig.device.now(), |first, codes| {

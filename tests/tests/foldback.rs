@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use slipline::link::simulated::Options;
 use slipline::mirror::Mirror;
+use slipline_app::Timing;
 use slipline_app::thermal::Heat;
-use slipline_app::timing::{LIMIT_BLOCKS, limit_since};
 use slipline_protocol::Command;
-use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
+use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};
 use slipline_tests::talk::Talk;
 
 /// Lives for some blocks, tells the mirror what the status says of the limit, and compares all codes since. Returns
@@ -15,7 +15,7 @@ use slipline_tests::talk::Talk;
 fn follow(rig: &mut Rig, mirror: &mut Mirror, blocks: u64) -> u16 {
     rig.live_blocks(blocks);
     let status = rig.status();
-    mirror.acknowledge_limit(status.foldback_per_mille, limit_since(status.now)).unwrap();
+    mirror.acknowledge_limit(status.foldback_per_mille, Timing::at(RATE_HZ).limit_since(status.now)).unwrap();
     mirror.render(rig.device.now(), |first, codes| {
         if let Some(at) = first.checked_sub(rig.recording.first) {
             let sent = &rig.recording.codes[at as usize..][..codes.len()];
@@ -36,7 +36,7 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
     mirror.acknowledge_table(Arc::from(table.knots), at).unwrap();
     rig.arm();
     let status = rig.status();
-    mirror.acknowledge_limit(status.foldback_per_mille, limit_since(status.now)).unwrap();
+    mirror.acknowledge_limit(status.foldback_per_mille, Timing::at(RATE_HZ).limit_since(status.now)).unwrap();
     let sound = |rig: &mut Rig, mirror: &mut Mirror, level| {
         let drive = drive(&[(0, 1.0, level)], 4000);
         let at = rig.accepted(&Command::Drive(drive.clone()));
@@ -61,7 +61,7 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
 fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
     let mut mirror = Mirror::new(RATE_HZ, 0);
     mirror.acknowledge_limit(1000, 0).unwrap();
-    let step = LIMIT_BLOCKS * BLOCK;
+    let step = Timing::at(RATE_HZ).limit_period;
     mirror.render(2 * step, |_, _| {});
     mirror.acknowledge_limit(1000, step).unwrap();
     assert!(mirror.is_true(), "nothing new was told");

@@ -18,6 +18,7 @@ fn a_day_with_a_restless_user_ends_as_it_began() {
     let before = resident_bytes();
     let evening = soak.run(23 * 3600);
     assert!(evening.samples >= 24 * 3600 * 2000);
+    assert!((800..1000).contains(&evening.hottest_per_mille), "folded back, and never too hot: {evening:?}");
     assert!(evening.drives > 20 * morning.drives / 2 && evening.sessions > 10, "{evening:?}");
     if let (Some(before), Some(after)) = (before, resident_bytes()) {
         assert!(after < before + (8 << 20), "memory grows: {before} bytes, then {after}");

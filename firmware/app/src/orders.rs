@@ -76,7 +76,7 @@ pub struct Report {
     pub underruns: u32,
     /// The most cycles a block took.
     pub max_cycles: u32,
-    /// The thermal limit in force since [`limit_since`](crate::timing::limit_since) this block's end.
+    /// The thermal limit in force since [`limit_since`](crate::Timing::limit_since) this block's end.
     pub limit_per_mille: Option<u16>,
 }
 

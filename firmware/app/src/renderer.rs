@@ -25,7 +25,7 @@ use crate::motion::{Outline, Placement};
 use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
 use crate::ramp::RampShape;
-use crate::timing::{BLOCK_SAMPLES, LIMIT_BLOCKS, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
+use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
 /// The thermal limit moves by at most this much of full scale a block: from full to nothing in 65 blocks, 21 ms at
 /// 400 kS/s, as slow as the amplitude ramps of a glide.
@@ -54,6 +54,8 @@ pub struct Renderer {
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
     limit_goal: u32,
+    /// Where it may change next.
+    limit_due: SampleIndex,
     /// Blocks of mid-scale since the last that was not.
     quiet_blocks: u64,
     muted: bool,
@@ -72,11 +74,16 @@ impl Renderer {
     /// A renderer whose first sample has the index given, rounded down to a block.
     #[must_use]
     pub const fn starting_at(timing: Timing, index: SampleIndex) -> Self {
+        let index = index.saturating_sub(index % BLOCK_SAMPLES);
+        let limit_due = match index.checked_rem(timing.limit_period) {
+            Some(past @ 1..) => index.saturating_sub(past).saturating_add(timing.limit_period),
+            _ => index,
+        };
         Self {
             timing,
             shape: RampShape::new(),
             bank: Bank::new(),
-            index: index.saturating_sub(index % BLOCK_SAMPLES),
+            index,
             outline: Outline::SILENT,
             here: [Placement::NOWHERE; TONES],
             stop_ends: None,
@@ -86,6 +93,7 @@ impl Renderer {
             samples: [0; BLOCK],
             limit: Gain::FULL.0,
             limit_goal: Gain::FULL.0,
+            limit_due,
             quiet_blocks: 0,
             muted: true,
             digester: Digester::new(),
@@ -184,12 +192,15 @@ impl Renderer {
         self.fade(Stop::Normal, crossing);
     }
 
-    /// Takes the thermal limit over where it may change: the first one at once, then every so many blocks. While nothing
+    /// Takes the thermal limit over where it may change: the first one at once, then every so often. While nothing
     /// sounds it is there at once, so that a mirror may begin in any silence.
     #[expect(clippy::cast_possible_truncation, reason = "at most full scale")]
     fn take_limit(&mut self, per_mille: Option<u16>, is_silent: bool) {
-        let may_change = self.report.limit_per_mille.is_none()
-            || (self.index / BLOCK_SAMPLES).is_multiple_of(LIMIT_BLOCKS);
+        let is_due = self.index >= self.limit_due;
+        if is_due {
+            self.limit_due = self.limit_due.saturating_add(self.timing.limit_period);
+        }
+        let may_change = is_due || self.report.limit_per_mille.is_none();
         let Some(per_mille) = per_mille.filter(|_| may_change) else { return };
         self.report.limit_per_mille = Some(per_mille);
         // Both factors are small: the product fits.

@@ -17,16 +17,9 @@ pub const SETTLE_BLOCKS: u64 = 4;
 /// Blocks between two ticks of the link's half: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.
 pub const TICK_BLOCKS: u64 = 8;
 
-/// The thermal limit changes at multiples of so many blocks only: 328 ms at 400 kS/s, a twentieth of the winding's time
-/// constant. A host that hears a status in every such period knows the limit of every sample.
-pub const LIMIT_BLOCKS: u64 = 1024;
-
-/// Where the thermal limit came into force that stands at the last sample before `next`.
-#[must_use]
-pub const fn limit_since(next: SampleIndex) -> SampleIndex {
-    let last = next.saturating_sub(1);
-    last.saturating_sub(last % (LIMIT_BLOCKS * BLOCK_SAMPLES))
-}
+/// The thermal limit changes at multiples of so much time only, rounded down to blocks: a twenty-fifth of the winding's
+/// time constant. A host that hears a status in every such period knows the limit of every sample.
+pub const LIMIT_PERIOD_MS: u32 = 320;
 
 /// Times in samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +48,8 @@ pub struct Timing {
     pub bootloader_token: u64,
     /// [`limits::MAX_DRIVE_MS`].
     pub max_drive: u64,
+    /// [`LIMIT_PERIOD_MS`] in whole blocks, at least one.
+    pub limit_period: u64,
     /// A table swap's glide while tones sound: four times the shortest.
     pub table_glide: u32,
 }
@@ -76,7 +71,22 @@ impl Timing {
             transmit: samples(sample_rate_hz, limits::TRANSMIT_TIMEOUT_MS),
             bootloader_token: samples(sample_rate_hz, limits::BOOTLOADER_TOKEN_MS),
             max_drive: samples(sample_rate_hz, limits::MAX_DRIVE_MS),
+            limit_period: {
+                let blocks = samples(sample_rate_hz, LIMIT_PERIOD_MS) / BLOCK_SAMPLES;
+                if blocks == 0 { BLOCK_SAMPLES } else { blocks.saturating_mul(BLOCK_SAMPLES) }
+            },
             table_glide: short(sample_rate_hz, 4 * limits::MIN_GLIDE_MS),
+        }
+    }
+
+    /// Where the thermal limit came into force that stands at the last sample before `next`.
+    #[must_use]
+    pub const fn limit_since(&self, next: SampleIndex) -> SampleIndex {
+        let last = next.saturating_sub(1);
+        // The period is never 0; were it, the limit would stand since that sample.
+        match last.checked_rem(self.limit_period) {
+            Some(past) => last.saturating_sub(past),
+            None => last,
         }
     }
 

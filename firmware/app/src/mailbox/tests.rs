@@ -12,7 +12,10 @@ use crate::motion::Placement;
 use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
-use crate::timing::{LIMIT_BLOCKS, Timing, limit_since};
+use crate::timing::Timing;
+
+/// Blocks between two changes of the thermal limit at 400 kS/s: 320 ms.
+const LIMIT_BLOCKS: u64 = 1000;
 
 type Local = Crossing<NoopRawMutex>;
 
@@ -105,11 +108,11 @@ fn the_thermal_limit_is_approached_slowly_and_kept() {
     render(&mut renderer, &crossing, 1);
     let mut last = crossing.view().report.sum;
     assert_eq!(last, u64::from(Gain::FULL.0));
-    // It changes at every 1024th block only.
+    // It changes at every 1000th block only.
     crossing.set_limit(250);
     render(&mut renderer, &crossing, (LIMIT_BLOCKS - crossing.now() / BLOCK as u64) as u32);
     assert_eq!(crossing.view().report.sum, last);
-    assert_eq!(limit_since(crossing.now()), 0);
+    assert_eq!(Timing::at(400_000).limit_since(crossing.now()), 0);
     for _ in 0..80 {
         render(&mut renderer, &crossing, 1);
         let sum = crossing.view().report.sum;
@@ -117,7 +120,7 @@ fn the_thermal_limit_is_approached_slowly_and_kept() {
         last = sum;
     }
     assert_eq!(last, u64::from(Gain::FULL.0) / 4);
-    assert_eq!(limit_since(crossing.now()), LIMIT_BLOCKS * BLOCK as u64);
+    assert_eq!(Timing::at(400_000).limit_since(crossing.now()), LIMIT_BLOCKS * BLOCK as u64);
     crossing.set_limit(1000);
     render(&mut renderer, &crossing, LIMIT_BLOCKS as u32);
     assert_eq!(crossing.view().report.sum, u64::from(Gain::FULL.0));

@@ -5,7 +5,7 @@ use crate::link::conversation::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::link::record::Record;
 use crate::link::upload::{BUSY_PAUSE, Step};
 use crate::link::{Change, LinkState, Outcome, Severity, Trouble};
-use slipline_app::timing::limit_since;
+use slipline_app::Timing;
 use slipline_protocol::event::{Digest, Identity, State, Status};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::version::Version;
@@ -92,7 +92,9 @@ impl Dialogue {
         let is_first = record.view.status.is_none();
         let limit = record.view.status.map(|before| before.foldback_per_mille);
         if limit != Some(status.foldback_per_mille) {
-            record.acknowledge(limit_since(status.now), Change::Limit(status.foldback_per_mille));
+            let rate = record.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+            let since = Timing::at(rate).limit_since(status.now);
+            record.acknowledge(since, Change::Limit(status.foldback_per_mille));
         }
         record.status(status);
         if is_first {
