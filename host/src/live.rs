@@ -3,6 +3,7 @@
 use crate::link::{Acknowledged, Change, Snapshot};
 use crate::mirror::Mirror;
 use crate::spectrum::{Line, Spectrum};
+use crate::table::DeviceTable;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_app::mailbox::Stop;
@@ -65,6 +66,8 @@ impl Live {
 pub struct Job {
     sample_rate_hz: u32,
     journal: Arc<VecDeque<Arc<Acknowledged>>>,
+    /// The table the device is known to hold.
+    table: Option<Arc<DeviceTable>>,
     /// The device has rendered up to here.
     now: u64,
 }
@@ -74,7 +77,12 @@ impl Job {
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
         let sample_rate_hz = snapshot.identity.as_ref()?.sample_rate_hz;
-        Some(Self { sample_rate_hz, journal: Arc::clone(&snapshot.journal), now: snapshot.status?.now })
+        Some(Self {
+            sample_rate_hz,
+            journal: Arc::clone(&snapshot.journal),
+            table: snapshot.confirmed_table.clone(),
+            now: snapshot.status?.now,
+        })
     }
 }
 
@@ -94,6 +102,15 @@ pub struct Follower {
 impl Follower {
     /// Replays what is new and returns what the device sends now.
     pub fn follow(&mut self, job: &Job) -> Live {
+        // Entries fall off the journal's front; a thermal limit may also go from its middle, which does no harm.
+        if let Some(oldest) = job.journal.front().filter(|oldest| oldest.number > self.latest + 1)
+            && self.mirror.is_some()
+        {
+            self.begin(job, oldest.at);
+            if let Some(mirror) = &mut self.mirror {
+                mirror.distrust();
+            }
+        }
         for entry in job.journal.iter() {
             if self.mirror.is_some() && entry.number <= self.latest {
                 continue;
@@ -123,8 +140,21 @@ impl Follower {
         }
     }
 
+    /// Begins anew at `at`, as if the device were silent, with the table it is known to hold.
+    fn begin(&mut self, job: &Job, at: u64) {
+        self.sample_rate_hz = job.sample_rate_hz;
+        self.codes.clear();
+        self.silent_since = Some(at);
+        let mut mirror = Mirror::new(job.sample_rate_hz, at.saturating_sub(AHEAD));
+        if let Some(table) = &job.table {
+            // Nothing has been rendered: it cannot come too late.
+            let _ = mirror.acknowledge_table(table.knots().into(), mirror.now());
+            mirror.render(at, |_, _| {});
+        }
+        self.mirror = Some(mirror);
+    }
+
     fn take(&mut self, job: &Job, entry: &Acknowledged) {
-        let missed = self.mirror.is_some() && entry.number > self.latest + 1;
         self.latest = entry.number;
         let rate = f64::from(job.sample_rate_hz);
         if let Some(mirror) = self.mirror.as_mut().filter(|_| entry.change == Change::Session) {
@@ -133,11 +163,8 @@ impl Follower {
             self.codes.clear();
             self.silent_since = Some(entry.at);
         }
-        if self.mirror.is_none() || missed || self.sample_rate_hz != job.sample_rate_hz {
-            self.sample_rate_hz = job.sample_rate_hz;
-            self.codes.clear();
-            self.mirror = Some(Mirror::new(job.sample_rate_hz, entry.at));
-            self.silent_since = Some(entry.at);
+        if self.mirror.is_none() || self.sample_rate_hz != job.sample_rate_hz {
+            self.begin(job, entry.at);
         }
         let Some(mirror) = &mut self.mirror else { return };
         // A change that came too late, or that the renderer cannot take, shows in `Mirror::is_true`.
@@ -194,4 +221,62 @@ pub fn work() -> impl FnMut(Job, &Task) -> Option<Live> + Send {
     let mut follower = Follower::default();
     // A job is short, and the next one needs what this one did: it is never given up.
     move |job, _| Some(follower.follow(&job))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::table_for;
+    use slipline_plate::preset;
+    use slipline_protocol::command::{Apply, Drive, Tone};
+    use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
+
+    fn drive() -> Change {
+        let tone = Tone { slot: 0, position: Position(20_000), level: Level::FULL, phase: Phase(0) };
+        Change::Drive(Arc::new(Drive {
+            tones: [tone].into_iter().collect(),
+            master: CentiDecibel(0),
+            glide: 2000,
+            apply: Apply::Next,
+        }))
+    }
+
+    fn job(entries: &[(u64, u64, Change)], now: u64) -> Job {
+        let entry = |(number, at, change): &(u64, u64, Change)| {
+            Arc::new(Acknowledged { number: *number, at: *at, change: change.clone() })
+        };
+        let plate = preset("membrane").unwrap();
+        Job {
+            sample_rate_hz: 400_000,
+            journal: Arc::new(entries.iter().map(entry).collect()),
+            table: Some(table_for(&plate, 400_000).unwrap().1),
+            now,
+        }
+    }
+
+    #[test]
+    fn entries_that_were_missed_cost_the_trust_until_the_next_silence_but_not_the_table() {
+        let mut follower = Follower::default();
+        let start = [(1, 12_800, Change::Session), (2, 25_600, drive())];
+        let live = follower.follow(&job(&start, 128_000));
+        assert!(live.is_true() && live.window().is_some());
+
+        let later = [(40, 256_000, Change::Stop)];
+        assert!(!follower.follow(&job(&later, 260_000)).is_true());
+
+        let later = [(40, 256_000, Change::Stop), (41, 512_000, drive())];
+        let live = follower.follow(&job(&later, 640_000));
+        assert!(live.is_true());
+        assert!(live.window().unwrap().codes.iter().any(|&code| code > 2500), "the table was kept");
+    }
+
+    #[test]
+    fn thermal_limits_that_were_dropped_are_no_loss() {
+        let mut follower = Follower::default();
+        let start = [(1, 12_800, Change::Session), (2, 25_600, drive())];
+        follower.follow(&job(&start, 128_000));
+        let later = [start[0].clone(), start[1].clone(), (9, 131_072, Change::Limit(900))];
+        let live = follower.follow(&job(&later, 256_000));
+        assert!(live.is_true() && live.window().is_some());
+    }
 }

@@ -89,6 +89,11 @@ impl Mirror {
         !self.diverged
     }
 
+    /// Something the device agreed to was missed: the mirror is not true until the device is known to be silent.
+    pub const fn distrust(&mut self) {
+        self.diverged = true;
+    }
+
     /// A drive was accepted and begins at `at`.
     ///
     /// # Errors
