@@ -1,4 +1,5 @@
-//! The power fails at every write and erase, twice in a row, in several ways; what is read back is whole.
+//! the power fails at every write and erase, twice in a row, in several ways, with and without error
+//! correction of what is half written; what is read back is whole.
 
 use std::vec;
 use std::vec::Vec;

@@ -1,4 +1,4 @@
-//! Spectra of a single tone, before the DAC and after its codes.
+//! spectra of a single tone, before the DAC and after its codes.
 
 use super::super::code::{Dither, codes, dithered_codes};
 use super::super::{AMPLITUDE_ONE, BLOCK, Bank, FULL_SCALE, TONES, ToneBlock};
