@@ -13,6 +13,7 @@ pub mod chain;
 pub mod cli;
 #[cfg(feature = "gui")]
 pub mod designer;
+pub mod device_table;
 pub mod edit;
 pub mod envelope_plot;
 #[cfg(feature = "gui")]
@@ -38,7 +39,6 @@ pub mod sheet;
 pub mod simulation;
 #[cfg(feature = "gui")]
 pub mod spectrum;
-pub mod table;
 #[cfg(feature = "gui")]
 pub mod table_making;
 #[cfg(feature = "gui")]

@@ -1,9 +1,9 @@
 //! What the device sends: the mirror follows the journal of the link, and keeps the latest codes and their spectrum.
 
+use crate::device_table::DeviceTable;
 use crate::link::{Acknowledged, Change, Snapshot};
 use crate::mirror::Mirror;
 use crate::spectrum::{Line, Spectrum};
-use crate::table::DeviceTable;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_app::mailbox::Stop;

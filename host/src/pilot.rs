@@ -3,10 +3,10 @@
 //! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
+use crate::device_table::DeviceTable;
 use crate::link::{Change, LinkState, Port, Snapshot};
 use crate::picture::SteadyTone;
 use crate::settings::Settings;
-use crate::table::DeviceTable;
 use crate::table_making::TableMade;
 use slipline_protocol::command::Drive;
 use slipline_protocol::event::State;

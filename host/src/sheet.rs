@@ -7,9 +7,9 @@
 //! The codes are those of the modal line of [`crate::trial`]. After a change the sheet runs ahead until it has
 //! settled; then it goes on at the picture's own slow pace, so that one wave takes about as long as an eye likes.
 
+use crate::device_table::DeviceTable;
 use crate::mirror::Mirror;
 use crate::settings::WavePicture;
-use crate::table::DeviceTable;
 use crate::trial;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;

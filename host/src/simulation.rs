@@ -11,8 +11,8 @@
 mod demodulator;
 
 use crate::chain::{Chain, ChainError};
+use crate::device_table::{DeviceTable, DeviceTableError};
 use crate::link::{DriveRequest, Request, ToneRequest};
-use crate::table::{DeviceTable, DeviceTableError};
 use demodulator::Demodulator;
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,

@@ -1,7 +1,7 @@
 //! The turning-point table for the plate on the screen: made in the background, for the device's own rate.
 
+use crate::device_table::DeviceTable;
 use crate::model::Setup;
-use crate::table::DeviceTable;
 use crate::workshop::Task;
 use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_watched};
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! A table that the device holds from before: recognised without being sent, and mirrored.
 
 use slipline::chain::Chain;
+use slipline::device_table::DeviceTable;
 use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::{Change, DriveRequest, Request, ToneRequest};
 use slipline::mirror::Mirror;
 use slipline::simulation::table_for;
-use slipline::table::DeviceTable;
 use slipline_plate::preset;
 use std::sync::Arc;
 

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
+use slipline::device_table::DeviceTable;
 use slipline::link::worker::Worker;
 use slipline::link::{DriveRequest, Outcome, Port, Request, ToneRequest};
 use slipline::mirror::Mirror;
-use slipline::table::DeviceTable;
 use slipline_app::Stop;
 use slipline_app::bank::BLOCK;
 use slipline_protocol::command::{Apply, Command, DigestWindow, Drive};

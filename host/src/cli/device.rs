@@ -1,9 +1,9 @@
 //! A device for one command: the worker, waited for.
 
 use super::{Failure, progress};
+use crate::device_table::DeviceTable;
 use crate::link::worker::{Handle, Worker};
 use crate::link::{Outcome, Port, Request, Snapshot};
-use crate::table::DeviceTable;
 use slipline_plate::Plate;
 use slipline_protocol::event::Identity;
 use std::sync::Arc;

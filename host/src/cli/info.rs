@@ -100,7 +100,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         let table = table.map_or_else(
             || "none".to_owned(),
             |it| {
-                let (start, end) = crate::table::span_m(&it);
+                let (start, end) = crate::device_table::span_m(&it);
                 format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
             },
         );

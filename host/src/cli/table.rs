@@ -1,8 +1,8 @@
 //! `slipline table`.
 
 use super::{Failure, TableArguments, argument, output, progress};
+use crate::device_table::DeviceTable;
 use crate::quantity::{show_frequency, show_length, show_place};
-use crate::table::DeviceTable;
 use serde_json::json;
 use slipline_plate::{DriveTable, TableError, sensitivity_per_percent_watched};
 use std::io::Write;

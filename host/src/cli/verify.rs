@@ -145,7 +145,7 @@ struct Follower {
 
 impl Follower {
     /// From now on, when the device is silent and holds this table.
-    fn new(device: &Device, table: &crate::table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
+    fn new(device: &Device, table: &crate::device_table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
         let now = device.perform_at(Request::Refresh)?;
         let mut mirror = Mirror::new(rate_hz, now);
         mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;

@@ -1,7 +1,7 @@
 //! What the rest of the program sees of the link: a picture taken after every change.
 
 use super::{Outcome, Port, Ticket, Trouble};
-use crate::table::DeviceTable;
+use crate::device_table::DeviceTable;
 use slipline_protocol::command::Drive;
 use slipline_protocol::event::{Identity, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
