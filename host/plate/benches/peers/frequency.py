@@ -31,7 +31,7 @@ def on_solve_banded(points, frequencies, runs):
     def run():
         for number, frequency in enumerate(frequencies):
             k2 = 2 * np.pi * frequency / spread * (1 + 1j * eta) - width_term
-            bands = np.empty((3, points), complex)
+            bands = np.zeros((3, points), complex)
             bands[0, 1:] = 1 / h**2 - rate / (2 * h)
             bands[1] = -2 / h**2 + k2
             bands[2, :-1] = 1 / h**2 + rate / (2 * h)
