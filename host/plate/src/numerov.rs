@@ -170,7 +170,9 @@ pub(crate) fn end_gain(
 fn tail_start(grid: &Grid, axial: f64) -> usize {
     let last = grid.barrier.len() - 1;
     let mut exponents = 0.0;
-    for i in 1..last {
+    // Roots only where there is a tail: they would take as long as the sweep.
+    let turn = grid.barrier.iter().skip(1).position(|&barrier| barrier > axial).map_or(last, |at| at + 1);
+    for i in turn..last {
         exponents += (grid.barrier[i] - axial).max(0.0).sqrt() * grid.step_m;
         if exponents > TAIL_EXPONENTS {
             return i;
@@ -178,6 +180,9 @@ fn tail_start(grid: &Grid, axial: f64) -> usize {
     }
     last
 }
+
+/// Places whose eight values are taken apart together: 8 KiB, so that they stay in the first-level cache.
+const STRETCH: usize = 64;
 
 /// [`solve`] for many frequencies, eight at a time; `visit` gets the number of the frequency and its field.
 pub(crate) fn solve_each(
@@ -192,7 +197,7 @@ pub(crate) fn solve_each(
     let barrier: Vec<f64> = grid.barrier.iter().map(|barrier| barrier * h2).collect();
     let mut g_re = vec![[0.0; LANES]; barrier.len()];
     let mut g_im = vec![[0.0; LANES]; barrier.len()];
-    let mut field = vec![Complex64::ZERO; grid.on_plate];
+    let mut fields = vec![vec![Complex64::ZERO; grid.on_plate]; LANES];
     for (group, frequencies) in frequencies_hz.chunks(LANES).enumerate() {
         // A last group that is not full repeats its last frequency.
         let frequency: [f64; LANES] =
@@ -213,15 +218,23 @@ pub(crate) fn solve_each(
             g_re: &mut g_re,
             g_im: &mut g_im,
         });
-        for (lane, &frequency_hz) in frequencies.iter().enumerate() {
+        let gains: [Complex64; LANES] = std::array::from_fn(|lane| {
             let g = Complex64::new(ends.g_re[lane], ends.g_im[lane]);
             let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
-            let gain = end_gain(grid, plate, frequency_hz, g, difference / (2.0 * grid.step_m));
-            let rows = g_re[1..].iter().zip(&g_im[1..]).zip(&grid.scale);
-            for (f, ((re, im), scale)) in field.iter_mut().zip(rows) {
-                *f = Complex64::new(re[lane], im[lane]) * gain * *scale;
+            end_gain(grid, plate, frequency[lane], g, difference / (2.0 * grid.step_m))
+        });
+        // A stretch of places at a time: all lanes read the same cache lines.
+        for from in (0..grid.on_plate).step_by(STRETCH) {
+            let to = (from + STRETCH).min(grid.on_plate);
+            for ((lane, field), gain) in fields.iter_mut().enumerate().zip(gains) {
+                let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&grid.scale[from..to]);
+                for (f, ((re, im), scale)) in field[from..to].iter_mut().zip(rows) {
+                    *f = Complex64::new(re[lane], im[lane]) * gain * *scale;
+                }
             }
-            visit(group * LANES + lane, &field);
+        }
+        for (lane, field) in fields.iter().enumerate().take(frequencies.len()) {
+            visit(group * LANES + lane, field);
         }
     }
 }

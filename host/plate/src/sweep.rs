@@ -44,14 +44,14 @@ impl WithSimd for Sweep<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Ends {
         let last = self.barrier.len() - 1;
-        for row in self.g_re.iter_mut().chain(self.g_im.iter_mut()) {
-            *row = [0.0; LANES];
-        }
         let (mut y_re, mut y_im) = ([0.0; LANES], [0.0; LANES]);
         let (mut next_re, mut next_im) = ([0.0; LANES], [0.0; LANES]);
         let mut side_re = [[0.0; LANES]; 3];
         let mut side_im = [[0.0; LANES]; 3];
         let first = self.start.iter().copied().max().unwrap_or(last).min(last);
+        for row in self.g_re[first + 1..].iter_mut().chain(&mut self.g_im[first + 1..]) {
+            *row = [0.0; LANES];
+        }
         for i in (0..=first).rev() {
             for lane in 0..LANES {
                 if self.start[lane] == i {
