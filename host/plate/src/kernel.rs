@@ -1,7 +1,7 @@
 //! The three inner loops of the time-domain plate, compiled for the widest vectors the machine has.
 //!
-//! Only products and sums, each lane by itself, no fused steps: every machine gets the same bits, except where a sum
-//! runs over lanes (the filter's dot product, which adds eight partial sums in a fixed order).
+//! Only products and sums, each lane by itself, fused where the code says so: every machine gets the same bits, also
+//! where a sum runs over lanes (the filter's dot product adds eight partial sums in a fixed order).
 
 use pulp::{Simd, WithSimd};
 
@@ -26,8 +26,8 @@ impl WithSimd for Filter<'_> {
         let (tap_im, im_rest) = self.tap_im.as_chunks::<8>();
         for ((w, a), b) in window.iter().zip(tap_re).zip(tap_im) {
             for lane in 0..8 {
-                re[lane] += w[lane] * a[lane];
-                im[lane] += w[lane] * b[lane];
+                re[lane] = w[lane].mul_add(a[lane], re[lane]);
+                im[lane] = w[lane].mul_add(b[lane], im[lane]);
             }
         }
         let mut sum = (re.iter().sum::<f64>(), im.iter().sum::<f64>());
@@ -73,8 +73,8 @@ impl WithSimd for Step<'_> {
             let mut next_re = re[i] * a_re[i] - im[i] * a_im[i];
             let mut next_im = re[i] * a_im[i] + im[i] * a_re[i];
             for k in 0..6 {
-                next_re += b_re[k][i] * c_re[k] - b_im[k][i] * c_im[k];
-                next_im += b_re[k][i] * c_im[k] + b_im[k][i] * c_re[k];
+                next_re = b_re[k][i].mul_add(c_re[k], (-b_im[k][i]).mul_add(c_im[k], next_re));
+                next_im = b_re[k][i].mul_add(c_im[k], b_im[k][i].mul_add(c_re[k], next_im));
             }
             re[i] = next_re;
             im[i] = next_im;
@@ -104,8 +104,8 @@ impl WithSimd for Field<'_> {
             let (rows, _) = rows.as_chunks::<2>();
             for ([a, b], z) in rows.iter().zip(self.signal) {
                 for lane in 0..TILE {
-                    sum_re[lane] += a[lane] * z[0] - b[lane] * z[1];
-                    sum_im[lane] += a[lane] * z[1] + b[lane] * z[0];
+                    sum_re[lane] = a[lane].mul_add(z[0], (-b[lane]).mul_add(z[1], sum_re[lane]));
+                    sum_im[lane] = a[lane].mul_add(z[1], b[lane].mul_add(z[0], sum_im[lane]));
                 }
             }
             *re = sum_re;

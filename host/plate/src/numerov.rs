@@ -30,6 +30,8 @@ pub(crate) struct Grid {
     on_plate: usize,
     /// a (q/W)^2 + (sqrt W)''/sqrt W at -1, 0, 1, .. : index i + 1. Goes on beyond the plate's end.
     barrier: Vec<f64>,
+    /// Whether the barrier rises from place to place, as it does on most plates.
+    is_rising: bool,
     /// 1/sqrt(W/W0) on the plate (1 for the paper's equation).
     scale: Vec<f64>,
     /// (sqrt W)'/sqrt W at 0 (0 for the paper's equation).
@@ -77,7 +79,8 @@ impl Grid {
             ),
             Equation::Paper => (vec![1.0; on_plate], 0.0),
         };
-        Self { step_m, on_plate, barrier, scale, root_slope, mode }
+        let is_rising = barrier.is_sorted();
+        Self { step_m, on_plate, barrier, is_rising, scale, root_slope, mode }
     }
 }
 
@@ -171,8 +174,8 @@ fn tail_start(grid: &Grid, axial: f64) -> usize {
     let last = grid.barrier.len() - 1;
     let mut exponents = 0.0;
     // Roots only where there is a tail: they would take as long as the sweep.
-    let turn = grid.barrier.iter().skip(1).position(|&barrier| barrier > axial).map_or(last, |at| at + 1);
-    for i in turn..last {
+    let turn = if grid.is_rising { grid.barrier.partition_point(|&barrier| barrier <= axial) } else { 1 };
+    for i in turn.max(1)..last {
         exponents += (grid.barrier[i] - axial).max(0.0).sqrt() * grid.step_m;
         if exponents > TAIL_EXPONENTS {
             return i;

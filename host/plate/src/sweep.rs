@@ -52,28 +52,34 @@ impl WithSimd for Sweep<'_> {
         for row in self.g_re[first + 1..].iter_mut().chain(&mut self.g_im[first + 1..]) {
             *row = [0.0; LANES];
         }
+        let mut begins = Some(first);
         for i in (0..=first).rev() {
-            for lane in 0..LANES {
-                if self.start[lane] == i {
-                    y_re[lane] = SEED;
-                    next_re[lane] = SEED * self.ratio_re[lane];
-                    next_im[lane] = SEED * self.ratio_im[lane];
+            if begins == Some(i) {
+                for lane in 0..LANES {
+                    if self.start[lane] == i {
+                        y_re[lane] = SEED;
+                        next_re[lane] = SEED * self.ratio_re[lane];
+                        next_im[lane] = SEED * self.ratio_im[lane];
+                    }
                 }
+                begins = self.start.iter().copied().filter(|&start| start < i).max();
             }
             let barrier = self.barrier[i];
             let (mut g_re, mut g_im) = ([0.0; LANES], [0.0; LANES]);
             let mut before_re = [0.0; LANES];
             let mut before_im = [0.0; LANES];
             for lane in 0..LANES {
-                // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p.
+                // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p. Not by way of g: y[i-1] waits for
+                // y[i], and the fewer operations lie between them the better.
                 let re = self.axial_re[lane] - barrier;
                 let im = self.axial_im[lane];
                 let inverse = 1.0 / (re * re + im * im);
                 let (inv_re, inv_im) = (re * inverse, -im * inverse);
                 g_re[lane] = y_re[lane] * inv_re - y_im[lane] * inv_im;
                 g_im[lane] = y_re[lane] * inv_im + y_im[lane] * inv_re;
-                before_re[lane] = 12.0 * g_re[lane] - 10.0 * y_re[lane] - next_re[lane];
-                before_im[lane] = 12.0 * g_im[lane] - 10.0 * y_im[lane] - next_im[lane];
+                let (u_re, u_im) = (12.0 * inv_re - 10.0, 12.0 * inv_im);
+                before_re[lane] = u_re * y_re[lane] - next_re[lane] - u_im * y_im[lane];
+                before_im[lane] = u_re * y_im[lane] - next_im[lane] + u_im * y_re[lane];
             }
             if i <= 2 {
                 for lane in 0..LANES {
