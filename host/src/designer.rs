@@ -111,13 +111,9 @@ impl Draft {
             Kind::Supported => Wave::Bending { edge: Edge::Supported, thick_plate },
             Kind::Clamped => Wave::Bending { edge: Edge::Clamped, thick_plate },
             Kind::Shear => Wave::ShearHorizontal,
-            Kind::Membrane => Wave::Membrane {
-                wave_speed_m_per_s: match self.stretch {
-                    Stretch::WaveSpeed(speed) => speed,
-                    Stretch::Tension(tension) => {
-                        (tension / (material.density_kg_per_m3 * self.thickness_m)).sqrt()
-                    }
-                },
+            Kind::Membrane => match self.stretch {
+                Stretch::WaveSpeed(wave_speed_m_per_s) => Wave::Membrane { wave_speed_m_per_s },
+                Stretch::Tension(tension) => Wave::under_tension(tension, &material, self.thickness_m),
             },
         };
         let mut request =

@@ -226,19 +226,13 @@ pub fn work() -> impl FnMut(Job, &Task) -> Option<Live> + Send {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mirror::tests::one_tone;
     use crate::simulation::table_for;
     use slipline_plate::preset;
-    use slipline_protocol::command::{Apply, Drive, Tone};
-    use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
+    use slipline_protocol::units::Position;
 
     fn drive() -> Change {
-        let tone = Tone { slot: 0, position: Position(20_000), level: Level::FULL, phase: Phase(0) };
-        Change::Drive(Arc::new(Drive {
-            tones: [tone].into_iter().collect(),
-            master: CentiDecibel(0),
-            glide: 2000,
-            apply: Apply::Next,
-        }))
+        Change::Drive(Arc::new(one_tone(0, Position(20_000), 2000)))
     }
 
     fn job(entries: &[(u64, u64, Change)], now: u64) -> Job {

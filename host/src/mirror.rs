@@ -210,23 +210,23 @@ impl Mirror {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use slipline_protocol::command::{Apply, Tone};
     use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
+
+    /// One tone at full level.
+    pub(crate) fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
+        let tone = Tone { slot, position, level: Level::FULL, phase: Phase(0) };
+        Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next }
+    }
 
     fn knots() -> Arc<[Knot]> {
         (0..5u32).map(|i| Knot { step: 100_000_000 + i * 1_000_000, gain: Gain::FULL }).collect()
     }
 
     fn drive() -> Drive {
-        let tone = Tone { slot: 1, position: Position(9), level: Level::FULL, phase: Phase(0) };
-        Drive {
-            tones: [tone].into_iter().collect(),
-            master: CentiDecibel(0),
-            glide: 2000,
-            apply: Apply::Next,
-        }
+        one_tone(1, Position(9), 2000)
     }
 
     fn peak(mirror: &mut Mirror, until: SampleIndex) -> u16 {

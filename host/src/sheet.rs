@@ -254,10 +254,10 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mirror::tests::one_tone;
     use crate::picture::{Picture, SteadyTone};
     use slipline_plate::DriveTable;
-    use slipline_protocol::command::{Apply, Tone};
-    use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
+    use slipline_protocol::units::Position;
 
     const RATE: f64 = 400_000.0;
 
@@ -277,13 +277,7 @@ mod tests {
     }
 
     fn job(number: u64, plate: &Arc<Plate>, table: &Arc<DeviceTable>, position: Position) -> Job {
-        let tone = Tone { slot: 0, position, level: Level::FULL, phase: Phase(0) };
-        let drive = Drive {
-            tones: heapless::Vec::from_slice(&[tone]).unwrap(),
-            master: CentiDecibel(0),
-            glide: 8000,
-            apply: Apply::Next,
-        };
+        let drive = one_tone(0, position, 8000);
         let drive = trial::Job {
             number,
             plate: Arc::clone(plate),

@@ -118,10 +118,9 @@ pub fn run(job: &Job, task: &Task) -> Option<Measured> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mirror::tests::one_tone;
     use crate::picture::{Picture, SteadyTone};
     use slipline_plate::DriveTable;
-    use slipline_protocol::command::{Apply, Tone};
-    use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
     #[test]
     fn the_simulated_plate_stands_where_the_solver_predicts_it() {
@@ -132,13 +131,7 @@ mod tests {
             let table = Arc::new(DeviceTable::quantise(&table).unwrap());
             let x0 = start + 0.7 * (end - start);
             let position = table.position(x0).unwrap();
-            let tone = Tone { slot: 0, position, level: Level::FULL, phase: Phase(0) };
-            let drive = Drive {
-                tones: heapless::Vec::from_slice(&[tone]).unwrap(),
-                master: CentiDecibel(0),
-                glide: 8000,
-                apply: Apply::Next,
-            };
+            let drive = one_tone(0, position, 8000);
             let job = Job {
                 number: 1,
                 plate: Arc::clone(&plate),

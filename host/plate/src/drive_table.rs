@@ -314,17 +314,22 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude.
-pub(crate) fn levelled(plate: &Plate, sample_rate_hz: f64, frequency_hz: f64) -> Result<f64, TableError> {
+/// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude; `others` are its
+/// [`other_speeds`].
+pub(crate) fn levelled(
+    plate: &Plate,
+    others: &[Plate],
+    sample_rate_hz: f64,
+    frequency_hz: f64,
+) -> Result<f64, TableError> {
     let chain = Chain::new(plate, sample_rate_hz)?;
-    let others = other_speeds(plate);
-    let others = chains(&others, sample_rate_hz);
+    let others = chains(others, sample_rate_hz);
     let levels = amid(&chain, &others, &[frequency_hz], &mut Progress::new(&mut |_| true))?;
     Ok(levels[0].amplitude)
 }
 
 /// The plate at other wave speeds within its tolerance; a speed at which it is no valid plate is left out.
-fn other_speeds(plate: &Plate) -> Vec<Plate> {
+pub(crate) fn other_speeds(plate: &Plate) -> Vec<Plate> {
     let tolerance = plate.spec().wave_speed_tolerance;
     if tolerance == 0.0 {
         return Vec::new();

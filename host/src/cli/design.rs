@@ -92,12 +92,9 @@ impl DesignArguments {
         if let Some(loss) = self.loss {
             material.loss_factor = loss;
         }
-        let surface_density = material.density_kg_per_m3 * self.thickness;
         let wave = match (self.wave_speed, self.tension, self.shear) {
             (Some(wave_speed_m_per_s), _, _) => Wave::Membrane { wave_speed_m_per_s },
-            (None, Some(tension), _) => {
-                Wave::Membrane { wave_speed_m_per_s: (tension / surface_density).sqrt() }
-            }
+            (None, Some(tension), _) => Wave::under_tension(tension, &material, self.thickness),
             (None, None, true) => Wave::ShearHorizontal,
             (None, None, false) => Wave::Bending {
                 edge: match self.edge {

@@ -49,7 +49,7 @@ pub(super) fn match_light(site: &Site<'_>) -> Finding {
 
 pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
     let rate = site.checker.conditions.sample_rate_hz;
-    let intended = levelled(site.plate, rate, site.frequency_hz)?;
+    let intended = levelled(site.plate, &site.checker.speeds, rate, site.frequency_hz)?;
     let mut worst: f64 = 0.0;
     for actual in &site.checker.detuned {
         // Its band may end a little above what the rate carries; this frequency does not.

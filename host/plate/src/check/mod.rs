@@ -15,7 +15,7 @@ mod sound;
 pub mod thresholds;
 mod wave;
 
-use crate::drive_table::{Chain, TableError};
+use crate::drive_table::{Chain, TableError, other_speeds};
 use crate::plate::Plate;
 use crate::progress::{Progress, Stopped};
 use serde::Serialize;
@@ -152,6 +152,8 @@ pub struct Checker {
     conditions: Conditions,
     /// The plate with its waves 1 %, 0.5 % slower and faster.
     detuned: Vec<Plate>,
+    /// The plate at the other speeds that its table is levelled over.
+    speeds: Vec<Plate>,
     /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
     lowest_gain: f64,
 }
@@ -200,7 +202,7 @@ impl Checker {
         // A material at the very end of its allowed range has neighbours on one side only.
         let detuned =
             [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
-        Ok(Self { plate: plate.clone(), conditions, detuned, lowest_gain })
+        Ok(Self { plate: plate.clone(), conditions, detuned, speeds: other_speeds(plate), lowest_gain })
     }
 
     /// Goes on under other conditions.

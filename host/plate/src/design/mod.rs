@@ -47,6 +47,15 @@ pub enum Wave {
     ShearHorizontal,
 }
 
+impl Wave {
+    /// A membrane of this material and thickness (m) under `tension_n_per_m`: speed = sqrt(tension/(density thickness)).
+    #[must_use]
+    pub fn under_tension(tension_n_per_m: f64, material: &Material, thickness_m: f64) -> Self {
+        let surface_density = material.density_kg_per_m3 * thickness_m;
+        Self::Membrane { wave_speed_m_per_s: (tension_n_per_m / surface_density).sqrt() }
+    }
+}
+
 /// How the long edges of a bending plate are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
