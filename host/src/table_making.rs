@@ -3,7 +3,7 @@
 use crate::device_table::DeviceTable;
 use crate::model::Setup;
 use crate::workshop::Task;
-use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_watched};
+use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_of};
 use std::sync::Arc;
 
 /// Knots of the tables this program makes: as many as a device takes, because a plate that resonates needs them.
@@ -90,11 +90,11 @@ impl From<TableError> for Unmade {
 fn build(job: TableJob, progress: &mut Progress<'_>) -> Result<TableMade, Unmade> {
     let knots = KNOTS.min(job.max_knots);
     let drive_table =
-        DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.4))?;
+        DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
     let device_table =
         DeviceTable::quantise(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
-    let rest = &mut progress.part(0.4, 1.0);
-    let sensitivity_db = match sensitivity_per_percent_watched(&job.plate, job.sample_rate_hz, rest) {
+    let rest = &mut progress.part(0.8, 1.0);
+    let sensitivity_db = match sensitivity_per_percent_of(&drive_table, &job.plate, rest) {
         Ok(sensitivity) => Some(sensitivity.worst_db.abs()),
         Err(TableError::Stopped(_)) => return Err(Unmade::Stopped),
         Err(_) => None,

@@ -56,7 +56,8 @@ pub use presets::{Preset, preset, presets};
 pub use progress::{Progress, Stopped};
 pub use respond::{Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch};
 pub use sensitivity::{
-    Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_watched, table_sensitivity,
+    Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
+    sensitivity_per_percent_watched, table_sensitivity,
 };
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use taper::{HALF_WIDTH_MAX_M, HALF_WIDTH_MIN_M, TAPER_POINTS_MAX, Taper};

@@ -90,11 +90,36 @@ pub fn sensitivity_per_percent_watched(
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivity, TableError> {
     let table = DriveTable::build_watched(plate, sample_rate_hz, KNOTS_MAX, &mut progress.part(0.0, 0.8))?;
+    per_percent(&table, plate, &mut progress.part(0.8, 1.0))
+}
+
+/// [`sensitivity_per_percent_watched`] at the rate of a `table` that was made for the plate: it is not made again if it
+/// has all the knots a table can have.
+///
+/// # Errors
+/// As [`DriveTable::build_watched`].
+pub fn sensitivity_per_percent_of(
+    table: &DriveTable,
+    plate: &Plate,
+    progress: &mut Progress<'_>,
+) -> Result<Sensitivity, TableError> {
+    if table.knots.len() == KNOTS_MAX {
+        per_percent(table, plate, progress)
+    } else {
+        sensitivity_per_percent_watched(plate, table.sample_rate_hz, progress)
+    }
+}
+
+fn per_percent(
+    table: &DriveTable,
+    plate: &Plate,
+    progress: &mut Progress<'_>,
+) -> Result<Sensitivity, TableError> {
     let mut result: Option<Sensitivity> = None;
-    for (factor, from) in [(1.01, 0.8), (0.99, 0.9)] {
+    for (factor, from) in [(1.01, 0.0), (0.99, 0.5)] {
         // A material at the very end of its allowed range has only one neighbour.
         let Ok(actual) = plate.with_wave_speed(factor) else { continue };
-        let found = watched(&table, plate, &actual, &mut progress.part(from, from + 0.1))?;
+        let found = watched(table, plate, &actual, &mut progress.part(from, from + 0.5))?;
         if result.is_none_or(|best| found.worst_db > best.worst_db) {
             result = Some(found);
         }

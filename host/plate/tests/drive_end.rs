@@ -1,8 +1,8 @@
 //! What the driven end does to the level of the peak, and how a table levels it.
 
 use slipline_plate::{
-    DriveEnd, DriveTable, Equation, Plate, airy, preset, presets, respond, sensitivity,
-    sensitivity_per_percent,
+    DriveEnd, DriveTable, Equation, Plate, Progress, airy, preset, presets, respond, sensitivity,
+    sensitivity_per_percent, sensitivity_per_percent_of,
 };
 
 fn peak(plate: &Plate, frequency: f64) -> f64 {
@@ -235,4 +235,15 @@ fn a_tolerance_halves_what_a_wrong_wave_speed_costs_and_is_not_exact_where_it_is
     let error = |plate: &Plate| DriveTable::build(plate, 400e3, 1025).expect("a table").worst_error_db;
     assert!(error(&nominal) < 0.01, "{}", error(&nominal));
     assert!((0.4..0.75).contains(&error(&known)), "{}", error(&known));
+}
+
+#[test]
+fn the_sensitivity_is_the_same_from_a_table_that_was_made_before() {
+    let plate = preset("al-bending").expect("a preset");
+    let fresh = sensitivity_per_percent(&plate, 400e3).expect("a table");
+    for knots in [33, 1025] {
+        let table = DriveTable::build(&plate, 400e3, knots).expect("a table");
+        let found = sensitivity_per_percent_of(&table, &plate, &mut Progress::new(&mut |_| true));
+        assert_eq!(found, Ok(fresh), "{knots} knots");
+    }
 }

@@ -4,17 +4,17 @@ use super::{Failure, TableArguments, argument, output, progress};
 use crate::device_table::DeviceTable;
 use crate::quantity::{show_frequency, show_length, show_place};
 use serde_json::json;
-use slipline_plate::{DriveTable, TableError, sensitivity_per_percent_watched};
+use slipline_plate::{DriveTable, TableError, sensitivity_per_percent_of};
 use std::io::Write;
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let rate_hz = arguments.sample_rate;
     let (table, sensitivity) = progress::watched("table", |progress| {
-        let first = &mut progress.part(0.0, 0.45);
+        let first = &mut progress.part(0.0, 0.8);
         let table = DriveTable::build_watched(&plate, rate_hz, arguments.knots, first)?;
-        let rest = &mut progress.part(0.45, 1.0);
-        Ok((table, sensitivity_per_percent_watched(&plate, rate_hz, rest)?))
+        let sensitivity = sensitivity_per_percent_of(&table, &plate, &mut progress.part(0.8, 1.0))?;
+        Ok((table, sensitivity))
     })
     .map_err(|error: TableError| Failure::usage(error))?;
     let device_table = DeviceTable::quantise(&table).map_err(Failure::usage)?;
