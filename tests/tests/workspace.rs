@@ -8,15 +8,20 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
 }
 
-/// The workspace's crates and the arrows between them; an arrow is (user, used).
-fn crates_and_arrows() -> (BTreeSet<String>, BTreeSet<(String, String)>) {
+/// What cargo says of the workspace.
+fn metadata() -> serde_json::Value {
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
         .current_dir(root())
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
+    serde_json::from_slice(&output.stdout).expect("cargo prints JSON")
+}
+
+/// The workspace's crates and the arrows between them; an arrow is (user, used).
+fn crates_and_arrows() -> (BTreeSet<String>, BTreeSet<(String, String)>) {
+    let metadata = metadata();
     let mut crates = BTreeSet::new();
     let mut arrows = BTreeSet::new();
     for package in metadata["packages"].as_array().expect("packages") {
@@ -104,4 +109,13 @@ fn no_network_listener_of_the_gui_toolkit_is_compiled_in() {
     // egui's inspection server listens on a TCP port without authentication.
     let lock = std::fs::read_to_string(root().join("Cargo.lock")).expect("lockfile");
     assert!(!lock.contains("egui_inspection"));
+}
+
+#[test]
+fn cargo_run_means_the_app() {
+    // The README's first command. With several programs and no default, or two of them, cargo refuses to choose.
+    let metadata = metadata();
+    let packages = metadata["packages"].as_array().expect("packages");
+    let defaults: Vec<_> = packages.iter().filter_map(|package| package["default_run"].as_str()).collect();
+    assert_eq!(defaults, ["slipline"]);
 }
