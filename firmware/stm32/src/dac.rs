@@ -14,9 +14,9 @@
 //! * the renderer is late: the DMA enters a half that was not written. It then plays the fade that the interrupt put
 //!   there and mid-scale after it; `ring` counts it.
 //! * the DMA is late: the DAC's next trigger comes before the DMA has answered the last request. The DAC sets DMAUDR,
-//!   raises its interrupt (DMAUDRIE), holds its last code and asks no more (RM0090 14.3.7, RM0440 22.4.8, RM0433
-//!   26.4.8). Recovery as those chapters say: clear the flag, clear DMAEN, set up DMA and DAC anew; here with a ring
-//!   that fades from the held code to mid-scale.
+//!   raises its interrupt (DMAUDRIE), holds its last code and asks no more (RM0440 Rev 9, 22.4.8, and the DAC's
+//!   chapters in RM0090 and RM0433). Recovery as those chapters say: clear the flag, clear DMAEN, set up DMA and DAC
+//!   anew; here with a ring that fades from the held code to mid-scale.
 //!
 //! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its
 //! end and serves one flag an interrupt, so the stream is driven through the PAC. Everything that touches TIM6, DAC1 or
@@ -102,20 +102,22 @@ impl Dac {
         );
 
         // PA4 is channel 1's output on all three chips. Analogue mode before the channel is enabled, or the digital
-        // input draws current at half the supply (RM0090 14.3.1).
+        // input draws current at half the supply (RM0090 chapter 14).
         let mut pin = Flex::new(pin);
         pin.set_as_analog();
 
         rcc::enable_and_reset::<peripherals::DAC1>();
         rcc::enable_and_reset::<peripherals::TIM6>();
         let regs = pac::DAC1;
-        // DAC_MCR.HFSEL: the DAC's clock is the AHB at 170 MHz; above 160 MHz it wants 10 (RM0440 22.7.15). MODE1 stays
+        // DAC_MCR.HFSEL: the DAC's clock is the AHB at 170 MHz; above 160 MHz it wants 10 (RM0440 22.7.16). MODE1 stays
         // 000: external pin, buffer on. Both only while the channel is off.
         #[cfg(feature = "board-nucleo-g474re")]
         regs.mcr().modify(|w| w.set_hfsel(0b10));
         // Without trigger (TEN = 0) a value in DHR is taken over one APB cycle later, so the first voltage the
         // channel ever drives is mid-scale (it is loaded before EN).
         regs.dhr12r(0).write(|w| w.set_dhr(MID_SCALE));
+        // TSEL1 cannot be changed while EN1 is set (RM0440 22.4.7), and `restart` leaves both as they are.
+        regs.cr().modify(|w| w.set_tsel(0, board::DAC_TRIGGER));
         regs.cr().modify(|w| w.set_en(0, true));
         // tWAKEUP: at most 10 us on the F407 with the buffer on (7.5 us on the others); 20 us at the core's clock.
         cortex_m::asm::delay(board::CORE_HZ / 50_000);
@@ -145,7 +147,6 @@ fn run() {
     HALVES.refill();
     stream::start(RING.address(), pac::DAC1.dhr12r(0).as_ptr() as u32, 2 * BLOCK as u16);
     pac::DAC1.cr().modify(|w| {
-        w.set_tsel(0, board::DAC_TRIGGER);
         w.set_ten(0, true);
         w.set_dmaen(0, true);
         w.set_dmaudrie(0, true);
@@ -260,7 +261,7 @@ struct Flags {
     failed: bool,
 }
 
-/// The stream of a chip with the stream DMA (F4, H7): RM0090 chapter 10, RM0433 chapter 15.
+/// The stream of a chip with the stream DMA (F4, H7): RM0090 chapter 10, RM0433 likewise.
 #[cfg(not(feature = "board-nucleo-g474re"))]
 mod stream {
     use super::Flags;
@@ -303,7 +304,7 @@ mod stream {
     pub(super) fn stop() {
         let stream = DMA1.st(DMA_STREAM);
         stream.cr().modify(|w| w.set_en(false));
-        // EN reads 1 until the last access is done, and the other registers are locked until then (RM0090 10.3.17).
+        // EN reads 1 until the last access is done, and the other registers are locked until then (RM0090, 10.3.17).
         while stream.cr().read().en() {}
         clear();
     }
@@ -345,7 +346,7 @@ mod stream {
 
     pub(super) fn start(ring: u32, register: u32, words: u16) {
         stop();
-        // Channels 1 to 8 of DMA1 hang on DMAMUX channels 0 to 7 (RM0440 table 90).
+        // Channels 1 to 8 of DMA1 hang on DMAMUX channels 0 to 7 (RM0440 13.3.2).
         DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
         let channel = DMA1.ch(DMA_STREAM);
         channel.par().write_value(register);

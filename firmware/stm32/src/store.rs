@@ -5,8 +5,8 @@
 //! is served meanwhile. The sample index stands still with it, and nothing is counted as an underrun.
 //!
 //! A word that a power cut tore reads as anything on the F407, which has no error correction: the application's CRC
-//! finds it. On the G474 it raises an NMI and on the H743 a bus fault (RM0440 3.3.8, RM0433 4.7.3): both are caught
-//! here and become an error.
+//! finds it. On the G474 it raises an NMI and on the H743 a bus fault (RM0440 Rev 9, 3.3.2; RM0433, DBECCERR): both are
+//! caught here and become an error.
 
 use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Flash};
@@ -48,7 +48,10 @@ impl FlashPages for Store {
         let from = Self::place(slot, 0, board::SLOT_BYTES)?;
         let to = from + board::SLOT_BYTES as u32;
         torn::forget_old_errors();
-        dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError)
+        let erased = dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError);
+        #[cfg(feature = "board-f4discovery")]
+        forget_cached();
+        erased
     }
 
     fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
@@ -69,6 +72,17 @@ impl FlashPages for Store {
     }
 }
 
+/// The F407's data cache still holds what it has read of a sector before its erasure (RM0090 Rev 21, 3.6.4), and
+/// embassy-stm32 0.6 empties it on chips with two banks only. It is reset while it is off.
+#[cfg(feature = "board-f4discovery")]
+fn forget_cached() {
+    let access = embassy_stm32::pac::FLASH.acr();
+    access.modify(|w| w.set_dcen(false));
+    access.modify(|w| w.set_dcrst(true));
+    access.modify(|w| w.set_dcrst(false));
+    access.modify(|w| w.set_dcen(true));
+}
+
 /// The F407's flash has no error correction: nothing to guard.
 #[cfg(feature = "board-f4discovery")]
 mod torn {
@@ -79,7 +93,7 @@ mod torn {
     pub(super) const fn forget_old_errors() {}
 }
 
-/// A double error sets FLASH_ECCR.ECCD and raises the NMI (RM0440 3.3.8). Only then is ECCD cleared here, so a torn
+/// A double error sets FLASH_ECCR.ECCD and raises the NMI (RM0440 3.3.2). Only then is ECCD cleared here, so a torn
 /// word of the program itself, read outside this guard, ends in the fault handler.
 #[cfg(feature = "board-nucleo-g474re")]
 mod torn {
@@ -91,6 +105,8 @@ mod torn {
     static TORN: AtomicBool = AtomicBool::new(false);
 
     pub(super) fn guard(read: impl FnOnce() -> bool) -> bool {
+        // ECCD rises only while no other error stands (RM0440 3.7.7): a corrected one is forgotten first.
+        FLASH.eccr().modify(|w| w.set_eccc(true));
         TORN.store(false, Relaxed);
         GUARDED.store(true, Relaxed);
         let done = read();
@@ -115,7 +131,7 @@ mod torn {
     }
 }
 
-/// A double error ends in a bus fault (RM0433 4.7.3). With FAULTMASK set and CCR.BFHFNMIGN, data bus faults are
+/// A double error ends in a bus fault (RM0433, DBECCERR). With FAULTMASK set and CCR.BFHFNMIGN, data bus faults are
 /// ignored (ARMv7-M B3.2.8): the read returns anything and the flash's status says that it did.
 #[cfg(feature = "board-nucleo-h743zi2")]
 mod torn {
@@ -144,7 +160,7 @@ mod torn {
     }
 
     /// A corrected bit or a speculative read of a protected place leaves a flag in FLASH_SR2 that stands until it is
-    /// cleared in FLASH_CCR2 (RM0433 4.9), and embassy-stm32 0.6, which writes FLASH_SR2 instead, takes it
+    /// cleared in FLASH_CCR2 (RM0433), and embassy-stm32 0.6, which writes FLASH_SR2 instead, takes it
     /// for an error of the next erasure or write.
     pub(super) fn forget_old_errors() {
         FLASH.bank(1).ccr().write(|w| {

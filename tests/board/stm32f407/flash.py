@@ -8,8 +8,9 @@ ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
 KEYS = (0x45670123, 0xCDEF89AB)
 PROGRAM, ERASE, BEGIN, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
 BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
+CACHES_DATA, RESETS_DATA_CACHE = 1 << 10, 1 << 12
 # The longest that 16 KiB take, by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time), and in proportion (DS8626
-# table 40); a word in 16 us.
+# Rev 12, table 40); a word in 16 us.
 ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = [seconds / 0x4000 for seconds in (0.8, 0.6, 0.5, 0.5)], 16e-6
 
 
@@ -31,6 +32,7 @@ class Flash:
         self.access, self.control, self.keys = 0, LOCK, []
         self.options = BROWN_OUT_LEVEL_3
         self.torn = []
+        self.is_cache_stale = False
 
     def cut(self):
         """Whether the power goes with this operation."""
@@ -40,7 +42,8 @@ class Flash:
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
         assert self.control & PROGRAM and not self.control & LOCK, f"a store into locked flash at {address:#x}"
-        assert size == 4 == 1 << (self.control >> 8 & 3), "a store is as wide as PSIZE says (RM0090 3.5.4)"
+        assert size == 4 == 1 << (self.control >> 8 & 3), "a store is as wide as PSIZE says (RM0090 3.6.4)"
+        assert not self.is_cache_stale, "the data cache holds what was erased (RM0090 3.6.4)"
         old = int.from_bytes(self.board.cpu.mem_read(address, 4), "little")
         is_cut = self.cut()
         # A torn word has some of its bits programmed.
@@ -64,6 +67,9 @@ class Flash:
         self.settle()
         if offset == ACR:
             self.access = value
+            if value & RESETS_DATA_CACHE:
+                assert not value & CACHES_DATA, "the data cache is reset while it is off"
+                self.is_cache_stale = False
         elif offset == KEYR:
             self.keys = (self.keys + [value])[-2:]
             if tuple(self.keys) == KEYS:
@@ -80,6 +86,7 @@ class Flash:
         # A torn erasure leaves half of the sector as it was.
         self.board.cpu.mem_write(start, b"\xff" * (size // 2 if is_cut else size))
         self.board.note("erase", number)
+        self.is_cache_stale = bool(self.access & CACHES_DATA)
         self.board.stall(size * ERASE_SECONDS_PER_BYTE[self.control >> 8 & 3])
         if is_cut:
             self.board.cut_power()

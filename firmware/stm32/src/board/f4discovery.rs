@@ -1,4 +1,6 @@
 //! STM32F4DISCOVERY: STM32F407VG, USB on the micro-AB socket.
+//!
+//! Sections and tables are those of RM0090 Rev 21 and of the data sheet DS8626 Rev 12.
 
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::pac;
@@ -13,7 +15,7 @@ use crate::{dac, priority};
 
 pub(crate) const NAME: &str = "STM32F4DISCOVERY";
 
-// Clocks (RM0090 7.2, data sheet DS8626 table 14). The board's crystal has 8 MHz.
+// Clocks (RM0090 7.2, DS8626 tables 14 and 36). The board's crystal has 8 MHz.
 //   VCO in = 8 / 4 = 2 MHz (PLLM = 4; 2 MHz is the recommended value), VCO = 2 * 168 = 336 MHz (PLLN = 168),
 //   SYSCLK = 336 / 2 = 168 MHz (PLLP = 2), USB = 336 / 7 = 48 MHz exactly (PLLQ = 7).
 //   AHB = 168 MHz, APB1 = 168 / 4 = 42 MHz (its limit), APB2 = 168 / 2 = 84 MHz (its limit).
@@ -24,14 +26,14 @@ pub(crate) const TIMER_HZ: u32 = 84_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 210;
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
-/// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 table 75).
+/// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 chapter 14).
 pub(crate) const DAC_TRIGGER: u8 = 0b000;
-/// DAC1 is served by DMA1 stream 5 only (RM0090 table 42), whose flags are in HISR.
+/// DAC1 is served by DMA1 stream 5 only (RM0090 table 43), whose flags are in HISR.
 pub(crate) const DMA_STREAM: usize = 5;
 pub(crate) type DacDma = peripherals::DMA1_CH5;
 pub(crate) type Watchdog = peripherals::IWDG;
 
-/// CHSEL = 7 selects DAC1 for stream 5 (RM0090 table 42).
+/// CHSEL = 7 selects DAC1 for stream 5 (RM0090 table 43).
 pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
     w.set_chsel(7);
 }
@@ -40,13 +42,13 @@ pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x4000, 0x8000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
-/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 36), so 2.7 s to 7.5 s. The longest
+/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 35), so 2.7 s to 7.5 s. The longest
 /// stall is a 16 KiB sector's erasure and the writing of 8.5 KiB after it. embassy-stm32 0.6 erases with FLASH_CR.PSIZE
 /// as its last write has left it, 00, 8 bits at a time: 800 ms at most (DS8626 table 40; 500 ms at 32 bits). The words
 /// are written at 32 bits, 2176 of at most 100 us. 1.02 s in all, less than half of the shortest period.
 pub(crate) const WATCHDOG_US: u32 = 4_000_000;
 
-/// System memory (RM0090 2.4; AN2606: PA11/PA12 for DFU).
+/// System memory (RM0090 table 5; AN2606: PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
 
 bind_interrupts!(struct Irqs {
@@ -187,16 +189,19 @@ pub(crate) fn reset_cause() -> ResetCause {
     }
 }
 
-/// FLASH_OPTCR.BOR_LEV: 00 is level 3, reset below 2.70 V; chips leave the factory with 11, off (RM0090 3.9.6).
+/// FLASH_OPTCR.BOR_LEV (RM0090 3.9.9): 00 is level 3, reset below 2.83 V until 2.92 V (2.97 V at most: a board may
+/// never get there), 01 is level 2, 2.50 V and 2.59 V (DS8626 table 19). Either will do; chips leave the factory with
+/// 11, off.
 pub(crate) fn is_brown_out_guarded() -> bool {
-    pac::FLASH.optcr().read().bor_lev() == 0b00
+    pac::FLASH.optcr().read().bor_lev() <= 0b01
 }
 
-/// PWR_CR.PLS = 110: the supply detector trips at about 2.8 V (DS8626 table 23). Its output is EXTI line 16. This
-/// board feeds its chip with 3.0 V: the next level, 2.9 V, would be too near.
+/// PWR_CR.PLS = 100: the supply detector trips at 2.66 V, until 2.76 V (DS8626 table 19). Its output is EXTI line 16.
+/// This board feeds its chip with 2.9 to 3.0 V, too near to the next levels: 101 ends at 2.93 V, 110 at 3.03 V, and a
+/// detector that has tripped when it is switched on resets the program for ever.
 pub(crate) fn watch_supply() {
     pac::PWR.cr1().modify(|w| {
-        w.set_pls(0b110);
+        w.set_pls(0b100);
         w.set_pvde(true);
     });
     pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
