@@ -82,7 +82,7 @@ fn main() -> ! {
     })
 }
 
-/// DWT's cycle counter, free running (ARMv7-M C1.8.8); the trace unit must be on for it.
+/// DWT's cycle counter, free running (ARMv7-M, DWT_CYCCNT); the trace unit must be on for it.
 fn start_cycle_counter() {
     // SAFETY: nothing else uses the debug peripherals; interrupts that read the counter are not enabled yet.
     let mut core = unsafe { cortex_m::Peripherals::steal() };

@@ -1,9 +1,9 @@
 """A register-level STM32F407 that runs the flashed image itself.
 
-The Cortex-M4 is Unicorn's; the peripherals are modelled here from the reference manual RM0090: RCC, PWR, FLASH (unlock,
-sector erase, programming), GPIO, timers (up-counting, update, compare, TRGO), DMA streams (circular, half and whole
-flags), DAC (trigger, DMA request, underrun), SysTick, NVIC with priorities and preemption, cycle counter, independent
-watchdog, reset causes, unique id, and the USB OTG_FS core with a host on the other end of the cable.
+The Cortex-M4 is Unicorn's; the peripherals are modelled here from the reference manual RM0090 (Rev 21): RCC, PWR, FLASH
+(unlock, sector erase, programming), GPIO, timers (up-counting, update, compare, TRGO), DMA streams (circular, half and
+whole flags), DAC (trigger, DMA request, underrun), SysTick, NVIC with priorities and preemption, cycle counter,
+independent watchdog, reset causes, unique id, and the USB OTG_FS core with a host on the other end of the cable.
 
 Time: every executed instruction takes `Board.CYCLES_PER_INSTRUCTION`; WFE and WFI jump to the next event. It is deterministic and some 25 to 100 times slower than the chip.
 

@@ -53,11 +53,11 @@ def first_difference(memory, other):
 
 class Board:
     CORE_HZ, APB1_TIMER_HZ, APB2_TIMER_HZ = 168e6, 84e6, 168e6
-    # Entering an exception and leaving it: twelve and ten cycles (Cortex-M4 TRM 3.9.1), and seventeen for the floating-point
+    # Entering an exception and leaving it: twelve and ten cycles (Cortex-M4 TRM), and seventeen for the floating-point
     # registers that are saved when the handler uses them first. Every exception is taken as one that does, after code
     # that did: nothing is cheaper or shallower than it may be.
     ENTRY_CYCLES, EXIT_CYCLES = 12 + 17, 10
-    # The frame of an exception with floating point (ARMv7-M B1.5.7): eight registers, S0 to S15, FPSCR, one reserved.
+    # The frame of an exception with floating point (ARMv7-M B1.5): eight registers, S0 to S15, FPSCR, one reserved.
     FRAME = 4 * (8 + 18)
 
     def __init__(self, image):

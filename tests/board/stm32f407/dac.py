@@ -3,9 +3,9 @@
 BASE, IRQ = 0x40007400, 54
 CR, SWTRIGR, DHR12R1, DHR12L1, DHR8R1, DOR1, SR = 0x00, 0x04, 0x08, 0x0C, 0x10, 0x2C, 0x34
 ENABLED, TRIGGERED, DMA_ENABLED, UNDERRUN_INTERRUPT, UNDERRUN = 1 << 0, 1 << 2, 1 << 12, 1 << 13, 1 << 13
-# TSEL1: timer (table 75)
+# TSEL1: timer
 TRIGGER = {0: 6, 1: 8, 2: 7, 3: 5, 4: 2, 5: 4}
-# DMA1, stream 5, channel 7 (table 42)
+# DMA1, stream 5, channel 7 (table 43)
 STREAM, CHANNEL = 5, 7
 
 
@@ -25,7 +25,7 @@ class Dac:
         self.codes.append(self.output)
         if not self.control & DMA_ENABLED:
             return
-        # After an underrun no request is treated until the flag is cleared and DMAEN has been set anew (14.3.7).
+        # After an underrun no request is treated until the flag is cleared and DMAEN has been set anew.
         if self.may_request and not self.board.dma[1].request(STREAM, CHANNEL):
             self.may_request = False
             self.status |= UNDERRUN

@@ -1,4 +1,6 @@
 //! NUCLEO-G474RE: STM32G474RE, the link through the ST-LINK's virtual serial port.
+//!
+//! Sections and tables are those of RM0440 Rev 9 and of the data sheet DS12288 Rev 6.
 
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::pac;
@@ -14,9 +16,9 @@ use crate::{dac, priority};
 
 pub(crate) const NAME: &str = "NUCLEO-G474RE";
 
-// Clocks (RM0440 7.2, data sheet DS12288 table 46). The board's crystal X3 has 24 MHz.
+// Clocks (RM0440 7.2, DS12288 table 46). The board's crystal X3 has 24 MHz.
 //   VCO in = 24 / 6 = 4 MHz (PLLM = 6; 2.66 to 16 MHz allowed), VCO = 4 * 85 = 340 MHz (PLLN = 85; at most 344 MHz),
-//   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 6.1.5).
+//   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 table 38).
 //   AHB = APB1 = APB2 = 170 MHz. TIM6 is on APB1; APB1 is not divided, so its timers run at 170 MHz.
 //   170 MHz / 425 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 170_000_000;
@@ -24,11 +26,11 @@ pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
-/// DAC_CR.TSEL1 of DAC1: 0111 is TIM6 TRGO (RM0440 table 188, dac_ch1_trg7).
+/// DAC_CR.TSEL1 of DAC1: 0111 is TIM6 TRGO (RM0440 table 186, dac_chx_trg7).
 pub(crate) const DAC_TRIGGER: u8 = 7;
 /// DMA1 channel 1, which the registers count as 0.
 pub(crate) const DMA_STREAM: usize = 0;
-/// DMAMUX input 6 is DAC1's channel 1 (RM0440 table 91).
+/// DMAMUX input 6 is DAC1's channel 1 (RM0440 table 93).
 pub(crate) const DMA_REQUEST: u8 = 6;
 pub(crate) type DacDma = peripherals::DMA1_CH1;
 pub(crate) type Watchdog = peripherals::IWDG;
@@ -37,8 +39,8 @@ pub(crate) type Watchdog = peripherals::IWDG;
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x7_8000, 0x7_c000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
-/// The watchdog's oscillator keeps 32 kHz within some 7 % (DS12288 table 45). Eight pages erase in 8 * 24.5 ms at most
-/// (DS12288 table 48), and 8 KiB are written in 1024 * 0.1 ms: 0.3 s, far below half of this.
+/// The watchdog's oscillator runs at 29.5 to 34 kHz for 32 (DS12288 table 45). Eight pages erase in 8 * 24.5 ms at most
+/// (DS12288 table 47), and 8 KiB are written in 1024 * 0.1 ms: 0.3 s, far below half of this.
 pub(crate) const WATCHDOG_US: u32 = 2_000_000;
 
 /// System memory (AN2606, bootloader V13.x: USART, I2C, SPI, USB DFU on PA11/PA12).
@@ -162,7 +164,7 @@ pub(crate) fn mute_now() {
     pac::GPIOB.bsrr().write(|w| w.set_br(5, true));
 }
 
-/// RCC_CSR (RM0440 7.4.33): every reset sets PINRSTF too, so the rarer ones are asked first. A power-on sets BORRSTF
+/// RCC_CSR (RM0440 7.4.28): every reset sets PINRSTF too, so the rarer ones are asked first. A power-on sets BORRSTF
 /// (there is no separate flag), so a brown-out looks like one here; the supply detector tells it apart. Clears the
 /// flags.
 pub(crate) fn reset_cause() -> ResetCause {
@@ -186,7 +188,8 @@ pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optr().read().bor_lev() == 0b100
 }
 
-/// PWR_CR2.PLS = 110: the supply detector trips at about 2.9 V (RM0440 6.4.2). Its output is EXTI line 16.
+/// PWR_CR2.PLS = 110 (RM0440 6.4.2): the supply detector trips at 2.90 V (DS12288 table 19). Its output is EXTI line
+/// 16.
 pub(crate) fn watch_supply() {
     pac::PWR.cr2().modify(|w| {
         w.set_pls(0b110);

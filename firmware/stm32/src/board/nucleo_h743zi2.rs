@@ -1,4 +1,6 @@
 //! NUCLEO-H743ZI2: STM32H743ZI, USB on the user's micro-AB socket.
+//!
+//! RM0433 is cited by register; tables are those of the data sheet DS12110 Rev 10.
 
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::pac;
@@ -14,25 +16,25 @@ use crate::{dac, priority};
 
 pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 
-// Clocks (RM0433 8.5, data sheet DS12110). The ST-LINK feeds 8 MHz into OSC_IN (bypass mode).
+// Clocks (RM0433, RCC; DS12110 table 50). The ST-LINK feeds 8 MHz into OSC_IN (bypass mode).
 //   VCO in = 8 / 1 = 8 MHz (DIVM1 = 1), VCO = 8 * 100 = 800 MHz (DIVN1 = 100; wide range, 192 to 836 MHz),
 //   SYSCLK = 800 / 2 = 400 MHz (DIVP1 = 2), the limit of voltage scale 1.
 //   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
-//   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433 table 56).
+//   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433, RCC_CFGR).
 //   200 MHz / 500 = 400 kHz.
 //   USB: VCO = 8 * 48 = 384 MHz (DIVM3 = 1, DIVN3 = 48), 384 / 8 = 48 MHz exactly (DIVQ3 = 8), as true as the
 //   ST-LINK's crystal. Not HSI48: full speed wants 0.25 %, so it would have to be trimmed by the CRS, whose SYNCSRC
-//   10, the only one embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433 chapter 9, CRS_CFGR).
+//   10, the only one embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
-/// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433 table 222, dac_ch1_trg5).
+/// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433, dac_ch1_trg5).
 pub(crate) const DAC_TRIGGER: u8 = 5;
-/// DMA1 stream 0, whose flags are in LISR. Streams 0 to 7 of DMA1 hang on DMAMUX1 channels 0 to 7 (RM0433 table 120).
+/// DMA1 stream 0, whose flags are in LISR. Streams 0 to 7 of DMA1 hang on DMAMUX1 channels 0 to 7 (RM0433, DMAMUX1).
 pub(crate) const DMA_STREAM: usize = 0;
-/// DMAMUX1 input 67 is DAC1's channel 1 (RM0433 table 121).
+/// DMAMUX1 input 67 is DAC1's channel 1 (RM0433, dac_ch1_dma).
 const DMA_REQUEST: u8 = 67;
 pub(crate) type DacDma = peripherals::DMA1_CH0;
 pub(crate) type Watchdog = peripherals::IWDG1;
@@ -46,10 +48,10 @@ pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x1c_0000, 0x1e_0000];
 pub(crate) const SLOT_BYTES: usize = 128 * 1024;
 
-/// The watchdog's oscillator keeps 32 kHz within some 5 % (DS12110 table 44). The thread, but not the renderer, waits for
-/// a sector's erasure. embassy-stm32 0.6 erases with FLASH_CR2.PSIZE as its last write has left it, 00, 8 bits at a
-/// time: 4 s at most (DS12110 table 54; 2 s at 64 bits). With 272 flash words after it of at most 0.6 ms: less than half
-/// of this.
+/// The watchdog's oscillator runs at 29.8 to 33.6 kHz for 32 (DS12110 table 49). The thread, but not the renderer,
+/// waits for a sector's erasure. embassy-stm32 0.6 erases with FLASH_CR2.PSIZE as its last write has left it, 00,
+/// 8 bits at a time: 4 s at most (DS12110 table 53; 2 s at 64 bits). With 272 flash words after it of at most 0.6 ms:
+/// less than half of this.
 pub(crate) const WATCHDOG_US: u32 = 10_000_000;
 
 /// System memory (AN2606; PA11/PA12 for DFU).
@@ -119,11 +121,11 @@ pub(crate) fn map_system_memory() {}
 /// does not serve, and the DMA's ring must not be in it.
 ///
 /// Revision Y (DBGMCU REV_ID 0x1003) may read the AXI SRAM wrongly when two reads are under way (errata sheet ES0392
-/// 2.2.9): READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD lets only one be issued, which is what the sheet says to do.
+/// Rev 8, 2.2.9): READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD lets only one be issued, which is what the sheet says to do.
 pub(crate) fn tune_flash() {
     if pac::DBGMCU.idc().read().rev_id() == 0x1003 {
-        // SAFETY: a register of the AXI interconnect (RM0433 2.2: base 0x5100_0000, target 7 at 0x8000, FN_MOD at
-        // 0x108) that nothing else touches; it may be written at any time.
+        // SAFETY: a register of the AXI interconnect (RM0433, AXI_TARGx_FN_MOD: base 0x5100_0000, target 7 at 0x8000,
+        // FN_MOD at 0x108) that nothing else touches; it may be written at any time.
         unsafe { (0x5100_8108 as *mut u32).write_volatile(1) };
     }
     // SAFETY: called once, before any interrupt handler runs that could use the system control block.
@@ -179,12 +181,12 @@ impl Usb {
     }
 }
 
-/// PE9 low. BSRR's upper half resets (RM0433 11.4.7).
+/// PE9 low. BSRR's upper half resets (RM0433, GPIOx_BSRR).
 pub(crate) fn mute_now() {
     pac::GPIOE.bsrr().write(|w| w.set_br(9, true));
 }
 
-/// RCC_RSR (RM0433 8.7.39): power-on sets PORRSTF, BORRSTF and PINRSTF, a brown-out the last two, everything else
+/// RCC_RSR (RM0433 8.4.4): power-on sets PORRSTF, BORRSTF and PINRSTF, a brown-out the last two, everything else
 /// PINRSTF, so the rarer ones are asked first. Clears the flags.
 pub(crate) fn reset_cause() -> ResetCause {
     let flags = pac::RCC.rsr().read();
@@ -204,12 +206,13 @@ pub(crate) fn reset_cause() -> ResetCause {
     }
 }
 
-/// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.7 V (RM0433 4.9.8); chips leave the factory with 00, off.
+/// FLASH_OPTSR_CUR.BOR_LEV: 11 is level 3, reset below 2.61 V until 2.70 V (DS12110 table 27); chips leave the factory
+/// with 00, off.
 pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optsr_cur().read().bor_lev() == 0b11
 }
 
-/// PWR_CR1.PLS = 110: the supply detector trips at 2.85 V (RM0433 6.8.1). Its output is EXTI line 16.
+/// PWR_CR1.PLS = 110: the supply detector trips at 2.76 V (DS12110 table 27). Its output is EXTI line 16.
 pub(crate) fn watch_supply() {
     pac::PWR.cr1().modify(|w| {
         w.set_pls(0b110);
