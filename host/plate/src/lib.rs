@@ -10,7 +10,7 @@
 //! SI units throughout. x = 0 is the driven, wide end. Time goes as e^(-j omega t), so a wave into the plate is
 //! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
 
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 pub mod airy;
 mod analytic;
 pub mod bessel;

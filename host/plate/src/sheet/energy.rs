@@ -6,6 +6,7 @@
 
 use super::lattice::Lattice;
 use super::outline::Outline;
+use super::row::Row;
 use std::cmp::Ordering;
 
 /// Energy per surface density with v in the lattice's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2) over the
@@ -15,8 +16,8 @@ pub(super) fn energy(lattice: &Lattice, outline: &Outline, mirrored: bool, step_
     // The newest field and the one before it; zero outside.
     let at = |row: Option<usize>, station: usize| match row {
         Some(row) if row < lattice.rows() => {
-            let value = |row: &[f32]| row.get(station).map_or(0.0, |value| f64::from(*value));
-            (value(lattice.row(row)), value(lattice.row_before(row)))
+            let value = |row: Row<'_>| row.get(station).map_or(0.0, f64::from);
+            (value(lattice.newest(row)), value(lattice.row_before(row)))
         }
         _ => (0.0, 0.0),
     };

@@ -1,6 +1,7 @@
 //! How bands on different threads meet after each block and swap their halos.
 
 use super::band::Band;
+use super::vector::Line;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -19,8 +20,8 @@ pub(super) struct Exchange {
 /// the next meeting while its neighbour still unpacks from this one, and cannot get further ahead than that.
 #[derive(Debug, Default)]
 struct Seam {
-    to_after: [Mutex<Vec<f32>>; 2],
-    to_before: [Mutex<Vec<f32>>; 2],
+    to_after: [Mutex<Vec<Line>>; 2],
+    to_before: [Mutex<Vec<Line>>; 2],
 }
 
 /// Number of the last meeting that a thread was at.
@@ -76,7 +77,7 @@ impl Exchange {
     }
 }
 
-fn open(parcel: &Mutex<Vec<f32>>) -> MutexGuard<'_, Vec<f32>> {
+fn open(parcel: &Mutex<Vec<Line>>) -> MutexGuard<'_, Vec<Line>> {
     // A poisoned parcel is only numbers; the thread that panicked is reported by the scope that joins it.
     parcel.lock().unwrap_or_else(PoisonError::into_inner)
 }

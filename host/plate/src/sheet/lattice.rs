@@ -16,64 +16,19 @@
 
 use super::band::Band;
 use super::exchange::Exchange;
-use super::kernel::{LANES, Weights, Width};
+use super::kernel::Weights;
+use super::plan::{Plan, plan_of};
+use super::row::Row;
+use super::vector::LANES;
 use std::ops::Range;
 
 /// Steps after which vanishing numbers are set to zero; blocks never cross a multiple of it.
 const HUSH_EVERY: u64 = 64;
-/// Bytes of a block's rows that should stay in the first-level cache.
-const CACHE_BYTES: usize = 32 * 1024;
-
-/// What stays the same while a lattice runs; rows are numbered from the centre line or from one edge.
-#[derive(Debug, Clone)]
-pub(super) struct Plan {
-    /// Numbers from one row to the next in memory.
-    pub(super) stride: usize,
-    /// Whether row 0 is a line of symmetry (else there is an edge before it).
-    pub(super) mirrored: bool,
-    pub(super) weights: Weights,
-    /// Number of cells of each row that are inside.
-    pub(super) reach: Vec<usize>,
-    /// Cells of each row that take the common weight (a multiple of [`LANES`]).
-    pub(super) plain: Vec<usize>,
-    /// Own weights of the cells from `plain` to `reach` rounded up, all rows one after the other.
-    pub(super) edge_own: Vec<f32>,
-    /// Where each row begins in `edge_own`.
-    pub(super) edge_start: Vec<usize>,
-    /// What drives the sheet at x = 0; `None` for a fixed edge.
-    pub(super) column: Option<Column>,
-    /// Rows whose envelope is recorded.
-    pub(super) recorded: Range<usize>,
-    pub(super) width: Width,
-}
-
-impl Plan {
-    pub(super) fn rows(&self) -> usize {
-        self.reach.len()
-    }
-
-    /// Cells of `row` rounded up to whole vectors.
-    pub(super) fn padded(&self, row: usize) -> usize {
-        self.reach[row].next_multiple_of(LANES)
-    }
-}
-
-/// The driven column: `next = own v - past before + inward right + across (above + below) + profile u`.
-#[derive(Debug, Clone)]
-pub(super) struct Column {
-    pub(super) own: Vec<f32>,
-    pub(super) past: f32,
-    pub(super) inward: f32,
-    pub(super) across: f32,
-    pub(super) profile: Vec<f32>,
-}
-
 /// A field on a grid of rows that is advanced by the 5-point leapfrog scheme.
 #[derive(Debug)]
 pub struct Lattice {
     plan: Plan,
     bands: Vec<Band>,
-    depth: usize,
     steps: u64,
     /// Whether the newest field is in the bands' second array.
     flipped: bool,
@@ -97,19 +52,16 @@ impl Lattice {
     }
 
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
-        let row_bytes = 2 * size_of::<f32>() * plan.stride;
-        // A power of two, so that blocks end on multiples of HUSH_EVERY without a shorter last one.
-        let depth = if CACHE_BYTES / row_bytes >= 34 { 16 } else { 8 };
-        let bands = cut(&plan.reach, threads, depth)
+        let bands = cut(&plan.reach, threads, plan.depth)
             .into_iter()
-            .map(|owned| Band::new(&plan, owned, depth))
+            .map(|owned| Band::new(&plan, owned, plan.depth))
             .collect();
-        Self { plan, bands, depth, steps: 0, flipped: false }
+        Self { plan, bands, steps: 0, flipped: false }
     }
 
     /// Steps per block.
     pub fn depth(&self) -> usize {
-        self.depth
+        self.plan.depth
     }
 
     /// Threads that are used.
@@ -132,7 +84,7 @@ impl Lattice {
             return;
         }
         let exchange = Exchange::new(self.bands.len());
-        let (plan, depth, start, flipped) = (&self.plan, self.depth, self.steps, self.flipped);
+        let (plan, depth, start, flipped) = (&self.plan, self.plan.depth, self.steps, self.flipped);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
                 for (number, band) in others.iter_mut().enumerate() {
@@ -148,16 +100,21 @@ impl Lattice {
         self.flipped ^= drive.len() % 2 == 1;
     }
 
-    /// The newest field in `row`: the driven column, then the cells that are inside.
+    /// The newest field along `row`: the driven column, then the cells that are inside.
     ///
     /// # Panics
     /// If there is no such row.
-    pub fn row(&self, row: usize) -> &[f32] {
+    pub fn row(&self, row: usize) -> impl Iterator<Item = f32> {
+        self.newest(row).numbers()
+    }
+
+    /// As [`Lattice::row`], by station.
+    pub(super) fn newest(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, self.flipped)
     }
 
     /// The field one step before [`Lattice::row`].
-    pub(super) fn row_before(&self, row: usize) -> &[f32] {
+    pub(super) fn row_before(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, !self.flipped)
     }
 
@@ -174,7 +131,7 @@ impl Lattice {
     }
 
     /// Largest magnitude and sum of squares of each cell of a recorded row (as [`Lattice::row`] is laid out).
-    pub(super) fn envelope(&self, row: usize) -> Option<(&[f32], &[f64])> {
+    pub(super) fn envelope(&self, row: usize) -> Option<(Row<'_>, Row<'_, f64>)> {
         self.band_of(row).envelope(&self.plan, row)
     }
 
@@ -185,7 +142,7 @@ impl Lattice {
     }
 
     #[cfg(test)]
-    pub(super) fn use_width(&mut self, width: Width) {
+    pub(super) fn use_width(&mut self, width: super::vector::Width) {
         self.plan.width = width;
     }
 
@@ -217,41 +174,6 @@ fn run(
             band.hush(plan);
         }
         exchange.halos(band, number, depth, &mut meeting);
-    }
-}
-
-/// Lays the rows out: `plain` is where each row's cells beside the edge begin, `own` every cell's own weight.
-pub(super) fn plan_of(
-    reach: &[usize],
-    plain: &[usize],
-    own: &[Vec<f32>],
-    mirrored: bool,
-    weights: Weights,
-    column: Option<Column>,
-    recorded: Range<usize>,
-) -> Plan {
-    let longest = reach.iter().copied().max().unwrap_or(0).next_multiple_of(LANES);
-    // One vector before the cells (the driven column is its last number) and one zero after them. The extra vector
-    // keeps rows of a power of two from falling on the same cache sets.
-    let stride = longest + 2 * LANES;
-    let plain: Vec<usize> = plain.iter().map(|&cells| cells - cells % LANES).collect();
-    let (mut edge_own, mut edge_start) = (Vec::new(), Vec::with_capacity(reach.len()));
-    for ((&cells, &plain), own) in reach.iter().zip(&plain).zip(own) {
-        edge_start.push(edge_own.len());
-        edge_own.extend_from_slice(&own[plain.min(cells)..cells]);
-        edge_own.resize(edge_start[edge_start.len() - 1] + cells.next_multiple_of(LANES) - plain, 0.0);
-    }
-    Plan {
-        stride,
-        mirrored,
-        weights,
-        reach: reach.to_vec(),
-        plain,
-        edge_own,
-        edge_start,
-        column,
-        recorded,
-        width: Width::detect(),
     }
 }
 

@@ -16,8 +16,11 @@ mod intake;
 mod kernel;
 mod lattice;
 mod outline;
+mod plan;
+mod row;
 #[cfg(test)]
 mod tests;
+mod vector;
 
 pub use cost::Cost;
 pub use lattice::Lattice;
@@ -26,9 +29,10 @@ use crate::plate::Plate;
 use cost::Layout;
 use intake::{EndLaw, Feed, Intake};
 use kernel::Weights;
-use lattice::{Column, plan_of};
 use outline::Outline;
+use plan::{Column, Plan, plan_of};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::iter::repeat;
 use thiserror::Error;
 
 /// Most cells a sheet may have.
@@ -260,23 +264,22 @@ impl Sheet {
     ///
     /// What does not fit into `out` is left away.
     pub fn field_m(&self, out: &mut [f32]) {
-        let scale = self.full_scale_m as f32;
         for (line, out) in out.chunks_mut(self.positions_m.len()).take(self.widths_m.len()).enumerate() {
-            let row = self.lattice.row(self.lattice_row(line));
-            let inside = row.len().min(out.len());
-            for (out, value) in out.iter_mut().zip(&row[..inside]) {
-                *out = scale * value;
-            }
-            out[inside..].fill(0.0);
+            self.line_m(line, out);
         }
     }
 
     /// Writes the displacement on the centre line in metres, one number per station.
     pub fn centre_line_m(&self, out: &mut [f32]) {
+        self.line_m(self.widths_m.len() / 2, out);
+    }
+
+    /// Writes line `line` of the field in metres, zero beyond its last cell.
+    fn line_m(&self, line: usize, out: &mut [f32]) {
         let scale = self.full_scale_m as f32;
-        let row = self.lattice.row(self.lattice_row(self.widths_m.len() / 2));
-        for (out, value) in out.iter_mut().zip(row.iter().chain(std::iter::repeat(&0.0))) {
-            *out = scale * value;
+        let row = self.lattice.row(self.lattice_row(line));
+        for (out, value) in out.iter_mut().zip(row.map(|value| scale * value).chain(repeat(0.0))) {
+            *out = value;
         }
     }
 
@@ -294,8 +297,10 @@ impl Sheet {
         for (place, line) in lines.enumerate() {
             let Some((maximum, squares)) = self.lattice.envelope(self.lattice_row(line)) else { continue };
             let to = place * stations;
-            for (station, (maximum, squares)) in maximum.iter().zip(squares).take(stations).enumerate() {
-                envelope.maximum_m[to + station] = (f64::from(*maximum) * self.full_scale_m) as f32;
+            for (station, (maximum, squares)) in
+                maximum.numbers().zip(squares.numbers()).take(stations).enumerate()
+            {
+                envelope.maximum_m[to + station] = (f64::from(maximum) * self.full_scale_m) as f32;
                 let mean = squares / steps.max(1) as f64;
                 envelope.rms_m[to + station] = (mean.sqrt() * self.full_scale_m) as f32;
             }
@@ -352,7 +357,7 @@ struct Scheme<'a> {
 
 impl Scheme<'_> {
     /// (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/2dt = c^2 (second differences), solved for v+.
-    fn plan(&self, law: EndLaw) -> (lattice::Plan, Feed) {
+    fn plan(&self, law: EndLaw) -> (Plan, Feed) {
         let outline = self.outline;
         let along = (self.speed * self.step_s / outline.dx).powi(2);
         let across = (self.speed * self.step_s / outline.dz).powi(2);

@@ -1,0 +1,146 @@
+//! What stays the same while a lattice runs: weights, what is computed of each row, and the pace over rows and steps.
+
+use super::kernel::{CHUNK, COLUMNS, Fringe, Weights, place};
+use super::vector::{LANES, Line, Width};
+use std::ops::Range;
+
+/// Bytes of a block's rows that may fill the first-level cache.
+const NEAR_BYTES: usize = 52 * 1024;
+/// Bytes of a block's rows that stay in the second-level cache.
+const FAR_BYTES: usize = 640 * 1024;
+
+/// What stays the same while a lattice runs; rows are numbered from the centre line or from one edge.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    /// Lines from one row to the next in memory.
+    pub(super) stride: usize,
+    /// Rows that are advanced together, where all of them are: 2 or 4.
+    pub(super) group: usize,
+    /// Steps per block.
+    pub(super) depth: usize,
+    /// Whether row 0 is a line of symmetry (else there is an edge before it).
+    pub(super) mirrored: bool,
+    pub(super) weights: Weights,
+    /// Number of cells of each row that are inside.
+    pub(super) reach: Vec<usize>,
+    /// What is computed of each row.
+    computed: Vec<Computed>,
+    /// The chunks with cells beside the edge or outside, all rows one after the other.
+    fringe: Vec<Fringe>,
+    /// What drives the sheet at x = 0; `None` for a fixed edge.
+    pub(super) column: Option<Column>,
+    /// Rows whose envelope is recorded.
+    pub(super) recorded: Range<usize>,
+    pub(super) width: Width,
+}
+
+impl Plan {
+    pub(super) fn rows(&self) -> usize {
+        self.reach.len()
+    }
+
+    /// What is computed of `N` rows of a group from `row` on.
+    #[inline(always)]
+    pub(super) fn extent<const N: usize>(&self, row: usize) -> Extent<'_> {
+        let Computed { line, chunks, beside, fringe } = self.computed[row];
+        Extent { line: line as usize, chunks, fringe: &self.fringe[fringe as usize..][..N * beside as usize] }
+    }
+}
+
+/// What is computed of some rows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent<'a> {
+    /// Where the first row begins, had a field all rows.
+    pub(super) line: usize,
+    /// Chunks of a row. (Of 32 bits, so that the compiler sees that no sum overflows.)
+    pub(super) chunks: u32,
+    /// The last chunks, as far as they have cells beside the edge or outside, of one row after the other.
+    pub(super) fringe: &'a [Fringe],
+}
+
+/// What is computed of a row, the same number of chunks for the rows of a group.
+#[derive(Debug, Clone, Copy)]
+struct Computed {
+    line: u32,
+    chunks: u32,
+    /// Chunks with cells beside the edge or outside: the last ones.
+    beside: u32,
+    /// Where those begin in [`Plan::fringe`].
+    fringe: u32,
+}
+
+/// The driven column: `next = own v - past before + inward right + across (above + below) + profile u`.
+#[derive(Debug, Clone)]
+pub(super) struct Column {
+    pub(super) own: Vec<f32>,
+    pub(super) past: f32,
+    pub(super) inward: f32,
+    pub(super) across: f32,
+    pub(super) profile: Vec<f32>,
+}
+
+/// Lays the rows out: `plain` is where each row's cells beside the edge begin, `own` every cell's own weight.
+pub(super) fn plan_of(
+    reach: &[usize],
+    plain: &[usize],
+    own: &[Vec<f32>],
+    mirrored: bool,
+    weights: Weights,
+    column: Option<Column>,
+    recorded: Range<usize>,
+) -> Plan {
+    let longest = reach.iter().copied().max().unwrap_or(0).next_multiple_of(CHUNK);
+    // One line before the cells: its last lane is the driven column, its lane 0 the zero after the row before. It keeps
+    // rows of a power of two from falling on the same cache sets.
+    let stride = longest / LANES + 1;
+    let (group, depth) = pace_of(stride);
+    let (mut computed, mut fringe) = (Vec::with_capacity(reach.len()), Vec::new());
+    for (number, (reaches, plains)) in reach.chunks(group).zip(plain.chunks(group)).enumerate() {
+        // The rows of a group are computed as far as the longest one goes.
+        let end = reaches.iter().copied().max().unwrap_or(0).div_ceil(CHUNK);
+        let start = (plains.iter().copied().min().unwrap_or(0) / CHUNK).min(end);
+        for (&reach, own) in reaches.iter().zip(&own[group * number..]) {
+            let beside = (end - start) as u32;
+            let line = (computed.len() * stride) as u32;
+            computed.push(Computed { line, chunks: end as u32, beside, fringe: fringe.len() as u32 });
+            fringe.extend((start..end).map(|chunk| fringe_at(chunk, reach, own)));
+        }
+    }
+    Plan {
+        stride,
+        group,
+        depth,
+        mirrored,
+        weights,
+        reach: reach.to_vec(),
+        computed,
+        fringe,
+        column,
+        recorded,
+        width: Width::detect(),
+    }
+}
+
+/// The fringe of one chunk of a row that has `reach` cells inside, with their own weights.
+fn fringe_at(chunk: usize, reach: usize, own: &[f32]) -> Fringe {
+    let mut fringe = Fringe { own: [[0.0; LANES]; COLUMNS], inside: [[0.0; LANES]; COLUMNS] };
+    for (cell, own) in own[..reach].iter().skip(chunk * CHUNK).take(CHUNK).enumerate() {
+        let (line, lane) = place(cell);
+        fringe.own[line][lane] = *own;
+        fringe.inside[line][lane] = 1.0;
+    }
+    fringe
+}
+
+/// How blocks go over rows of `stride` lines: rows in a group and steps in a block.
+///
+/// The rows of a group share what they read, and one turn of the wavefront. The best is a block of groups of four
+/// whose rows stay in the first-level cache; then one of pairs; then a deep one that stays in the second-level cache.
+fn pace_of(stride: usize) -> (usize, usize) {
+    // A block of d steps keeps d + 2 groups of both fields busy.
+    let bytes = |group: usize, depth: usize| 2 * (depth + 2) * group * stride * size_of::<Line>();
+    // Depths are powers of two, so that blocks end on multiples of HUSH_EVERY.
+    let depth = |group: usize, budget: usize| [16, 8, 4].into_iter().find(|&d| bytes(group, d) <= budget);
+    let near = |group: usize| depth(group, NEAR_BYTES).map(|depth| (group, depth));
+    near(4).or_else(|| near(2)).unwrap_or((2, depth(2, FAR_BYTES).unwrap_or(4)))
+}

@@ -1,0 +1,35 @@
+//! One row of a lattice, as it is read from outside: by station, wherever its cells lie in memory.
+
+use super::kernel::place;
+use super::vector::LANES;
+
+/// A row: station 0 is the driven column, the stations after it are the cells that are inside.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row<'a, T = f32> {
+    lines: &'a [[T; LANES]],
+    reach: usize,
+}
+
+impl<'a, T: Copy> Row<'a, T> {
+    /// `lines` begin with the one that ends in the driven column; `reach` cells are inside.
+    pub(super) fn new(lines: &'a [[T; LANES]], reach: usize) -> Self {
+        Self { lines, reach }
+    }
+
+    /// Number at a station; `None` beyond the last.
+    pub(super) fn get(self, station: usize) -> Option<T> {
+        if station > self.reach {
+            return None;
+        }
+        let (line, lane) = match station.checked_sub(1) {
+            Some(cell) => place(cell),
+            None => return Some(self.lines[0][LANES - 1]),
+        };
+        Some(self.lines[1 + line][lane])
+    }
+
+    /// All stations in their order.
+    pub(super) fn numbers(self) -> impl Iterator<Item = T> + use<'a, T> {
+        (0..=self.reach).map_while(move |station| self.get(station))
+    }
+}
