@@ -1,17 +1,22 @@
-//! One thread's share of a lattice: its rows, a halo of the neighbours' rows, and the wavefront over them.
+//! One thread's share of a lattice: its rows, and those that it takes over and leaves again.
 
-use super::kernel::{self, Hush, Place, Spread};
-use super::plan::{Extent, Plan};
+use super::block::{Course, Handover, Slant, Stretch, Turn};
+use super::exchange::{Exchange, Parcel};
+use super::kernel::{self, Hush};
+use super::plan::Plan;
 use super::row::Row;
-use super::vector::{LANES, Lanes, Line, Work};
+use super::vector::{LANES, Line};
 use std::ops::Range;
 
-/// The rows `owned`, with up to `depth` rows of halo on either side.
+/// The rows `owned`; where they end changes with every block.
 #[derive(Debug)]
 pub(super) struct Band {
     pub(super) owned: Range<usize>,
-    /// All rows that are stored: `owned` and the halos.
+    /// All rows that are stored: those that are ever owned, and one that they lean on at each seam.
     stored: Range<usize>,
+    /// Number of the band, and how many there are.
+    number: usize,
+    bands: usize,
     stride: usize,
     first: Field,
     second: Field,
@@ -45,15 +50,23 @@ impl Field {
 
 /// Envelope of the rows in `rows`, each `stride` lines, laid out as the field is.
 #[derive(Debug)]
-struct Record {
-    rows: Range<usize>,
+pub(super) struct Record {
+    pub(super) rows: Range<usize>,
     maximum: Vec<f32>,
     squares: Vec<f64>,
 }
 
 impl Record {
+    /// Where the numbers of `rows` lie, as far as they are recorded.
+    fn numbers(&self, rows: &Range<usize>, stride: usize) -> Range<usize> {
+        let rows = overlap(rows, &self.rows);
+        let at = |row: usize| (row - self.rows.start) * stride * LANES;
+        at(rows.start)..at(rows.end)
+    }
+
+    /// Takes a step of a row.
     #[inline(always)]
-    fn take(&mut self, row: usize, lines: &[Line]) {
+    pub(super) fn take(&mut self, row: usize, lines: &[Line]) {
         let to = (row - self.rows.start) * lines.len() * LANES;
         let range = to..to + lines.len() * LANES;
         kernel::record(lines.as_flattened(), &mut self.maximum[range.clone()], &mut self.squares[range]);
@@ -61,16 +74,19 @@ impl Record {
 }
 
 impl Band {
-    pub(super) fn new(plan: &Plan, owned: Range<usize>, depth: usize) -> Self {
-        let stored = owned.start.saturating_sub(depth)..(owned.end + depth).min(plan.rows());
-        // A row of zeros before and after: the edge's outer side, or what the outermost halo row leans on.
+    /// The band `number` of `bands`, which owns the rows `owned` before a rising block.
+    pub(super) fn new(plan: &Plan, owned: Range<usize>, number: usize, bands: usize) -> Self {
+        let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
+        // A row of zeros before and after: the edge's outer side.
         let count = (stored.len() + 2) * plan.stride + 1;
-        let rows = plan.recorded.start.max(owned.start)..plan.recorded.end.min(owned.end);
+        let rows = overlap(&plan.recorded, &stored);
         let recorded = rows.len() * plan.stride * LANES;
         let record = Record { rows, maximum: vec![0.0; recorded], squares: vec![0.0; recorded] };
         Self {
             owned,
             stored,
+            number,
+            bands,
             stride: plan.stride,
             first: Field::new(count),
             second: Field::new(count),
@@ -83,15 +99,34 @@ impl Band {
         (row + 1 - self.stored.start) * self.stride
     }
 
-    /// The rows that a step must take when `halo` more follow before the next exchange.
-    fn needed(&self, halo: usize) -> Range<usize> {
-        let from = self.owned.start.saturating_sub(halo).max(self.stored.start);
-        from..(self.owned.end + halo).min(self.stored.end)
-    }
-
-    /// Advances the owned rows by one step for each number of `drive`.
-    pub(super) fn block(&mut self, plan: &Plan, drive: &[f32], flipped: bool) {
-        plan.width.run(Block { band: self, plan, drive, flipped });
+    /// Advances the band by one step for each number of `drive`, the seams going as `slant` says.
+    pub(super) fn block(
+        &mut self,
+        plan: &Plan,
+        drive: &[f32],
+        flipped: bool,
+        slant: Slant,
+        exchange: &Exchange,
+    ) {
+        let (steps, seams) = (drive.len(), [self.number > 0, self.number + 1 < self.bands]);
+        let course = Course::new(slant, steps, &self.owned, seams, plan.group);
+        let flipped_then = flipped ^ (steps % 2 == 1);
+        for (fronts, turn) in course.parts() {
+            let first_row = self.stored.start;
+            let (newest, older, record) = self.parts(flipped);
+            let course = &course;
+            plan.width.run(Stretch { plan, course, fronts, newest, older, first_row, drive, record });
+            match turn {
+                Some(Turn::Leave(rows)) => {
+                    exchange.leave(self.number, slant, |parcel| self.pack(rows, flipped_then, parcel));
+                }
+                Some(Turn::TakeOver(rows)) => {
+                    exchange.take(self.number, slant, |parcel| self.unpack(rows, flipped_then, parcel));
+                }
+                None => {}
+            }
+        }
+        self.owned = course.end();
     }
 
     pub(super) fn hush(&mut self, plan: &Plan) {
@@ -137,147 +172,45 @@ impl Band {
         self.record.squares.fill(0.0);
     }
 
-    /// Appends both fields of `rows`, which are stored here, to `parcel`.
-    fn pack(&self, rows: Range<usize>, parcel: &mut Vec<Line>) {
-        parcel.clear();
-        let lines = self.line_of(rows.start)..self.line_of(rows.end);
-        parcel.extend_from_slice(&self.first.lines()[lines.clone()]);
-        parcel.extend_from_slice(&self.second.lines()[lines]);
+    /// Packs rows that change hands: both fields, and the envelope where it is recorded.
+    fn pack(&self, handover: &Handover, flipped: bool, parcel: &mut Parcel) {
+        let (newest, older) = if flipped { (&self.second, &self.first) } else { (&self.first, &self.second) };
+        let numbers = self.record.numbers(&handover.rows, self.stride);
+        refill(&mut parcel.newest, &newest.lines()[self.lines_of(&handover.rows)]);
+        refill(&mut parcel.older, &older.lines()[self.lines_of(&handover.with_support)]);
+        refill(&mut parcel.maximum, &self.record.maximum[numbers.clone()]);
+        refill(&mut parcel.squares, &self.record.squares[numbers]);
     }
 
-    fn unpack(&mut self, rows: Range<usize>, parcel: &[Line]) {
-        let lines = self.line_of(rows.start)..self.line_of(rows.end);
-        let (first, second) = parcel.split_at(lines.len());
-        self.first.lines_mut()[lines.clone()].copy_from_slice(first);
-        self.second.lines_mut()[lines].copy_from_slice(second);
+    fn unpack(&mut self, handover: &Handover, flipped: bool, parcel: &Parcel) {
+        let (rows, with_support) = (self.lines_of(&handover.rows), self.lines_of(&handover.with_support));
+        let numbers = self.record.numbers(&handover.rows, self.stride);
+        let (newest, older, record) = self.parts(flipped);
+        newest[rows].copy_from_slice(&parcel.newest);
+        older[with_support].copy_from_slice(&parcel.older);
+        record.maximum[numbers.clone()].copy_from_slice(&parcel.maximum);
+        record.squares[numbers].copy_from_slice(&parcel.squares);
     }
 
-    /// Packs the first (last) `depth` owned rows, which are the halo of the band before (after).
-    pub(super) fn pack_for_before(&self, depth: usize, parcel: &mut Vec<Line>) {
-        self.pack(self.owned.start..self.owned.start + depth, parcel);
+    fn lines_of(&self, rows: &Range<usize>) -> Range<usize> {
+        self.line_of(rows.start)..self.line_of(rows.end)
     }
 
-    pub(super) fn pack_for_after(&self, depth: usize, parcel: &mut Vec<Line>) {
-        self.pack(self.owned.end - depth..self.owned.end, parcel);
-    }
-
-    /// Takes the halo rows that the band before (after) packed.
-    pub(super) fn unpack_from_before(&mut self, parcel: &[Line]) {
-        self.unpack(self.stored.start..self.owned.start, parcel);
-    }
-
-    pub(super) fn unpack_from_after(&mut self, parcel: &[Line]) {
-        self.unpack(self.owned.end..self.stored.end, parcel);
+    /// The newest field, the one a step before, and the record.
+    fn parts(&mut self, flipped: bool) -> (&mut [Line], &mut [Line], &mut Record) {
+        let (first, second) = (self.first.lines_mut(), self.second.lines_mut());
+        let (newest, older) = if flipped { (second, first) } else { (first, second) };
+        (newest, older, &mut self.record)
     }
 }
 
-/// Some steps of a band.
-///
-/// Row r takes step s + 1 soon after row r + 1 took step s. Rows of the halo are computed only as far as the owned
-/// rows still depend on them.
-struct Block<'a> {
-    band: &'a mut Band,
-    plan: &'a Plan,
-    drive: &'a [f32],
-    flipped: bool,
+fn refill<T: Copy>(target: &mut Vec<T>, source: &[T]) {
+    target.clear();
+    target.extend_from_slice(source);
 }
 
-impl Work for Block<'_> {
-    #[inline(always)]
-    fn with<L: Lanes>(self, lanes: L) {
-        match (self.plan.group, self.plan.weights.keep_all()) {
-            (4, true) => self.sweep::<L, 4, true>(lanes),
-            (4, false) => self.sweep::<L, 4, false>(lanes),
-            (_, true) => self.sweep::<L, 2, true>(lanes),
-            (_, false) => self.sweep::<L, 2, false>(lanes),
-        }
-    }
-}
-
-impl Block<'_> {
-    #[inline(always)]
-    fn sweep<L: Lanes, const N: usize, const KEEP_ALL: bool>(self, lanes: L) {
-        let Self { band, plan, drive, flipped } = self;
-        let (stored, steps) = (band.stored.clone(), drive.len());
-        let ranges: Vec<Range<usize>> = (1..=steps).map(|step| band.needed(steps - step)).collect();
-        let (first, second) = (band.first.lines_mut(), band.second.lines_mut());
-        let (stride, record) = (band.stride, &mut band.record);
-        let spread = Spread::new(lanes, plan.weights);
-        // Rows above the band are not stored: this may be "negative".
-        let offset = stride.wrapping_sub(stored.start * stride);
-        // In groups: neighbouring rows share what they read. The first steps have passed the last row (`passed` counts
-        // them), the last ones have not reached the first.
-        let mut passed = 0;
-        for front in stored.start / N..stored.end.div_ceil(N) + steps {
-            while passed < steps && N * (front - passed) >= ranges[passed].end {
-                passed += 1;
-            }
-            for step in passed..steps {
-                let Some(group) = front.checked_sub(step) else { break };
-                let from = (N * group).max(ranges[step].start);
-                let to = (N * (group + 1)).min(ranges[step].end);
-                if from >= to {
-                    break;
-                }
-                let (past, now): (&mut [Line], &[Line]) =
-                    if flipped ^ (step % 2 == 1) { (&mut *first, &*second) } else { (&mut *second, &*first) };
-                let mut stage = Stage { plan, past, now, stride, offset, drive: drive[step] };
-                if to - from == N {
-                    stage.advance::<L, N, KEEP_ALL>(lanes, spread, from);
-                } else {
-                    for row in from..to {
-                        stage.advance::<L, 1, KEEP_ALL>(lanes, spread, row);
-                    }
-                }
-                for row in from..to {
-                    if record.rows.contains(&row) {
-                        let at = (row + 1 - stored.start) * stride;
-                        record.take(row, &past[at..at + stride]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// One step of some rows.
-struct Stage<'a> {
-    plan: &'a Plan,
-    /// The field that is overwritten.
-    past: &'a mut [Line],
-    /// The field that is read.
-    now: &'a [Line],
-    stride: usize,
-    /// From where a row would begin, had the field all rows, to where it does.
-    offset: usize,
-    drive: f32,
-}
-
-impl Stage<'_> {
-    /// Advances `N` rows from `row` on.
-    #[inline(always)]
-    fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
-        &mut self,
-        lanes: L,
-        spread: Spread<L::Vector>,
-        row: usize,
-    ) {
-        let Self { plan, past, now, stride, offset, drive } = self;
-        let (stride, offset, drive) = (*stride, *offset, *drive);
-        let Extent { line, chunks, fringe } = plan.extent::<N>(row);
-        let at = line.wrapping_add(offset);
-        // A mirrored first row has its neighbour below above it, too.
-        let over = if row == 0 && plan.mirrored { at + stride } else { at - stride };
-        let place = Place { at, over, stride, chunks, fringe };
-        kernel::advance::<L, N, KEEP_ALL>(lanes, spread, (past, now), place);
-        let Some(column) = &plan.column else { return };
-        let lane = |line: usize| now[line][LANES - 1];
-        for (row, at) in (row..row + N).zip((at..).step_by(stride)) {
-            let above = if row == 0 && plan.mirrored { at + stride } else { at - stride };
-            let past = &mut past[at][LANES - 1];
-            *past = (column.own[row] * lane(at) - column.past * *past)
-                + (column.inward * now[at + 1][0] + column.across * (lane(above) + lane(at + stride)))
-                + column.profile[row] * drive;
-        }
-    }
+/// What two ranges share; empty, but within the second, when they share nothing.
+fn overlap(one: &Range<usize>, other: &Range<usize>) -> Range<usize> {
+    let start = one.start.clamp(other.start, other.end);
+    start..one.end.clamp(start, other.end)
 }

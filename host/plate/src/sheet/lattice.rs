@@ -9,12 +9,13 @@
 //! ```
 //!
 //! Two arrays hold the field at two times; a step overwrites the older one. Within a block of [`Lattice::depth`]
-//! steps row r takes step s + 1 as soon as row r + 1 has taken step s (a wavefront), so a row is advanced many
-//! times while it is in the cache. With more threads each owns a band of rows and, for each block, also computes a
-//! shrinking halo of its neighbours' rows; then the bands exchange halos. Whichever thread computes a cell does
-//! the same arithmetic, so the result does not depend on the number of threads, to the bit.
+//! steps a group of rows takes step s + 1 as soon as the next group has taken step s (a wavefront), so a row is
+//! advanced many times while it is in the cache. With more threads each owns a band of rows, whose ends go up and down
+//! with the blocks (see [`super::block`]). Whichever thread computes a cell does the same arithmetic, so the result
+//! does not depend on the number of threads, to the bit.
 
 use super::band::Band;
+use super::block::Slant;
 use super::exchange::Exchange;
 use super::kernel::Weights;
 use super::plan::{Plan, plan_of};
@@ -29,9 +30,7 @@ const HUSH_EVERY: u64 = 64;
 pub struct Lattice {
     plan: Plan,
     bands: Vec<Band>,
-    steps: u64,
-    /// Whether the newest field is in the bands' second array.
-    flipped: bool,
+    clock: Clock,
 }
 
 impl Lattice {
@@ -52,11 +51,10 @@ impl Lattice {
     }
 
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
-        let bands = cut(&plan.reach, threads, plan.depth)
-            .into_iter()
-            .map(|owned| Band::new(&plan, owned, plan.depth))
-            .collect();
-        Self { plan, bands, steps: 0, flipped: false }
+        let cuts = cut(&plan.reach, threads, plan.depth);
+        let count = cuts.len();
+        let bands = cuts.into_iter().enumerate().map(|(number, rows)| Band::new(&plan, rows, number, count));
+        Self { bands: bands.collect(), plan, clock: Clock::default() }
     }
 
     /// Steps per block.
@@ -71,7 +69,7 @@ impl Lattice {
 
     /// Steps taken since the start.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.clock.steps
     }
 
     pub(super) fn plan(&self) -> &Plan {
@@ -84,20 +82,16 @@ impl Lattice {
             return;
         }
         let exchange = Exchange::new(self.bands.len());
-        let (plan, depth, start, flipped) = (&self.plan, self.plan.depth, self.steps, self.flipped);
+        let (plan, clock) = (&self.plan, self.clock);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
-                for (number, band) in others.iter_mut().enumerate() {
+                for band in others {
                     let exchange = &exchange;
-                    scope.spawn(move || {
-                        run(band, number + 1, plan, depth, drive, (start, flipped), exchange);
-                    });
+                    scope.spawn(move || run(band, plan, drive, clock, exchange));
                 }
-                run(first, 0, plan, depth, drive, (start, flipped), &exchange);
+                self.clock = run(first, plan, drive, clock, &exchange);
             });
         }
-        self.steps += drive.len() as u64;
-        self.flipped ^= drive.len() % 2 == 1;
     }
 
     /// The newest field along `row`: the driven column, then the cells that are inside.
@@ -110,12 +104,12 @@ impl Lattice {
 
     /// As [`Lattice::row`], by station.
     pub(super) fn newest(&self, row: usize) -> Row<'_> {
-        self.band_of(row).row(&self.plan, row, self.flipped)
+        self.band_of(row).row(&self.plan, row, self.clock.flipped)
     }
 
     /// The field one step before [`Lattice::row`].
     pub(super) fn row_before(&self, row: usize) -> Row<'_> {
-        self.band_of(row).row(&self.plan, row, !self.flipped)
+        self.band_of(row).row(&self.plan, row, !self.clock.flipped)
     }
 
     /// Number of rows.
@@ -152,35 +146,54 @@ impl Lattice {
     }
 }
 
-/// Runs one band through all steps, exchanging halos after each block.
-fn run(
-    band: &mut Band,
-    number: usize,
-    plan: &Plan,
-    depth: usize,
-    drive: &[f32],
-    (start, mut flipped): (u64, bool),
-    exchange: &Exchange,
-) {
-    let mut done = 0;
-    let mut meeting = exchange.meeting();
-    while done < drive.len() {
-        let to_hush = HUSH_EVERY - (start + done as u64) % HUSH_EVERY;
-        let count = depth.min(drive.len() - done).min(to_hush as usize);
-        band.block(plan, &drive[done..done + count], flipped);
-        flipped ^= count % 2 == 1;
-        done += count;
-        if (start + done as u64).is_multiple_of(HUSH_EVERY) {
-            band.hush(plan);
+/// Where a lattice stands in time.
+#[derive(Debug, Clone, Copy, Default)]
+struct Clock {
+    steps: u64,
+    /// Whether the newest field is in the bands' second array.
+    flipped: bool,
+    /// Rows by which the seams are up.
+    lift: usize,
+}
+
+impl Clock {
+    /// The next block, when `left` steps are left to take: how many of them, and which way the seams go.
+    fn block(self, left: usize, depth: usize) -> (usize, Slant) {
+        let to_hush = (HUSH_EVERY - self.steps % HUSH_EVERY) as usize;
+        let steps = left.min(depth).min(to_hush);
+        if self.lift == 0 { (steps, Slant::Rising) } else { (steps.min(self.lift), Slant::Falling) }
+    }
+
+    fn pass(&mut self, steps: usize, slant: Slant) {
+        self.steps += steps as u64;
+        self.flipped ^= steps % 2 == 1;
+        match slant {
+            Slant::Rising => self.lift += steps,
+            Slant::Falling => self.lift -= steps,
         }
-        exchange.halos(band, number, depth, &mut meeting);
     }
 }
 
-/// Cuts the rows into bands of about equal work, none thinner than `depth` rows.
+/// Runs one band through all steps, from the given time to the time that it returns.
+fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &Exchange) -> Clock {
+    let mut rest = drive;
+    while !rest.is_empty() {
+        let (steps, slant) = clock.block(rest.len(), plan.depth);
+        let (now, later) = rest.split_at(steps);
+        band.block(plan, now, clock.flipped, slant, exchange);
+        clock.pass(steps, slant);
+        if clock.steps.is_multiple_of(HUSH_EVERY) {
+            band.hush(plan);
+        }
+        rest = later;
+    }
+    clock
+}
+
+/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. A band has rows to leave and to take over.
 fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
-    let rows = reach.len();
-    let bands = threads.clamp(1, (rows / depth).max(1));
+    let (rows, fewest) = (reach.len(), 2 * depth + 2);
+    let bands = threads.clamp(1, (rows / fewest).max(1));
     let work: usize = reach.iter().map(|cells| cells + LANES).sum();
     let mut edges = vec![0];
     let (mut row, mut sum) = (0, 0);
@@ -189,10 +202,10 @@ fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
             sum += reach[row] + LANES;
             row += 1;
         }
-        // Leave enough rows for the bands on either side.
-        let least = edges[band - 1] + depth;
-        let most = rows - depth * (bands - band);
-        edges.push(row.clamp(least, most));
+        // The seam is up by `depth` half of the time. Leave enough rows for the bands on either side.
+        let least = edges[band - 1] + fewest;
+        let most = rows - fewest * (bands - band);
+        edges.push((row + depth / 2).clamp(least, most));
     }
     edges.push(rows);
     edges.windows(2).map(|pair| pair[0]..pair[1]).collect()

@@ -9,6 +9,7 @@
 //! is another equation (dispersive, fourth order) and is left to the modal lines.
 
 mod band;
+mod block;
 mod cost;
 mod energy;
 mod exchange;

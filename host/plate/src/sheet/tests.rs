@@ -171,7 +171,7 @@ fn a_rectangle_steps_by_the_rule_it_states_whatever_its_size_and_however_it_is_c
         (130, 33, 2),
         (300, 40, 2),
         (700, 40, 3),
-        (1100, 66, 2),
+        (1100, 80, 2),
     ] {
         let start = |cell: usize, row: usize| ((cell * 37 + row * 101) % 97) as f32 / 97.0 - 0.5;
         let courant_squared = 0.2;
