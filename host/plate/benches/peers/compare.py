@@ -4,7 +4,7 @@
     python3 host/plate/benches/peers/compare.py [--rounds N]
 
 The first run makes a virtual environment beside this file with the versions of requirements.txt. Needs a C compiler
-(Devito generates C). Engines take turns in every round, runs last about a millisecond and the fastest of each counts, so
+(Devito generates C). Engines take turns in every round, runs last a few milliseconds and the fastest of each counts, so
 that other work on the machine disturbs none of them for long; compare ratios, not absolute figures.
 """
 
@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-GRIDS = [(128, 32, 960), (512, 128, 96), (2048, 512, 32)]
+GRIDS = [(128, 32, 960), (512, 128, 384), (2048, 512, 32)]
 
 
 def enter_environment():
