@@ -1,9 +1,12 @@
 //! What a sheet takes, told before it is built.
 
+use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::intake::Pace;
 use super::outline::Outline;
-use super::{CELLS_MAX, COURANT, SheetError, SheetGrid};
 use crate::plate::Plate;
+
+/// Courant number of the step (1 is the limit of stability).
+const COURANT: f64 = 0.99;
 
 /// What a sheet takes to run.
 #[derive(Debug, Clone, Copy, PartialEq)]

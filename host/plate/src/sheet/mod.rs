@@ -13,175 +13,32 @@ mod block;
 mod cost;
 mod energy;
 mod exchange;
+mod grid;
 mod intake;
 mod kernel;
 mod lattice;
 mod outline;
 mod plan;
 mod row;
+mod scheme;
 #[cfg(test)]
 mod tests;
 mod vector;
 
 pub use cost::Cost;
+pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
 pub use lattice::Lattice;
 
 use crate::plate::Plate;
 use cost::Layout;
-use intake::{EndLaw, Feed, Intake};
-use kernel::Weights;
+use intake::{EndLaw, Intake};
 use outline::Outline;
-use plan::{Column, Plan, plan_of};
-use std::f64::consts::{FRAC_PI_2, TAU};
+use scheme::Scheme;
+use std::f64::consts::TAU;
 use std::iter::repeat;
-use thiserror::Error;
 
-/// Most cells a sheet may have.
-pub const CELLS_MAX: usize = 1 << 23;
-/// Courant number of the step (1 is the limit of stability).
-const COURANT: f64 = 0.99;
 /// Steps that are collected before the lattice runs.
 const STEPS_AT_ONCE: usize = 4096;
-
-/// How the driven end moves across the width.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DriveShape {
-    /// cos(pi z/2W0): the first width mode alone.
-    FirstMode,
-    /// A raised cosine about `centre` of half-width `reach`, both in half-widths W0 (-0.9 to 0.9; 0.05 to 1): all
-    /// width modes, the even ones too when it is off the centre line.
-    Patch {
-        /// Centre z/W0.
-        centre: f64,
-        /// Distance z/W0 from the centre to where the patch ends.
-        reach: f64,
-    },
-}
-
-impl DriveShape {
-    fn at(self, place: f64) -> f64 {
-        match self {
-            Self::FirstMode => (FRAC_PI_2 * place).cos(),
-            Self::Patch { centre, reach } => {
-                let away = (place - centre).abs() / reach;
-                if away < 1.0 { 0.5 + 0.5 * (2.0 * FRAC_PI_2 * away).cos() } else { 0.0 }
-            }
-        }
-    }
-
-    fn is_symmetric(self) -> bool {
-        match self {
-            Self::FirstMode => true,
-            Self::Patch { centre, .. } => centre == 0.0,
-        }
-    }
-}
-
-/// Where the envelope is recorded, at every step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EnvelopeScope {
-    /// On the centre line only: free.
-    CentreLine,
-    /// Everywhere: about halves the speed.
-    Everywhere,
-}
-
-/// The grid of a sheet and how it is run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SheetGrid {
-    /// Cells along the plate's length (16 to 16384).
-    pub along: usize,
-    /// Cells across the half-width at the driven end (4 to 4096).
-    pub across: usize,
-    /// How the driven end moves.
-    pub drive: DriveShape,
-    /// Whether both halves are computed although the drive is symmetric.
-    pub whole: bool,
-    /// Where the envelope is recorded.
-    pub envelope: EnvelopeScope,
-    /// The frequency at which the loss is the plate's, Hz; `None`: the middle of the plate's band. The loss is
-    /// viscous (r v_t), so the loss factor falls as 1/f about it.
-    pub loss_at_hz: Option<f64>,
-    /// Threads (1 to 64). The result is the same for every number.
-    pub threads: usize,
-}
-
-impl SheetGrid {
-    /// A grid of `along` x `across` cells for the first width mode, on one thread.
-    pub fn new(along: usize, across: usize) -> Self {
-        Self {
-            along,
-            across,
-            drive: DriveShape::FirstMode,
-            whole: false,
-            envelope: EnvelopeScope::CentreLine,
-            loss_at_hz: None,
-            threads: 1,
-        }
-    }
-
-    /// The coarsest grid that still shows the whole span: 8 cells on the half-width where the span ends.
-    pub fn coarse(plate: &Plate) -> Self {
-        let cell = plate.half_width_m(plate.span_m().1) / 8.0;
-        let along = (plate.length_m() / cell).ceil().clamp(16.0, 16384.0) as usize;
-        let across = (plate.half_width_m(0.0) / cell).ceil().clamp(4.0, 4096.0) as usize;
-        Self::new(along, across)
-    }
-
-    fn validate(&self, sample_rate_hz: f64) -> Result<(), SheetError> {
-        let within = |field: &'static str, value: f64, low: f64, high: f64| {
-            if value >= low && value <= high {
-                return Ok(());
-            }
-            Err(SheetError::OutOfRange { field, value, low, high })
-        };
-        within("sample_rate_hz", sample_rate_hz, 1000.0, 1e8)?;
-        within("along", self.along as f64, 16.0, 16384.0)?;
-        within("across", self.across as f64, 4.0, 4096.0)?;
-        within("threads", self.threads as f64, 1.0, 64.0)?;
-        if let Some(frequency_hz) = self.loss_at_hz {
-            within("loss_at_hz", frequency_hz, 0.1, 1e8)?;
-        }
-        if let DriveShape::Patch { centre, reach } = self.drive {
-            within("drive.centre", centre, -0.9, 0.9)?;
-            within("drive.reach", reach, 0.05, 1.0)?;
-        }
-        Ok(())
-    }
-}
-
-/// Why a sheet was refused.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum SheetError {
-    /// The plate bends: the scalar wave equation is not its equation.
-    #[error(
-        "{plate} is a plate in bending: a sheet carries membranes and shear waves, use a time line for it"
-    )]
-    Bends {
-        /// Name of the plate.
-        plate: String,
-    },
-    /// A number is outside its range (or not a number).
-    #[error("{field} = {value}: must be {low} to {high}")]
-    OutOfRange {
-        /// The field of [`SheetGrid`], or `sample_rate_hz`.
-        field: &'static str,
-        /// The value that was given.
-        value: f64,
-        /// Lowest allowed.
-        low: f64,
-        /// Highest allowed.
-        high: f64,
-    },
-    /// The grid is too big to be held.
-    #[error("the grid would have {cells} cells: at most {limit}")]
-    TooBig {
-        /// Cells it would have.
-        cells: usize,
-        /// Most cells.
-        limit: usize,
-    },
-}
 
 /// The largest and the root-mean-square displacement since the last reset.
 #[derive(Debug, Clone, PartialEq)]
@@ -342,89 +199,5 @@ impl Sheet {
     /// The lattice row that holds line `line` of the field.
     fn lattice_row(&self, line: usize) -> usize {
         if self.mirrored { line.abs_diff(self.widths_m.len() / 2) } else { line }
-    }
-}
-
-/// What the weights of the update follow from.
-struct Scheme<'a> {
-    outline: &'a Outline,
-    speed: f64,
-    step_s: f64,
-    /// r of r v_t, 1/s.
-    damping: f64,
-    mirrored: bool,
-    grid: &'a SheetGrid,
-}
-
-impl Scheme<'_> {
-    /// (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/2dt = c^2 (second differences), solved for v+.
-    fn plan(&self, law: EndLaw) -> (Plan, Feed) {
-        let outline = self.outline;
-        let along = (self.speed * self.step_s / outline.dx).powi(2);
-        let across = (self.speed * self.step_s / outline.dz).powi(2);
-        let loss = 0.5 * self.damping * self.step_s;
-        let divisor = 1.0 + loss;
-        let weights = Weights {
-            own: ((2.0 - 2.0 * along - 2.0 * across) / divisor) as f32,
-            past: ((1.0 - loss) / divisor) as f32,
-            along: (along / divisor) as f32,
-            across: (across / divisor) as f32,
-        };
-        let side = outline.rows() - 1;
-        let rows: Vec<usize> = if self.mirrored {
-            (0..=side).collect()
-        } else {
-            (0..2 * side + 1).map(|row| row.abs_diff(side)).collect()
-        };
-        // Links of a point to its two neighbours in z; the centre line has two outward ones.
-        let across_links = |station: usize, row: usize| {
-            let outward = outline.across_link(station, row);
-            if row == 0 { 2.0 * outward } else { 1.0 + outward }
-        };
-        let own = |station: usize, row: usize| {
-            let held = along * (1.0 + outline.along_link(station, row)) + across * across_links(station, row);
-            ((2.0 - held) / divisor) as f32
-        };
-        let own_by_row: Vec<Vec<f32>> = rows
-            .iter()
-            .map(|&row| (1..=outline.reach[row]).map(|station| own(station, row)).collect())
-            .collect();
-
-        // The driven column is half a cell wide: v_tt = c^2 (2/dx ((v1 - v0)/dx - v_x(0)) + v_zz).
-        let (resisted, feed) = match law {
-            EndLaw::Held => (0.0, Feed::Value),
-            EndLaw::Pushed { slope_per_m } => {
-                (0.0, Feed::Scaled(2.0 * along * outline.dx * slope_per_m / divisor))
-            }
-            EndLaw::Resisted { rho_s_per_m } => {
-                let b = along * outline.dx * rho_s_per_m / self.step_s;
-                (b, Feed::Change(2.0 * b / (divisor + b)))
-            }
-        };
-        let moves = if law == EndLaw::Held { 0.0 } else { 1.0 / (divisor + resisted) };
-        let column_own = |row: usize| {
-            let links = 2.0 * along * outline.along_link(0, row) + across * across_links(0, row);
-            (moves * (2.0 - links)) as f32
-        };
-        let column = Column {
-            own: rows.iter().map(|&row| column_own(row)).collect(),
-            past: (moves * (1.0 - loss - resisted)) as f32,
-            inward: (moves * 2.0 * along) as f32,
-            across: (moves * across) as f32,
-            profile: (0..rows.len())
-                .map(|row| {
-                    let from_centre = if self.mirrored { row as f64 } else { row as f64 - side as f64 };
-                    self.grid.drive.at(from_centre / self.grid.across as f64) as f32
-                })
-                .collect(),
-        };
-        let recorded = match self.grid.envelope {
-            EnvelopeScope::Everywhere => 0..rows.len(),
-            EnvelopeScope::CentreLine if self.mirrored => 0..1,
-            EnvelopeScope::CentreLine => side..side + 1,
-        };
-        let reach: Vec<usize> = rows.iter().map(|&row| outline.reach[row]).collect();
-        let plain: Vec<usize> = rows.iter().map(|&row| outline.plain(row)).collect();
-        (plan_of(&reach, &plain, &own_by_row, self.mirrored, weights, Some(column), recorded), feed)
     }
 }

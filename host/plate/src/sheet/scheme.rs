@@ -1,0 +1,91 @@
+//! The finite-difference scheme: what the weights of the update are, and how the driven end moves.
+
+use super::grid::{EnvelopeScope, SheetGrid};
+use super::intake::{EndLaw, Feed};
+use super::kernel::Weights;
+use super::outline::Outline;
+use super::plan::{Column, Plan, plan_of};
+
+/// What the weights of the update follow from.
+pub(super) struct Scheme<'a> {
+    pub(super) outline: &'a Outline,
+    pub(super) speed: f64,
+    pub(super) step_s: f64,
+    /// r of r v_t, 1/s.
+    pub(super) damping: f64,
+    pub(super) mirrored: bool,
+    pub(super) grid: &'a SheetGrid,
+}
+
+impl Scheme<'_> {
+    /// (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/2dt = c^2 (second differences), solved for v+.
+    pub(super) fn plan(&self, law: EndLaw) -> (Plan, Feed) {
+        let outline = self.outline;
+        let along = (self.speed * self.step_s / outline.dx).powi(2);
+        let across = (self.speed * self.step_s / outline.dz).powi(2);
+        let loss = 0.5 * self.damping * self.step_s;
+        let divisor = 1.0 + loss;
+        let weights = Weights {
+            own: ((2.0 - 2.0 * along - 2.0 * across) / divisor) as f32,
+            past: ((1.0 - loss) / divisor) as f32,
+            along: (along / divisor) as f32,
+            across: (across / divisor) as f32,
+        };
+        let side = outline.rows() - 1;
+        let rows: Vec<usize> = if self.mirrored {
+            (0..=side).collect()
+        } else {
+            (0..2 * side + 1).map(|row| row.abs_diff(side)).collect()
+        };
+        // Links of a point to its two neighbours in z; the centre line has two outward ones.
+        let across_links = |station: usize, row: usize| {
+            let outward = outline.across_link(station, row);
+            if row == 0 { 2.0 * outward } else { 1.0 + outward }
+        };
+        let own = |station: usize, row: usize| {
+            let held = along * (1.0 + outline.along_link(station, row)) + across * across_links(station, row);
+            ((2.0 - held) / divisor) as f32
+        };
+        let own_by_row: Vec<Vec<f32>> = rows
+            .iter()
+            .map(|&row| (1..=outline.reach[row]).map(|station| own(station, row)).collect())
+            .collect();
+
+        // The driven column is half a cell wide: v_tt = c^2 (2/dx ((v1 - v0)/dx - v_x(0)) + v_zz).
+        let (resisted, feed) = match law {
+            EndLaw::Held => (0.0, Feed::Value),
+            EndLaw::Pushed { slope_per_m } => {
+                (0.0, Feed::Scaled(2.0 * along * outline.dx * slope_per_m / divisor))
+            }
+            EndLaw::Resisted { rho_s_per_m } => {
+                let b = along * outline.dx * rho_s_per_m / self.step_s;
+                (b, Feed::Change(2.0 * b / (divisor + b)))
+            }
+        };
+        let moves = if law == EndLaw::Held { 0.0 } else { 1.0 / (divisor + resisted) };
+        let column_own = |row: usize| {
+            let links = 2.0 * along * outline.along_link(0, row) + across * across_links(0, row);
+            (moves * (2.0 - links)) as f32
+        };
+        let column = Column {
+            own: rows.iter().map(|&row| column_own(row)).collect(),
+            past: (moves * (1.0 - loss - resisted)) as f32,
+            inward: (moves * 2.0 * along) as f32,
+            across: (moves * across) as f32,
+            profile: (0..rows.len())
+                .map(|row| {
+                    let from_centre = if self.mirrored { row as f64 } else { row as f64 - side as f64 };
+                    self.grid.drive.at(from_centre / self.grid.across as f64) as f32
+                })
+                .collect(),
+        };
+        let recorded = match self.grid.envelope {
+            EnvelopeScope::Everywhere => 0..rows.len(),
+            EnvelopeScope::CentreLine if self.mirrored => 0..1,
+            EnvelopeScope::CentreLine => side..side + 1,
+        };
+        let reach: Vec<usize> = rows.iter().map(|&row| outline.reach[row]).collect();
+        let plain: Vec<usize> = rows.iter().map(|&row| outline.plain(row)).collect();
+        (plan_of(&reach, &plain, &own_by_row, self.mirrored, weights, Some(column), recorded), feed)
+    }
+}
