@@ -175,11 +175,11 @@ impl App {
 
     /// Moves the sheet on by `step_s` seconds of what the user sees.
     pub(super) fn advance_sheet(&mut self, step_s: f64) {
-        let Some((number, picture)) = &self.sounding else { return };
-        self.background.plate_time_s += step_s / slow_factor(picture);
+        let Some(sounding) = &self.hearing.sounding else { return };
+        self.background.plate_time_s += step_s / slow_factor(&sounding.picture);
         let is_behind = self.parts.sheets.progress().is_some();
         let is_shown = self.shown_sheet().is_some();
-        if let Some(drive) = self.background.driven.as_ref().filter(|drive| drive.number == *number)
+        if let Some(drive) = self.background.driven.as_ref().filter(|drive| drive.number == sounding.number)
             && is_shown
             && !is_behind
         {

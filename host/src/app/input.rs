@@ -1,6 +1,6 @@
 //! What keys, pointer and dropped files ask for, taken in before anything is painted.
 
-use super::{App, FRAME, GLANCE};
+use super::App;
 use crate::edit::Edit;
 use crate::files::FileJob;
 use crate::picture::turning_point_for;
@@ -108,25 +108,6 @@ impl App {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if let Some(file) = dropped.first() {
             self.parts.files.begin(FileJob::Open(file.path().to_owned()));
-        }
-    }
-
-    /// Moves the wave on and asks for the next picture, but only while something moves.
-    pub(super) fn advance(&mut self, ctx: &egui::Context) {
-        let is_visible = ctx.input(|input| {
-            let viewport = input.viewport();
-            viewport.minimized != Some(true) && viewport.occluded != Some(true)
-        });
-        if self.sounding.is_none() || !is_visible {
-            return;
-        }
-        if self.settings.animate {
-            let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
-            self.wave_time_s += step;
-            self.advance_sheet(step);
-            ctx.request_repaint_after(FRAME);
-        } else {
-            ctx.request_repaint_after(GLANCE);
         }
     }
 }

@@ -141,11 +141,11 @@ impl App {
                 let text = export::envelope_csv(&self.predicted, self.current_measured());
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
-            Export::Waveform => match export::waveform_csv(&self.live) {
+            Export::Waveform => match export::waveform_csv(&self.hearing.live) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
                 None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
             },
-            Export::Sound => match export::wav(&self.live) {
+            Export::Sound => match export::wav(&self.hearing.live) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),
