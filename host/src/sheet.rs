@@ -7,61 +7,32 @@
 //! The codes are those of the modal line of [`crate::trial`]. After a change the sheet runs ahead until it has
 //! settled; then it goes on at the picture's own slow pace, so that one wave takes about as long as an eye likes.
 
+mod source;
+
+pub use source::{Source, source};
+
 use crate::device_table::DeviceTable;
 use crate::mirror::Mirror;
-use crate::settings::WavePicture;
 use crate::trial;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_plate::sheet::EnvelopeScope;
-use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetError, SheetGrid, TimeLine};
+use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeLine};
 use slipline_protocol::command::Drive;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Cell updates per second of plate time up to which a sheet is shown without being asked for: about half of what
-/// one processor core does in a second, so that it runs live with room to spare.
-pub const BUDGET: f64 = 5e8;
-/// The most with which one can be asked for: it settles within some tens of seconds on one core.
-pub const BUDGET_ON_REQUEST: f64 = 5e10;
 /// Codes from the table to the drive, so that the table is in place.
 const AHEAD: u64 = 8 * BLOCK as u64;
 /// The longest stretch of plate time between two pictures, in seconds; a longer pause is skipped.
 const STRIDE_MAX_S: f64 = 0.05;
 
-/// What the wave is drawn from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Source {
-    /// The wave equation on the whole sheet, in time.
-    Sheet,
-    /// The first width mode along the plate; with a sentence that says why it is not the sheet, if that was wished.
-    Lines(Option<String>),
-}
-
-/// What the wave of this plate is drawn from at this sample rate. Follows from the plate alone, not from the machine.
-#[must_use]
-pub fn source(plate: &Plate, sample_rate_hz: f64, wish: WavePicture) -> Source {
-    let (budget, is_wished) = match wish {
-        WavePicture::Lines => return Source::Lines(None),
-        WavePicture::Automatic => (BUDGET, false),
-        WavePicture::Sheet => (BUDGET_ON_REQUEST, true),
-    };
-    let reason = match grid(plate).cost(plate, sample_rate_hz) {
-        Ok(cost) if cost.updates_per_second() <= budget => return Source::Sheet,
-        Ok(cost) => {
-            format!("the sheet would take {:.0e} cell updates a second", cost.updates_per_second())
-        }
-        Err(SheetError::Bends { .. }) => "a plate in bending is no stretched sheet".to_owned(),
-        Err(error) => error.to_string(),
-    };
-    Source::Lines(is_wished.then_some(reason))
-}
-
+/// The cells of the app's sheet: coarse, and with the largest displacement everywhere.
 fn grid(plate: &Plate) -> SheetGrid {
     SheetGrid { envelope: EnvelopeScope::Everywhere, ..SheetGrid::coarse(plate) }
 }
 
-/// The sheet at a moment.
+/// The sheet at a moment; of no plate by default, and 0 everywhere.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
     /// The plate it is.
@@ -77,19 +48,19 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Displacement in metres at a place (x from the driven end, z from the centre line, metres); 0 off the sheet.
+    /// Displacement in metres at a place (x from the driven end, z from the centre line, both in metres), bilinear
+    /// between the cells; 0 off the sheet.
     #[must_use]
     pub fn now_m(&self, x_m: f64, z_m: f64) -> f64 {
         self.at(&self.now_m, x_m, z_m)
     }
 
-    /// Largest displacement in metres at a place.
+    /// Largest displacement in metres since the sheet had settled, at a place given as for [`Frame::now_m`].
     #[must_use]
     pub fn largest_m(&self, x_m: f64, z_m: f64) -> f64 {
         self.at(&self.largest_m, x_m, z_m)
     }
 
-    /// Bilinear between the cells.
     fn at(&self, values: &[f32], x_m: f64, z_m: f64) -> f64 {
         let rows = values.len().checked_div(self.stations).unwrap_or(0);
         let (column, row) = (x_m / self.step_m.0, z_m / self.step_m.1 + 0.5 * rows.saturating_sub(1) as f64);
@@ -114,11 +85,14 @@ impl Frame {
 pub struct Job {
     /// What is driven.
     pub drive: trial::Job,
-    /// Plate time that has passed in slow motion, in seconds.
+    /// Plate time that has passed in slow motion, in seconds: the sheet goes on by as much as it is ahead of the job
+    /// before, from 0 to 0.05 s.
     pub time_s: f64,
 }
 
-/// The work of the thread that runs the sheet. `None` when the plate has no sheet.
+/// The work of the thread that runs the sheet; it keeps the sheet from job to job. `None` when the plate has no sheet
+/// at the device's rate, or its codes could not be replayed. A task that is over leaves off settling: the frame shows
+/// how far it came, and the next job goes on from there.
 pub fn work() -> impl FnMut(Job, &Task) -> Option<Frame> + Send {
     let mut run: Option<Run> = None;
     move |job, task| {
@@ -260,21 +234,6 @@ mod tests {
     use slipline_protocol::units::Position;
 
     const RATE: f64 = 400_000.0;
-
-    #[test]
-    fn slow_plates_get_the_sheet_and_stiff_ones_the_lines() {
-        let of = |name: &str, wish| source(&slipline_plate::preset(name).unwrap(), RATE, wish);
-        for name in ["membrane", "paper-rubber"] {
-            assert_eq!(of(name, WavePicture::Automatic), Source::Sheet, "{name}");
-            assert_eq!(of(name, WavePicture::Lines), Source::Lines(None), "{name}");
-        }
-        for name in ["al-bending", "al-sh"] {
-            assert_eq!(of(name, WavePicture::Automatic), Source::Lines(None), "{name}");
-        }
-        assert_eq!(of("al-sh", WavePicture::Sheet), Source::Sheet);
-        let Source::Lines(Some(reason)) = of("al-bending", WavePicture::Sheet) else { panic!("it bends") };
-        assert!(reason.contains("bending"), "{reason}");
-    }
 
     fn job(number: u64, plate: &Arc<Plate>, table: &Arc<DeviceTable>, position: Position) -> Job {
         let drive = one_tone(0, position, 8000);

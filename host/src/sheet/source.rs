@@ -1,0 +1,60 @@
+//! What the wave is drawn from: the sheet where its cost allows, else the modal lines.
+
+use super::grid;
+use crate::settings::WavePicture;
+use slipline_plate::{Plate, SheetError};
+
+/// Cell updates per second of plate time up to which a sheet is shown without being asked for: few enough that one
+/// processor core has settled it in a moment and runs it on with room to spare.
+const BUDGET: f64 = 5e8;
+/// The most with which one can be asked for: it settles within some tens of seconds on one core.
+const BUDGET_ON_REQUEST: f64 = 5e10;
+
+/// What the wave is drawn from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Source {
+    /// The wave equation on the whole sheet, in time.
+    Sheet,
+    /// The first width mode along the plate; with a sentence that says why it is not the sheet, if that was wished.
+    Lines(Option<String>),
+}
+
+/// What the wave of this plate is drawn from at this sample rate, in Hz. Follows from its arguments alone, not from the
+/// machine. A plate that has no sheet at this rate gets the lines, whatever the wish.
+#[must_use]
+pub fn source(plate: &Plate, sample_rate_hz: f64, wish: WavePicture) -> Source {
+    let (budget, is_wished) = match wish {
+        WavePicture::Lines => return Source::Lines(None),
+        WavePicture::Automatic => (BUDGET, false),
+        WavePicture::Sheet => (BUDGET_ON_REQUEST, true),
+    };
+    let reason = match grid(plate).cost(plate, sample_rate_hz) {
+        Ok(cost) if cost.updates_per_second() <= budget => return Source::Sheet,
+        Ok(cost) => {
+            format!("the sheet would take {:.0e} cell updates a second", cost.updates_per_second())
+        }
+        Err(SheetError::Bends { .. }) => "a plate in bending is no stretched sheet".to_owned(),
+        Err(error) => error.to_string(),
+    };
+    Source::Lines(is_wished.then_some(reason))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slow_plates_get_the_sheet_and_stiff_ones_the_lines() {
+        let of = |name: &str, wish| source(&slipline_plate::preset(name).unwrap(), 400e3, wish);
+        for name in ["membrane", "paper-rubber"] {
+            assert_eq!(of(name, WavePicture::Automatic), Source::Sheet, "{name}");
+            assert_eq!(of(name, WavePicture::Lines), Source::Lines(None), "{name}");
+        }
+        for name in ["al-bending", "al-sh"] {
+            assert_eq!(of(name, WavePicture::Automatic), Source::Lines(None), "{name}");
+        }
+        assert_eq!(of("al-sh", WavePicture::Sheet), Source::Sheet);
+        let Source::Lines(Some(reason)) = of("al-bending", WavePicture::Sheet) else { panic!("it bends") };
+        assert!(reason.contains("bending"), "{reason}");
+    }
+}
