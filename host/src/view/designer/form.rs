@@ -1,0 +1,277 @@
+//! The form of the designer: the fields of a draft, and the reason of a misfit at the field it names. The fields and
+//! their words are those of `slipline design`.
+
+use crate::designer::{Draft, Kind, Misfit, Stretch};
+use crate::quantity;
+use crate::view::field::{Field, Fields, labelled};
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_plate::design::{Material, material_names};
+
+/// Width of a field or menu, in points: to the end of the panel.
+const FIELD: f32 = 156.0;
+/// What stands in a field that is left to the library.
+const AUTOMATIC: &str = "auto";
+
+/// The fields of a draft.
+pub(super) struct Form<'a> {
+    draft: &'a Draft,
+    misfit: Option<&'a Misfit>,
+    fields: &'a mut Fields,
+    shown: Shown,
+}
+
+/// What came of showing it.
+#[derive(Default)]
+pub(super) struct Shown {
+    /// The draft that the user makes of it.
+    pub(super) change: Option<Draft>,
+    /// Whether the reason of the misfit stands at its field.
+    pub(super) is_told: bool,
+}
+
+/// One field: its name, the library's names for it, what stands in it and what is allowed.
+struct Entry<'a> {
+    name: &'a str,
+    keys: &'a [&'a str],
+    value: String,
+    hint: &'a str,
+}
+
+fn text_of<E: ToString>(error: E) -> String {
+    error.to_string()
+}
+
+fn millimetres(metres: f64) -> String {
+    let text = format!("{:.4}", metres * 1e3);
+    format!("{} mm", text.trim_end_matches('0').trim_end_matches('.'))
+}
+
+fn hertz(frequency_hz: f64) -> String {
+    if frequency_hz >= 1e3 { format!("{} kHz", frequency_hz / 1e3) } else { format!("{frequency_hz} Hz") }
+}
+
+/// What is typed, or `None` for nothing or `auto`.
+fn optional(text: &str, read: impl FnOnce(&str) -> Result<f64, String>) -> Result<Option<f64>, String> {
+    let text = text.trim();
+    if text.is_empty() || text == AUTOMATIC { Ok(None) } else { read(text).map(Some) }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    quantity::length_m(text).map_err(text_of)
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    quantity::frequency_hz(text).map_err(text_of)
+}
+
+impl<'a> Form<'a> {
+    /// A form of this draft; a `misfit` is why there is no plate for it.
+    pub(super) fn new(draft: &'a Draft, misfit: Option<&'a Misfit>, fields: &'a mut Fields) -> Self {
+        Self { draft, misfit, fields, shown: Shown::default() }
+    }
+
+    /// Shows every field.
+    pub(super) fn show(mut self, ui: &mut egui::Ui) -> Shown {
+        ui.push_id("design", |ui| {
+            self.sheet(ui);
+            self.size(ui);
+            egui::CollapsingHeader::new("More").show_unindented(ui, |ui| self.rest(ui));
+        });
+        self.shown
+    }
+
+    /// A field; what is typed changes the draft by `take`.
+    fn entry(
+        &mut self,
+        ui: &mut egui::Ui,
+        entry: &Entry<'_>,
+        take: impl FnOnce(&mut Draft, &str) -> Result<(), String>,
+    ) {
+        let Entry { name, keys, value, hint } = entry;
+        let reason = self.misfit.filter(|misfit| keys.contains(&misfit.field.as_str()));
+        labelled(ui, name, |ui| {
+            ui.vertical(|ui| {
+                let field = Field { name, value, hint, width: FIELD, caption: None };
+                let draft = self.draft;
+                let taken = field.show(ui, self.fields, |text| {
+                    let mut draft = draft.clone();
+                    take(&mut draft, text).map(|()| draft)
+                });
+                self.shown.change = taken.or(self.shown.change.take());
+                if let Some(misfit) = reason {
+                    self.shown.is_told = true;
+                    let text = RichText::new(&misfit.reason).small().color(theme::palette(ui).wrong);
+                    ui.add(egui::Label::new(text).wrap());
+                }
+            });
+        });
+    }
+
+    /// A menu of values and their names; `now` is chosen, another one changes the draft by `take`.
+    fn choice<T: PartialEq + Copy>(
+        &mut self,
+        ui: &mut egui::Ui,
+        name: &str,
+        now: T,
+        all: impl Iterator<Item = (T, &'static str)>,
+        take: impl FnOnce(&mut Draft, T),
+    ) {
+        let all: Vec<(T, &'static str)> = all.collect();
+        let shown = all.iter().find(|(value, _)| *value == now).map_or("", |(_, name)| *name);
+        labelled(ui, name, |ui| {
+            let mut chosen = None;
+            let menu = egui::ComboBox::from_id_salt(name).selected_text(shown).width(FIELD);
+            let menu = menu.show_ui(ui, |ui| {
+                for (value, name) in &all {
+                    if ui.selectable_label(*value == now, *name).clicked() && *value != now {
+                        chosen = Some(*value);
+                    }
+                }
+            });
+            let label = format!("{name}: {shown}");
+            menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+            if let Some(value) = chosen {
+                let mut draft = self.draft.clone();
+                take(&mut draft, value);
+                self.shown.change = Some(draft);
+            }
+        });
+    }
+
+    /// What the sheet is of, and how it carries the wave.
+    fn sheet(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let materials = material_names().map(|name| (name, name));
+        self.choice(ui, "Material", draft.material, materials, |draft, name| {
+            draft.material = name;
+            draft.loss_factor = None;
+        });
+        let thickness = Entry {
+            name: "Thickness",
+            keys: &["thickness_m", "model.thickness_m"],
+            value: millimetres(draft.thickness_m),
+            hint: "The sheet's thickness, 1 µm to 100 mm",
+        };
+        self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
+        let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
+        self.choice(ui, "Wave", draft.kind, kinds, |draft, kind| draft.kind = kind);
+        match draft.kind {
+            Kind::Supported | Kind::Clamped => {
+                let mut thin = draft.thin;
+                let check = ui.checkbox(&mut thin, "Thin plate");
+                if check.on_hover_text("Leave out shear and rotary inertia").changed() {
+                    self.shown.change = Some(Draft { thin, ..draft.clone() });
+                }
+            }
+            Kind::Membrane => self.stretch(ui),
+            Kind::Shear => {}
+        }
+    }
+
+    /// How a membrane is stretched: by a wave speed or by a tension.
+    fn stretch(&mut self, ui: &mut egui::Ui) {
+        let value = match self.draft.stretch {
+            Stretch::WaveSpeed(speed) => format!("{speed} m/s"),
+            Stretch::Tension(tension) => format!("{tension} N/m"),
+        };
+        let stretch = Entry {
+            name: "Wave speed",
+            keys: &["model.wave_speed_m_per_s"],
+            value,
+            hint: "A wave speed (12 m/s) or a tension per width (70 N/m)",
+        };
+        self.entry(ui, &stretch, |draft, text| {
+            draft.stretch = match quantity::plain(text, "m/s") {
+                Ok(speed) => Stretch::WaveSpeed(speed),
+                Err(_) => {
+                    Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| format!("{error} or m/s"))?)
+                }
+            };
+            Ok(())
+        });
+    }
+
+    /// The band, and how long the plate is for it.
+    fn size(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let low = Entry {
+            name: "Band from",
+            keys: &["band low"],
+            value: hertz(draft.band_hz.0),
+            hint: "The boundary's lowest frequency, such as 20 kHz",
+        };
+        self.entry(ui, &low, |draft, text| frequency(text).map(|value| draft.band_hz.0 = value));
+        let high = Entry {
+            name: "Band to",
+            keys: &["band high"],
+            value: hertz(draft.band_hz.1),
+            hint: "The boundary's highest frequency, at least 5 % above the lowest",
+        };
+        self.entry(ui, &high, |draft, text| frequency(text).map(|value| draft.band_hz.1 = value));
+        let long = Entry {
+            name: "Length",
+            keys: &["length_m"],
+            value: millimetres(draft.length_m),
+            hint: "From the driven end to the narrow end, 5 mm to 10 m",
+        };
+        self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
+    }
+
+    /// What the library chooses, unless it is chosen here.
+    fn rest(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);
+        let start = Entry {
+            name: "Start margin",
+            keys: &["start_margin_m", "span_start_m"],
+            value: automatic(draft.start_margin_m),
+            hint: "From the driven end to the nearest boundary; auto: as much as its peak needs",
+        };
+        self.entry(ui, &start, |draft, text| {
+            optional(text, length).map(|value| draft.start_margin_m = value)
+        });
+        let end = Entry {
+            name: "End margin",
+            keys: &["end_margin_m", "span_end_m"],
+            value: automatic(draft.end_margin_m),
+            hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs",
+        };
+        self.entry(ui, &end, |draft, text| optional(text, length).map(|value| draft.end_margin_m = value));
+        let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
+        let loss = Entry {
+            name: "Loss factor",
+            keys: &["material.loss_factor", "loss_factor"],
+            value: draft.loss_factor.unwrap_or(library).to_string(),
+            hint: "0 to 0.5; auto: the library's for this material",
+        };
+        self.entry(ui, &loss, |draft, text| {
+            let plain = |text: &str| quantity::plain(text, "").map_err(text_of);
+            optional(text, plain).map(|value| draft.loss_factor = value)
+        });
+        let scale = Entry {
+            name: "Full scale",
+            keys: &["full_scale_m"],
+            value: draft.full_scale_m.map_or_else(|| AUTOMATIC.to_owned(), millimetres),
+            hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm",
+        };
+        self.entry(ui, &scale, |draft, text| optional(text, length).map(|value| draft.full_scale_m = value));
+        let rim = Entry {
+            name: "Rim",
+            keys: &["rim_m"],
+            value: millimetres(draft.rim_m),
+            hint: "Width of the frame's rim, 10 to 500 mm",
+        };
+        self.entry(ui, &rim, |draft, text| length(text).map(|value| draft.rim_m = value));
+        let name = Entry {
+            name: "Name",
+            keys: &["name"],
+            value: draft.name.clone(),
+            hint: "The plate's name, 1 to 80 characters",
+        };
+        self.entry(ui, &name, |draft, text| {
+            draft.name = text.trim().to_owned();
+            Ok(())
+        });
+    }
+}
