@@ -1,17 +1,17 @@
-//! What to say to a connected device next; what its answers mean is in [`answers`].
+//! What to say to a connected device next; what its answers mean is in [`answers`], a table's way in [`uploading`].
 //!
 //! Tasks are said in order, one numbered command at a time. An upload runs beside them, a step whenever the lane is
 //! free. A stop goes out at once, throws away the drives that have not been said, and makes sure that one that has
 //! been said is never repeated.
 
 mod answers;
+mod uploading;
 
 use super::conversation::{Conversation, KEEP_ALIVE_PERIOD};
 use super::record::Record;
 use super::upload::{BUSY_TRIES, Upload};
-use super::{Change, DriveRequest, Outcome, Request, Severity, Ticket, Trouble};
+use super::{DriveRequest, Outcome, Request, Ticket, Trouble};
 use slipline_protocol::Command;
-use slipline_protocol::event::State;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -304,26 +304,14 @@ impl Dialogue {
             Job::Say(command) => command.clone(),
             Job::FirstReadBack => Command::TableDigest,
             Job::DigestRead => Command::DigestRead,
-            Job::CancelUpload => match self.upload.take() {
-                Some(upload) => {
-                    record.view.upload = None;
-                    record.finish(Some(upload.ticket), Outcome::Superseded);
-                    Command::TableAbort
-                }
-                None => {
-                    record.finish(task.ticket, Outcome::Done { at: 0 });
-                    return true;
-                }
-            },
-            Job::BeginUpload(upload) if recognised(upload, record) => return true,
             Job::BeginUpload(upload) => {
-                if let Some(older) = self.upload.replace(upload.clone()) {
-                    record.finish(Some(older.ticket), Outcome::Superseded);
-                }
-                record.view.upload = Some(upload.progress());
-                record.touch();
+                self.begin_upload(upload, record);
                 return true;
             }
+            Job::CancelUpload => match self.cancel_upload(task.ticket, record) {
+                Some(command) => command,
+                None => return true,
+            },
             Job::Drive(request) => {
                 let Some(identity) = record.view.identity.clone() else { return true };
                 match request.for_device(&identity, record.view.table.active.as_ref()) {
@@ -339,22 +327,4 @@ impl Dialogue {
         self.current = Some(Current::Task(Box::new(task)));
         true
     }
-}
-
-/// A table that the device holds from before this session, as after a restart with a stored one, need not be sent: the
-/// read-back has named it. From now on it is known, so that the mirror can follow.
-fn recognised(upload: &Upload, record: &mut Record) -> bool {
-    let is_silent =
-        record.view.status.is_some_and(|status| !matches!(status.state, State::Driving | State::Stopping));
-    let is_held = record.view.table.active == Some(upload.table.header());
-    if !(is_held && is_silent && record.view.confirmed_table.is_none()) {
-        return false;
-    }
-    let at = record.view.status.map_or(0, |status| status.now);
-    record.view.confirmed_table = Some(upload.table.clone());
-    record.view.upload_verified = Some(true);
-    record.acknowledge(at, Change::Table(upload.table.clone()));
-    record.log(Severity::Info, format!("Table {:08x} is on the device already.", upload.table.crc()));
-    record.finish(Some(upload.ticket), Outcome::Done { at });
-    true
 }

@@ -4,7 +4,7 @@ use super::conversation::Conversation;
 use super::snapshot::{JOURNAL_ENTRIES, JOURNAL_LIMITS, LOG_LINES, OUTCOMES};
 use super::{Acknowledged, Change, LogEntry, Outcome, Severity, Snapshot, Ticket, Trouble};
 use crate::link::LinkState;
-use slipline_protocol::event::Status;
+use slipline_protocol::event::{Status, TableReport};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -103,6 +103,13 @@ impl Record {
         self.changed = true;
     }
 
+    /// Takes the device's word on its table: one that it holds no more is no longer known.
+    pub(crate) fn table(&mut self, report: TableReport) {
+        self.view.confirmed_table.take_if(|known| report.active != Some(known.header()));
+        self.view.table = report;
+        self.touch();
+    }
+
     pub(crate) fn round_trip(&mut self, took: Duration) {
         let trip = &mut self.view.round_trip;
         trip.last = took;
@@ -145,7 +152,7 @@ impl Record {
         view.identity = None;
         view.compatibility = None;
         view.status = None;
-        view.table = slipline_protocol::event::TableReport::default();
+        view.table = TableReport::default();
         view.confirmed_table = None;
         view.upload = None;
         view.trouble = trouble;
@@ -182,6 +189,7 @@ fn push_bounded<T>(list: &mut VecDeque<T>, limit: usize, item: T) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device_table::DeviceTable;
 
     #[test]
     fn a_limit_that_changes_for_minutes_does_not_push_out_the_drive() {
@@ -197,5 +205,21 @@ mod tests {
             journal.back().map(|entry| (entry.number, &entry.change)),
             Some((1000, &Change::Limit(999)))
         );
+    }
+
+    #[test]
+    fn a_table_is_known_for_as_long_as_the_device_names_it() {
+        let table = |hz: f64| {
+            let knots = [(2.0 * hz, 1.0), (hz, 1.0)];
+            Arc::new(DeviceTable::from_knots((0.1, 0.2), 400e3, knots, 1e-6).unwrap())
+        };
+        let (known, other) = (table(20e3), table(21e3));
+        let mut record = Record::default();
+        record.view.confirmed_table = Some(known.clone());
+        for (active, is_known) in [(Some(known.header()), true), (Some(other.header()), false)] {
+            record.table(TableReport { active, staged: 0 });
+            assert_eq!(record.view.table.active, active);
+            assert_eq!(record.view.confirmed_table.is_some(), is_known);
+        }
     }
 }

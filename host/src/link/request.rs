@@ -62,7 +62,8 @@ pub enum Request {
     EmergencyStop,
     /// Clear the latched faults whose cause is gone.
     ClearFaults,
-    /// Send this table and swap it in, then read its digest back.
+    /// Have the device hold this table: send it, swap it in, and read its digest back. A silent device that has held it
+    /// since before this session is sent nothing.
     Upload(Arc<DeviceTable>),
     /// Give up the upload under way.
     CancelUpload,

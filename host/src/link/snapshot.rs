@@ -150,13 +150,14 @@ pub struct Snapshot {
     pub status: Option<Status>,
     /// When that status came, since the worker was started: with the rate it tells the present sample index.
     pub status_time: Duration,
-    /// The device's table.
+    /// The device's table, by its own word: the latest read-back.
     pub table: TableReport,
-    /// The table this program sent and the device has confirmed by its digest.
+    /// The device's table, knot by knot: this program sent it, or has it too, and the device named it by its digest.
+    /// `None` while the device holds none, or one that was put there by somebody else.
     pub confirmed_table: Option<Arc<DeviceTable>>,
     /// An upload under way.
     pub upload: Option<UploadProgress>,
-    /// Whether the last upload's digest, read back, was the one sent; `None` while there was none.
+    /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
     pub upload_verified: Option<bool>,
     /// How long answers take.
     pub round_trip: RoundTrip,

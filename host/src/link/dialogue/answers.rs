@@ -3,7 +3,6 @@
 use super::{BUSY_TRIES, Current, Dialogue, Job, Stage, Task, Verdict};
 use crate::link::conversation::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::link::record::Record;
-use crate::link::upload::{BUSY_PAUSE, Step};
 use crate::link::{Change, LinkState, Outcome, Severity, Trouble};
 use slipline_app::Timing;
 use slipline_protocol::event::{Digest, Identity, State, Status};
@@ -133,54 +132,6 @@ impl Dialogue {
         Verdict::GoOn
     }
 
-    fn uploaded(&mut self, event: Event, record: &mut Record, now: Duration) {
-        // Cancelled or replaced while a step was under way.
-        let Some(upload) = &mut self.upload else { return };
-        match (upload.step, event) {
-            (_, Event::Refused(Refusal::Busy(_))) if upload.tries < BUSY_TRIES => {
-                upload.tries += 1;
-                upload.not_before = now + BUSY_PAUSE;
-            }
-            (Step::Verify, Event::Table(report)) => {
-                let is_verified = report.active == Some(upload.table.header());
-                record.view.table = report;
-                record.view.upload_verified = Some(is_verified);
-                record.view.upload = None;
-                if let Some(upload) = self.upload.take() {
-                    if is_verified {
-                        record.view.confirmed_table = Some(upload.table.clone());
-                        record.log(
-                            Severity::Info,
-                            format!("Table {:08x} is on the device.", upload.table.crc()),
-                        );
-                        let at = record.view.status.map_or(0, |status| status.now);
-                        record.finish(Some(upload.ticket), Outcome::Done { at });
-                    } else {
-                        let sentence = "the table on the device is not the one that was sent";
-                        record.finish(Some(upload.ticket), Outcome::Refused(sentence.to_owned()));
-                    }
-                }
-                self.status_stale = true;
-            }
-            (Step::Begin | Step::Chunk { .. }, Event::Accepted(_)) => {
-                upload.advance();
-                record.view.upload = Some(upload.progress());
-                record.touch();
-            }
-            (Step::Commit, Event::Accepted(accepted)) => {
-                upload.advance();
-                record.acknowledge(accepted.at, Change::Table(upload.table.clone()));
-            }
-            (_, event) => {
-                let ticket = upload.ticket;
-                self.upload = None;
-                record.view.upload = None;
-                record.view.upload_verified = Some(false);
-                record.finish(Some(ticket), Outcome::Refused(sentence(&event)));
-            }
-        }
-    }
-
     fn done(
         &mut self,
         mut task: Task,
@@ -208,11 +159,7 @@ impl Dialogue {
                 return Verdict::GoOn;
             }
             Event::Table(report) => {
-                record.view.table = report;
-                if record.view.confirmed_table.as_ref().map(|table| table.header()) != report.active {
-                    record.view.confirmed_table = None;
-                }
-                record.touch();
+                record.table(report);
                 let now_at = record.view.status.map_or(0, |status| status.now);
                 match task.job {
                     Job::FirstReadBack => {
@@ -292,7 +239,8 @@ impl Dialogue {
     }
 }
 
-fn sentence(event: &Event) -> String {
+/// What to tell the user of an answer that was not hoped for.
+pub(super) fn sentence(event: &Event) -> String {
     match event {
         Event::Refused(refusal) => refusal.to_string(),
         _ => "the device gave an answer that does not fit the question".to_owned(),
