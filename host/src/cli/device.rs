@@ -75,9 +75,7 @@ impl Device {
     /// Makes sure that the device holds the plate's table, made for its sample rate.
     pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let (_, table) = progress::table_for(plate, self.identity()?.sample_rate_hz)?;
-        if self.snapshot().table.active != Some(table.header()) {
-            self.perform(Request::Upload(table.clone()))?;
-        }
+        self.perform(Request::Upload(table.clone()))?;
         Ok(table)
     }
 }
