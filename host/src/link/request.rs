@@ -65,7 +65,7 @@ pub enum Request {
     /// Have the device hold this table: send it, swap it in, and read its digest back. A silent device that has held it
     /// since before this session is sent nothing.
     Upload(Arc<DeviceTable>),
-    /// Give up the upload under way.
+    /// Give up the upload under way; nothing happens if there is none, or if its table is in force already.
     CancelUpload,
     /// Read the digest of the device's table.
     ReadBack,

@@ -12,7 +12,8 @@ use std::time::Duration;
 impl Dialogue {
     /// Begins an upload, in the place of one that is under way, unless the device needs none.
     pub(super) fn begin_upload(&mut self, upload: &Upload, record: &mut Record) {
-        if recognise(upload, record) {
+        // Whatever is under way replaces what the device holds.
+        if self.upload.is_none() && recognise(upload, record) {
             return;
         }
         if let Some(older) = self.upload.replace(upload.clone()) {
@@ -22,9 +23,10 @@ impl Dialogue {
         record.touch();
     }
 
-    /// Gives up the upload under way; what to say for it, if there is one.
+    /// Gives up the upload under way; what to say for it, if there is one. A table that is in force already is past
+    /// giving up: which one the device holds has still to be read back.
     pub(super) fn cancel_upload(&mut self, ticket: Option<Ticket>, record: &mut Record) -> Option<Command> {
-        let Some(upload) = self.upload.take() else {
+        let Some(upload) = self.upload.take_if(|upload| upload.step != Step::Verify) else {
             record.finish(ticket, Outcome::Done { at: 0 });
             return None;
         };
@@ -100,4 +102,57 @@ fn confirm(upload: &Upload, record: &mut Record, when: &str) {
     record.log(Severity::Info, format!("Table {:08x} is on the device{when}.", upload.table.crc()));
     let at = record.view.status.map_or(0, |status| status.now);
     record.finish(Some(upload.ticket), Outcome::Done { at });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device_table::DeviceTable;
+    use slipline_protocol::event::{Status, TableReport};
+    use std::sync::Arc;
+
+    fn upload(number: u64, hz: f64) -> Upload {
+        let table = DeviceTable::from_knots((0.1, 0.2), 400e3, [(2.0 * hz, 1.0), (hz, 1.0)], 1e-6).unwrap();
+        Upload::new(Ticket(number), Arc::new(table))
+    }
+
+    /// A silent device that holds this upload's table from before.
+    fn holding(upload: &Upload) -> (Dialogue, Record) {
+        let mut record = Record::default();
+        record.status(Status::default());
+        record.table(TableReport { active: Some(upload.table.header()), staged: 0 });
+        (Dialogue::begin(*b"test", None, Duration::ZERO), record)
+    }
+
+    #[test]
+    fn a_held_table_is_recognised_only_while_no_other_is_on_its_way() {
+        let (held, other) = (upload(2, 20e3), upload(1, 21e3));
+        let (mut dialogue, mut record) = holding(&held);
+        dialogue.begin_upload(&other, &mut record);
+        dialogue.begin_upload(&held, &mut record);
+        assert_eq!(record.view.outcome(other.ticket), Some(&Outcome::Superseded));
+        assert_eq!(record.view.outcome(held.ticket), None);
+        assert!(record.view.confirmed_table.is_none());
+
+        let (mut dialogue, mut record) = holding(&held);
+        dialogue.begin_upload(&held, &mut record);
+        assert_eq!(record.view.outcome(held.ticket), Some(&Outcome::Done { at: 0 }));
+        assert_eq!(record.view.confirmed_table, Some(held.table));
+    }
+
+    #[test]
+    fn a_table_that_is_in_force_is_read_back_whether_its_upload_is_cancelled_or_not() {
+        let (held, mut sent) = (upload(1, 20e3), upload(2, 21e3));
+        let (mut dialogue, mut record) = holding(&held);
+        sent.step = Step::Verify;
+        dialogue.upload = Some(sent.clone());
+        assert_eq!(dialogue.cancel_upload(Some(Ticket(3)), &mut record), None);
+        let report = TableReport { active: Some(sent.table.header()), staged: 0 };
+        dialogue.uploaded(Event::Table(report), &mut record, Duration::ZERO);
+        assert_eq!(record.view.confirmed_table, Some(sent.table));
+
+        dialogue.upload = Some(upload(4, 22e3));
+        assert_eq!(dialogue.cancel_upload(Some(Ticket(5)), &mut record), Some(Command::TableAbort));
+        assert_eq!(record.view.outcome(Ticket(4)), Some(&Outcome::Superseded));
+    }
 }
