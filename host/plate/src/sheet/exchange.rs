@@ -2,7 +2,7 @@
 
 use super::block::Slant;
 use super::vector::Line;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Turns of waiting before a thread lets others have its core.
@@ -12,6 +12,19 @@ const SPINS: u32 = 4096;
 #[derive(Debug)]
 pub(super) struct Exchange {
     seams: Vec<Seam>,
+    /// Whether a band has panicked: nobody may wait for it for ever.
+    is_broken: AtomicBool,
+}
+
+/// Held by a band while it runs, so that the others hear of its panic.
+pub(super) struct Presence<'a>(&'a Exchange);
+
+impl Drop for Presence<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.is_broken.store(true, Ordering::Release);
+        }
+    }
 }
 
 /// One seam: what goes down over it in rising blocks, and up in falling ones.
@@ -40,7 +53,11 @@ pub(super) struct Parcel {
 
 impl Exchange {
     pub(super) fn new(bands: usize) -> Self {
-        Self { seams: (1..bands).map(|_| Seam::default()).collect() }
+        Self { seams: (1..bands).map(|_| Seam::default()).collect(), is_broken: AtomicBool::new(false) }
+    }
+
+    pub(super) fn join(&self) -> Presence<'_> {
+        Presence(self)
     }
 
     /// Leaves to a neighbour what `pack` packs, when the parcel before it was taken. Without a neighbour: nothing.
@@ -50,7 +67,7 @@ impl Exchange {
             Slant::Falling => self.above(band).map(|seam| &seam.up),
         };
         let Some(slot) = slot else { return };
-        wait_until(|| slot.taken.load(Ordering::Acquire) == slot.left.load(Ordering::Relaxed));
+        self.wait_until(|| slot.taken.load(Ordering::Acquire) == slot.left.load(Ordering::Relaxed));
         // A poisoned parcel is only numbers; the thread that panicked is reported by the scope that joins it.
         pack(&mut slot.parcel.lock().unwrap_or_else(PoisonError::into_inner));
         slot.left.fetch_add(1, Ordering::Release);
@@ -63,7 +80,7 @@ impl Exchange {
             Slant::Falling => self.seams.get(band).map(|seam| &seam.up),
         };
         let Some(slot) = slot else { return };
-        wait_until(|| slot.left.load(Ordering::Acquire) > slot.taken.load(Ordering::Relaxed));
+        self.wait_until(|| slot.left.load(Ordering::Acquire) > slot.taken.load(Ordering::Relaxed));
         unpack(&slot.parcel.lock().unwrap_or_else(PoisonError::into_inner));
         slot.taken.fetch_add(1, Ordering::Release);
     }
@@ -71,17 +88,40 @@ impl Exchange {
     fn above(&self, band: usize) -> Option<&Seam> {
         self.seams.get(band.checked_sub(1)?)
     }
+
+    /// Blocks are tens of microseconds long, so it spins before it yields.
+    fn wait_until(&self, is_so: impl Fn() -> bool) {
+        let mut spins = 0;
+        while !is_so() {
+            assert!(!self.is_broken.load(Ordering::Acquire), "another band of the sheet has panicked");
+            if spins < SPINS {
+                spins += 1;
+                std::hint::spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
+        }
+    }
 }
 
-/// Blocks are tens of microseconds long, so it spins before it yields.
-fn wait_until(is_so: impl Fn() -> bool) {
-    let mut spins = 0;
-    while !is_so() {
-        if spins < SPINS {
-            spins += 1;
-            std::hint::spin_loop();
-        } else {
-            std::thread::yield_now();
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::panic::catch_unwind;
+
+    #[test]
+    fn nobody_waits_for_a_band_that_has_panicked() {
+        let exchange = Exchange::new(2);
+        std::thread::scope(|scope| {
+            let waiting = scope.spawn(|| exchange.take(1, Slant::Rising, |_| {}));
+            let panicking = scope.spawn(|| {
+                catch_unwind(|| {
+                    let _presence = exchange.join();
+                    panic!("as a bug would");
+                })
+            });
+            assert!(panicking.join().expect("it was caught").is_err());
+            assert!(waiting.join().is_err(), "what it waits for never comes");
+        });
     }
 }

@@ -176,6 +176,7 @@ impl Clock {
 
 /// Runs one band through all steps, from the given time to the time that it returns.
 fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &Exchange) -> Clock {
+    let _presence = exchange.join();
     let mut rest = drive;
     while !rest.is_empty() {
         let (steps, slant) = clock.block(rest.len(), plan.depth);
