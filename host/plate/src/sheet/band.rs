@@ -77,7 +77,7 @@ impl Band {
     /// The band `number` of `bands`, which owns the rows `owned` before a rising block.
     pub(super) fn new(plan: &Plan, owned: Range<usize>, number: usize, bands: usize) -> Self {
         let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
-        // A row of zeros before and after: the edge's outer side.
+        // Room for a row before and one after: the edge's outer side, which is zero, or never read.
         let count = (stored.len() + 2) * plan.stride + 1;
         let rows = overlap(&plan.recorded, &stored);
         let recorded = rows.len() * plan.stride * LANES;
@@ -142,7 +142,7 @@ impl Band {
     }
 
     pub(super) fn release(&mut self, plan: &Plan, shape: &impl Fn(usize, usize) -> f32) {
-        for row in self.stored.clone() {
+        for row in self.owned.clone() {
             let at = self.line_of(row) + 1;
             for cell in 0..plan.reach[row] {
                 let value = shape(cell, row);

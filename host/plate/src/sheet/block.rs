@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!            row       .. 57 58 59 60 61 62 63 | 64 65 66 ..      a rising block of 3 steps: the seam, which was
-//!  step 1           above's                 a  | b  b  below's    before row 64, goes up by a row a step. The band
-//!  step 2                                a  |  b  b  b            above leaves what it cannot compute without its
-//!  step 3                             a  |  b  b  b  b            neighbour, and the band below takes it over.
+//!  step 1           above's              a  |  b  b  b  below's   before row 64, goes up by a row a step. The band
+//!  step 2                             a  |  b  b  b  b            above leaves what it cannot compute without its
+//!  step 3                          a  |  b  b  b  b  b            neighbour, and the band below takes it over.
 //! ```
 //!
 //! So neighbours need nothing of each other but the rows that one of them leaves, at a time when it has left them: a
@@ -94,9 +94,9 @@ impl Course {
         let mut turns = Vec::with_capacity(2);
         if let Some(seam) = left_at {
             let handover = Handover::new(slant, seam, steps);
-            // The supporting row is complete last, with the last step.
+            // Of the supporting row the field before the last step is needed: it is there a front before the last.
             let support = if slant == Slant::Rising { seam - steps - 1 } else { seam + steps };
-            turns.push((place_of(support) + steps, Turn::Leave(handover)));
+            turns.push((place_of(support) + steps - 1, Turn::Leave(handover)));
         }
         if let Some(seam) = taken_at {
             let handover = Handover::new(slant, seam, steps);
@@ -151,7 +151,7 @@ pub(super) struct Stretch<'a> {
     /// The newest field when the block begins, and the one a step before.
     pub(super) newest: &'a mut [Line],
     pub(super) older: &'a mut [Line],
-    /// The first row that these hold; a row of zeros lies before it.
+    /// The first row that these hold; there is room for one before it, which is zero or never read.
     pub(super) first_row: usize,
     pub(super) drive: &'a [f32],
     pub(super) record: &'a mut Record,

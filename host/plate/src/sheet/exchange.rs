@@ -17,6 +17,7 @@ pub(super) struct Exchange {
 }
 
 /// Held by a band while it runs, so that the others hear of its panic.
+#[must_use]
 pub(super) struct Presence<'a>(&'a Exchange);
 
 impl Drop for Presence<'_> {
@@ -68,7 +69,7 @@ impl Exchange {
         };
         let Some(slot) = slot else { return };
         self.wait_until(|| slot.taken.load(Ordering::Acquire) == slot.left.load(Ordering::Relaxed));
-        // A poisoned parcel is only numbers; the thread that panicked is reported by the scope that joins it.
+        // A poisoned parcel is only numbers.
         pack(&mut slot.parcel.lock().unwrap_or_else(PoisonError::into_inner));
         slot.left.fetch_add(1, Ordering::Release);
     }

@@ -4,7 +4,7 @@ use crate::plate::Plate;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
-/// Most cells a sheet may have.
+/// Most cells that a sheet of the plate's length may have, both halves together.
 pub const CELLS_MAX: usize = 1 << 23;
 
 /// How the driven end moves across the width.

@@ -91,6 +91,14 @@ impl Intake {
         Self { pace, feed, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
+    /// How many codes make at most `steps` steps; one at least.
+    pub(super) fn codes_for(&self, steps: usize) -> usize {
+        match self.pace {
+            Pace::StepsPerCode(count) => (steps / count as usize).max(1),
+            Pace::CodesPerStep(_) => steps,
+        }
+    }
+
     /// Appends one number for each step that `codes` complete. Codes that are no numbers count as zero.
     pub(super) fn take(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
         for &code in codes {

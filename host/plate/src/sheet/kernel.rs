@@ -231,7 +231,7 @@ pub(super) fn record(row: &[f32], maximum: &mut [f32], squares: &mut [f64]) {
     }
 }
 
-/// Sets to zero what is too small to matter, before it becomes a denormal number that costs a hundred cycles.
+/// Sets to zero what is too small to matter, most of it before it becomes a denormal number that costs a hundred cycles.
 pub(super) struct Hush<'a>(pub(super) &'a mut [Line]);
 
 impl Work for Hush<'_> {

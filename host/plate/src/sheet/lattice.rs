@@ -18,13 +18,14 @@ use super::band::Band;
 use super::block::Slant;
 use super::exchange::Exchange;
 use super::kernel::Weights;
-use super::plan::{Plan, plan_of};
+use super::plan::{Cells, Plan, plan_of};
 use super::row::Row;
 use super::vector::LANES;
 use std::ops::Range;
 
 /// Steps after which vanishing numbers are set to zero; blocks never cross a multiple of it.
 const HUSH_EVERY: u64 = 64;
+
 /// A field on a grid of rows that is advanced by the 5-point leapfrog scheme.
 #[derive(Debug)]
 pub struct Lattice {
@@ -36,7 +37,7 @@ pub struct Lattice {
 impl Lattice {
     /// A rectangle of `cells` x `rows` between fixed edges, without loss, at rest: the benchmark's problem.
     ///
-    /// `courant_squared` is (c dt/h)^2, stable up to 0.5; `threads` from 1. The update is
+    /// `cells` and `rows` from 1; `courant_squared` is (c dt/h)^2, stable up to 0.5; `threads` from 1. The update is
     /// v+ = 2 v - v- + courant_squared (left + right + above + below - 4 v).
     pub fn rectangle(cells: usize, rows: usize, courant_squared: f32, threads: usize) -> Self {
         let weights = Weights {
@@ -45,8 +46,11 @@ impl Lattice {
             along: courant_squared,
             across: courant_squared,
         };
+        let (cells, rows) = (cells.max(1), rows.max(1));
         let own = vec![vec![weights.own; cells]; rows];
-        let plan = plan_of(&vec![cells; rows], &vec![cells; rows], &own, false, weights, None, 0..0);
+        let reach = vec![cells; rows];
+        let cells = Cells { reach: &reach, plain: &reach, own: &own, mirrored: false };
+        let plan = plan_of(cells, weights, None, 0..0);
         Self::new(plan, threads)
     }
 
@@ -77,6 +81,8 @@ impl Lattice {
     }
 
     /// One step for each number of `drive`, which goes to the driven column (a rectangle has none).
+    ///
+    /// After a panic, which only a bug or a system without threads to give can cause, the lattice is of no use.
     pub fn advance(&mut self, drive: &[f32]) {
         if drive.is_empty() {
             return;
@@ -85,6 +91,8 @@ impl Lattice {
         let (plan, clock) = (&self.plan, self.clock);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
+                // A thread that cannot be started breaks the exchange, too.
+                let _presence = exchange.join();
                 for band in others {
                     let exchange = &exchange;
                     scope.spawn(move || run(band, plan, drive, clock, exchange));
@@ -152,7 +160,7 @@ struct Clock {
     steps: u64,
     /// Whether the newest field is in the bands' second array.
     flipped: bool,
-    /// Rows by which the seams are up.
+    /// Rows by which the seams are up: 0 to the depth. It stays between calls.
     lift: usize,
 }
 
@@ -191,7 +199,8 @@ fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: 
     clock
 }
 
-/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. A band has rows to leave and to take over.
+/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. `depth` + 2 rows would do for a band; with
+/// twice that it leaves rows without waiting for those that it takes over.
 fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
     let (rows, fewest) = (reach.len(), 2 * depth + 2);
     let bands = threads.clamp(1, (rows / fewest).max(1));

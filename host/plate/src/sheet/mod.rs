@@ -17,6 +17,8 @@ mod grid;
 mod intake;
 mod kernel;
 mod lattice;
+#[cfg(test)]
+mod naive;
 mod outline;
 mod plan;
 mod row;
@@ -37,7 +39,7 @@ use scheme::Scheme;
 use std::f64::consts::TAU;
 use std::iter::repeat;
 
-/// Steps that are collected before the lattice runs.
+/// Steps that are collected before the lattice runs, or a single code's if those are more.
 const STEPS_AT_ONCE: usize = 4096;
 
 /// The largest and the root-mean-square displacement since the last reset.
@@ -101,7 +103,7 @@ impl Sheet {
 
     /// Plays codes (-1 to 1 of full scale; anything else is clamped, what is no number counts as 0).
     pub fn push(&mut self, codes: &[f32]) {
-        for part in codes.chunks(STEPS_AT_ONCE) {
+        for part in codes.chunks(self.intake.codes_for(STEPS_AT_ONCE)) {
             self.steps.clear();
             self.intake.take(part, &mut self.steps);
             self.lattice.advance(&self.steps);

@@ -14,7 +14,7 @@ const FAR_BYTES: usize = 640 * 1024;
 pub(super) struct Plan {
     /// Lines from one row to the next in memory.
     pub(super) stride: usize,
-    /// Rows that are advanced together, where all of them are: 2 or 4.
+    /// Rows of a group, 2 or 4: whole groups are advanced at once, cut ones row by row.
     pub(super) group: usize,
     /// Steps per block.
     pub(super) depth: usize,
@@ -79,24 +79,49 @@ pub(super) struct Column {
     pub(super) profile: Vec<f32>,
 }
 
-/// Lays the rows out: `plain` is where each row's cells beside the edge begin, `own` every cell's own weight.
+/// Which cells there are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells<'a> {
+    /// Cells of each row that are inside.
+    pub(super) reach: &'a [usize],
+    /// Where each row's cells beside the edge begin.
+    pub(super) plain: &'a [usize],
+    /// Every inside cell's own weight.
+    pub(super) own: &'a [Vec<f32>],
+    /// Whether row 0 is a line of symmetry.
+    pub(super) mirrored: bool,
+}
+
+/// Lays the rows out and sets their pace.
 pub(super) fn plan_of(
-    reach: &[usize],
-    plain: &[usize],
-    own: &[Vec<f32>],
-    mirrored: bool,
+    cells: Cells<'_>,
     weights: Weights,
     column: Option<Column>,
     recorded: Range<usize>,
 ) -> Plan {
-    let longest = reach.iter().copied().max().unwrap_or(0).next_multiple_of(CHUNK);
-    // One line before the cells: its last lane is the driven column, its lane 0 the zero after the row before. It keeps
-    // rows of a power of two from falling on the same cache sets.
-    let stride = longest / LANES + 1;
-    let (group, depth) = pace_of(stride);
+    plan_at(pace_of(stride_of(cells.reach)), cells, weights, column, recorded)
+}
+
+/// Lines from one row to the next: at least one chunk, for the kernel looks one beyond a row, and before it the line
+/// whose last lane is the driven column and whose lane 0 is the zero after the row before. That line keeps rows of a
+/// power of two from falling on the same cache sets.
+fn stride_of(reach: &[usize]) -> usize {
+    reach.iter().copied().max().unwrap_or(0).max(1).next_multiple_of(CHUNK) / LANES + 1
+}
+
+/// As [`plan_of`], in groups of 2 or 4 rows and blocks of so many steps (at most 64, a power of two).
+pub(super) fn plan_at(
+    (group, depth): (usize, usize),
+    Cells { reach, plain, own, mirrored }: Cells<'_>,
+    weights: Weights,
+    column: Option<Column>,
+    recorded: Range<usize>,
+) -> Plan {
+    let stride = stride_of(reach);
     let (mut computed, mut fringe) = (Vec::with_capacity(reach.len()), Vec::new());
     for (number, (reaches, plains)) in reach.chunks(group).zip(plain.chunks(group)).enumerate() {
         // The rows of a group are computed as far as the longest one goes.
+        // (A sheet's numbers of lines and chunks are far below 2^32: it has some 2^24 cells at most.)
         let end = reaches.iter().copied().max().unwrap_or(0).div_ceil(CHUNK);
         let start = (plains.iter().copied().min().unwrap_or(0) / CHUNK).min(end);
         for (&reach, own) in reaches.iter().zip(&own[group * number..]) {

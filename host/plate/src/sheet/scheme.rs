@@ -4,7 +4,7 @@ use super::grid::{EnvelopeScope, SheetGrid};
 use super::intake::{EndLaw, Feed};
 use super::kernel::Weights;
 use super::outline::Outline;
-use super::plan::{Column, Plan, plan_of};
+use super::plan::{Cells, Column, Plan, plan_of};
 
 /// What the weights of the update follow from.
 pub(super) struct Scheme<'a> {
@@ -86,6 +86,7 @@ impl Scheme<'_> {
         };
         let reach: Vec<usize> = rows.iter().map(|&row| outline.reach[row]).collect();
         let plain: Vec<usize> = rows.iter().map(|&row| outline.plain(row)).collect();
-        (plan_of(&reach, &plain, &own_by_row, self.mirrored, weights, Some(column), recorded), feed)
+        let cells = Cells { reach: &reach, plain: &plain, own: &own_by_row, mirrored: self.mirrored };
+        (plan_of(cells, weights, Some(column), recorded), feed)
     }
 }

@@ -1,0 +1,240 @@
+//! The sheet's steps as plain loops over rows of cells: what every layout, pace, width and number of threads must equal,
+//! to the bit.
+
+use super::kernel::Weights;
+use super::lattice::Lattice;
+use super::plan::{Cells, Column, plan_at};
+use super::vector::Width;
+use proptest::prelude::*;
+
+/// Steps after which vanishing numbers are set to zero, as the lattice promises.
+const HUSH_EVERY: u64 = 64;
+
+/// A lattice as it is written on paper: station 0 of a row is the driven column.
+struct Naive {
+    case: Case,
+    now: Vec<Vec<f32>>,
+    past: Vec<Vec<f32>>,
+    maximum: Vec<Vec<f32>>,
+    squares: Vec<Vec<f64>>,
+    steps: u64,
+}
+
+impl Naive {
+    fn new(case: Case) -> Self {
+        let wide = case.reach.iter().copied().max().unwrap_or(0) + 2;
+        let blank = vec![vec![0.0; wide]; case.reach.len()];
+        let squares = vec![vec![0.0; wide]; case.reach.len()];
+        Self { case, now: blank.clone(), past: blank.clone(), maximum: blank, squares, steps: 0 }
+    }
+
+    fn step(&mut self, drive: f32) {
+        let (case, weights) = (&self.case, self.case.weights);
+        let (rows, zero) = (case.reach.len(), vec![0.0; self.now[0].len()]);
+        let mut next = vec![zero.clone(); rows];
+        for (row, next) in next.iter_mut().enumerate() {
+            let line = |row: usize| self.now.get(row).unwrap_or(&zero);
+            let above = match row {
+                0 if case.mirrored => line(1),
+                0 => &zero,
+                _ => line(row - 1),
+            };
+            let (below, v, past) = (line(row + 1), line(row), &self.past[row]);
+            for station in 1..=case.reach[row] {
+                let across = above[station] + below[station];
+                let rest = if weights.past == 1.0 {
+                    weights.across.mul_add(across, -past[station])
+                } else {
+                    (-weights.past).mul_add(past[station], weights.across * across)
+                };
+                let others = weights.along.mul_add(v[station - 1] + v[station + 1], rest);
+                next[station] = case.own[row][station - 1].mul_add(v[station], others);
+            }
+            if let Some(column) = &case.column {
+                next[0] = (column.own[row] * v[0] - column.past * past[0])
+                    + (column.inward * v[1] + column.across * (above[0] + below[0]))
+                    + column.profile[row] * drive;
+            }
+            for (station, value) in next.iter().enumerate().take(case.reach[row] + 1) {
+                self.maximum[row][station] = self.maximum[row][station].max(value.abs());
+                self.squares[row][station] += f64::from(*value) * f64::from(*value);
+            }
+        }
+        self.past = std::mem::replace(&mut self.now, next);
+        self.steps += 1;
+        if self.steps.is_multiple_of(HUSH_EVERY) {
+            let vanishing = |value: &&mut f32| value.abs() < 1e-30;
+            self.now
+                .iter_mut()
+                .chain(&mut self.past)
+                .flatten()
+                .filter(vanishing)
+                .for_each(|value| *value = 0.0);
+        }
+    }
+
+    fn assert_equals(&self, lattice: &Lattice) {
+        for (row, &reach) in self.case.reach.iter().enumerate() {
+            let bits = |numbers: &mut dyn Iterator<Item = f32>| -> Vec<u32> {
+                // Zero has two signs; they are the same displacement.
+                numbers.map(|value| (value + 0.0).to_bits()).collect()
+            };
+            let expected = |field: &[Vec<f32>]| bits(&mut field[row][..=reach].iter().copied());
+            assert_eq!(bits(&mut lattice.row(row)), expected(&self.now), "newest field, row {row}");
+            assert_eq!(
+                bits(&mut lattice.row_before(row).numbers()),
+                expected(&self.past),
+                "field before, row {row}"
+            );
+            let Some((maximum, squares)) = lattice.envelope(row) else { panic!("row {row} is recorded") };
+            assert_eq!(bits(&mut maximum.numbers()), expected(&self.maximum), "maximum, row {row}");
+            assert!(squares.numbers().eq(self.squares[row][..=reach].iter().copied()), "squares, row {row}");
+        }
+    }
+}
+
+/// What a lattice is made of.
+#[derive(Debug, Clone)]
+struct Case {
+    reach: Vec<usize>,
+    plain: Vec<usize>,
+    own: Vec<Vec<f32>>,
+    mirrored: bool,
+    weights: Weights,
+    column: Option<Column>,
+}
+
+/// Numbers that look like any: 0 to 1, for a place and a purpose.
+fn scattered(place: usize, purpose: usize) -> f32 {
+    let mixed = (place as u32).wrapping_mul(2_654_435_761) ^ (purpose as u32).wrapping_mul(0x9e37_79b9);
+    (mixed.wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 24) as f32
+}
+
+impl Case {
+    /// `rows` rows, the longest of `cells` cells, the others ever shorter by `taper` (0 to 1) of it at the outermost.
+    fn new(cells: usize, rows: usize, taper: f64, mirrored: bool, is_lossy: bool, is_driven: bool) -> Self {
+        let middle = if mirrored { 0 } else { rows / 2 };
+        let reach_of = |row: usize| cells as f64 * (1.0 - taper * row.abs_diff(middle) as f64 / rows as f64);
+        let reach: Vec<usize> = (0..rows).map(|row| reach_of(row) as usize).collect();
+        let loss = if is_lossy { 0.01 } else { 0.0 };
+        let divisor = 1.0 + loss;
+        let weights = Weights {
+            own: (2.0 - 2.0 * 0.21 - 2.0 * 0.17) / divisor,
+            past: (1.0 - loss) / divisor,
+            along: 0.21 / divisor,
+            across: 0.17 / divisor,
+        };
+        let plain: Vec<usize> =
+            reach.iter().enumerate().map(|(row, &reach)| reach.saturating_sub(row % 40)).collect();
+        let own_at = |row: usize, cell: usize| {
+            if cell < plain[row] { weights.own } else { weights.own - 0.3 * scattered(row * 4096 + cell, 0) }
+        };
+        let own = (0..rows).map(|row| (0..reach[row]).map(|cell| own_at(row, cell)).collect()).collect();
+        let column = is_driven.then(|| Column {
+            own: (0..rows).map(|row| 0.5 + 0.5 * scattered(row, 1)).collect(),
+            past: 0.4,
+            inward: 0.1,
+            across: 0.05,
+            profile: (0..rows).map(|row| scattered(row, 2)).collect(),
+        });
+        Self { reach, plain, own, mirrored, weights, column }
+    }
+
+    fn lattice(&self, pace: (usize, usize), threads: usize, width: Width) -> Lattice {
+        let cells = Cells { reach: &self.reach, plain: &self.plain, own: &self.own, mirrored: self.mirrored };
+        let plan = plan_at(pace, cells, self.weights, self.column.clone(), 0..self.reach.len());
+        let mut lattice = Lattice::new(plan, threads);
+        lattice.use_width(width);
+        lattice
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_lattice_equals_the_plain_loops_to_the_bit(
+        cells in prop_oneof![1usize..20, 60usize..70, 120usize..200, 250usize..265],
+        spare_rows in 0usize..9,
+        (bands, group, depth) in (1usize..5, prop_oneof![Just(2), Just(4)], prop_oneof![Just(1), Just(4), Just(8), Just(16)]),
+        taper in 0.0..1.0,
+        (mirrored, is_lossy, is_driven) in any::<(bool, bool, bool)>(),
+        width in 0usize..3,
+        scale in prop_oneof![Just(1.0f32), Just(1e-29)],
+        calls in prop::collection::vec(0usize..80, 1..5),
+    ) {
+        let rows = bands * (2 * depth + 2) + spare_rows;
+        let case = Case::new(cells, rows, taper, mirrored, is_lossy, is_driven);
+        let widths = Width::all();
+        let mut lattice = case.lattice((group, depth), bands, widths[width % widths.len()]);
+        prop_assert_eq!(lattice.threads(), bands);
+        let start = |cell: usize, row: usize| scale * (scattered(row * 4096 + cell, 3) - 0.5);
+        lattice.release(start);
+        let mut naive = Naive::new(case);
+        for (row, &reach) in naive.case.reach.iter().enumerate() {
+            for cell in 0..reach {
+                naive.now[row][cell + 1] = start(cell, row);
+                naive.past[row][cell + 1] = start(cell, row);
+            }
+        }
+        let mut sent = 0;
+        for steps in calls {
+            let drive: Vec<f32> = (sent..sent + steps).map(|n| scale * (scattered(n, 4) - 0.5)).collect();
+            sent += steps;
+            lattice.advance(&drive);
+            drive.iter().for_each(|&drive| naive.step(drive));
+            naive.assert_equals(&lattice);
+        }
+    }
+}
+
+#[test]
+fn a_rectangle_is_the_lattice_it_says_at_every_pace_it_chooses() {
+    // Sizes about the borders of lines, chunks and caches, and the pace and the bands that come of them.
+    for (cells, rows, threads, pace, bands) in [
+        (1, 1, 1, (4, 16), 1),
+        (64, 70, 2, (4, 16), 2),
+        (65, 40, 2, (4, 8), 2),
+        (128, 32, 2, (4, 8), 1),
+        (300, 40, 3, (2, 4), 3),
+        (700, 110, 3, (2, 16), 3),
+    ] {
+        let mut lattice = Lattice::rectangle(cells, rows, 0.25, threads);
+        assert_eq!((lattice.plan().group, lattice.depth()), pace, "{cells} x {rows}");
+        assert_eq!(lattice.threads(), bands, "{cells} x {rows}");
+        let start = |cell: usize, row: usize| scattered(row * 4096 + cell, 5) - 0.5;
+        lattice.release(start);
+        lattice.advance(&[0.0; 150]);
+        let weights = Weights { own: 1.0, past: 1.0, along: 0.25, across: 0.25 };
+        let own = vec![vec![1.0; cells]; rows];
+        let reach = vec![cells; rows];
+        let case = Case { reach: reach.clone(), plain: reach, own, mirrored: false, weights, column: None };
+        let mut naive = Naive::new(case);
+        for row in 0..rows {
+            for cell in 0..cells {
+                naive.now[row][cell + 1] = start(cell, row);
+                naive.past[row][cell + 1] = start(cell, row);
+            }
+        }
+        (0..150).for_each(|_| naive.step(0.0));
+        for row in 0..rows {
+            assert!(
+                lattice.row(row).eq(naive.now[row][..=cells].iter().copied()),
+                "{cells} x {rows}: row {row}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_band_that_panics_ends_the_call_instead_of_hanging_it() {
+    let mut case = Case::new(64, 60, 0.0, false, false, true);
+    if let Some(column) = &mut case.column {
+        // A bug: the band in the middle has no drive for its rows.
+        column.profile.truncate(30);
+    }
+    let mut lattice = case.lattice((2, 4), 3, Width::detect());
+    assert_eq!(lattice.threads(), 3);
+    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| lattice.advance(&[0.0; 100])));
+    assert!(ended.is_err());
+}
