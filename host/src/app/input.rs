@@ -8,8 +8,12 @@ use crate::view::arrow_step_m;
 use crate::view::intent::{Dialog, Grab, Intent, Intents};
 use eframe::egui::{self, Key, Modifiers};
 
+/// The least that the window is zoomed to, in points: below it the panels cover each other.
+const LEAST_ROOM: egui::Vec2 = egui::vec2(640.0, 400.0);
+
 impl App {
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        end_zoom(ctx);
         let is_typing = ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
@@ -109,5 +113,15 @@ impl App {
         if let Some(file) = dropped.first() {
             self.parts.files.begin(FileJob::Open(file.path().to_owned()));
         }
+    }
+}
+
+/// Takes back a zoom that leaves less than [`LEAST_ROOM`]; in a window that is small by itself, one above 1.
+fn end_zoom(ctx: &egui::Context) {
+    let zoom = ctx.zoom_factor();
+    let steps = 10.0 * zoom * (ctx.content_rect().size() / LEAST_ROOM).min_elem();
+    let most = (steps.floor() / 10.0).max(1.0);
+    if zoom > most {
+        ctx.set_zoom_factor(most);
     }
 }

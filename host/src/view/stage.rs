@@ -43,7 +43,8 @@ impl Layout {
         };
         let title = row(area.top(), TITLE);
         let label = row(title.bottom(), LABEL);
-        let free = area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP;
+        // In a window too small for the rows they lie over each other's ends, but stay in order.
+        let free = (area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
         // The plate gets what it needs at scale; the envelope gets the rest.
         let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
         let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.7 * free).max(40.0));
@@ -274,7 +275,8 @@ fn paint_label(ui: &egui::Ui, layout: &Layout, x: f32, text: &str) {
     let ink = if palette.dark { palette.page } else { palette.well };
     let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
     let size = galley.size() + vec2(20.0, 6.0);
-    let left = (x - 0.5 * size.x).clamp(layout.label.left(), layout.label.right() - size.x);
+    // Where there is no room for both ends, the left one is seen.
+    let left = (x - 0.5 * size.x).min(layout.label.right() - size.x).max(layout.label.left());
     let rect = Rect::from_min_size(pos2(left, layout.label.bottom() - size.y), size);
     ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
     ui.painter().galley(rect.min + vec2(10.0, 3.0), galley, ink);

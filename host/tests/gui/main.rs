@@ -4,6 +4,7 @@
 mod background;
 mod bench;
 mod painter;
+mod sizes;
 mod snapshots;
 mod tab_order;
 

@@ -1,0 +1,57 @@
+//! The window at sizes and zooms that leave no room for what it shows.
+
+use crate::bench::Bench;
+use eframe::egui::{Key, Modifiers, Vec2, vec2};
+use egui_kittest::kittest::Queryable as _;
+
+#[test]
+fn no_window_is_too_small_to_be_shown() {
+    let mut bench = Bench::driving();
+    let zoomed = (10..=50).step_by(5).map(|tenths| vec2(1280.0, 800.0) * 10.0 / tenths as f32);
+    let tiny = [[500.0, 350.0], [960.0, 100.0], [100.0, 620.0], [40.0, 40.0], [1.0, 1.0]].map(Vec2::from);
+    for size in zoomed.chain(tiny) {
+        bench.window.set_size(size);
+        for tab in [Key::Num1, Key::Num2, Key::Num3, Key::Num4] {
+            bench.window.key_press_modifiers(Modifiers::COMMAND, tab);
+            bench.wait(100);
+        }
+    }
+    for page in ["Validity", "Designer"] {
+        bench.window.set_size(vec2(1280.0, 800.0));
+        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
+        bench.wait(100);
+        bench.window.get_by_label(page).click();
+        bench.wait(100);
+        for size in tiny {
+            bench.window.set_size(size);
+            bench.wait(100);
+        }
+    }
+    assert!(bench.is_driving());
+}
+
+/// Presses a key with Ctrl, in a window that keeps its size on the screen as a system's window does.
+fn zoom(bench: &mut Bench, key: Key, size: Vec2) -> Vec2 {
+    bench.window.key_press_modifiers(Modifiers::COMMAND, key);
+    for _ in 0..4 {
+        bench.wait(50);
+        let points = size / bench.window.ctx.zoom_factor();
+        bench.window.set_size(points);
+    }
+    bench.window.ctx.content_rect().size()
+}
+
+#[test]
+fn the_zoom_ends_where_the_window_could_not_be_used() {
+    for (size, most) in [([1280.0, 800.0], 2.0), ([1920.0, 1080.0], 2.7), ([500.0, 350.0], 1.0)] {
+        let mut bench = Bench::driving();
+        let size = Vec2::from(size);
+        for _ in 0..30 {
+            zoom(&mut bench, Key::Plus, size);
+        }
+        let seen = bench.window.ctx.zoom_factor();
+        assert!((seen - most).abs() < 1e-3, "{size}: {seen}");
+        let room = zoom(&mut bench, Key::Minus, size);
+        assert!((room * (most - 0.1) - size).abs().max_elem() < 1.0, "{size}: {room}");
+    }
+}
