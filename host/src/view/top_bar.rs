@@ -4,9 +4,12 @@ use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, theme};
 use crate::link::{LinkState, Request};
 use crate::settings::{ThemeChoice, WavePicture};
-use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, vec2};
+use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
 use slipline_protocol::event::State;
 use theme::Palette;
+
+/// Size of the STOP button, in points.
+const STOP: Vec2 = vec2(104.0, 34.0);
 
 /// What the state chip says: a word, its colour, and a sentence.
 pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
@@ -84,12 +87,23 @@ fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
     response
 }
 
+/// STOP lies over every page and menu, undimmed and within the window, and takes one click in every state.
 fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
-    let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
-    let button = egui::Button::new(text).fill(palette.bad).min_size(vec2(104.0, 34.0));
-    if ui.add(button).on_hover_text("Ramp to silence now (Esc or Space, in every state)").clicked() {
-        intents.push(Intent::Stop);
-    }
+    let (place, _) = ui.allocate_exact_size(STOP, Sense::hover());
+    // A page in front takes what is below its layer: a floating layer of its own keeps STOP above it.
+    let area = egui::Area::new(egui::Id::unique("stop"))
+        .order(egui::Order::Tooltip)
+        .fixed_pos(place.min)
+        .constrain_to(ui.ctx().content_rect())
+        .default_size(STOP)
+        .fade_in(false);
+    area.show(ui.ctx(), |ui| {
+        let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
+        let button = egui::Button::new(text).fill(palette.bad).min_size(STOP);
+        if ui.add(button).on_hover_text("Ramp to silence now (Esc or Space, in every state)").clicked() {
+            intents.push(Intent::Stop);
+        }
+    });
 }
 
 /// What can be asked of the device in a state: the word, what it does, what is asked. Arming is explicit on a real
