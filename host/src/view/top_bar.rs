@@ -96,6 +96,7 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
         .fixed_pos(place.min)
         .constrain_to(ui.ctx().content_rect())
         .default_size(STOP)
+        .layout(egui::Layout::top_down(egui::Align::Center))
         .fade_in(false);
     area.show(ui.ctx(), |ui| {
         let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
