@@ -9,7 +9,7 @@ use crate::view::intent::{Dialog, Grab, Intent, Intents};
 use eframe::egui::{self, Key, Modifiers};
 
 /// The least that the window is zoomed to, in points: below it the panels cover each other.
-const LEAST_ROOM: egui::Vec2 = egui::vec2(640.0, 400.0);
+const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
 
 impl App {
     pub(super) fn keys(&mut self, ctx: &egui::Context) {

@@ -43,7 +43,7 @@ fn zoom(bench: &mut Bench, key: Key, size: Vec2) -> Vec2 {
 
 #[test]
 fn the_zoom_ends_where_the_window_could_not_be_used() {
-    for (size, most) in [([1280.0, 800.0], 2.0), ([1920.0, 1080.0], 2.7), ([500.0, 350.0], 1.0)] {
+    for (size, most) in [([1280.0, 800.0], 1.5), ([1920.0, 1080.0], 2.0), ([500.0, 350.0], 1.0)] {
         let mut bench = Bench::driving();
         let size = Vec2::from(size);
         for _ in 0..30 {
