@@ -5,11 +5,12 @@ use crate::designer::cut_files;
 use crate::edit::Edit;
 use crate::export;
 use crate::files::{FileEvent, FileJob, Save};
-use crate::link::Request;
+use crate::link::{Request, Severity};
 use crate::setup_file::{self, Opened};
 use crate::view::intent::{Confirm, Export, Intent, Intents};
 use eframe::egui;
 use slipline_plate::design::Design;
+use std::path::Path;
 use std::sync::Arc;
 
 impl App {
@@ -158,18 +159,23 @@ impl App {
     }
 
     pub(super) fn file_event(&mut self, event: FileEvent) {
+        // The log is part of the diagnostics: it holds the names of files, not where in whose folders they are.
+        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match event {
             FileEvent::Opened(path, text) => {
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let name = name_of(&path);
                 let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
                 match opened {
                     Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
                     Ok(Opened::Plate(plate)) => self.edit(&Edit::Plate(plate)),
                     Err(reason) => {
-                        return self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
+                        let text = format!("{name} was not opened, nothing has changed. {reason}");
+                        self.note(Severity::Error, text.clone());
+                        return self.fail(text);
                     }
                 }
                 self.settings.used(&path);
+                self.note(Severity::Info, format!("Opened {name}."));
                 self.notice =
                     Some(Notice { text: format!("Opened {name}"), is_error: false, is_refusal: false });
             }
@@ -177,6 +183,7 @@ impl App {
                 if path.extension().is_some_and(|extension| extension == "toml") {
                     self.settings.used(&path);
                 }
+                self.note(Severity::Info, format!("Saved {}.", name_of(&path)));
                 self.notice = Some(Notice {
                     text: format!("Saved {}", path.display()),
                     is_error: false,
@@ -184,8 +191,13 @@ impl App {
                 });
             }
             FileEvent::Saved(path, Err(reason)) => {
+                self.note(Severity::Error, format!("{} was not saved: {reason}", name_of(&path)));
                 self.fail(format!("{} was not saved: {reason}", path.display()));
             }
         }
+    }
+
+    fn note(&self, severity: Severity, text: String) {
+        self.parts.link.send(Request::Note(severity, text));
     }
 }

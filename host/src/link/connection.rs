@@ -120,7 +120,7 @@ impl<O: Opener> Connection<O> {
     /// Takes a request. What cannot be done now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
         self.record.set_time(now);
-        if !matches!(request, Request::Drive(_) | Request::Refresh) {
+        if !matches!(request, Request::Drive(_) | Request::Refresh | Request::Note(..)) {
             self.record.log(Severity::Detail, format!("Request: {}.", request.name()));
         }
         match request {
@@ -160,6 +160,10 @@ impl<O: Opener> Connection<O> {
                     }
                     _ => {}
                 }
+                self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+            }
+            Request::Note(severity, text) => {
+                self.record.log(severity, text);
                 self.record.finish(Some(ticket), Outcome::Done { at: 0 });
             }
             request => match &mut self.phase {

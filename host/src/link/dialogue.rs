@@ -163,7 +163,9 @@ impl Dialogue {
                 Job::Drive(drive)
             }
             // The connection deals with these itself.
-            Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) => return,
+            Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
+                return;
+            }
         };
         self.tasks.push_back(Task::new(Some(ticket), job));
     }

@@ -1,6 +1,6 @@
 //! What the rest of the program asks of the link.
 
-use super::Port;
+use super::{Port, Severity};
 use crate::device_table::{self, DeviceTable};
 use slipline_protocol::command::{Apply, DigestWindow, Drive, TableHeader, Tone};
 use slipline_protocol::event::{Digest, Identity};
@@ -81,6 +81,8 @@ pub enum Request {
     AutoReconnect(bool),
     /// Take the digest of the DAC codes of a window that lies ahead; done when the window is over.
     Digest(DigestWindow),
+    /// Write a line of the app's own into the log, which is one for link, device and app.
+    Note(Severity, String),
 }
 
 impl Request {
@@ -104,6 +106,7 @@ impl Request {
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Digest(_) => "digest",
+            Self::Note(..) => "note",
         }
     }
 }

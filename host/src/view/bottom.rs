@@ -7,14 +7,21 @@ use eframe::egui::{self, Rect, UiBuilder, pos2};
 /// Height of the row, in points.
 pub(super) const HEIGHT: f32 = 194.0;
 
+/// Shares of the width; the gaps between them hold a line each.
+const SHARES: [f32; 4] = [0.28, 0.28, 0.18, LOG_SHARE];
+const LOG_SHARE: f32 = 0.26;
+const GAP: f32 = 21.0;
+
+/// Width of the log in a window of this width, in points.
+pub(super) fn log_width(window: f32) -> f32 {
+    LOG_SHARE * (window - 28.0 - GAP * (SHARES.len() - 1) as f32)
+}
+
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
-    // Shares of the width; the gaps between them hold a line each.
-    let shares = [0.28, 0.28, 0.18, 0.26];
-    let gap = 21.0;
-    let free = area.width() - gap * (shares.len() - 1) as f32;
+    let free = area.width() - GAP * (SHARES.len() - 1) as f32;
     let mut left = area.left();
-    for (i, share) in shares.into_iter().enumerate() {
+    for (i, share) in SHARES.into_iter().enumerate() {
         let rect =
             Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
         // A child of its own: a column that needs more room than it has must not move its neighbours.
@@ -26,9 +33,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             2 => meters::show(&mut column, scene),
             _ => log::show(&mut column, scene, view, intents),
         }
-        left = rect.right() + gap;
-        if i + 1 < shares.len() {
-            let x = (rect.right() + 0.5 * gap).round() + 0.5;
+        left = rect.right() + GAP;
+        if i + 1 < SHARES.len() {
+            let x = (rect.right() + 0.5 * GAP).round() + 0.5;
             let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
             ui.painter().vline(x, area.y_range(), stroke);
         }

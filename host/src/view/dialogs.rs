@@ -1,8 +1,10 @@
 //! Pages in front of the window: shortcuts, port help, about, confirmations; and the message bar.
 
 use super::intent::{Confirm, Dialog, Intent, Intents};
-use super::{Scene, theme};
-use eframe::egui::{self, Align2, RichText, vec2};
+use super::{Scene, ViewState, bottom, theme};
+use crate::app::Notice;
+use eframe::egui::{self, Align2, RichText, Sense, vec2};
+use std::time::Duration;
 
 /// Every key and what it does.
 pub(super) const SHORTCUTS: [(&str, &str); 14] = [
@@ -22,8 +24,17 @@ pub(super) const SHORTCUTS: [(&str, &str); 14] = [
     ("F1", "This page"),
 ];
 
-pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    notice(ui, scene, intents);
+/// A message and since when it stands, in seconds of the window's time.
+pub(crate) struct Standing {
+    notice: Notice,
+    since_s: f64,
+}
+
+/// How long a message stands that tells of nothing wrong, in seconds.
+const NOTICE_S: f64 = 5.0;
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    notice(ui, scene, view, intents);
     let Some(dialog) = scene.dialog else { return };
     let response = egui::Modal::new(egui::Id::unique("dialog")).show(ui.ctx(), |ui| {
         ui.set_width(460.0);
@@ -41,25 +52,47 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     }
 }
 
-fn notice(ui: &egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    let Some(notice) = scene.notice else { return };
+/// The message lies over the log, which tells the same: it covers nothing that is needed.
+fn notice(ui: &egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let Some(notice) = scene.notice else {
+        view.notice = None;
+        return;
+    };
+    let now_s = ui.input(|input| input.time);
+    if view.notice.as_ref().is_none_or(|standing| standing.notice != *notice) {
+        view.notice = Some(Standing { notice: notice.clone(), since_s: now_s });
+    }
+    if let Some(standing) = view.notice.as_ref().filter(|standing| !standing.notice.is_error) {
+        let left_s = standing.since_s + NOTICE_S - now_s;
+        if left_s <= 0.0 {
+            intents.push(Intent::DismissNotice);
+            return;
+        }
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(left_s));
+    }
     let palette = theme::palette(ui);
     let colour = if notice.is_error { palette.bad } else { palette.accent };
-    egui::Area::new(egui::Id::unique("notice")).anchor(Align2::CENTER_TOP, vec2(0.0, 62.0)).show(
-        ui.ctx(),
-        |ui| {
-            egui::Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, colour)).show(ui, |ui| {
-                ui.set_max_width(620.0);
-                ui.horizontal(|ui| {
-                    ui.add(egui::Label::new(RichText::new(&notice.text).color(palette.text)).wrap());
-                    let close = ui.button("Dismiss");
-                    if close.clicked() {
-                        intents.push(Intent::DismissNotice);
-                    }
-                });
-            });
-        },
-    );
+    let frame = egui::Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, colour));
+    let width = (bottom::log_width(ui.ctx().content_rect().width()) - frame.total_margin().sum().x).max(40.0);
+    let area = egui::Area::new(egui::Id::unique("notice")).anchor(Align2::RIGHT_BOTTOM, vec2(-14.0, -10.0));
+    let shown = area.sense(Sense::click()).show(ui.ctx(), |ui| {
+        frame
+            .show(ui, |ui| {
+                ui.set_width(width);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+                    let is_dismissed = ui.button("Dismiss").clicked();
+                    let text = RichText::new(&notice.text).color(palette.text);
+                    let label = egui::Label::new(text).wrap().selectable(false);
+                    ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| ui.add(label));
+                    is_dismissed
+                })
+                .inner
+            })
+            .inner
+    });
+    if shown.inner || shown.response.clicked() {
+        intents.push(Intent::DismissNotice);
+    }
 }
 
 fn shortcuts(ui: &mut egui::Ui) {

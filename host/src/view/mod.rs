@@ -98,6 +98,7 @@ pub struct ViewState {
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
     pub(crate) focused_handle: Option<egui::Id>,
+    pub(crate) notice: Option<dialogs::Standing>,
 }
 
 impl ViewState {
@@ -153,6 +154,6 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
     });
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
-    dialogs::show(ui, scene, &mut intents);
+    dialogs::show(ui, scene, view, &mut intents);
     intents
 }
