@@ -8,6 +8,9 @@ use slipline_plate::sensation::{Sensation, felt};
 /// A vibration this far above the threshold of feeling gets the full colour, in dB.
 const STRONG_DB: f64 = 50.0;
 
+/// What is left of the colour while nothing is driven.
+const AT_REST: f32 = 0.3;
+
 /// What is felt, as a share of the most that is drawn.
 fn strength(sensation: Sensation) -> f64 {
     match sensation {
@@ -21,6 +24,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let over = axis.over_plate(rect);
     let painter = ui.painter();
+    // What is not driven is not felt: as faint as the envelope then is.
+    let share = if scene.sounding.is_some() { 1.0 } else { AT_REST };
     let columns = (over.width() / 2.0).ceil() as usize;
     let is_slippery =
         scene.predicted.tones.iter().any(|wave| wave.tone.frequency_hz >= super::boundary::SLIPPERY_FROM_HZ);
@@ -29,7 +34,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let place = axis.place_from_screen(x + 1.0);
         let sensation = felt(scene.predicted.frequency_at(place), scene.predicted.bound_at(place));
         let cell = Rect::from_min_size(pos2(x, over.top()), vec2(2.5, over.height())).intersect(over);
-        painter.rect_filled(cell, 0.0, theme::sequential(strength(sensation) as f32, palette.dark));
+        let colour = theme::sequential(strength(sensation) as f32, palette.dark);
+        painter.rect_filled(cell, 0.0, palette.page.lerp_to_gamma(colour, share));
     }
     painter.rect_stroke(over, 3.0, Stroke::new(1.0, palette.line), StrokeKind::Outside);
     let small = FontId::proportional(11.5);

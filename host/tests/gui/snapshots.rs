@@ -98,3 +98,25 @@ fn the_lights_look_as_they_were_approved() {
 fn the_designer_looks_as_it_was_approved() {
     compare("designer", &picture(ThemeChoice::Light, USUAL, |bench| open_page(bench, "Designer")));
 }
+
+#[test]
+fn what_is_felt_is_faint_while_nothing_is_driven() {
+    for theme in [ThemeChoice::Light, ThemeChoice::Dark] {
+        let stop = |bench: &mut Bench| {
+            bench.window.key_press(eframe::egui::Key::Space);
+            bench.wait(300);
+        };
+        // A place on the strip where much is felt, and one beside the plate.
+        let contrast = |seen: &ColorImage| -> u32 {
+            let at = |x: usize| seen.pixels[544 * seen.size[0] + x];
+            let (felt, page) = (at(440), at(940));
+            [felt.r().abs_diff(page.r()), felt.g().abs_diff(page.g()), felt.b().abs_diff(page.b())]
+                .into_iter()
+                .map(u32::from)
+                .sum()
+        };
+        let driven = contrast(&picture(theme, USUAL, |_| ()));
+        let stopped = contrast(&picture(theme, USUAL, stop));
+        assert!(2 * stopped < driven && 10 * stopped > driven, "{theme:?}: {driven}, {stopped}");
+    }
+}
