@@ -79,7 +79,10 @@ impl Field<'_> {
                 fields.texts.insert(id, Typing { text, error: error.clone() });
             }
             if let Some(error) = error {
-                ui.label(RichText::new(error).small().color(theme::palette(ui).wrong));
+                // As wide as the field and no wider: a reason must not move what stands beside it.
+                ui.set_max_width(response.rect.width());
+                let text = RichText::new(error).small().color(theme::palette(ui).wrong);
+                ui.add(egui::Label::new(text).wrap());
             }
             taken
         })

@@ -5,6 +5,7 @@ mod background;
 mod bench;
 mod notices;
 mod painter;
+mod reasons;
 mod sizes;
 mod snapshots;
 mod stop;

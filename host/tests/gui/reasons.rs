@@ -1,0 +1,60 @@
+//! A value that is not taken has its reason under its field, and moves nothing beside it.
+
+use crate::bench::Bench;
+use crate::type_into;
+use eframe::egui::{Rect, accesskit::Role};
+use egui_kittest::kittest::Queryable as _;
+
+fn rect(bench: &Bench, role: Role, name: &str) -> Rect {
+    bench.window.get_by_role_and_label(role, name).rect()
+}
+
+/// Where the plate's line is, and how wide the panel at the side: neither may change.
+fn outside(bench: &Bench) -> [Rect; 2] {
+    [rect(bench, Role::Slider, "Boundary"), rect(bench, Role::Button, "Tones")]
+}
+
+#[test]
+fn a_bad_place_leaves_the_frequency_where_it_is() {
+    let mut bench = Bench::driving();
+    let before = (rect(&bench, Role::TextInput, "Boundary frequency"), outside(&bench));
+    for (text, reason) in [
+        ("1e30", "outside"),
+        ("1 Hz", "cannot enter"),
+        ("abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz", "does not begin"),
+    ] {
+        type_into(&mut bench, "Boundary position", text);
+        bench.wait(100);
+        let field = rect(&bench, Role::TextInput, "Boundary position");
+        let reason = bench.window.get_by_label_contains(reason).rect();
+        assert!(reason.left() >= field.left() && reason.right() <= field.right() + 1.0, "{text}: {reason}");
+        assert!(reason.top() >= field.bottom(), "{text}: {reason}");
+        assert_eq!((rect(&bench, Role::TextInput, "Boundary frequency"), outside(&bench)), before, "{text}");
+    }
+}
+
+#[test]
+fn a_bad_place_of_a_tone_leaves_its_row_and_the_plate_as_they_are() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Tones").click();
+    bench.wait(100);
+    let remove = |bench: &Bench| rect(bench, Role::Button, "Remove tone 1");
+    let before = (remove(&bench).x_range(), outside(&bench));
+    type_into(&mut bench, "Position of tone 1", "abc");
+    bench.wait(100);
+    assert!(bench.window.query_by_label_contains("does not begin").is_some());
+    assert_eq!((remove(&bench).x_range(), outside(&bench)), before);
+}
+
+#[test]
+fn a_bad_number_of_the_plate_leaves_the_panel_as_wide_as_it_is() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Plate").click();
+    bench.wait(100);
+    let before = outside(&bench);
+    for name in ["Wave speed", "Loss factor"] {
+        type_into(&mut bench, name, "1e300");
+        bench.wait(100);
+        assert_eq!(outside(&bench), before, "{name}");
+    }
+}
