@@ -100,6 +100,8 @@ pub struct App {
     history: History,
     settings: Settings,
     pilot: Pilot,
+    /// The latest drive that was sent, until it is known why it was refused.
+    drive_sent: Option<Ticket>,
     /// The slot of the tone that keys and fields are for.
     selected: u8,
     grab: Option<Grab>,
@@ -134,6 +136,7 @@ impl App {
             history: History::default(),
             settings,
             pilot: Pilot::default(),
+            drive_sent: None,
             selected,
             grab: None,
             gesture: 0,

@@ -25,6 +25,10 @@ pub enum Act {
 #[derive(Clone, Debug, Default)]
 pub struct Pilot {
     wants_drive: bool,
+    /// Whether the user stopped the drive: another connection does not begin it again.
+    is_stopped: bool,
+    /// Whether the screen shows a setup that came as a whole and was not sent yet, as a file that was opened.
+    is_setup_new: bool,
     /// The table that was sent by itself last: one that fails is not sent again and again.
     sent_table: Option<u32>,
     /// Whether a drive has been sent since the device was last armed or its table changed.
@@ -34,7 +38,8 @@ pub struct Pilot {
 impl Pilot {
     /// The user chose a port.
     pub fn connecting(&mut self, port: &Port) {
-        *self = Self { wants_drive: *port == Port::Simulated, ..Self::default() };
+        let is_stopped = self.is_stopped;
+        *self = Self { wants_drive: *port == Port::Simulated && !is_stopped, is_stopped, ..Self::default() };
     }
 
     /// Whether the user wants the plate driven.
@@ -45,12 +50,23 @@ impl Pilot {
 
     /// The user stopped the drive.
     pub fn stopped(&mut self) {
+        self.is_stopped = true;
+        self.rest();
+    }
+
+    fn rest(&mut self) {
         self.wants_drive = false;
         self.has_driven = false;
     }
 
+    /// The screen shows another setup, for which a table is to be made first: it is sent once the device holds it.
+    pub fn setup_replaced(&mut self) {
+        self.is_setup_new = true;
+    }
+
     /// The user wants the plate driven; whether the drive can be sent now.
     pub fn start(&mut self, snapshot: &Snapshot) -> bool {
+        self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
         self.has_driven = self.may_drive(snapshot);
         self.has_driven
@@ -78,13 +94,13 @@ impl Pilot {
             matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
         if is_lost {
             // It comes back disarmed and silent; the table is looked at anew.
-            self.stopped();
+            self.rest();
             self.sent_table = None;
             return acts;
         }
         let state = now.status.map(|status| status.state);
         if matches!(state, Some(State::Fault | State::SafeMode)) {
-            self.stopped();
+            self.rest();
         }
         if !now.is_connected() {
             return acts;
@@ -113,8 +129,13 @@ impl Pilot {
         // While a table is on its way the places would be those of the old one.
         let is_table_coming = now.upload.is_some()
             || (is_simulated && made.is_none_or(|made| on_device != Some(made.device_table.crc())));
-        if self.wants_drive && !self.has_driven && !is_table_coming && self.may_drive(now) {
+        // The same plate from another file has the same table: nothing else tells that there is something to send.
+        let is_setup_due =
+            self.is_setup_new && made.is_some_and(|made| on_device == Some(made.device_table.crc()));
+        let is_due = !self.has_driven || is_setup_due;
+        if self.wants_drive && is_due && !is_table_coming && self.may_drive(now) {
             self.has_driven = true;
+            self.is_setup_new = false;
             acts.push(Act::Drive);
         }
         acts
@@ -160,4 +181,19 @@ pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
         peak_m: f64::from(tone.level.0) / 65535.0 * master * table.peak_at_full_scale_m(),
     });
     Some(Heard { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_holds_over_another_connection() {
+        let mut pilot = Pilot::default();
+        pilot.connecting(&Port::Simulated);
+        assert!(pilot.wants_drive(), "the plate moves when the window opens");
+        pilot.stopped();
+        pilot.connecting(&Port::Simulated);
+        assert!(!pilot.wants_drive());
+    }
 }

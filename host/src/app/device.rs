@@ -3,7 +3,7 @@
 
 use super::{App, Notice, TableJob, TableState};
 use crate::edit;
-use crate::link::{Port, Request, Snapshot};
+use crate::link::{Port, Request, Snapshot, Ticket};
 use crate::pilot;
 use std::sync::Arc;
 
@@ -26,8 +26,10 @@ impl App {
             return;
         }
         self.settings.auto_reconnect = self.snapshot.auto_reconnect;
-        if let Some((ticket, reason)) = &self.snapshot.last_refusal
-            && before.last_refusal.as_ref().map(|(ticket, _)| ticket) != Some(ticket)
+        let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
+        if let Some((ticket, reason)) = self.snapshot.last_refusal.clone()
+            && told != Some(ticket)
+            && !self.goes_by_rest(ticket)
         {
             self.notice =
                 Some(Notice { text: format!("Refused: {reason}"), is_error: true, is_refusal: true });
@@ -84,7 +86,23 @@ impl App {
     }
 
     pub(super) fn send_drive(&mut self) {
-        self.parts.link.send(Request::Drive(edit::drive(&self.setup)));
+        let ticket = self.parts.link.send(Request::Drive(edit::drive(&self.setup)));
+        self.drive_sent = Some(ticket);
+    }
+
+    /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on its way,
+    /// with the old levels at the new places, although the tones fit once they are there; without this the screen and
+    /// the plate would stay apart until somebody stops.
+    fn goes_by_rest(&mut self, refused: Ticket) -> bool {
+        let fits = self.table.headroom_sum(&self.setup) <= 1.0;
+        if self.drive_sent != Some(refused) || !fits || !self.pilot.may_drive(&self.snapshot) {
+            return false;
+        }
+        self.parts.link.send(Request::Stop);
+        self.send_drive();
+        // If this one is refused, too, it is for another reason.
+        self.drive_sent = None;
+        true
     }
 
     pub(super) fn stop(&mut self) {

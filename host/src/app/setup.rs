@@ -13,21 +13,12 @@ impl App {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
                 if matches!(edit, Edit::Add { .. }) {
-                    self.make_fit(&mut next);
+                    make_fit(&mut next);
                 }
                 self.history.note(&self.setup, edit, self.gesture);
                 self.take(next);
             }
             Err(error) => self.fail(error.to_string()),
-        }
-    }
-
-    /// Lowers the master as far as the tones' worst-case sum needs to fit the DAC.
-    fn make_fit(&self, setup: &mut Setup) {
-        let sum = self.table.headroom_sum(setup);
-        if sum > 1.0 {
-            // A little more than needed, because the device rounds to hundredths of a decibel.
-            setup.master_db = (setup.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB);
         }
     }
 
@@ -44,6 +35,7 @@ impl App {
         if is_new_plate {
             self.hearing.measured = None;
             self.table_asked = None;
+            self.pilot.setup_replaced();
             self.ask_for_table();
         } else if self.pilot.may_drive(&self.snapshot) {
             self.send_drive();
@@ -64,5 +56,14 @@ impl App {
     pub(super) fn predict(&mut self) {
         let tones = steady_tones(&self.setup, self.full_peak_m());
         self.predicted = Picture::solve(&self.setup.plate, &tones);
+    }
+}
+
+/// Lowers the master until the tones fit the DAC wherever on the plate they are dragged: a place's gain is 1 at most.
+fn make_fit(setup: &mut Setup) {
+    let sum = setup.tones.iter().map(|tone| tone.level).sum::<f64>() * setup.master();
+    if sum > 1.0 {
+        // A little more than needed, because the device rounds to hundredths of a decibel.
+        setup.master_db = (setup.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB);
     }
 }

@@ -3,6 +3,7 @@
 
 mod background;
 mod bench;
+mod heard;
 mod notices;
 mod painter;
 mod reasons;

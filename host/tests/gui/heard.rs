@@ -1,0 +1,102 @@
+//! What is on the screen is what sounds, by whatever way it came to the screen.
+
+use crate::background::open_plate;
+use crate::bench::Bench;
+use crate::{boundary_mm, type_into};
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use slipline::pilot::sounding;
+
+/// Frequencies that the device has acknowledged, in Hz, in the order of their tones.
+fn sounding_hz(bench: &Bench) -> Vec<f64> {
+    let heard = sounding(&bench.snapshot()).expect("something sounds");
+    heard.tones.iter().map(|tone| tone.frequency_hz).collect()
+}
+
+/// Frequencies that the screen's setup asks for.
+fn wanted_hz(bench: &Bench) -> Vec<f64> {
+    let setup = bench.window.state().setup();
+    setup.tones.iter().map(|tone| setup.plate.frequency_for_boundary_hz(tone.position_m)).collect()
+}
+
+fn assert_heard(bench: &Bench) {
+    let (heard, wanted) = (sounding_hz(bench), wanted_hz(bench));
+    assert_eq!(heard.len(), wanted.len(), "{heard:?} sounds, {wanted:?} is on the screen");
+    for (heard, wanted) in heard.iter().zip(&wanted) {
+        assert!((heard / wanted - 1.0).abs() < 1e-3, "{heard} Hz sounds, {wanted} Hz is on the screen");
+    }
+}
+
+#[test]
+fn a_setup_that_is_opened_or_taken_back_sounds_also_on_the_same_plate() {
+    let mut bench = Bench::driving();
+    type_into(&mut bench, "Boundary position", "100 mm");
+    bench.wait(200);
+    let text = bench.setup_text();
+    type_into(&mut bench, "Boundary position", "250 mm");
+    bench.wait(200);
+    assert_heard(&bench);
+    open_plate(&mut bench, text);
+    bench.wait(1500);
+    assert!((boundary_mm(&bench) - 100.0).abs() < 0.01);
+    assert_heard(&bench);
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench.wait(1500);
+    assert!((boundary_mm(&bench) - 250.0).abs() < 0.01);
+    assert_heard(&bench);
+}
+
+#[test]
+fn a_tone_that_is_added_can_be_dragged_anywhere() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Tones").click();
+    bench.wait(50);
+    bench.window.get_by_label("Add tone").click();
+    bench.wait(200);
+    for place in ["80 mm", "103 mm", "150 mm", "200 mm", "280 mm"] {
+        type_into(&mut bench, "Position of tone 2", place);
+        bench.wait(200);
+        assert!(bench.window.state().notice().is_none(), "{place}");
+        assert_heard(&bench);
+    }
+}
+
+#[test]
+fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Tones").click();
+    bench.wait(50);
+    bench.window.get_by_label("Add tone").click();
+    bench.wait(200);
+    // Two tones where the gain is least, as loud as fits there; then where it is most, as loud as fits there.
+    let loud = loudest_place_mm(&bench);
+    let text = |bench: &Bench, master: f64, place_mm: f64| {
+        let mut setup = bench.window.state().setup().clone();
+        setup.master_db = master;
+        for tone in &mut setup.tones {
+            tone.position_m = place_mm * 1e-3;
+            tone.level = 1.0;
+        }
+        slipline::setup_file::write(&setup)
+    };
+    let fits_db = |gain: f64| -20.0 * (2.0 * gain).log10() - 0.1;
+    let next = text(&bench, fits_db(loud.1), loud.0);
+    open_plate(&mut bench, next);
+    bench.wait(1500);
+    assert_heard(&bench);
+    let next = text(&bench, fits_db(loud.3), loud.2);
+    open_plate(&mut bench, next);
+    bench.wait(2500);
+    assert!(bench.is_driving());
+    assert_heard(&bench);
+}
+
+/// Where the table's gain is least and where it is most, in mm, each with the gain.
+fn loudest_place_mm(bench: &Bench) -> (f64, f64, f64, f64) {
+    let plate = &bench.window.state().setup().plate;
+    let (table, _) = slipline::simulation::table_for(plate, 400_000).expect("a table");
+    let places = (80..=280).map(|mm| (f64::from(mm), table.gain(f64::from(mm) * 1e-3)));
+    let least = places.clone().min_by(|a, b| a.1.total_cmp(&b.1)).expect("places");
+    let most = places.max_by(|a, b| a.1.total_cmp(&b.1)).expect("places");
+    (least.0, least.1, most.0, most.1)
+}
