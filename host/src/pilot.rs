@@ -110,10 +110,11 @@ impl Pilot {
         }
         let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         let on_device = now.table.active.map(|header| header.crc);
+        // Whether the device has the table of the plate on the screen.
+        let is_held = made.is_some_and(|made| on_device == Some(made.device_table.crc()));
         if let Some(made) = made {
             let crc = made.device_table.crc();
             // A table the device holds from before is only recognised: that asks nothing of the user.
-            let is_held = on_device == Some(crc);
             let is_wanted = is_simulated || settings.auto_upload || is_held;
             let is_known = is_held && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
@@ -127,12 +128,9 @@ impl Pilot {
             self.has_driven = false;
         }
         // While a table is on its way the places would be those of the old one.
-        let is_table_coming = now.upload.is_some()
-            || (is_simulated && made.is_none_or(|made| on_device != Some(made.device_table.crc())));
+        let is_table_coming = now.upload.is_some() || (is_simulated && !is_held);
         // The same plate from another file has the same table: nothing else tells that there is something to send.
-        let is_setup_due =
-            self.is_setup_new && made.is_some_and(|made| on_device == Some(made.device_table.crc()));
-        let is_due = !self.has_driven || is_setup_due;
+        let is_due = !self.has_driven || (self.is_setup_new && is_held);
         if self.wants_drive && is_due && !is_table_coming && self.may_drive(now) {
             self.has_driven = true;
             self.is_setup_new = false;

@@ -61,33 +61,28 @@ impl Exchange {
         Presence(self)
     }
 
-    /// Leaves to a neighbour what `pack` packs, when the parcel before it was taken. Without a neighbour: nothing.
+    /// Leaves to the neighbour, over the seam where the block begins, what `pack` packs, when the parcel before it was
+    /// taken.
     pub(super) fn leave(&self, band: usize, slant: Slant, pack: impl FnOnce(&mut Parcel)) {
         let slot = match slant {
-            Slant::Rising => self.seams.get(band).map(|seam| &seam.down),
-            Slant::Falling => self.above(band).map(|seam| &seam.up),
+            Slant::Rising => &self.seams[band].down,
+            Slant::Falling => &self.seams[band - 1].up,
         };
-        let Some(slot) = slot else { return };
         self.wait_until(|| slot.taken.load(Ordering::Acquire) == slot.left.load(Ordering::Relaxed));
         // A poisoned parcel is only numbers.
         pack(&mut slot.parcel.lock().unwrap_or_else(PoisonError::into_inner));
         slot.left.fetch_add(1, Ordering::Release);
     }
 
-    /// Takes what a neighbour left, when it has.
+    /// Takes what the neighbour left over the seam where the block ends, when it has.
     pub(super) fn take(&self, band: usize, slant: Slant, unpack: impl FnOnce(&Parcel)) {
         let slot = match slant {
-            Slant::Rising => self.above(band).map(|seam| &seam.down),
-            Slant::Falling => self.seams.get(band).map(|seam| &seam.up),
+            Slant::Rising => &self.seams[band - 1].down,
+            Slant::Falling => &self.seams[band].up,
         };
-        let Some(slot) = slot else { return };
         self.wait_until(|| slot.left.load(Ordering::Acquire) > slot.taken.load(Ordering::Relaxed));
         unpack(&slot.parcel.lock().unwrap_or_else(PoisonError::into_inner));
         slot.taken.fetch_add(1, Ordering::Release);
-    }
-
-    fn above(&self, band: usize) -> Option<&Seam> {
-        self.seams.get(band.checked_sub(1)?)
     }
 
     /// Blocks are tens of microseconds long, so it spins before it yields.

@@ -91,11 +91,14 @@ impl Lattice {
         let (plan, clock) = (&self.plan, self.clock);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
-                // A thread that cannot be started breaks the exchange, too.
+                // For the first band, and for a thread that cannot be started.
                 let _presence = exchange.join();
                 for band in others {
                     let exchange = &exchange;
-                    scope.spawn(move || run(band, plan, drive, clock, exchange));
+                    scope.spawn(move || {
+                        let _presence = exchange.join();
+                        run(band, plan, drive, clock, exchange);
+                    });
                 }
                 self.clock = run(first, plan, drive, clock, &exchange);
             });
@@ -184,7 +187,6 @@ impl Clock {
 
 /// Runs one band through all steps, from the given time to the time that it returns.
 fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &Exchange) -> Clock {
-    let _presence = exchange.join();
     let mut rest = drive;
     while !rest.is_empty() {
         let (steps, slant) = clock.block(rest.len(), plan.depth);
