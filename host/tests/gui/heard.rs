@@ -2,9 +2,8 @@
 
 use crate::background::open_plate;
 use crate::bench::Bench;
-use crate::{boundary_mm, type_into};
+use crate::{add_tone, boundary_mm, type_into};
 use eframe::egui::{Key, Modifiers};
-use egui_kittest::kittest::Queryable as _;
 use slipline::pilot::sounding;
 
 /// Frequencies that the device has acknowledged, in Hz, in the order of their tones.
@@ -49,10 +48,7 @@ fn a_setup_that_is_opened_or_taken_back_sounds_also_on_the_same_plate() {
 #[test]
 fn a_tone_that_is_added_can_be_dragged_anywhere() {
     let mut bench = Bench::driving();
-    bench.window.get_by_label("Tones").click();
-    bench.wait(50);
-    bench.window.get_by_label("Add tone").click();
-    bench.wait(200);
+    add_tone(&mut bench);
     for place in ["80 mm", "103 mm", "150 mm", "200 mm", "280 mm"] {
         type_into(&mut bench, "Position of tone 2", place);
         bench.wait(200);
@@ -64,12 +60,9 @@ fn a_tone_that_is_added_can_be_dragged_anywhere() {
 #[test]
 fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     let mut bench = Bench::driving();
-    bench.window.get_by_label("Tones").click();
-    bench.wait(50);
-    bench.window.get_by_label("Add tone").click();
-    bench.wait(200);
+    add_tone(&mut bench);
     // Two tones where the gain is least, as loud as fits there; then where it is most, as loud as fits there.
-    let loud = loudest_place_mm(&bench);
+    let [least, most] = extremes(&bench);
     let text = |bench: &Bench, master: f64, place_mm: f64| {
         let mut setup = bench.window.state().setup().clone();
         setup.master_db = master;
@@ -80,23 +73,23 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
         slipline::setup_file::write(&setup)
     };
     let fits_db = |gain: f64| -20.0 * (2.0 * gain).log10() - 0.1;
-    let next = text(&bench, fits_db(loud.1), loud.0);
+    let next = text(&bench, fits_db(least.1), least.0);
     open_plate(&mut bench, next);
     bench.wait(1500);
     assert_heard(&bench);
-    let next = text(&bench, fits_db(loud.3), loud.2);
+    let next = text(&bench, fits_db(most.1), most.0);
     open_plate(&mut bench, next);
     bench.wait(2500);
     assert!(bench.is_driving());
     assert_heard(&bench);
 }
 
-/// Where the table's gain is least and where it is most, in mm, each with the gain.
-fn loudest_place_mm(bench: &Bench) -> (f64, f64, f64, f64) {
+/// Where the table's gain is least and where it is most: the place in mm and the gain there.
+fn extremes(bench: &Bench) -> [(f64, f64); 2] {
     let plate = &bench.window.state().setup().plate;
     let (table, _) = slipline::simulation::table_for(plate, 400_000).expect("a table");
     let places = (80..=280).map(|mm| (f64::from(mm), table.gain(f64::from(mm) * 1e-3)));
     let least = places.clone().min_by(|a, b| a.1.total_cmp(&b.1)).expect("places");
     let most = places.max_by(|a, b| a.1.total_cmp(&b.1)).expect("places");
-    (least.0, least.1, most.0, most.1)
+    [least, most]
 }

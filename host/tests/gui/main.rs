@@ -34,6 +34,14 @@ fn type_into(bench: &mut Bench, name: &str, text: &str) {
     bench.window.step();
 }
 
+/// Adds a tone on the page of tones, which stays open.
+fn add_tone(bench: &mut Bench) {
+    bench.window.get_by_label("Tones").click();
+    bench.wait(50);
+    bench.window.get_by_label("Add tone").click();
+    bench.wait(200);
+}
+
 /// Where the boundary's handle is.
 fn line_rect(bench: &Bench) -> eframe::egui::Rect {
     bench.window.get_by_role_and_label(Role::Slider, "Boundary").rect()
@@ -237,10 +245,7 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
 #[test]
 fn a_saved_setup_opens_again_with_its_tones() {
     let mut bench = Bench::driving();
-    bench.window.get_by_label("Tones").click();
-    bench.wait(50);
-    bench.window.get_by_label("Add tone").click();
-    bench.wait(100);
+    add_tone(&mut bench);
     assert_eq!(bench.window.state().setup().tones.len(), 2);
     assert!(bench.window.query_by_label("Peak of tone 2").is_some());
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);

@@ -28,6 +28,16 @@ impl Naive {
         Self { case, now: blank.clone(), past: blank.clone(), maximum: blank, squares, steps: 0 }
     }
 
+    /// As [`Lattice::release`].
+    fn release(&mut self, shape: impl Fn(usize, usize) -> f32) {
+        for (row, &reach) in self.case.reach.iter().enumerate() {
+            for cell in 0..reach {
+                self.now[row][cell + 1] = shape(cell, row);
+                self.past[row][cell + 1] = shape(cell, row);
+            }
+        }
+    }
+
     fn step(&mut self, drive: f32) {
         let (case, weights) = (&self.case, self.case.weights);
         let (rows, zero) = (case.reach.len(), vec![0.0; self.now[0].len()]);
@@ -171,12 +181,7 @@ proptest! {
         let start = |cell: usize, row: usize| scale * (scattered(row * 4096 + cell, 3) - 0.5);
         lattice.release(start);
         let mut naive = Naive::new(case);
-        for (row, &reach) in naive.case.reach.iter().enumerate() {
-            for cell in 0..reach {
-                naive.now[row][cell + 1] = start(cell, row);
-                naive.past[row][cell + 1] = start(cell, row);
-            }
-        }
+        naive.release(start);
         let mut sent = 0;
         for steps in calls {
             let drive: Vec<f32> = (sent..sent + steps).map(|n| scale * (scattered(n, 4) - 0.5)).collect();
@@ -210,12 +215,7 @@ fn a_rectangle_is_the_lattice_it_says_at_every_pace_it_chooses() {
         let reach = vec![cells; rows];
         let case = Case { reach: reach.clone(), plain: reach, own, mirrored: false, weights, column: None };
         let mut naive = Naive::new(case);
-        for row in 0..rows {
-            for cell in 0..cells {
-                naive.now[row][cell + 1] = start(cell, row);
-                naive.past[row][cell + 1] = start(cell, row);
-            }
-        }
+        naive.release(start);
         (0..150).for_each(|_| naive.step(0.0));
         for row in 0..rows {
             assert!(
