@@ -2,7 +2,8 @@
 //!
 //! Time convention e^(-j omega t): a wave that runs into the plate is e^(+j k x).
 
-use crate::error::{PlateError, within};
+use crate::error::PlateError;
+use crate::range;
 
 /// What is held at x = 0, for a drive of 1 (the amplitudes of the solvers are relative to it).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +29,7 @@ pub enum DriveEnd {
 impl DriveEnd {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
-            Self::Resistance { ratio, .. } => within("drive.ratio", *ratio, 0.01, 100.0, ""),
+            Self::Resistance { ratio, .. } => range::DRIVE_RATIO.check("drive.ratio", *ratio),
             Self::Displacement | Self::Force { .. } => Ok(()),
         }
     }
@@ -56,8 +57,8 @@ pub struct Actuator {
 
 impl Actuator {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        within("actuator.resonance_hz", self.resonance_hz, 0.1, 1e7, "Hz")?;
-        within("actuator.quality", self.quality, 0.1, 1000.0, "")
+        range::RESONANCE.check("actuator.resonance_hz", self.resonance_hz)?;
+        range::QUALITY.check("actuator.quality", self.quality)
     }
 
     /// Complex response at `frequency_hz`, relative to rest.

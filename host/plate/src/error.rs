@@ -1,12 +1,14 @@
 //! What can be wrong with a plate: every variant names the field and what is allowed.
 
+use crate::numeral::typed;
+use crate::range::Range;
 use thiserror::Error;
 
 /// Why a plate was refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlateError {
     /// A number is outside its range (or not a number).
-    #[error("{field} = {value}: must be {allowed}")]
+    #[error("{field} = {}: must be {allowed}", typed(*.value))]
     OutOfRange {
         /// The field, as it is written in the plate file (`taper.half_width_m`).
         field: String,
@@ -31,14 +33,14 @@ pub enum PlateError {
         /// Which fields belong here instead.
         reason: String,
     },
-    /// A word that is not one of the allowed ones.
-    #[error("{field} = \"{value}\": must be one of {allowed}")]
+    /// Something of another kind than is due: a word that is not one of the allowed ones, or a text for a number.
+    #[error("{field} = {value}: must be {allowed}")]
     UnknownKind {
         /// The field, as it is written in the plate file.
         field: String,
-        /// The word that was given.
+        /// What was given, as it stands in the file: a text with its quotes.
         value: String,
-        /// The words that are allowed.
+        /// What is allowed, in words.
         allowed: String,
     },
     /// A text is longer than allowed.
@@ -97,12 +99,27 @@ pub enum PlateFileError {
     },
 }
 
-/// Refuses a value that is not in `low..=high`, naming the field, the range and the unit.
-pub(crate) fn within(field: &str, value: f64, low: f64, high: f64, unit: &str) -> Result<(), PlateError> {
-    // Written so that NaN is refused as well.
-    if value >= low && value <= high {
-        return Ok(());
+impl PlateError {
+    /// The field that is wrong, as it is written in the plate file.
+    pub fn field(&self) -> Option<&str> {
+        match self {
+            Self::OutOfRange { field, .. }
+            | Self::Missing { field, .. }
+            | Self::Unexpected { field, .. }
+            | Self::UnknownKind { field, .. }
+            | Self::TooLong { field, .. } => Some(field),
+            Self::NotNarrowing { .. } => Some("taper.points"),
+        }
     }
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    Err(PlateError::OutOfRange { field: field.to_owned(), value, allowed: format!("{low} to {high}{unit}") })
+}
+
+/// Refuses a value that is not in `low..=high`, naming the field, the range and the unit.
+pub(crate) fn within(
+    field: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+    unit: &'static str,
+) -> Result<(), PlateError> {
+    Range::new(low, high, unit).check(field, value)
 }

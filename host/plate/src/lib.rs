@@ -25,6 +25,7 @@ mod error;
 mod galerkin;
 mod kernel;
 mod model;
+pub mod numeral;
 mod numerov;
 mod oscillators;
 pub mod paper;
@@ -33,10 +34,12 @@ mod plate;
 mod plate_file;
 mod presets;
 mod progress;
+pub mod range;
 mod respond;
 pub mod sensation;
 mod sensitivity;
 pub mod sheet;
+mod suggestion;
 mod sweep;
 mod taper;
 mod time_line;
@@ -44,7 +47,9 @@ mod turning;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
 pub use drive::{Actuator, DriveEnd};
-pub use drive_table::{DriveTable, FREQUENCY_TO_RATE_MAX, KNOTS_MAX, Knot, Level, TableError};
+pub use drive_table::{
+    DriveTable, FREQUENCY_TO_RATE_MAX, KNOTS_MAX, Knot, Level, SAMPLE_RATE_MAX_HZ, TableError,
+};
 pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};
 pub use error::{PlateError, PlateFileError};
 pub use model::{Bending, Model};
@@ -54,11 +59,14 @@ pub use plate::{BAND_RATIO_MAX, FREQUENCY_RANGE_HZ, Plate, PlateSpec, WAVELENGTH
 pub use plate_file::PLATE_FILE_BYTES_MAX;
 pub use presets::{Preset, preset, presets};
 pub use progress::{Progress, Stopped};
-pub use respond::{Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch};
+pub use respond::{
+    Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch, respond_range,
+};
 pub use sensitivity::{
     Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
     sensitivity_per_percent_watched, table_sensitivity,
 };
 pub use sheet::{Sheet, SheetError, SheetGrid};
+pub use suggestion::nearest;
 pub use taper::{HALF_WIDTH_MAX_M, HALF_WIDTH_MIN_M, TAPER_POINTS_MAX, Taper};
 pub use time_line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};

@@ -8,7 +8,8 @@
 //! | thin plate in bending, simply supported edges | 1 | pi/2 | sqrt(omega) (rho h/D)^(1/4) |
 //! | thin plate in bending, clamped edges | 1.817 | 2.36502 | the same |
 
-use crate::error::{PlateError, within};
+use crate::error::PlateError;
+use crate::range;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Material, edge and wave of a plate.
@@ -99,10 +100,10 @@ impl Bending {
     }
 
     fn validate(&self) -> Result<(), PlateError> {
-        within("model.youngs_modulus_pa", self.youngs_modulus_pa, 1e3, 1e13, "Pa")?;
-        within("model.poisson_ratio", self.poisson_ratio, 0.0, 0.499, "")?;
-        within("model.density_kg_per_m3", self.density_kg_per_m3, 1.0, 3e4, "kg/m^3")?;
-        within("model.thickness_m", self.thickness_m, 1e-6, 0.1, "m")
+        range::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
+        range::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
+        range::DENSITY.check("model.density_kg_per_m3", self.density_kg_per_m3)?;
+        range::THICKNESS.check("model.thickness_m", self.thickness_m)
     }
 }
 
@@ -113,11 +114,11 @@ impl Model {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
             Self::Membrane { wave_speed_m_per_s } => {
-                within("model.wave_speed_m_per_s", *wave_speed_m_per_s, 0.1, 2e4, "m/s")
+                range::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)
             }
             Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
-                within("model.shear_modulus_pa", *shear_modulus_pa, 100.0, 1e12, "Pa")?;
-                within("model.density_kg_per_m3", *density_kg_per_m3, 1.0, 3e4, "kg/m^3")
+                range::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
+                range::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)
             }
             Self::BendingSupported(bending) | Self::BendingClamped(bending) => bending.validate(),
         }

@@ -6,6 +6,8 @@
 use crate::drive::{Actuator, DriveEnd};
 use crate::error::{PlateError, within};
 use crate::model::Model;
+use crate::numeral::typed;
+use crate::range;
 use crate::taper::{Taper, WidthLaw};
 use std::f64::consts::TAU;
 
@@ -61,16 +63,16 @@ impl Plate {
     pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
         text("name", &spec.name, 1, 80)?;
         text("description", &spec.description, 0, 400)?;
-        within("length_m", spec.length_m, 0.005, 10.0, "m")?;
+        range::LENGTH.check("length_m", spec.length_m)?;
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
-        within("loss_factor", spec.loss_factor, 0.0, 0.5, "")?;
-        within("wave_speed_tolerance", spec.wave_speed_tolerance, 0.0, 0.05, "")?;
+        range::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
+        range::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
         spec.drive_end.validate()?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
         }
-        within("full_scale_m", spec.full_scale_m, 1e-9, 0.1, "m")?;
+        range::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
         within("span_start_m", spec.span_start_m, 1e-3 * spec.length_m, 0.999 * spec.length_m, "m")?;
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
         within("span_end_m", spec.span_end_m, shortest, spec.length_m, "m")?;
@@ -97,7 +99,10 @@ impl Plate {
             return refuse(
                 "span_end_m",
                 self.spec.span_end_m,
-                format!("where the boundary needs at most {} Hz (here {high:.4e} Hz)", FREQUENCY_RANGE_HZ.1),
+                format!(
+                    "where the boundary needs at most {} Hz (here {high:.4e} Hz)",
+                    typed(FREQUENCY_RANGE_HZ.1)
+                ),
             );
         }
         if high > low * BAND_RATIO_MAX {
@@ -105,7 +110,7 @@ impl Plate {
                 "span_start_m",
                 self.spec.span_start_m,
                 format!(
-                    "where the boundary needs at least 1/{BAND_RATIO_MAX} of the {high:.4} Hz at the span's end \
+                    "where the boundary needs at least 1/{BAND_RATIO_MAX} of the {high:.1} Hz at the span's end \
                      (here {low:.4} Hz)"
                 ),
             );
@@ -215,7 +220,7 @@ fn text(field: &str, value: &str, shortest: usize, longest: usize) -> Result<(),
         field: field.to_owned(),
         length,
         unit: "characters",
-        allowed: format!("{shortest} to {longest}, on one line"),
+        allowed: format!("{shortest} to {longest}, on one line, without control characters"),
     })
 }
 

@@ -1,8 +1,10 @@
 //! The amplitude over x at one frequency or many: the frequency-domain solver's front.
 
+use crate::numeral::{at_least, typed};
 use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
 use crate::plate::{FREQUENCY_RANGE_HZ, Plate};
+use crate::range::Range;
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -20,7 +22,8 @@ pub enum Equation {
 pub enum RespondError {
     /// The frequency is below the cut-off at the driven end: nothing runs.
     #[error(
-        "frequency = {frequency_hz} Hz cannot enter the plate: must be above {cut_off_hz:.4} Hz, the cut-off at its wide end"
+        "frequency = {} Hz cannot enter the plate: must be above {} Hz, the cut-off at its wide end",
+        typed(*.frequency_hz), typed(at_least(*.cut_off_hz, 5))
     )]
     CannotEnter {
         /// The frequency that was asked for, Hz.
@@ -29,7 +32,7 @@ pub enum RespondError {
         cut_off_hz: f64,
     },
     /// The frequency is absurd.
-    #[error("frequency = {frequency_hz} Hz: must be {low} to {high} Hz for this plate")]
+    #[error("frequency = {} Hz: must be {} for this plate", typed(*.frequency_hz), Range::new(*.low, *.high, "Hz"))]
     Frequency {
         /// The frequency that was asked for, Hz.
         frequency_hz: f64,
@@ -125,14 +128,18 @@ pub fn respond_batch(
     Ok(rows)
 }
 
+/// The frequencies that [`respond`] answers for, Hz: from the cut-off at the wide end to four times the highest boundary
+/// frequency, which keeps the number of wavelengths, and so the work, bounded.
+pub fn respond_range(plate: &Plate) -> Range {
+    Range::new(plate.cut_off_hz(), plate.frequency_for_boundary_hz(plate.length_m()) * 4.0, "Hz")
+}
+
 fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondError> {
     if !(POINTS_MIN..=POINTS_MAX).contains(&points) {
         return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
     }
-    let cut_off_hz = plate.cut_off_hz();
-    // Four times the highest boundary frequency keeps the number of wavelengths, and so the work, bounded.
-    let (low, high) =
-        (FREQUENCY_RANGE_HZ.0.min(cut_off_hz), plate.frequency_for_boundary_hz(plate.length_m()) * 4.0);
+    let Range { low: cut_off_hz, high, .. } = respond_range(plate);
+    let low = FREQUENCY_RANGE_HZ.0.min(cut_off_hz);
     if !(frequency_hz >= low && frequency_hz <= high) {
         return Err(if frequency_hz < low && frequency_hz > 0.0 {
             RespondError::CannotEnter { frequency_hz, cut_off_hz }

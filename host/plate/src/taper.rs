@@ -4,6 +4,8 @@
 //! of the wave decays as it would in a longer plate.
 
 use crate::error::{PlateError, within};
+use crate::numeral::at_most;
+use crate::range;
 
 /// Most points a sampled taper may have.
 pub const TAPER_POINTS_MAX: usize = 10_000;
@@ -39,27 +41,32 @@ pub enum Taper {
 impl Taper {
     /// Refuses a taper that does not narrow or is absurd in size, on a plate of the given length.
     pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
-        let widths = (HALF_WIDTH_MIN_M, HALF_WIDTH_MAX_M);
         match self {
             Self::Exponential { half_width_m, rate_per_m } => {
-                within("taper.half_width_m", *half_width_m, widths.0, widths.1, "m")?;
-                within("taper.rate_per_m", *rate_per_m, 0.01, 1000.0, "1/m")?;
+                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                range::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
                 let end = half_width_m * (-rate_per_m * length_m).exp();
                 if end < HALF_WIDTH_MIN_M {
                     return Err(PlateError::OutOfRange {
                         field: "taper.rate_per_m".to_owned(),
                         value: *rate_per_m,
                         allowed: format!(
-                            "at most {} 1/m, or the half-width at the end ({end:.3e} m) falls below {HALF_WIDTH_MIN_M} m",
-                            (half_width_m / HALF_WIDTH_MIN_M).ln() / length_m
+                            "at most {} 1/m, or the half-width at the end ({end:.3e} m) falls below 1e-5 m",
+                            at_most((half_width_m / HALF_WIDTH_MIN_M).ln() / length_m, 5)
                         ),
                     });
                 }
                 Ok(())
             }
             Self::Linear { half_width_m, end_half_width_m } => {
-                within("taper.half_width_m", *half_width_m, widths.0, widths.1, "m")?;
-                within("taper.end_half_width_m", *end_half_width_m, widths.0, 0.999 * half_width_m, "m")
+                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                within(
+                    "taper.end_half_width_m",
+                    *end_half_width_m,
+                    HALF_WIDTH_MIN_M,
+                    0.999 * half_width_m,
+                    "m",
+                )
             }
             Self::Sampled { points } => validate_points(points, length_m),
         }
@@ -76,8 +83,8 @@ fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError>
         });
     }
     for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
-        within(&format!("taper.points[{index}][0]"), position_m, 0.0, 100.0, "m")?;
-        within(&format!("taper.points[{index}][1]"), half_width_m, HALF_WIDTH_MIN_M, HALF_WIDTH_MAX_M, "m")?;
+        range::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
+        range::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;
         if let Some([before_m, wider_m]) = index.checked_sub(1).map(|before| points[before])
             && (position_m - before_m < 1e-6 || half_width_m >= wider_m)
         {

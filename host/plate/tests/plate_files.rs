@@ -45,10 +45,10 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         (
             "half_width_m = 0.05",
             "half_width_m = -1.0",
-            "line 10: taper.half_width_m = -1: must be 0.00001 to 10 m",
+            "line 10: taper.half_width_m = -1: must be 1e-5 to 10 m",
         ),
         ("half_width_m = 0.05", "half_width_m = 0.0", "taper.half_width_m = 0"),
-        ("half_width_m = 0.05", "half_width_m = nan", "taper.half_width_m = NaN: must be 0.00001 to 10 m"),
+        ("half_width_m = 0.05", "half_width_m = nan", "taper.half_width_m = nan: must be 1e-5 to 10 m"),
         (
             "rate_per_m = 4.62",
             "rate_per_m = inf",
@@ -71,9 +71,13 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         (
             "end = \"displacement\"",
             "end = \"resistance\"\nratio = 1.0\nat_frequency_hz = 20.0",
-            "line 20: drive.at_frequency_hz = 20: must be 60.0",
+            "line 20: drive.at_frequency_hz = 20: must be 60.006 to 1e7 Hz",
         ),
-        ("name = \"mine\"", "name = \"mine\"\ncolour = 3", "line 3: unknown field `colour`"),
+        (
+            "name = \"mine\"",
+            "name = \"mine\"\ncolour = 3",
+            "line 3: colour does not belong here: the fields here are name, description",
+        ),
         ("name = \"mine\"", "name = ", "line 2:"),
         ("name = \"mine\"", "name = \"\"", "name has 0 characters: must be 1 to 80"),
     ];
@@ -81,6 +85,155 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         let found = refusal(from, to);
         assert!(found.contains(wanted), "{to}: {found}");
     }
+}
+
+#[test]
+fn a_value_of_another_kind_is_quoted_and_told_what_is_due() {
+    let cases = [
+        (
+            "length_m = 0.3",
+            "length_m = \"300 mm\"",
+            "line 3: length_m = \"300 mm\": must be a number, 0.005 to 10 m",
+        ),
+        ("length_m = 0.3", "length_m = 1e999", "line 3: length_m = 1e999: must be a number, 0.005 to 10 m"),
+        ("length_m = 0.3", "length_m = 1e300", "line 3: length_m = 1e300: must be 0.005 to 10 m"),
+        (
+            "length_m = 0.3",
+            "length_m = 99999999999999999999",
+            "line 3: length_m = 1e20: must be 0.005 to 10 m",
+        ),
+        ("name = \"mine\"", "name = 5", "line 2: name = 5: must be a text in quotes, 1 to 80 characters"),
+        (
+            "half_width_m = 0.05",
+            "half_width_m = true",
+            "line 10: taper.half_width_m = true: must be a number, 1e-5",
+        ),
+        ("half_width_m = 0.05", "half_width_m = [1]", "line 10: taper.half_width_m = [1]: must be a number"),
+        (
+            "span_end_m = 0.25",
+            "span_end_m = \"far\"",
+            "span_end_m = \"far\": must be a number, up to length_m, in m",
+        ),
+        ("kind = \"membrane\"", "kind = 3", "line 14: model.kind = 3: must be one of \"membrane\", \"shear"),
+        ("end = \"displacement\"", "end = \"displacment\"", "\"resistance\"; did you mean \"displacement\"?"),
+        ("[taper]", "[[taper]]", "line 8: taper = "),
+    ];
+    for (from, to, wanted) in cases {
+        let found = refusal(from, to);
+        assert!(found.contains(wanted), "{to}: {found}");
+    }
+    let sampled = "kind = \"sampled\"\npoints = [[0.0, 0.05],\n  [0.1, \"x\"], [0.3, 0.01]]";
+    let found = refusal("kind = \"exponential\"\nhalf_width_m = 0.05\nrate_per_m = 4.62", sampled);
+    assert!(found.contains("line 11: taper.points[1] = [0.1, \"x\"]: must be a pair"), "{found}");
+}
+
+#[test]
+fn a_number_that_toml_cannot_read_is_told_with_its_field_and_range() {
+    let cases = [
+        (
+            "half_width_m = 0.05",
+            "half_width_m = 0,05",
+            "line 10: taper.half_width_m = 0,05: must be a number with a decimal point and no unit, 1e-5 to 10 m (",
+        ),
+        (
+            "length_m = 0.3",
+            "length_m = 300mm",
+            "line 3: length_m = 300mm: must be a number with a decimal point",
+        ),
+        (
+            "name = \"mine\"",
+            "name = mine",
+            "line 2: name = mine: must be a text in quotes, 1 to 80 characters (",
+        ),
+        (
+            "loss_factor = 0.01",
+            "loss_factor = 0.01\nloss_factor = 0.02",
+            "line 5: loss_factor: duplicate key",
+        ),
+    ];
+    for (from, to, wanted) in cases {
+        let found = refusal(from, to);
+        assert!(found.contains(wanted), "{to}: {found}");
+    }
+}
+
+#[test]
+fn a_name_that_is_not_known_is_answered_with_the_one_that_was_meant() {
+    let cases = [
+        ("length_m = 0.3", "lenght_m = 0.3", "line 3: lenght_m does not belong here: did you mean length_m?"),
+        ("length_m = 0.3", "length = 0.3", "did you mean length_m?"),
+        ("[taper]", "[tapper]", "line 8: [tapper] does not belong here: did you mean [taper]?"),
+        ("[drive]", "[colour]", "[colour] does not belong here: the sections of a plate are [taper]"),
+        (
+            "rate_per_m = 4.62",
+            "rat_per_m = 4.62",
+            "line 11: taper.rat_per_m does not belong here: did you mean rate_per_m?",
+        ),
+        ("rate_per_m = 4.62", "rate_per_m = 4.62\nloss_factor = 0.1", "write it above the first [section]"),
+        (
+            "name = \"mine\"",
+            "name = \"mine\"\nrate_per_m = 4.62",
+            "line 3: rate_per_m does not belong here: it is a field of [taper]",
+        ),
+        (
+            "rate_per_m = 4.62",
+            "rate_per_m = 4.62\npoints = []",
+            "\"exponential\" has half_width_m, rate_per_m",
+        ),
+    ];
+    for (from, to, wanted) in cases {
+        let found = refusal(from, to);
+        assert!(found.contains(wanted), "{to}: {found}");
+    }
+    let long = format!("{} = 1\n", "x".repeat(1 << 19));
+    assert!(Plate::from_toml(&long).expect_err("a long name").to_string().len() < 300);
+}
+
+#[test]
+fn what_is_missing_is_told_with_its_meaning_and_range_and_all_at_once() {
+    let found = Plate::from_toml("name = \"x\"\n").expect_err("a name alone").to_string();
+    assert_eq!(
+        found,
+        "length_m is missing: from the driven end to the narrow end, a number, 0.005 to 10 m; missing too: \
+         loss_factor, span_start_m, span_end_m, [taper], [model], [drive]"
+    );
+    let found = Plate::from_toml("").expect_err("nothing").to_string();
+    assert!(
+        found.starts_with("name is missing: the plate's short name, a text in quotes, 1 to 80"),
+        "{found}"
+    );
+    let cases = [
+        (
+            "span_end_m = 0.25\n",
+            "span_end_m is missing: the farthest turning point that is offered, a number, up to length_m",
+        ),
+        (
+            "span_start_m = 0.08\nspan_end_m = 0.25\n",
+            "span_start_m and span_end_m, or band_start_hz and band_end_hz",
+        ),
+        (
+            "rate_per_m = 4.62\n",
+            "\"exponential\" needs it: how fast the half-width falls, a number, 0.01 to 1000 1/m",
+        ),
+        (
+            "kind = \"membrane\"\n",
+            "line 13: model.kind is missing: material, edge and wave, one of \"membrane\"",
+        ),
+        (
+            "[drive]\nend = \"displacement\"\n",
+            "drive is missing: what is held at the driven end, a section [drive]",
+        ),
+    ];
+    for (from, wanted) in cases {
+        let found = refusal(from, "");
+        assert!(found.contains(wanted), "{from}: {found}");
+    }
+    let found =
+        Plate::from_toml(&format!("{GOOD}[actuator]\nresonance_hz = 40\n")).expect_err("half an actuator");
+    assert_eq!(
+        found.to_string(),
+        "line 19: actuator.quality is missing: quality factor of the resonance, a number, 0.1 to 1000"
+    );
 }
 
 #[test]
@@ -93,9 +246,10 @@ fn a_band_that_cannot_enter_is_refused_with_the_lowest_frequency_that_can() {
     };
     let plate = Plate::from_toml(&band(87.0, 190.0)).expect("a band that enters");
     assert!((plate.band_hz().0 - 87.0).abs() < 1e-6 && (plate.band_hz().1 - 190.0).abs() < 1e-6);
-    for (low, high, wanted) in
-        [(40.0, 190.0, "band_start_hz = 40: must be 60."), (87.0, 9e3, "band_end_hz = 9000: must be 87")]
-    {
+    for (low, high, wanted) in [
+        (40.0, 190.0, "band_start_hz = 40: must be above 60.084 and up to 239.92 Hz"),
+        (87.0, 9e3, "band_end_hz = 9000: must be above 87 and up to 239.92 Hz"),
+    ] {
         let found = Plate::from_toml(&band(low, high)).expect_err("out of band").to_string();
         assert!(found.contains(wanted), "{found}");
     }
@@ -117,7 +271,7 @@ fn a_sampled_taper_must_narrow_cover_the_plate_and_be_short() {
         ("[[0.0, 0.05], [0.2, 0.01]]", "must cover the plate"),
         ("[[0.1, 0.05], [0.3, 0.01]]", "the driven end"),
         ("[]", "taper.points has 0 points: must be 2 to 10000"),
-        ("[[0.0, nan], [0.3, 0.01]]", "taper.points[0][1] = NaN"),
+        ("[[0.0, nan], [0.3, 0.01]]", "taper.points[0][1] = nan"),
     ] {
         let found = Plate::from_toml(&sampled(points)).expect_err(points).to_string();
         assert!(found.contains(wanted) && found.starts_with("line 10"), "{points}: {found}");

@@ -4,6 +4,7 @@ use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
 use super::{CheckError, Colour, Finding, Site, colour, pick};
 use crate::drive::DriveEnd;
 use crate::drive_table::{Chain, levelled};
+use crate::numeral::with_decimals;
 use crate::plate::Plate;
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
@@ -62,7 +63,7 @@ pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> 
         "dB per % of wave speed",
         SENSITIVITY_DB,
         [
-            format!("A wave speed that is 1 % off changes the peak by {worst:.2} dB: the table can be trusted."),
+            format!("A wave speed that is 1 % off changes the peak by {} dB: the table can be trusted.", with_decimals(worst, 2)),
             format!("A wave speed that is 1 % off changes the peak by {worst:.1} dB: calibrate on your own plate."),
             format!("A wave speed that is 1 % off changes the peak by {worst:.0} dB: no table holds that, match the drive end."),
         ],

@@ -2,6 +2,7 @@
 
 use super::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
 use super::{Colour, Finding, Site, pick};
+use crate::numeral::with_decimals;
 use crate::plate::Plate;
 use std::f64::consts::TAU;
 
@@ -50,7 +51,9 @@ pub(super) fn slope_light(site: &Site<'_>) -> Finding {
         EDGE_SLOPE,
         [
             format!(
-                "The edges converge slowly (|W'| up to {slope:.2}): the amplitude equation holds to {off:.1} % of the width."
+                "The edges converge slowly (|W'| up to {}): the amplitude equation holds to {} % of the width.",
+                with_decimals(slope, 2),
+                with_decimals(off, 1)
             ),
             format!(
                 "|W'| reaches {slope:.2}, which is not small: the turning width may be off by {off:.0} %, measure before you trust the boundary."
@@ -71,7 +74,8 @@ pub(super) fn curvature_light(site: &Site<'_>) -> Finding {
         EDGE_CURVATURE,
         [
             format!(
-                "The edges are nearly straight over their own width (W |W''| up to {curvature:.3}): the width changes gradually."
+                "The edges are nearly straight over their own width (W |W''| up to {}): the width changes gradually.",
+                with_decimals(curvature, 3)
             ),
             format!(
                 "W |W''| reaches {curvature:.2}: the edges bend within their own width, so the wave is no longer quite one mode."
@@ -105,7 +109,7 @@ pub(super) fn wavelengths_light(site: &Site<'_>) -> Finding {
             format!(
                 "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it."
             ),
-            format!("{count:.2} wavelengths: the boundary is so near the drive that the peak has no room."),
+            format!("{} wavelengths: the boundary is so near the drive that the peak has no room.", with_decimals(count, 2)),
         ]),
     )
 }

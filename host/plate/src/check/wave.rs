@@ -4,6 +4,7 @@ use super::thresholds::{LOSS, THIN_PLATE_PERCENT};
 use super::{CheckError, Colour, Finding, Site, colour, pick};
 use crate::drive_table::TableError;
 use crate::model::Model;
+use crate::numeral::with_decimals;
 use crate::plate::Plate;
 use crate::respond::{Equation, Response, respond};
 use std::f64::consts::TAU;
@@ -35,6 +36,7 @@ pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
 pub(super) fn loss_light(site: &Site<'_>) -> Finding {
     let loss = loss_integral(site.plate, site.boundary_m);
     let percent = 100.0 * (-loss).exp();
+    let percent_left = if percent < 0.01 { "Less than 0.01 %".to_owned() } else { format!("{percent:.2} %") };
     site.graded(
         "loss",
         loss,
@@ -47,7 +49,7 @@ pub(super) fn loss_light(site: &Site<'_>) -> Finding {
             format!(
                 "Only {percent:.1} % of the wave's amplitude arrives at the boundary: the drive end vibrates more than the peak."
             ),
-            format!("{percent:.2} % of the wave's amplitude arrives: there is no peak left to feel."),
+            format!("{percent_left} of the wave's amplitude arrives: there is no peak left to feel."),
         ],
     )
 }
@@ -67,6 +69,7 @@ pub(super) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckError> {
         None => (None, Colour::Red),
     };
     let amplitude = value.unwrap_or(0.0);
+    let times = with_decimals(amplitude, 2);
     let at_mm = response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
     Ok(site.judged(
         "peak",
@@ -75,8 +78,8 @@ pub(super) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckError> {
         colour,
         -amplitude,
         pick(colour, [
-            format!("The peak stands at {at_mm:.0} mm with {amplitude:.2} times the drive, the largest amplitude on the plate."),
-            format!("The peak at {at_mm:.0} mm has {amplitude:.2} times the drive, but other places on the plate vibrate more."),
+            format!("The peak stands at {at_mm:.0} mm with {times} times the drive, the largest amplitude on the plate."),
+            format!("The peak at {at_mm:.0} mm has {times} times the drive, but other places on the plate vibrate more."),
             "There is no peak before this boundary: the amplitude just falls from the drive on.".to_owned(),
         ]),
     ))

@@ -3,7 +3,9 @@
 //! Handbook values at room temperature; the loss factors are illustrative, because mounting and glue often lose more
 //! than the material. Measure two boundaries on the plate you built and calibrate.
 
-use crate::error::{PlateError, within};
+use crate::error::PlateError;
+use crate::range;
+use crate::suggestion::hint;
 use serde::Serialize;
 
 /// A sheet material.
@@ -53,8 +55,8 @@ impl Material {
             let allowed: Vec<String> = material_names().map(|name| format!("\"{name}\"")).collect();
             return Err(PlateError::UnknownKind {
                 field: "material".to_owned(),
-                value: name.chars().take(40).collect(),
-                allowed: allowed.join(", "),
+                value: format!("\"{}\"", name.chars().take(40).collect::<String>()),
+                allowed: format!("one of {}{}", allowed.join(", "), hint(name, material_names())),
             });
         };
         Ok(Self {
@@ -72,9 +74,9 @@ impl Material {
     }
 
     pub(super) fn validate(&self) -> Result<(), PlateError> {
-        within("material.youngs_modulus_pa", self.youngs_modulus_pa, 1e3, 1e13, "Pa")?;
-        within("material.poisson_ratio", self.poisson_ratio, 0.0, 0.499, "")?;
-        within("material.density_kg_per_m3", self.density_kg_per_m3, 1.0, 3e4, "kg/m^3")?;
-        within("material.loss_factor", self.loss_factor, 0.0, 0.5, "")
+        range::YOUNGS_MODULUS.check("material.youngs_modulus_pa", self.youngs_modulus_pa)?;
+        range::POISSON_RATIO.check("material.poisson_ratio", self.poisson_ratio)?;
+        range::DENSITY.check("material.density_kg_per_m3", self.density_kg_per_m3)?;
+        range::LOSS_FACTOR.check("material.loss_factor", self.loss_factor)
     }
 }

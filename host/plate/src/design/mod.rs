@@ -20,6 +20,7 @@ use crate::drive::DriveEnd;
 use crate::error::{PlateError, within};
 use crate::model::{Bending, Model};
 use crate::plate::{Plate, PlateSpec};
+use crate::range::{self, Range};
 use crate::taper::Taper;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -166,12 +167,12 @@ pub struct Design {
 /// [`PlateError`] names the field of the request that is out of range and what is allowed.
 pub fn design(request: &Request) -> Result<Design, PlateError> {
     request.material.validate()?;
-    within("thickness_m", request.thickness_m, 1e-6, 0.1, "m")?;
-    within("length_m", request.length_m, 0.005, 10.0, "m")?;
-    within("band low", request.band_hz.0, 0.5, 1e7, "Hz")?;
+    range::THICKNESS.check("thickness_m", request.thickness_m)?;
+    range::LENGTH.check("length_m", request.length_m)?;
+    range::FREQUENCY.check("band low", request.band_hz.0)?;
     within("band high", request.band_hz.1, 1.05 * request.band_hz.0, 1e7, "Hz (5 % above its low end)")?;
-    within("full_scale_m", request.full_scale_m, 1e-9, 0.1, "m")?;
-    within("rim_m", request.rim_m, 0.01, 0.5, "m")?;
+    range::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
+    range::RIM.check("rim_m", request.rim_m)?;
     let model = model(request);
     model.validate()?;
     let taper = taper_for(request, &model)?;
@@ -253,19 +254,26 @@ const SPAN_LEAST: f64 = 0.1;
 /// Handbook constants of a metal and a gauge of its thickness give the wave speed to about 1 %.
 const WAVE_SPEED_TOLERANCE: f64 = 0.01;
 
+/// From the driven end to the nearest boundary, metres, on a plate of this length.
+pub fn start_margin_range(length_m: f64) -> Range {
+    Range::new(1e-3 * length_m, (1.0 - SPAN_LEAST) * length_m, "m")
+}
+
+/// From the farthest boundary to the narrow end, metres, on a plate of this length.
+pub fn end_margin_range(length_m: f64) -> Range {
+    Range::new(0.0, (1.0 - SPAN_LEAST) * length_m, "m")
+}
+
 fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError> {
     let wavenumber = |frequency_hz: f64| model.wavenumber_squared(TAU * frequency_hz).sqrt();
     let (near_k, far_k) = (wavenumber(request.band_hz.0), wavenumber(request.band_hz.1));
     let (number, slope) = (model.width_number(1), model.width_slope(1));
     let length = request.length_m;
-    let most = (1.0 - SPAN_LEAST) * length;
-    for (field, margin) in
-        [("start_margin_m", request.start_margin_m), ("end_margin_m", request.end_margin_m)]
-    {
-        if let Some(margin) = margin {
-            let least = if field == "start_margin_m" { 1e-3 * length } else { 0.0 };
-            within(field, margin, least, most, "m")?;
-        }
+    if let Some(margin_m) = request.start_margin_m {
+        start_margin_range(length).check("start_margin_m", margin_m)?;
+    }
+    if let Some(margin_m) = request.end_margin_m {
+        end_margin_range(length).check("end_margin_m", margin_m)?;
     }
     // kappa depends on the rate and the rate on the margins: a few rounds settle it.
     let mut rate = (far_k / near_k).ln() / (0.6 * length);

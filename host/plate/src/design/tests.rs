@@ -128,7 +128,7 @@ fn requests_that_cannot_be_met_name_the_field_and_what_is_allowed() {
     };
     for (field, error) in [
         ("thickness_m = 0:", refused(&|r| r.thickness_m = 0.0)),
-        ("length_m = NaN", refused(&|r| r.length_m = f64::NAN)),
+        ("length_m = nan", refused(&|r| r.length_m = f64::NAN)),
         ("band high = 20000", refused(&|r| r.band_hz = (20e3, 20e3))),
         ("band low = -1", refused(&|r| r.band_hz.0 = -1.0)),
         ("start_margin_m = 0.4", refused(&|r| r.start_margin_m = Some(0.4))),

@@ -1,0 +1,88 @@
+//! How numbers are written in messages: as a person would type them, and never so short that nothing of them is left.
+
+/// A number as a person would type it: no row of zeros before or behind its digits.
+pub fn typed(value: f64) -> String {
+    match value.abs() {
+        size if size.is_nan() => "nan".to_owned(),
+        0.0 => "0".to_owned(),
+        size if (1e-4..1e7).contains(&size) || size.is_infinite() => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
+/// A number with so many decimals; where they would all be zero, with as many as show two of its digits: `0.23`,
+/// `12.50`, `0.0034`.
+pub fn with_decimals(value: f64, decimals: usize) -> String {
+    let size = value.abs();
+    let plain = format!("{value:.decimals$}");
+    if size == 0.0
+        || !size.is_finite()
+        || plain.contains(|digit: char| digit.is_ascii_digit() && digit != '0')
+    {
+        return plain;
+    }
+    if size < 1e-6 {
+        return format!("{value:.1e}");
+    }
+    format!("{value:.*}", usize::try_from(1 - size.log10().floor() as i32).unwrap_or(decimals))
+}
+
+/// The least number of so many digits (1 to 15) that is not below `value`.
+pub fn at_least(value: f64, digits: usize) -> f64 {
+    -at_most(-value, digits)
+}
+
+/// The largest number of so many digits (1 to 15) that is not above `value`.
+pub fn at_most(value: f64, digits: usize) -> f64 {
+    let decimals = digits.clamp(1, 15) - 1;
+    let rounded = |value: f64| format!("{value:.decimals$e}").parse().unwrap_or(value);
+    let nearest: f64 = rounded(value);
+    if nearest <= value || !value.is_finite() {
+        return nearest;
+    }
+    // One step of the last digit towards what is allowed.
+    rounded(nearest - 10f64.powi(nearest.abs().log10().floor() as i32 - decimals as i32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_written_without_rows_of_zeros() {
+        for (value, wanted) in [
+            (1e300, "1e300"),
+            (-0.0, "0"),
+            (0.0005, "0.0005"),
+            (1e-7, "1e-7"),
+            (20_000.0, "20000"),
+            (f64::NAN, "nan"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(typed(value), wanted);
+        }
+    }
+
+    #[test]
+    fn a_small_number_keeps_two_of_its_digits() {
+        for (value, wanted) in [
+            (0.234, "0.23"),
+            (12.5, "12.50"),
+            (0.0344, "0.03"),
+            (-0.00344, "-0.0034"),
+            (2e-9, "2.0e-9"),
+            (0.0, "0.00"),
+        ] {
+            assert_eq!(with_decimals(value, 2), wanted);
+        }
+    }
+
+    #[test]
+    fn rounding_inwards_stays_inside() {
+        assert_eq!((at_most(1052.69, 4), at_least(1052.61, 4)), (1052.0, 1053.0));
+        assert_eq!((at_most(0.1, 5), at_least(1e-6, 5), at_least(0.0, 5)), (0.1, 1e-6, 0.0));
+        for value in [0.299_699_999_999_999_97, 59.999_999_999_999_986, 1e-300, 1e300, 7.0 / 3.0] {
+            assert!(at_most(value, 4) <= value && at_least(value, 4) >= value, "{value}");
+        }
+    }
+}
