@@ -3,6 +3,8 @@
 //! A number may carry a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
 //! named here. Nothing else is guessed.
 
+use slipline_plate::numeral::{at_least, at_most, typed};
+
 /// What a person typed where both a place and a frequency make sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaceOrFrequency {
@@ -18,12 +20,15 @@ pub enum QuantityError {
     /// There is no number in front.
     #[error("{0:?} does not begin with a number")]
     NoNumber(String),
+    /// The number is too large to be told from infinity.
+    #[error("{0:?} is too large a number")]
+    TooLarge(String),
     /// The unit is not one that fits here.
-    #[error("{got:?} is no unit that fits here: use {allowed}")]
+    #[error("{got:?} is no unit that fits here: {}", if .allowed.is_empty() { "write the number alone" } else { "use " }.to_owned() + .allowed)]
     Unit {
         /// What came.
         got: String,
-        /// What would do.
+        /// What would do; empty where no unit does.
         allowed: &'static str,
     },
 }
@@ -38,6 +43,8 @@ fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     if text.len() > LONGEST {
         return Err(refuse());
     }
+    // Not only what overflows: no unit's factor may make it infinite.
+    const LARGEST: f64 = 1e300;
     let is_numeric = |(index, c): (usize, char)| {
         let exponent = matches!(c, 'e' | 'E')
             && text[index + 1..].starts_with(|next: char| next.is_ascii_digit() || "+-".contains(next));
@@ -46,7 +53,11 @@ fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     };
     let end = text.char_indices().find(|&at| !is_numeric(at)).map_or(text.len(), |(index, _)| index);
     let number: f64 = text[..end].replace(',', ".").parse().map_err(|_| refuse())?;
-    if number.is_finite() { Ok((number, text[end..].trim())) } else { Err(refuse()) }
+    // A zero has no sign here: nothing is shown or sent as -0.
+    match number.abs() {
+        size if size <= LARGEST => Ok((number + 0.0, text[end..].trim())),
+        _ => Err(QuantityError::TooLarge(text.to_owned())),
+    }
 }
 
 fn length_unit(unit: &str) -> Option<f64> {
@@ -55,6 +66,7 @@ fn length_unit(unit: &str) -> Option<f64> {
         "cm" => Some(1e-2),
         "mm" => Some(1e-3),
         "um" | "µm" | "μm" => Some(1e-6),
+        "nm" => Some(1e-9),
         _ => None,
     }
 }
@@ -63,6 +75,8 @@ fn frequency_unit(unit: &str) -> Option<f64> {
     match unit.to_ascii_lowercase().as_str() {
         "hz" => Some(1.0),
         "khz" => Some(1e3),
+        // A small m could as well be milli.
+        _ if unit == "MHz" => Some(1e6),
         _ => None,
     }
 }
@@ -70,21 +84,21 @@ fn frequency_unit(unit: &str) -> Option<f64> {
 /// A length in metres; a bare number is in millimetres.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not m, cm, mm or um.
+/// [`QuantityError`] for what is no number or not m, cm, mm, um or nm.
 pub fn length_m(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text)?;
     let scale = if unit.is_empty() { Some(1e-3) } else { length_unit(unit) };
-    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "mm, cm, m or um"))
+    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "m, cm, mm, um or nm"))
 }
 
 /// A frequency in Hz; a bare number is in Hz.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not Hz or kHz.
+/// [`QuantityError`] for what is no number or not Hz, kHz or MHz.
 pub fn frequency_hz(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text)?;
     let scale = if unit.is_empty() { Some(1.0) } else { frequency_unit(unit) };
-    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "Hz or kHz"))
+    scale.map(|scale| number * scale).ok_or_else(|| refused(unit, "Hz, kHz or MHz"))
 }
 
 /// A time in seconds; a bare number is in seconds.
@@ -114,7 +128,7 @@ pub fn place_or_frequency(text: &str) -> Result<PlaceOrFrequency, QuantityError>
     length_unit(unit)
         .map(|scale| PlaceOrFrequency::Place(number * scale))
         .or_else(|| frequency_unit(unit).map(|scale| PlaceOrFrequency::Frequency(number * scale)))
-        .ok_or_else(|| refused(unit, "mm, cm, m, Hz or kHz"))
+        .ok_or_else(|| refused(unit, "mm, cm, m, Hz, kHz or MHz"))
 }
 
 /// A plain number with an optional unit that must be `unit`.
@@ -128,6 +142,60 @@ pub fn plain(text: &str, unit: &'static str) -> Result<f64, QuantityError> {
 
 fn refused(unit: &str, allowed: &'static str) -> QuantityError {
     QuantityError::Unit { got: unit.to_owned(), allowed }
+}
+
+/// What a range is of, and so the units that its ends are told in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Metres.
+    Length,
+    /// Hertz.
+    Frequency,
+    /// Seconds.
+    Time,
+    /// Of one unit only; empty for a pure number.
+    Plain(&'static str),
+}
+
+/// A range as it would be typed: `5 mm to 10 m`, each end rounded inwards to four digits, so that it is allowed.
+#[must_use]
+pub fn show_range(low: f64, high: f64, measure: Measure) -> String {
+    let units: &[(f64, &str)] = match measure {
+        Measure::Length => &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")],
+        Measure::Frequency => &[(1e6, "MHz"), (1e3, "kHz"), (1.0, "Hz")],
+        Measure::Time => &[(1.0, "s"), (1e-3, "ms")],
+        Measure::Plain(unit) => &[(1.0, unit)],
+    };
+    let end = |value: f64, round: fn(f64, usize) -> f64| {
+        let suits = units.iter().find(|(factor, _)| value.abs() >= factor * (1.0 - 1e-9));
+        // Nothing is nothing of the first unit; what is smaller than all units is told in the last.
+        let otherwise = if value == 0.0 { units.first() } else { units.last() };
+        let (factor, unit) = *suits.or(otherwise).unwrap_or(&(1.0, ""));
+        // The division's own error must not count as a digit to be rounded away.
+        let scaled: f64 = format!("{:.11e}", value / factor).parse().unwrap_or(value / factor);
+        format!("{} {unit}", typed(round(scaled, 4))).trim_end().to_owned()
+    };
+    let (low, high) = (end(low, at_least), end(high, at_most));
+    match (low.split_once(' '), high.split_once(' ')) {
+        (Some((number, unit)), Some((_, same))) if unit == same => format!("{number} to {high}"),
+        _ => format!("{low} to {high}"),
+    }
+}
+
+/// A value with four digits and the prefix that suits it: `26.67 N s/m`, `6.213 mN s/m`.
+#[must_use]
+pub fn show_si(value: f64, unit: &str) -> String {
+    const PREFIXES: [(i32, &str); 8] =
+        [(9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p")];
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 { format!("0 {unit}") } else { "–".to_owned() };
+    }
+    // Rounded first: 999.96 is 1.000 k.
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let exponent = rounded.abs().log10().floor() as i32;
+    let (power, prefix) = PREFIXES.into_iter().find(|(power, _)| exponent >= *power).unwrap_or((-12, "p"));
+    let decimals = usize::try_from(3 - (exponent - power)).unwrap_or(0);
+    format!("{:.decimals$} {prefix}{unit}", rounded / 10f64.powi(power))
 }
 
 /// A length in the unit that suits it: `120.0 mm`, `4.2 µm`.
@@ -188,10 +256,17 @@ mod tests {
 
     #[test]
     fn what_is_no_number_or_has_a_foreign_unit_is_refused_in_words() {
-        for text in ["", "mm", "nan", "inf Hz", "1.2.3", "--1", "1e999", &"9".repeat(400)] {
+        for text in ["", "mm", "nan", "inf Hz", "1.2.3", "--1", &"9".repeat(400)] {
             assert!(matches!(place_or_frequency(text), Err(QuantityError::NoNumber(_))), "{text}");
         }
-        assert!(place_or_frequency("120 kg").unwrap_err().to_string().contains("mm, cm, m, Hz or kHz"));
+        for text in ["1e999", "-1e999 Hz", "1e305 kHz"] {
+            assert_eq!(place_or_frequency(text), Err(QuantityError::TooLarge(text.to_owned())));
+        }
+        assert_eq!(
+            plain("50 %", "").unwrap_err().to_string(),
+            "\"%\" is no unit that fits here: write the number alone"
+        );
+        assert!(place_or_frequency("120 kg").unwrap_err().to_string().contains("mm, cm, m, Hz, kHz or MHz"));
         assert!(length_m("40 kHz").is_err());
         assert_eq!(plain("-6,5 dB", "dB"), Ok(-6.5));
         assert!(plain("3 mm", "dB").is_err());
@@ -201,11 +276,45 @@ mod tests {
     fn frequencies_and_times_carry_their_units() {
         assert_eq!(frequency_hz("400kHz"), Ok(400_000.0));
         assert_eq!(frequency_hz("39997"), Ok(39_997.0));
-        assert!(frequency_hz("2 s").unwrap_err().to_string().contains("Hz or kHz"));
+        assert_eq!(frequency_hz("0.4 MHz"), Ok(400_000.0));
+        assert!(frequency_hz("400 mHz").is_err());
+        assert!(frequency_hz("2 s").unwrap_err().to_string().contains("Hz, kHz or MHz"));
         assert_eq!(time_s("2s"), Ok(2.0));
         assert_eq!(time_s("0,5 min"), Ok(30.0));
         assert!((time_s("250ms").unwrap() - 0.25).abs() < 1e-12);
         assert!(time_s("2 m").is_err());
+    }
+
+    #[test]
+    fn a_range_is_told_in_its_own_units_and_its_ends_are_allowed() {
+        for (low, high, measure, wanted) in [
+            (0.005, 10.0, Measure::Length, "5 mm to 10 m"),
+            (0.07, 0.28, Measure::Length, "70 to 280 mm"),
+            (1e-9, 0.1, Measure::Length, "1 nm to 100 mm"),
+            (59.999_999_999_999_986, 1_052.621, Measure::Frequency, "60 Hz to 1.052 kHz"),
+            (86.8213, 218.77, Measure::Frequency, "86.83 to 218.7 Hz"),
+            (0.0, 600.0, Measure::Time, "0 to 600 s"),
+            (0.01, 2.62144, Measure::Time, "10 ms to 2.621 s"),
+            (0.0, 1.0, Measure::Plain(""), "0 to 1"),
+            (0.1, 2e4, Measure::Plain("m/s"), "0.1 to 20000 m/s"),
+        ] {
+            assert_eq!(show_range(low, high, measure), wanted);
+        }
+    }
+
+    #[test]
+    fn a_small_value_keeps_its_four_digits() {
+        for (value, wanted) in [
+            (26.67034, "26.67 N"),
+            (0.006_213_4, "6.213 mN"),
+            (1.2e-7, "120.0 nN"),
+            (0.999_96, "1.000 N"),
+            (-4.5e4, "-45.00 kN"),
+            (3e-16, "0.0003000 pN"),
+            (0.0, "0 N"),
+        ] {
+            assert_eq!(show_si(value, "N"), wanted);
+        }
     }
 
     #[test]

@@ -203,18 +203,70 @@ fn record_writes_the_codes_of_the_drive() {
 fn bad_usage_ends_with_2_and_names_field_and_range() {
     for (arguments, words) in [
         (&["simulate", "--plate", "membrane"][..], &["--boundary"][..]),
-        (&["simulate", "--plate", "membrane", "--boundary", "900mm"], &["900.0 mm", "80.0 mm to 280.0 mm"]),
-        (&["simulate", "--plate", "membrane", "--boundary", "nan"], &["boundary"]),
-        (&["simulate", "--plate", "membrane", "--boundary", "5kHz"], &["86.8 Hz to 218.8 Hz"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "900mm"],
+            &["'900mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "nan"],
+            &["'nan' for '--boundary'", "80 to 280 mm, or 86.83 to 218.7 Hz"],
+        ),
+        (&["simulate", "--plate", "membrane", "--boundary", "5kHz"], &["86.83 to 218.7 Hz"]),
         (&["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "1.2"], &["level", "0 to 1"]),
-        (&["simulate", "--plate", "membrane", "--boundary", "120mm", "--seconds", "9999s"], &["0.01 to 600"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--seconds", "9999s"],
+            &["'9999s' for '--seconds", "10 ms to 600 s"],
+        ),
         (&["simulate", "--plate", "membrane", "--tone", "90mm"], &["90mm:0.5"]),
-        (&["respond", "--plate", "membrane", "--freq", "2Hz"], &["2 Hz", "60"]),
+        (
+            &["respond", "--plate", "membrane", "--freq", "2Hz"],
+            &["'2Hz' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
         (&["respond", "--plate", "membrane", "--freq", "120Hz", "--points", "1"], &["points"]),
-        (&["respond", "--plate", "membrane", "--freq", "12 parsec"], &["Hz or kHz"]),
+        (&["respond", "--plate", "membrane", "--freq", "12 parsec"], &["Hz, kHz or MHz"]),
         (&["table", "--plate", "membrane", "--knots", "1026"], &["1025"]),
-        (&["table", "--plate", "al-bending", "--sample-rate", "20kHz"], &["sample rate"]),
+        (
+            &["table", "--plate", "al-bending", "--sample-rate", "20kHz"],
+            &["--sample-rate", "88.66 kHz to 100 MHz"],
+        ),
         (&["table", "--plate", "no-such-plate"], &["no-such-plate", "membrane"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "1e400mm"],
+            &["'1e400mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "-5mm"],
+            &["'-5mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (&["simulate", "--plate", "membrane", "--tone", "9mm:0.5"], &["'9mm' for '--tone'", "80 to 280 mm"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "nan"],
+            &["--level", "nan", "0 to 1"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "-1"],
+            &["--level", "-1", "0 to 1"],
+        ),
+        (&["drive", "--port", "sim", "--plate", "membrane", "--for", "-1s"], &["--for", "-1s", "0 to 600 s"]),
+        (
+            &["drive", "--port", "sim", "--plate", "membrane", "--glide", "1e400s"],
+            &["--glide", "5 ms to 10 s"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "0Hz"],
+            &["'0Hz' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "nan"],
+            &["'nan' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
+        (&["table", "--plate", "membrane", "--knots", "-1"], &["--knots", "whole number, 2 to 1025"]),
+        (&["table", "--plate", "mebrane"], &["did you mean membrane?"]),
+        (&["verify", "--port", "sim", "--window", "9s"], &["'9s' for '--window'", "10 ms to 2.621 s"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--csv", "x", "--png", "./x"],
+            &["--csv", "--png"],
+        ),
         (&["info", "--port", "unix:"], &["unix:PATH"]),
         (&["info"], &["--port"]),
         (&["frobnicate"], &["frobnicate"]),
@@ -244,10 +296,13 @@ fn a_hostile_plate_file_is_refused_with_its_name_and_the_reason() {
         assert!(good.contains(from), "{from}");
         good.replacen(from, to, 1).into_bytes()
     };
-    let cases: [(&str, Vec<u8>, &[&str]); 9] = [
+    let cases: [(&str, Vec<u8>, &[&str]); 12] = [
         ("huge", vec![b'#'; 3 << 20], &["too big", "1048576"]),
+        ("text", with("length_m = ", "length_m = \"long\" # "), &["line 3", "length_m", "0.005 to 10 m"]),
+        ("overflow", with("loss_factor = ", "loss_factor = 1e999 # "), &["line", "1e999", "0 to 0.5"]),
+        ("section", with("[taper]", "[tapper]"), &["did you mean [taper]?"]),
         ("binary", vec![0xff, 0xfe, 0, 1], &["UTF-8"]),
-        ("empty", Vec::new(), &["line"]),
+        ("empty", Vec::new(), &["name is missing", "1 to 80"]),
         ("nan", with("length_m = ", "length_m = nan # "), &["length_m"]),
         ("infinite", with("loss_factor = ", "loss_factor = inf # "), &["loss_factor"]),
         ("negative", with("half_width_m = ", "half_width_m = -1.0 # "), &["half_width_m"]),
@@ -265,4 +320,123 @@ fn a_hostile_plate_file_is_refused_with_its_name_and_the_reason() {
         }
     }
     assert!(failure(&["table", "--plate", env!("CARGO_TARGET_TMPDIR")], 2).contains("directory"));
+}
+
+/// A design of the aluminium plate of the examples, with more options.
+fn design(more: &[&str]) -> Output {
+    let aluminium = "design --material aluminium --thickness 2mm --band 20kHz..40kHz --length 300mm";
+    slipline(&aluminium.split(' ').chain(more.iter().copied()).collect::<Vec<_>>())
+}
+
+#[test]
+fn what_a_design_is_asked_for_is_refused_by_its_option_and_in_its_unit() {
+    for (more, words) in [
+        (&["--start-margin", "400mm"][..], &["'400mm' for '--start-margin'", "300 µm to 270 mm"][..]),
+        (&["--tension", "-5N/m"], &["'-5N/m' for '--tension'", "0.054 to 2.16e9 N/m"]),
+        (&["--wave-speed", "1e9m/s"], &["--wave-speed", "0.1 to 20000 m/s"]),
+        (&["--rim", "0"], &["--rim", "10 to 500 mm"]),
+        (&["--loss", "nan"], &["--loss", "nan", "0 to 0.5"]),
+        (&["--full-scale", "1m"], &["--full-scale", "1 nm to 100 mm"]),
+        (&["--name", ""], &["--name", "1 to 80 characters"]),
+    ] {
+        let output = design(more);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {message}");
+        for word in words {
+            assert!(message.contains(word), "{more:?} does not say {word:?}: {message}");
+        }
+    }
+}
+
+#[test]
+fn small_values_of_a_design_keep_their_digits() {
+    let thin = "design --material latex --thickness 1um --band 80Hz..220Hz --length 30cm --tension 0.02N/m";
+    let output = slipline(&thin.split(' ').collect::<Vec<_>>());
+    let text = String::from_utf8(output.stdout).unwrap();
+    for wanted in
+        ["R = 58.73 µN s/m matches", "20.00 mN/m of width", "9.400 mm at the narrow end", "up to 0.0466\n"]
+    {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+}
+
+#[test]
+fn a_file_that_is_there_is_replaced_only_when_asked() {
+    let folder = file("kept");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (json, csv, png, wav, own) = (path("t.json"), path("e.csv"), path("e.png"), path("d.wav"), path(""));
+    let simulate = ["simulate", "--plate", "membrane", "--boundary", "120mm"];
+    let record = ["record", "--plate", "membrane", "--boundary", "120mm", "--seconds", "1ms", "--wav", &wav];
+    let commands: [(Vec<&str>, &str); 4] = [
+        (vec!["table", "--plate", "membrane", "--knots", "5", "--out", &json], "t.json"),
+        ([&simulate[..], &["--csv", &csv]].concat(), "e.csv"),
+        ([&simulate[..], &["--png", &png]].concat(), "e.png"),
+        (record.to_vec(), "d.wav"),
+    ];
+    for (arguments, name) in &commands {
+        std::fs::write(folder.join(name), "mine").unwrap();
+        let message = failure(arguments, 2);
+        assert!(message.contains(name) && message.contains("--force"), "{message}");
+        assert_eq!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
+        let output = slipline(&[&arguments[..], &["--force"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{name}");
+        assert_ne!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
+    }
+    // A folder's own files are kept alike, all or none of them.
+    std::fs::write(folder.join("plate.toml"), "mine").unwrap();
+    let output = design(&["--out", &own]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("holds plate.toml already") && message.contains("--force"), "{message}");
+    assert!(!folder.join("frame.dxf").exists());
+    assert_eq!(design(&["--out", &own, "--force"]).status.code(), Some(0));
+    assert!(std::fs::read_to_string(folder.join("plate.toml")).unwrap().starts_with("name"));
+    std::fs::write(folder.join("fig03.csv"), "mine").unwrap();
+    assert!(failure(&["figures", "--out", &own], 2).contains("holds fig03.csv already"));
+    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_half_written_file_and_keeps_the_old_one() {
+    let folder = file("interrupted");
+    std::fs::create_dir_all(&folder).unwrap();
+    let wav = folder.join("long.wav");
+    std::fs::write(&wav, "mine").unwrap();
+    let arguments = "record --plate membrane --boundary 120mm --seconds 600s --force --wav";
+    let mut child =
+        Command::new(env!("CARGO_BIN_EXE_slipline")).args(arguments.split(' ')).arg(&wav).spawn().unwrap();
+    let entries = || std::fs::read_dir(&folder).unwrap().count();
+    let begun = std::time::Instant::now();
+    while entries() < 2 && begun.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert_eq!(entries(), 2, "it is being written beside the old one");
+    let told = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(told.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(entries(), 1);
+    assert_eq!(std::fs::read(&wav).unwrap(), b"mine");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn red_lights_end_a_check_with_3_and_are_counted() {
+    for (arguments, code, last) in [
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 4 of 13 lights are red\n"),
+        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 4 of 13 lights are red\n"),
+        (&["check", "--plate", "membrane"], 0, ""),
+        (&["check", "--plate", "membrane", "--boundary", "120mm"], 0, ""),
+    ] {
+        let output = slipline(arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), last, "{arguments:?}");
+        assert!(!output.stdout.is_empty());
+    }
+    assert!(failure(&["check", "--plate", "nope"], 2).contains("nope"));
+    let help = String::from_utf8(slipline(&["--help"]).stdout).unwrap();
+    assert!(help.contains("Exit code: 0 done; 1 could not be done; 2 bad usage"), "{help}");
 }

@@ -131,14 +131,19 @@ pub fn respond_batch(
 /// The frequencies that [`respond`] answers for, Hz: from the cut-off at the wide end to four times the highest boundary
 /// frequency, which keeps the number of wavelengths, and so the work, bounded.
 pub fn respond_range(plate: &Plate) -> Range {
-    Range::new(plate.cut_off_hz(), plate.frequency_for_boundary_hz(plate.length_m()) * 4.0, "Hz")
+    // At the cut-off itself nothing runs yet.
+    Range::new(
+        plate.cut_off_hz() * (1.0 + 1e-9),
+        plate.frequency_for_boundary_hz(plate.length_m()) * 4.0,
+        "Hz",
+    )
 }
 
 fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondError> {
     if !(POINTS_MIN..=POINTS_MAX).contains(&points) {
         return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
     }
-    let Range { low: cut_off_hz, high, .. } = respond_range(plate);
+    let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
     let low = FREQUENCY_RANGE_HZ.0.min(cut_off_hz);
     if !(frequency_hz >= low && frequency_hz <= high) {
         return Err(if frequency_hz < low && frequency_hz > 0.0 {

@@ -1,101 +1,141 @@
 //! What stands on the command line: quantities, tones, plates.
 
+use super::destination::said;
 use super::failure::Failure;
-use crate::quantity::{self, PlaceOrFrequency, QuantityError};
-use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, preset, presets};
+use crate::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
+use slipline_plate::range::Range;
+use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+/// A value whose range depends on the plate or the device, with what was typed for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Typed<T> {
+    pub(super) text: String,
+    pub(super) value: T,
+}
+
 /// A boundary, by its place or by its frequency.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Boundary(PlaceOrFrequency);
+pub(super) type Boundary = Typed<PlaceOrFrequency>;
 
 /// A tone on the command line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct ToneArgument {
     boundary: Boundary,
     level: f64,
 }
 
+/// Keeps what was typed. What is no number, or too large for one, is not a number, and so out of every range: it is
+/// refused where the range is known, and told.
+pub(super) fn typed<T>(
+    text: &str,
+    parse: fn(&str) -> Result<T, QuantityError>,
+    not_a_number: T,
+) -> Result<Typed<T>, QuantityError> {
+    let value = match parse(text) {
+        Err(QuantityError::TooLarge(_) | QuantityError::NoNumber(_)) => not_a_number,
+        parsed => parsed?,
+    };
+    Ok(Typed { text: text.trim().to_owned(), value })
+}
+
 pub(super) fn boundary(text: &str) -> Result<Boundary, QuantityError> {
-    quantity::place_or_frequency(text).map(Boundary)
+    typed(text, quantity::place_or_frequency, PlaceOrFrequency::Place(f64::NAN))
 }
 
-pub(super) fn frequency(text: &str) -> Result<f64, QuantityError> {
-    quantity::frequency_hz(text)
+pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
+    typed(text, quantity::frequency_hz, f64::NAN)
 }
 
-pub(super) fn time(text: &str) -> Result<f64, QuantityError> {
-    quantity::time_s(text)
+pub(super) fn time(text: &str) -> Result<Typed<f64>, QuantityError> {
+    typed(text, quantity::time_s, f64::NAN)
+}
+
+/// A parser of a quantity whose range is always the same.
+pub(super) fn within(
+    parse: fn(&str) -> Result<f64, QuantityError>,
+    measure: Measure,
+    (low, high): (f64, f64),
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let must = || format!("must be {}", show_range(low, high, measure));
+        match parse(text) {
+            Ok(value) if (low..=high).contains(&value) => Ok(value),
+            Ok(_) | Err(QuantityError::TooLarge(_)) => Err(must()),
+            Err(error) => Err(format!("{error}; {}", must())),
+        }
+    }
+}
+
+/// A parser of a time, in seconds.
+pub(super) fn seconds(
+    low: f64,
+    high: f64,
+) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    within(quantity::time_s, Measure::Time, (low, high))
+}
+
+/// A parser of a length, in metres.
+pub(super) fn length(range: Range) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    within(quantity::length_m, Measure::Length, (range.low, range.high))
+}
+
+/// A parser of a whole number.
+pub(super) fn count(
+    low: usize,
+    high: usize,
+) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let parsed = text.trim().parse().ok().filter(|count| (low..=high).contains(count));
+        parsed.ok_or_else(|| format!("must be a whole number, {low} to {high}"))
+    }
 }
 
 pub(super) fn level(text: &str) -> Result<f64, String> {
-    let level = quantity::plain(text, "").map_err(|error| error.to_string())?;
-    if (0.0..=1.0).contains(&level) { Ok(level) } else { Err("a level must be 0 to 1".to_owned()) }
+    within(|text| quantity::plain(text, ""), Measure::Plain(""), (0.0, 1.0))(text)
 }
 
 /// `90mm:0.5`, a place (or a frequency) and a level.
 pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
     let (place, loudness) = text.rsplit_once(':').ok_or("write PLACE:LEVEL, such as 90mm:0.5")?;
+    let level = level(loudness).map_err(|error| format!("its level: {error}"))?;
     let boundary = boundary(place).map_err(|error| error.to_string())?;
-    Ok(ToneArgument { boundary, level: level(loudness)? })
-}
-
-/// A span of seconds that is allowed.
-pub(super) fn seconds(name: &str, seconds: f64, (low, high): (f64, f64)) -> Result<f64, Failure> {
-    if (low..=high).contains(&seconds) {
-        Ok(seconds)
-    } else {
-        Err(Failure::Usage(format!("{name} is {seconds} s: must be {low} to {high} s")))
-    }
+    Ok(ToneArgument { boundary, level })
 }
 
 impl Boundary {
-    /// Its place in metres, within the plate's span.
-    pub(super) fn on(self, plate: &Plate) -> Result<f64, Failure> {
+    /// Its place in metres, within the plate's span; `option` is where it was typed.
+    pub(super) fn on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
         let (start_m, end_m) = plate.span_m();
         let (low_hz, high_hz) = plate.band_hz();
-        match self.0 {
-            PlaceOrFrequency::Place(x_m) if (start_m..=end_m).contains(&x_m) => Ok(x_m),
-            PlaceOrFrequency::Place(x_m) => Err(Failure::Usage(format!(
-                "the boundary at {} does not lie on the span of the plate {:?}: must be {} to {}",
-                quantity::show_place(x_m),
-                plate.name(),
-                quantity::show_place(start_m),
-                quantity::show_place(end_m),
-            ))),
+        let place_m = match self.value {
+            PlaceOrFrequency::Place(x_m) => Some(x_m).filter(|x_m| (start_m..=end_m).contains(x_m)),
             PlaceOrFrequency::Frequency(hz) => plate
                 .turning_point_m(hz)
                 .filter(|_| (low_hz..=high_hz).contains(&hz))
-                .map(|x_m| x_m.clamp(start_m, end_m))
-                .ok_or_else(|| {
-                    Failure::Usage(format!(
-                        "a tone of {} has no boundary on the span of the plate {:?}: must be {} to {}",
-                        quantity::show_frequency(hz),
-                        plate.name(),
-                        quantity::show_frequency(low_hz),
-                        quantity::show_frequency(high_hz),
-                    ))
-                }),
-        }
+                .map(|x_m| x_m.clamp(start_m, end_m)),
+        };
+        place_m.ok_or_else(|| {
+            let places = show_range(start_m, end_m, Measure::Length);
+            let frequencies = show_range(low_hz, high_hz, Measure::Frequency);
+            let name = plate.name();
+            Failure::value(option, &self.text, format!("{places}, or {frequencies}, on the plate {name:?}"))
+        })
     }
 }
 
 /// The tones of a command: the boundary first, then the others, each as (place in metres, level).
 pub(super) fn tones(
     plate: &Plate,
-    boundary: Option<Boundary>,
+    boundary: Option<&Boundary>,
     level: f64,
     tones: &[ToneArgument],
 ) -> Result<Vec<(f64, f64)>, Failure> {
     let most = slipline_protocol::limits::MAX_TONES;
-    let first = boundary.map(|boundary| ToneArgument { boundary, level });
-    let all = first
-        .iter()
-        .chain(tones)
-        .map(|tone| Ok((tone.boundary.on(plate)?, tone.level)))
-        .collect::<Result<Vec<_>, Failure>>()?;
+    let first = boundary.map(|boundary| Ok((boundary.on(plate, "--boundary")?, level)));
+    let others = tones.iter().map(|tone| Ok((tone.boundary.on(plate, "--tone")?, tone.level)));
+    let all = first.into_iter().chain(others).collect::<Result<Vec<_>, Failure>>()?;
     match all.len() {
         0 => Err(Failure::Usage("name a --boundary or at least one --tone".to_owned())),
         count if count > most => Err(Failure::Usage(format!("{count} tones: must be 1 to {most}"))),
@@ -113,13 +153,19 @@ pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
     let text = read_limited(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => {
             let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
-            in_file(format!("neither a preset nor a file; the presets are {}", names.join(", ")))
+            let meant = nearest(name, names.iter().copied())
+                .map_or_else(|| "; the".to_owned(), |meant| format!("; did you mean {meant}? The"));
+            Failure::Usage(format!(
+                "{name:?} is neither a preset nor a file{meant} presets are {}",
+                names.join(", ")
+            ))
         }
         std::io::ErrorKind::FileTooLarge => in_file(format!(
             "the file is too big to be a plate: must be at most {PLATE_FILE_BYTES_MAX} bytes"
         )),
         std::io::ErrorKind::InvalidData => in_file("the file is not UTF-8 text".to_owned()),
-        _ => in_file(error.to_string()),
+        std::io::ErrorKind::IsADirectory => in_file("is a directory: name a plate file in it".to_owned()),
+        _ => in_file(said(&error)),
     })?;
     Plate::from_toml(&text).map_err(|error| in_file(error.to_string()))
 }

@@ -6,7 +6,8 @@ use slipline_plate::check::{Checker, Colour, Conditions};
 
 pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let boundary_m = arguments.boundary.map(|boundary| boundary.on(&plate)).transpose()?;
+    let boundary_m =
+        arguments.boundary.as_ref().map(|boundary| boundary.on(&plate, "--boundary")).transpose()?;
     let conditions =
         Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
     let report = progress::watched("check", |progress| {
@@ -25,6 +26,7 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
         }
         other => other,
     };
+    let count = |colour: Colour| report.lights.iter().filter(|light| light.colour == colour).count();
     output::print(as_json, &value, |out| {
         for light in &report.lights {
             let colour = match light.colour {
@@ -35,5 +37,10 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
             writeln!(out, "{colour:<5}  {:<16}  {}", light.name, light.sentence)?;
         }
         Ok(())
-    })
+    })?;
+    match count(Colour::Red) {
+        0 => Ok(()),
+        1 => Err(Failure::Red(format!("1 of {} lights is red", report.lights.len()))),
+        red => Err(Failure::Red(format!("{red} of {} lights are red", report.lights.len()))),
+    }
 }

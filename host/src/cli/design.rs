@@ -1,11 +1,19 @@
 //! `slipline design`.
 
+use super::argument::{self, Typed};
+use super::destination::{Destination, ForceArgument};
 use super::{Failure, output, progress};
-use crate::quantity::{self, show_frequency, show_length};
+use crate::quantity::{self, Measure, show_frequency, show_range, show_si};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
+use slipline_plate::PlateError;
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
-use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
+use slipline_plate::design::{
+    Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,
+};
+use slipline_plate::numeral::with_decimals;
+use slipline_plate::range::{self, Range};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// `design`.
@@ -14,26 +22,26 @@ use std::path::{Path, PathBuf};
 pub struct DesignArguments {
     /// The sheet: aluminium, steel, stainless-steel, brass, glass, fr4, acrylic, polycarbonate, polyester-film,
     /// silicone-rubber or latex.
-    #[arg(long, value_name = "M")]
-    material: String,
+    #[arg(long, value_name = "M", value_parser = material)]
+    material: Material,
     /// The sheet's thickness, such as 2mm.
-    #[arg(long, value_name = "T", value_parser = quantity::length_m)]
+    #[arg(long, value_name = "T", value_parser = argument::length(range::THICKNESS), allow_hyphen_values = true)]
     thickness: f64,
     /// The boundary's lowest and highest frequency, such as 20kHz..40kHz.
-    #[arg(long, value_name = "F..F", value_parser = band)]
+    #[arg(long, value_name = "F..F", value_parser = band, allow_hyphen_values = true)]
     band: (f64, f64),
     /// From the driven end to the narrow end, such as 300mm.
-    #[arg(long, value_name = "L", value_parser = quantity::length_m)]
+    #[arg(long, value_name = "L", value_parser = argument::length(range::LENGTH), allow_hyphen_values = true)]
     length: f64,
-    /// A plate in bending: how its edges are held (supported, if nothing else is said).
+    /// A plate in bending: how its edges are held, on a knife edge (the default) or between the halves of a frame.
     #[arg(long)]
     edge: Option<EdgeArgument>,
     /// A stretched membrane of this wave speed, such as 12m/s.
-    #[arg(long, value_name = "C", value_parser = speed)]
+    #[arg(long, value_name = "C", value_parser = speed(), allow_hyphen_values = true)]
     wave_speed: Option<f64>,
     /// A membrane stretched with this tension, such as 70N/m.
-    #[arg(long, value_name = "N", value_parser = tension)]
-    tension: Option<f64>,
+    #[arg(long, value_name = "N", value_parser = tension, allow_hyphen_values = true)]
+    tension: Option<Typed<f64>>,
     /// The shear-horizontal wave of the paper.
     #[arg(long)]
     shear: bool,
@@ -41,58 +49,109 @@ pub struct DesignArguments {
     #[arg(long)]
     thin: bool,
     /// From the driven end to the nearest boundary; without it, as much as its peak needs.
-    #[arg(long, value_name = "X", value_parser = quantity::length_m)]
-    start_margin: Option<f64>,
+    #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
+    start_margin: Option<Typed<f64>>,
     /// From the farthest boundary to the narrow end; without it, as much as its tail needs.
-    #[arg(long, value_name = "X", value_parser = quantity::length_m)]
-    end_margin: Option<f64>,
+    #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
+    end_margin: Option<Typed<f64>>,
     /// Loss factor, 0 to 0.5, if it is not the library's.
-    #[arg(long, value_name = "ETA")]
+    #[arg(long, value_name = "ETA", value_parser = loss(), allow_hyphen_values = true)]
     loss: Option<f64>,
     /// The drive's displacement at DAC full scale: 1um from 1 kHz on, else 100um.
-    #[arg(long, value_name = "A", value_parser = quantity::length_m)]
+    #[arg(long, value_name = "A", value_parser = argument::length(range::FULL_SCALE), allow_hyphen_values = true)]
     full_scale: Option<f64>,
-    /// Width of the frame's rim.
-    #[arg(long, value_name = "X", value_parser = quantity::length_m, default_value = "20mm")]
+    /// Width of the frame's rim, 10mm to 500mm.
+    #[arg(long, value_name = "X", value_parser = argument::length(range::RIM), allow_hyphen_values = true, default_value = "20mm")]
     rim: f64,
-    /// The plate's name.
-    #[arg(long, default_value = "designed")]
+    /// The plate's name, 1 to 80 characters.
+    #[arg(long, value_parser = name, default_value = "designed")]
     name: String,
     /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// How the edges of a bending plate are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum EdgeArgument {
-    /// On a knife edge, free to turn.
+    // No sentence each: they would make the whole help twice as long.
     Supported,
-    /// Between the halves of a stiff frame.
     Clamped,
 }
 
 fn band(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
-    let frequency = |text: &str| quantity::frequency_hz(text).map_err(|error| error.to_string());
-    Ok((frequency(low)?, frequency(high)?))
+    let allowed = (range::FREQUENCY.low, range::FREQUENCY.high);
+    let frequency = argument::within(quantity::frequency_hz, Measure::Frequency, allowed);
+    let end =
+        |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
+    let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
+    if high_hz < 1.05 * low_hz {
+        return Err("the second frequency must be at least 5 % above the first".to_owned());
+    }
+    Ok((low_hz, high_hz))
 }
 
-fn speed(text: &str) -> Result<f64, quantity::QuantityError> {
-    quantity::plain(text, "m/s")
+fn speed() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let allowed = (range::WAVE_SPEED.low, range::WAVE_SPEED.high);
+    argument::within(|text| quantity::plain(text, "m/s"), Measure::Plain("m/s"), allowed)
 }
 
-fn tension(text: &str) -> Result<f64, quantity::QuantityError> {
-    quantity::plain(text, "N/m")
+fn loss() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let allowed = (range::LOSS_FACTOR.low, range::LOSS_FACTOR.high);
+    argument::within(|text| quantity::plain(text, ""), Measure::Plain(""), allowed)
+}
+
+fn tension(text: &str) -> Result<Typed<f64>, quantity::QuantityError> {
+    argument::typed(text, |text| quantity::plain(text, "N/m"), f64::NAN)
+}
+
+fn margin(text: &str) -> Result<Typed<f64>, quantity::QuantityError> {
+    argument::typed(text, quantity::length_m, f64::NAN)
+}
+
+fn material(text: &str) -> Result<Material, String> {
+    // The parser of the command line names the option and the value.
+    Material::named(text).map_err(|error| match error {
+        PlateError::UnknownKind { allowed, .. } => format!("must be {allowed}"),
+        other => other.to_string(),
+    })
+}
+
+fn name(text: &str) -> Result<String, String> {
+    let is_fine = (1..=80).contains(&text.chars().count()) && !text.chars().any(char::is_control);
+    if is_fine { Ok(text.to_owned()) } else { Err("must be 1 to 80 characters on one line".to_owned()) }
+}
+
+/// A value typed for an option, in its range on this design.
+fn checked(
+    option: &str,
+    typed: Option<&Typed<f64>>,
+    range: Range,
+    measure: Measure,
+) -> Result<Option<f64>, Failure> {
+    let Some(typed) = typed else { return Ok(None) };
+    if range.contains(typed.value) {
+        return Ok(Some(typed.value));
+    }
+    Err(Failure::value(option, &typed.text, show_range(range.low, range.high, measure)))
 }
 
 impl DesignArguments {
     fn request(&self) -> Result<Request, Failure> {
-        let mut material = Material::named(&self.material).map_err(Failure::usage)?;
+        let mut material = self.material.clone();
         if let Some(loss) = self.loss {
             material.loss_factor = loss;
         }
-        let wave = match (self.wave_speed, self.tension, self.shear) {
+        // The tension that gives the slowest and the fastest wave: T = c^2 rho h.
+        let surface_density = material.density_kg_per_m3 * self.thickness;
+        let tension_of = |speed: f64| speed * speed * surface_density;
+        let tensions =
+            Range::new(tension_of(range::WAVE_SPEED.low), tension_of(range::WAVE_SPEED.high), "N/m");
+        let tension = checked("--tension", self.tension.as_ref(), tensions, Measure::Plain("N/m"))?;
+        let wave = match (self.wave_speed, tension, self.shear) {
             (Some(wave_speed_m_per_s), _, _) => Wave::Membrane { wave_speed_m_per_s },
             (None, Some(tension), _) => Wave::under_tension(tension, &material, self.thickness),
             (None, None, true) => Wave::ShearHorizontal,
@@ -105,8 +164,10 @@ impl DesignArguments {
             },
         };
         let mut request = Request::new(&self.name, material, self.thickness, wave, self.band, self.length);
-        request.start_margin_m = self.start_margin;
-        request.end_margin_m = self.end_margin;
+        let (nearest, farthest) = (start_margin_range(self.length), end_margin_range(self.length));
+        request.start_margin_m =
+            checked("--start-margin", self.start_margin.as_ref(), nearest, Measure::Length)?;
+        request.end_margin_m = checked("--end-margin", self.end_margin.as_ref(), farthest, Measure::Length)?;
         request.rim_m = self.rim;
         if let Some(full_scale_m) = self.full_scale {
             request.full_scale_m = full_scale_m;
@@ -117,6 +178,11 @@ impl DesignArguments {
 
 pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Failure> {
     let request = arguments.request()?;
+    let folder = arguments.out.as_deref();
+    let free = folder
+        .map(|folder| Destination::folder(folder, &FILES, arguments.force))
+        .transpose()?
+        .unwrap_or_default();
     let designed = design(&request).map_err(Failure::usage)?;
     // A band above what the usual device can play is designed all the same: only its lights are missing.
     let lights = progress::watched("check", |progress| {
@@ -124,10 +190,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
             .over_span_watched(&mut progress.part(0.2, 1.0))
     })
     .map_err(|error| error.to_string());
-    let files = match &arguments.out {
-        Some(folder) => write_files(&designed, folder)?,
-        None => Vec::new(),
-    };
+    let files = write_files(&designed, &free)?;
     let value = json!({
         "plate": designed.plate.name(),
         "toml": designed.plate.to_toml(),
@@ -173,10 +236,10 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
         (
             "taper",
             format!(
-                "full width {} at the driven end, {} at the narrow end, d = {:.3} /m",
-                show_length(2.0 * plate.half_width_m(0.0)),
-                show_length(2.0 * plate.half_width_m(plate.length_m())),
-                designed.rate_per_m
+                "full width {} at the driven end, {} at the narrow end, d = {} /m",
+                show_si(2.0 * plate.half_width_m(0.0), "m"),
+                show_si(2.0 * plate.half_width_m(plate.length_m()), "m"),
+                with_decimals(designed.rate_per_m, 3)
             ),
         ),
         ("lowest boundary", band_end(&designed.low)),
@@ -184,25 +247,25 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
         (
             "loss",
             format!(
-                "loss factor {}; the peak is the largest amplitude up to {:.3}",
+                "loss factor {}; the peak is the largest amplitude up to {}",
                 plate.spec().loss_factor,
-                designed.loss_factor_limit
+                with_decimals(designed.loss_factor_limit, 4)
             ),
         ),
         (
             "single boundary",
             format!(
                 "up to {} with the drive on the centre line ({} of travel), up to {} beside it",
-                show_length(designed.single_boundary_to_m),
-                show_length(designed.mode_free_travel_m()),
-                show_length(designed.single_boundary_off_centre_to_m)
+                show_si(designed.single_boundary_to_m, "m"),
+                show_si(designed.mode_free_travel_m(), "m"),
+                show_si(designed.single_boundary_off_centre_to_m, "m")
             ),
         ),
         (
             "damper",
             format!(
-                "R = {:.3} N s/m matches at {}; r = {:.2} to {:.2} over the band",
-                damper.resistance_n_s_per_m,
+                "R = {} matches at {}; r = {:.2} to {:.2} over the band",
+                show_si(damper.resistance_n_s_per_m, "N s/m"),
                 show_frequency(damper.match_frequency_hz),
                 damper.ratio_range.0,
                 damper.ratio_range.1
@@ -210,18 +273,18 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
         ),
     ];
     if let Some(tension) = designed.tension_n_per_m {
-        lines.push(("tension", format!("{tension:.1} N per metre of width")));
+        lines.push(("tension", format!("{} of width", show_si(tension, "N/m"))));
     }
     lines
 }
 
 fn band_end(end: &slipline_plate::design::BandEnd) -> String {
     format!(
-        "{} at {}, edge width {}, {:.1} wavelengths",
+        "{} at {}, edge width {}, {} wavelengths",
         show_frequency(end.frequency_hz),
-        show_length(end.boundary_m),
-        show_length(end.edge_width_m),
-        end.wavelengths
+        show_si(end.boundary_m, "m"),
+        show_si(end.edge_width_m, "m"),
+        with_decimals(end.wavelengths, 2)
     )
 }
 
@@ -233,24 +296,21 @@ fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// Writes the plate file and the cut files; returns their paths.
-fn write_files(designed: &Design, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::Failed(format!("{}: {error}", folder.display())))?;
+/// What is written into the folder.
+const FILES: [&str; 5] = ["plate.toml", "plate.svg", "plate.dxf", "frame.svg", "frame.dxf"];
+
+/// Writes the plate file and the cut files, each to its destination; returns their paths.
+fn write_files<'a>(designed: &Design, free: &'a [Destination]) -> Result<Vec<&'a Path>, Failure> {
     let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
-    let mut files = Vec::new();
-    for (name, text) in [
-        ("plate.toml", designed.plate.to_toml()),
-        ("plate.svg", plate.to_svg()),
-        ("plate.dxf", plate.to_dxf()),
-        ("frame.svg", frame.to_svg()),
-        ("frame.dxf", frame.to_dxf()),
-    ] {
-        let path = folder.join(name);
-        output::file(&path, |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?;
-        files.push(path);
-    }
-    Ok(files)
+    // In the order of their names above.
+    let texts = [designed.plate.to_toml(), plate.to_svg(), plate.to_dxf(), frame.to_svg(), frame.to_dxf()];
+    free.iter()
+        .zip(texts)
+        .map(|(file, text)| {
+            file.write(|out| Ok(out.write_all(text.as_bytes())?))?;
+            Ok(file.path())
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -291,8 +351,11 @@ mod tests {
         assert!(parsed(&format!("{ALUMINIUM} --edge clamped --shear")).expect_err("both").contains("cannot"));
         let error = parsed(&ALUMINIUM.replace("20kHz..40kHz", "20kHz")).expect_err("no band");
         assert!(error.contains("20kHz..40kHz"), "{error}");
-        let failure = parsed(&ALUMINIUM.replace("aluminium", "tin")).expect("parses").request();
-        assert_eq!(failure.map(drop).expect_err("unknown").exit_code(), 2);
+        let error = parsed(&ALUMINIUM.replace("aluminium", "aluminum")).expect_err("unknown");
+        assert!(
+            error.contains("'--material <M>'") && error.contains("did you mean \"aluminium\"?"),
+            "{error}"
+        );
     }
 
     #[test]

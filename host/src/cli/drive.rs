@@ -8,17 +8,13 @@ use serde_json::json;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// How long one command may drive, in seconds: the device itself allows ten minutes.
-const DURATION_S: (f64, f64) = (0.0, 600.0);
 /// The device's state is looked at this often meanwhile.
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let tones =
-        argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
-    let duration_s = arguments.duration.map(|s| argument::seconds("--for", s, DURATION_S)).transpose()?;
-    let glide_s = argument::seconds("--glide", arguments.glide, (0.005, 10.0))?;
+    let tones = arguments.tones.on(&plate)?;
+    let (duration_s, glide_s) = (arguments.duration, arguments.glide);
     let port = &arguments.port.port;
 
     let device = Device::connect(port)?;

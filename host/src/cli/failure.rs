@@ -10,6 +10,8 @@ pub enum Failure {
     Usage(String),
     /// It could not be done: exit code 1.
     Failed(String),
+    /// It was done, and the plate has red lights: exit code 3. The message says how many.
+    Red(String),
 }
 
 impl Failure {
@@ -19,7 +21,13 @@ impl Failure {
         match self {
             Self::Usage(_) => 2,
             Self::Failed(_) => 1,
+            Self::Red(_) => 3,
         }
+    }
+
+    /// An option's value that does not fit, in the words of the parser of the command line.
+    pub(super) fn value(option: &str, text: &str, must: impl fmt::Display) -> Self {
+        Self::Usage(format!("invalid value '{text}' for '{option}': must be {must}"))
     }
 
     pub(super) fn usage(error: impl fmt::Display) -> Self {
@@ -34,7 +42,7 @@ impl Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Failed(message) => f.write_str(message),
+            Self::Usage(message) | Self::Failed(message) | Self::Red(message) => f.write_str(message),
         }
     }
 }

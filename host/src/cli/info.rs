@@ -4,6 +4,7 @@ use super::device::Device;
 use super::{Failure, output};
 use crate::link::{Port, list_ports};
 use serde_json::json;
+use slipline_plate::numeral::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     let ports = list_ports();
@@ -35,6 +36,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
     let table = snapshot.table.active;
     let faults: Vec<&str> = status.iter().flat_map(|s| s.faults.iter().map(|fault| fault.text())).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
+    let round_trip_s = snapshot.round_trip.average.as_secs_f64();
     let value = json!({
         "port": port.to_string(),
         "compatibility": compatibility,
@@ -74,7 +76,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
             "clips": it.counters.clips,
             "max_cycles": it.counters.max_cycles,
         })),
-        "round_trip_s": snapshot.round_trip.average.as_secs_f64(),
+        "round_trip_s": round_trip_s,
     });
     output::print(as_json, &value, |out| {
         let mut lines = vec![("Port", port.to_string())];
@@ -105,7 +107,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
             },
         );
         lines.push(("Table", table));
-        lines.push(("Round trip", format!("{:.2} ms", snapshot.round_trip.average.as_secs_f64() * 1e3)));
+        lines.push(("Round trip", format!("{} ms", with_decimals(round_trip_s * 1e3, 2))));
         output::lines(out, &lines)
     })
 }

@@ -1,11 +1,13 @@
 //! The command line: every use of Slipline but the window.
 //!
-//! JSON numbers are SI and their names end in the unit. Exit code 0: done; 2: bad usage or a bad file (the message
-//! names it and the allowed range); 1: could not be done.
+//! JSON numbers are SI and their names end in the unit. Exit code 0: done; 1: could not be done; 2: bad usage or a bad
+//! file (the message names it and the allowed range); 3: `check` was done and found red lights. Files that are there
+//! already are replaced with `--force` only.
 
 mod argument;
 mod check;
 mod design;
+mod destination;
 mod device;
 mod drive;
 mod failure;
@@ -21,23 +23,34 @@ mod table;
 mod verify;
 
 pub use design::DesignArguments;
+pub use destination::ForceArgument;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
 
 use crate::link::Port;
-use argument::{Boundary, ToneArgument};
+use crate::simulation::MAX_SECONDS;
+use argument::{Boundary, ToneArgument, Typed};
 use clap::{Args, Parser, Subcommand};
+use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate};
+use slipline_protocol::limits::MAX_TONES;
 use std::path::PathBuf;
+
+/// How long one command may drive, in seconds: the device itself allows ten minutes.
+const DRIVE_S: f64 = 600.0;
+
+const EXIT_CODES: &str = "\
+Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights.";
+const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line says how many; 1 and 2 as ever, see slipline --help.";
 
 /// Drag the boundary on a tapered plate. With no command, the app opens.
 #[derive(Debug, Parser)]
-#[command(name = "slipline", version, max_term_width = 110)]
+#[command(name = "slipline", version, max_term_width = 110, after_help = EXIT_CODES)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Print JSON: SI numbers, field names that end in their unit.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 998)]
     pub json: bool,
 }
 
@@ -66,7 +79,8 @@ pub enum Command {
     Record(RecordArguments),
     /// Compare a device's own digest of its DAC codes with the mirror's.
     Verify(VerifyArguments),
-    /// Say how good a plate is: one light per question, with the reason.
+    /// Say how good a plate is: one light per question, with the reason. Red ones end it with exit code 3.
+    #[command(after_help = CHECK_EXIT_CODES)]
     Check(CheckArguments),
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
     Design(DesignArguments),
@@ -94,14 +108,21 @@ pub struct PlateArgument {
 #[derive(Debug, Args)]
 pub struct TonesArgument {
     /// Where the boundary is to lie (120mm), or its frequency (126Hz).
-    #[arg(long, value_name = "X", value_parser = argument::boundary)]
+    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
     /// One more tone: where it peaks, and its level (90mm:0.5). Up to 16 in all.
-    #[arg(long = "tone", value_name = "X:LEVEL", value_parser = argument::tone)]
+    #[arg(long = "tone", value_name = "X:LEVEL", value_parser = argument::tone, allow_hyphen_values = true)]
     tones: Vec<ToneArgument>,
     /// The boundary's level, 0 to 1 of the table's full scale.
-    #[arg(long, value_parser = argument::level, default_value = "0.8")]
+    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.8")]
     level: f64,
+}
+
+impl TonesArgument {
+    /// Each as (place in metres, level): the boundary first.
+    fn on(&self, plate: &Plate) -> Result<Vec<(f64, f64)>, Failure> {
+        argument::tones(plate, self.boundary.as_ref(), self.level, &self.tones)
+    }
 }
 
 /// `drive`.
@@ -113,11 +134,11 @@ pub struct DriveArguments {
     plate: PlateArgument,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive; without it, until Ctrl-C.
-    #[arg(long = "for", value_name = "TIME", value_parser = argument::time)]
+    /// How long to drive, up to 600s; without it, until Ctrl-C.
+    #[arg(long = "for", value_name = "TIME", value_parser = argument::seconds(0.0, DRIVE_S), allow_hyphen_values = true)]
     duration: Option<f64>,
-    /// How long the change takes.
-    #[arg(long, value_name = "TIME", value_parser = argument::time, default_value = "20ms")]
+    /// How long the change takes, 5ms to 10s.
+    #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.005, 10.0), allow_hyphen_values = true, default_value = "20ms")]
     glide: f64,
     /// Clear the device's latched faults first.
     #[arg(long)]
@@ -130,10 +151,10 @@ pub struct RespondArguments {
     #[command(flatten)]
     plate: PlateArgument,
     /// The frequency, such as 40kHz.
-    #[arg(long, value_name = "F", value_parser = argument::frequency)]
-    freq: f64,
-    /// Places along the plate.
-    #[arg(long, default_value = "2001")]
+    #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
+    freq: Typed<f64>,
+    /// Places along the plate, 8 to 200001.
+    #[arg(long, value_parser = argument::count(POINTS_MIN, POINTS_MAX), allow_hyphen_values = true, default_value = "2001")]
     points: usize,
     /// The paper's equation, without the (W'/W) term.
     #[arg(long)]
@@ -146,14 +167,16 @@ pub struct TableArguments {
     #[command(flatten)]
     plate: PlateArgument,
     /// The device's sample rate, such as 400kHz.
-    #[arg(long, value_name = "F", value_parser = argument::frequency, default_value = "400kHz")]
-    sample_rate: f64,
+    #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true, default_value = "400kHz")]
+    sample_rate: Typed<f64>,
     /// Knots, 2 to 1025.
-    #[arg(long, default_value = "1025")]
+    #[arg(long, value_parser = argument::count(2, KNOTS_MAX), allow_hyphen_values = true, default_value = "1025")]
     knots: usize,
     /// Write the JSON to this file.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// `simulate`.
@@ -166,8 +189,8 @@ pub struct SimulateArguments {
     actual_plate: Option<String>,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive; without it, until the plate has settled and been measured.
-    #[arg(long, value_name = "S", value_parser = argument::time)]
+    /// How long to drive, 10ms to 600s; without it, until the plate has settled and been measured.
+    #[arg(long, value_name = "S", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
     seconds: Option<f64>,
     /// Leave the table's gains out: every tone at the same DAC amplitude.
     #[arg(long)]
@@ -178,6 +201,8 @@ pub struct SimulateArguments {
     /// Draw the envelope over x as PNG.
     #[arg(long, value_name = "F")]
     png: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// `record`.
@@ -187,12 +212,14 @@ pub struct RecordArguments {
     plate: PlateArgument,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to record.
-    #[arg(long, value_name = "S", value_parser = argument::time, default_value = "1s")]
+    /// How long to record, 1ms to 600s.
+    #[arg(long, value_name = "S", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
     seconds: f64,
     /// The WAV file: one channel, 16 bits, at the device's sample rate.
     #[arg(long, value_name = "F")]
     wav: PathBuf,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// `verify`.
@@ -204,11 +231,11 @@ pub struct VerifyArguments {
     #[arg(long, value_name = "PLATE", default_value = "membrane")]
     plate: String,
     /// Tones that sound, 1 to 16.
-    #[arg(long, default_value = "16")]
-    tones: u8,
+    #[arg(long, value_parser = argument::count(1, MAX_TONES), allow_hyphen_values = true, default_value = "16")]
+    tones: usize,
     /// The longest stretch of codes per digest.
-    #[arg(long, value_name = "TIME", value_parser = argument::time, default_value = "250ms")]
-    window: f64,
+    #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
+    window: Typed<f64>,
 }
 
 /// `check`.
@@ -217,10 +244,10 @@ pub struct CheckArguments {
     #[command(flatten)]
     plate: PlateArgument,
     /// One boundary; without it, the worst over the span.
-    #[arg(long, value_name = "X", value_parser = argument::boundary)]
+    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
     /// The tone's level, 0 to 1.
-    #[arg(long, value_parser = argument::level, default_value = "1")]
+    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
     level: f64,
     /// The drive sits beside the centre line.
     #[arg(long)]

@@ -1,9 +1,8 @@
 //! What a command says: aligned lines for people, JSON for programs.
 
+use super::destination::said;
 use super::failure::Failure;
-use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 
 /// Prints `value` as one line of JSON, or else what `text` writes.
 pub(super) fn print(
@@ -16,7 +15,7 @@ pub(super) fn print(
     match written.and_then(|()| out.flush()) {
         // Whoever read us has had enough: `slipline table | head` is no error.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        result => result.map_err(|error| Failure::Failed(format!("standard output: {error}"))),
+        result => result.map_err(|error| Failure::Failed(format!("standard output: {}", said(&error)))),
     }
 }
 
@@ -50,15 +49,4 @@ pub(super) fn table(out: &mut dyn Write, rows: &[Vec<String>]) -> std::io::Resul
         writeln!(out, "{}", cells.join("  ").trim_end())?;
     }
     Ok(())
-}
-
-/// Writes a file through `write`; a file that cannot be written fails with its name.
-pub(super) fn file(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
-) -> Result<(), Failure> {
-    let failed = |error: anyhow::Error| Failure::Failed(format!("{}: {error}", path.display()));
-    let mut out = BufWriter::new(File::create(path).map_err(|error| failed(error.into()))?);
-    write(&mut out).map_err(failed)?;
-    out.flush().map_err(|error| failed(error.into()))
 }

@@ -1,20 +1,20 @@
 //! `slipline record`.
 
+use super::destination::Destination;
 use super::{Failure, RecordArguments, argument, output, progress};
 use crate::chain::Chain;
 use crate::link::{DriveRequest, Request, ToneRequest};
-use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ};
+use crate::simulation::SAMPLE_RATE_HZ;
 use serde_json::json;
 use slipline_plate::Plate;
-use std::path::Path;
 
 pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let tones =
-        argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
-    let seconds = argument::seconds("--seconds", arguments.seconds, (0.001, MAX_SECONDS))?;
+    let tones = arguments.tones.on(&plate)?;
+    let seconds = arguments.seconds;
+    let wav = Destination::new(&arguments.wav, arguments.force)?;
     let samples = (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u64;
-    write(&arguments.wav, &plate, &tones, samples)?;
+    write(&wav, &plate, &tones, samples)?;
     let value = json!({
         "wav": arguments.wav.display().to_string(),
         "sample_rate_hz": SAMPLE_RATE_HZ,
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
 }
 
 /// Records so many codes, from the block in which the drive begins.
-fn write(path: &Path, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
+fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
@@ -47,7 +47,7 @@ fn write(path: &Path, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Resu
         bits_per_sample: 16,
         sample_format: hound::SampleFormat::Int,
     };
-    output::file(path, |file| {
+    wav.write(|file| {
         let mut wav = hound::WavWriter::new(file, spec)?;
         let mut left = samples;
         let mut result = Ok(());

@@ -1,14 +1,22 @@
 //! `slipline respond`.
 
 use super::{Failure, RespondArguments, argument, output};
-use crate::quantity::{show_frequency, show_place};
+use crate::quantity::{Measure, show_frequency, show_place, show_range};
 use serde_json::json;
-use slipline_plate::{Equation, respond};
+use slipline_plate::numeral::with_decimals;
+use slipline_plate::{Equation, respond, respond_range};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
-    let response = respond(&plate, arguments.freq, arguments.points, equation).map_err(Failure::usage)?;
+    let range = respond_range(&plate);
+    if !range.contains(arguments.freq.value) {
+        let told = show_range(range.low, range.high, Measure::Frequency);
+        let must = format!("{told} on the plate {:?}", plate.name());
+        return Err(Failure::value("--freq", &arguments.freq.text, must));
+    }
+    let response =
+        respond(&plate, arguments.freq.value, arguments.points, equation).map_err(Failure::usage)?;
     let peak = response.peak;
     let value = json!({
         "plate": plate.name(),
@@ -27,7 +35,8 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
             || "none: the wave has died out before its turning point".to_owned(),
             |peak| {
                 let largest = if peak.is_largest { "" } else { ", not the largest on the plate" };
-                format!("{}, {:.3} times the drive{largest}", show_place(peak.position_m), peak.amplitude)
+                let times = with_decimals(peak.amplitude, 3);
+                format!("{}, {times} times the drive{largest}", show_place(peak.position_m))
             },
         );
         output::lines(

@@ -1,20 +1,24 @@
 //! `slipline simulate`.
 
+use super::destination::Destination;
 use super::{Failure, SimulateArguments, argument, output, progress};
 use crate::envelope_plot;
 use crate::quantity::{show_frequency, show_length, show_place};
-use crate::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
+use crate::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
 use serde_json::{Value, json};
+use slipline_plate::numeral::with_decimals;
 use slipline_plate::table_sensitivity;
 use std::io::Write;
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
-    let tones =
-        argument::tones(&plate, arguments.tones.boundary, arguments.tones.level, &arguments.tones.tones)?;
-    let seconds =
-        arguments.seconds.map(|s| argument::seconds("--seconds", s, (0.01, MAX_SECONDS))).transpose()?;
+    let tones = arguments.tones.on(&plate)?;
+    let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
+    let png_file = Destination::perhaps(arguments.png.as_deref(), arguments.force)?;
+    if csv_file.as_ref().zip(png_file.as_ref()).is_some_and(|(csv, png)| csv.is(png)) {
+        return Err(Failure::Usage("--csv and --png name the same file".to_owned()));
+    }
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let sensitivity = actual
         .as_ref()
@@ -26,14 +30,14 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         actual: actual.as_ref().unwrap_or(&plate),
         tones: &tones,
         has_gains: !arguments.no_table,
-        seconds,
+        seconds: arguments.seconds,
     };
     let result = simulation.run_with(&table)?;
-    if let Some(path) = &arguments.csv {
-        output::file(path, |out| Ok(csv(&result, out)?))?;
+    if let Some(file) = csv_file {
+        file.write(|out| Ok(csv(&result, out)?))?;
     }
-    if let Some(path) = &arguments.png {
-        output::file(path, |out| envelope_plot::png(&result, plate.name(), out))?;
+    if let Some(file) = png_file {
+        file.write(|out| envelope_plot::png(&result, plate.name(), out))?;
     }
 
     let mut value = result.tones.first().map_or(json!({}), tone_value);
@@ -105,7 +109,7 @@ fn rows(result: &Simulated) -> Vec<Vec<String>> {
         let none = || "none".to_owned();
         vec![
             show_place(tone.boundary_m),
-            format!("{:.2}", tone.level),
+            with_decimals(tone.level, 2),
             show_frequency(tone.frequency_hz),
             show_place(tone.predicted.turning_point_m),
             tone.predicted.peak.map_or_else(none, |peak| show_place(peak.position_m)),

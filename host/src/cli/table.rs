@@ -1,15 +1,28 @@
 //! `slipline table`.
 
+use super::destination::Destination;
 use super::{Failure, TableArguments, argument, output, progress};
 use crate::device_table::DeviceTable;
-use crate::quantity::{show_frequency, show_length, show_place};
+use crate::quantity::{Measure, show_frequency, show_length, show_place, show_range};
 use serde_json::json;
-use slipline_plate::{DriveTable, TableError, sensitivity_per_percent_of};
+use slipline_plate::numeral::with_decimals;
+use slipline_plate::{
+    DriveTable, FREQUENCY_TO_RATE_MAX, SAMPLE_RATE_MAX_HZ, TableError, sensitivity_per_percent_of,
+};
 use std::io::Write;
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let rate_hz = arguments.sample_rate;
+    let file = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
+    let highest_hz = plate.band_hz().1;
+    let rate_hz = arguments.sample_rate.value;
+    // As the table's own check, but in the option's words.
+    let lowest_rate_hz = highest_hz / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9);
+    if !(lowest_rate_hz..=SAMPLE_RATE_MAX_HZ).contains(&rate_hz) {
+        let range = show_range(lowest_rate_hz, SAMPLE_RATE_MAX_HZ, Measure::Frequency);
+        let must = format!("{range}: the plate's band ends at {}", show_frequency(highest_hz));
+        return Err(Failure::value("--sample-rate", &arguments.sample_rate.text, must));
+    }
     let (table, sensitivity) = progress::watched("table", |progress| {
         let first = &mut progress.part(0.0, 0.8);
         let table = DriveTable::build_watched(&plate, rate_hz, arguments.knots, first)?;
@@ -38,8 +51,8 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         "sensitivity_at_m": sensitivity.worst_at_m,
         "crc": format!("{:08x}", device_table.crc()),
     });
-    if let Some(path) = &arguments.out {
-        output::file(path, |out| Ok(writeln!(out, "{value}")?))?;
+    if let Some(file) = &file {
+        file.write(|out| Ok(writeln!(out, "{value}")?))?;
     }
     output::print(as_json, &value, |out| {
         let frequency = |knot: Option<&slipline_plate::Knot>| {
@@ -57,13 +70,16 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
             ("Knots", format!("{}, CRC {:08x}", table.knots.len(), device_table.crc())),
             ("Peak at level 1", show_length(table.peak_at_full_scale_m)),
             ("Peaks", peaks),
-            ("Departure", format!("{:.2} dB at most between the knots", table.worst_error_db)),
-            ("Without gains", format!("{:.1} dB swing over the span", table.swing_without_gain_db)),
+            ("Departure", format!("{} dB at most between the knots", with_decimals(table.worst_error_db, 2))),
+            (
+                "Without gains",
+                format!("{} dB swing over the span", with_decimals(table.swing_without_gain_db, 1)),
+            ),
             (
                 "Sensitivity",
                 format!(
-                    "{:.2} dB per 1 % of wave speed, worst at {}",
-                    sensitivity.worst_db,
+                    "{} dB per 1 % of wave speed, worst at {}",
+                    with_decimals(sensitivity.worst_db, 2),
                     show_place(sensitivity.worst_at_m)
                 ),
             ),

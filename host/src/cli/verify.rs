@@ -8,6 +8,7 @@ use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
 use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
 use crate::mirror::{Mirror, TooLate};
+use crate::quantity::{Measure, show_range};
 use serde_json::{Value, json};
 use slipline_app::mailbox::Stop;
 use slipline_protocol::command::DigestWindow;
@@ -62,14 +63,16 @@ impl Compared {
 
 pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate)?;
-    if !(1..=16).contains(&arguments.tones) {
-        return Err(Failure::Usage(format!("--tones is {}: must be 1 to 16", arguments.tones)));
-    }
+    let count = u8::try_from(arguments.tones).map_err(Failure::usage)?;
     let port = &arguments.port.port;
     let device = Device::connect(port)?;
     let rate = f64::from(device.identity()?.sample_rate_hz);
     let longest_s = f64::from(MAX_DIGEST_SAMPLES) / rate;
-    let window_s = argument::seconds("--window", arguments.window, (0.01, longest_s))?;
+    let window_s = arguments.window.value;
+    if !(0.01..=longest_s).contains(&window_s) {
+        let must = show_range(0.01, longest_s, Measure::Time);
+        return Err(Failure::value("--window", &arguments.window.text, must));
+    }
     let table = device.use_table(&plate)?;
     device.perform(Request::Arm)?;
     sleep(REST);
@@ -82,7 +85,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
         let ticket = device.handle().send(Request::Digest(window));
         // To the beginning of the window, and a little into it.
         sleep(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
-        act(stage, &device, &plate, arguments.tones, window_s)?;
+        act(stage, &device, &plate, count, window_s)?;
         let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
         let digest = match device.handle().wait(ticket, patience) {
             Some(Outcome::Digest(digest)) => digest,
