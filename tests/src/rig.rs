@@ -254,6 +254,12 @@ impl Rig {
         self.sequence
     }
 
+    /// The number of the last keep-alive.
+    #[must_use]
+    pub const fn beat(&self) -> u32 {
+        self.beat
+    }
+
     /// The next command's bytes; a numbered command takes the next number.
     #[must_use]
     pub fn frame(&mut self, command: &Command) -> Vec<u8> {

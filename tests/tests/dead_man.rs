@@ -84,13 +84,16 @@ fn after_the_dead_man_nothing_sounds_until_the_fault_is_cleared_and_the_device_i
 
 #[test]
 fn nothing_but_a_new_beat_feeds_the_dead_man() {
-    // not drives, not questions, not a beat that was heard before.
+    // not drives, not questions, not a beat that was heard before, be it the last.
     let mut rig = driving();
-    let old_beat = rig.frame(&Command::KeepAlive(KeepAlive { beat: 1 }));
+    let beat = rig.beat();
+    let heard = [1, beat].map(|beat| rig.frame(&Command::KeepAlive(KeepAlive { beat })));
     for step in 0..120u32 {
         let command = Command::Drive(drive(&[(0, 0.5 + f64::from(step % 2) * 0.1, 0.5)], 2000));
         rig.send(&command);
-        rig.exchange(&old_beat);
+        for beat in &heard {
+            rig.exchange(beat);
+        }
         rig.status();
         rig.silent_ms(10);
     }

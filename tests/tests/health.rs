@@ -187,6 +187,22 @@ fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
 }
 
 #[test]
+fn a_device_that_stays_armed_and_silent_is_not_taken_for_one_that_drives() {
+    // A drive without tones fades out and stays armed.
+    let rate = 8000;
+    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
+    rig.hello();
+    rig.upload(&Table::usual().at_rate(rate));
+    rig.arm();
+    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 100)));
+    rig.live_ms(1000);
+    rig.accepted(&Command::Drive(drive(&[], 100)));
+    rig.live_ms(MAX_DRIVE_MS + 1000);
+    let status = rig.status();
+    assert_eq!((status.state, status.first_fault), (State::Armed, None));
+}
+
+#[test]
 fn an_emergency_stop_behind_a_thousand_frames_is_done_within_a_block() {
     //
     let mut rig = Rig::armed();

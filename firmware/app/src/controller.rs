@@ -271,3 +271,6 @@ impl<F: FlashPages, S: System> Controller<F, S> {
 const fn accepted(at: SampleIndex) -> Event {
     Event::Accepted(Accepted { at })
 }
+
+#[cfg(test)]
+mod tests;

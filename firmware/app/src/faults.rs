@@ -70,6 +70,10 @@ mod tests {
             (left.set(), left.first()),
             (Faults::NONE.with(Fault::Overheat), Some((Fault::Overheat, 7)))
         );
+        let both = latch.set();
+        assert_eq!(latch.cleared(both), latch);
+        let later = FaultLatch::new().with(Fault::HostLost, 7).with(Fault::Overheat, 9);
+        assert_eq!(later.cleared(both), later, "the first stays the first, whatever its number");
         assert_eq!(latch.cleared(Faults::NONE), FaultLatch::new());
     }
 }

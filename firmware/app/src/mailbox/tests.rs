@@ -102,6 +102,16 @@ fn a_slot_that_sounds_is_not_written() {
 }
 
 #[test]
+fn a_slot_that_a_pending_program_goes_by_is_not_written() {
+    let (crossing, mut renderer) = (crossing(), Renderer::new(Timing::at(400_000)));
+    render(&mut renderer, &crossing, 1);
+    assert!(crossing.slot_is_free(SlotIndex::Second));
+    assert_eq!(crossing.publish(onset(crossing.now() + 4096, &crossing), &crossing.view()), Ok(()));
+    assert!(!crossing.slot_is_free(SlotIndex::Second));
+    assert!(crossing.slot_is_free(SlotIndex::First));
+}
+
+#[test]
 fn the_thermal_limit_is_approached_slowly_and_kept() {
     let (crossing, mut renderer) = sounding();
     crossing.set_limit(1000);

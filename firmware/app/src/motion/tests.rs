@@ -71,6 +71,9 @@ proptest! {
                     prop_assert_eq!(onset, None, "a tone that sounds keeps its phase");
                 }
             }
+            let sounds = !before.iter().all(Placement::is_silent) || !targets.is_empty();
+            prop_assert_eq!(next.is_silent_from(at), !sounds);
+            prop_assert_eq!(next.is_silent_from(next.end()), targets.is_empty());
             motion = next;
         }
         // All arrive.
