@@ -1,12 +1,12 @@
 //! `slipline design`.
 
 use super::argument::{self, Typed};
+use super::design_argument::{band, checked, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
 use super::{Failure, output, progress};
-use crate::quantity::{self, Measure, show_frequency, show_range, show_si};
+use crate::quantity::{Measure, show_frequency, show_si};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
-use slipline_plate::PlateError;
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::design::{
     Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,
@@ -24,19 +24,19 @@ pub struct DesignArguments {
     /// silicone-rubber or latex.
     #[arg(long, value_name = "M", value_parser = material)]
     material: Material,
-    /// The sheet's thickness, such as 2mm.
+    /// The sheet's thickness, such as 2mm; 1um to 100mm.
     #[arg(long, value_name = "T", value_parser = argument::length(range::THICKNESS), allow_hyphen_values = true)]
     thickness: f64,
-    /// The boundary's lowest and highest frequency, such as 20kHz..40kHz.
+    /// The boundary's lowest and highest frequency, such as 20kHz..40kHz; 0.5Hz to 10MHz.
     #[arg(long, value_name = "F..F", value_parser = band, allow_hyphen_values = true)]
     band: (f64, f64),
-    /// From the driven end to the narrow end, such as 300mm.
+    /// From the driven end to the narrow end, such as 300mm; 5mm to 10m.
     #[arg(long, value_name = "L", value_parser = argument::length(range::LENGTH), allow_hyphen_values = true)]
     length: f64,
     /// A plate in bending: how its edges are held, on a knife edge (the default) or between the halves of a frame.
     #[arg(long)]
     edge: Option<EdgeArgument>,
-    /// A stretched membrane of this wave speed, such as 12m/s.
+    /// A stretched membrane of this wave speed, such as 12m/s; 0.1 to 20000.
     #[arg(long, value_name = "C", value_parser = speed(), allow_hyphen_values = true)]
     wave_speed: Option<f64>,
     /// A membrane stretched with this tension, such as 70N/m.
@@ -57,7 +57,7 @@ pub struct DesignArguments {
     /// Loss factor, 0 to 0.5, if it is not the library's.
     #[arg(long, value_name = "ETA", value_parser = loss(), allow_hyphen_values = true)]
     loss: Option<f64>,
-    /// The drive's displacement at DAC full scale: 1um from 1 kHz on, else 100um.
+    /// The drive's displacement at DAC full scale, 1nm to 100mm; without it, 1um from 1 kHz on, else 100um.
     #[arg(long, value_name = "A", value_parser = argument::length(range::FULL_SCALE), allow_hyphen_values = true)]
     full_scale: Option<f64>,
     /// Width of the frame's rim, 10mm to 500mm.
@@ -79,64 +79,6 @@ enum EdgeArgument {
     // No sentence each: they would make the whole help twice as long.
     Supported,
     Clamped,
-}
-
-fn band(text: &str) -> Result<(f64, f64), String> {
-    let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
-    let allowed = (range::FREQUENCY.low, range::FREQUENCY.high);
-    let frequency = argument::within(quantity::frequency_hz, Measure::Frequency, allowed);
-    let end =
-        |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
-    let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
-    if high_hz < 1.05 * low_hz {
-        return Err("the second frequency must be at least 5 % above the first".to_owned());
-    }
-    Ok((low_hz, high_hz))
-}
-
-fn speed() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    let allowed = (range::WAVE_SPEED.low, range::WAVE_SPEED.high);
-    argument::within(|text| quantity::plain(text, "m/s"), Measure::Plain("m/s"), allowed)
-}
-
-fn loss() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    let allowed = (range::LOSS_FACTOR.low, range::LOSS_FACTOR.high);
-    argument::within(|text| quantity::plain(text, ""), Measure::Plain(""), allowed)
-}
-
-fn tension(text: &str) -> Result<Typed<f64>, quantity::QuantityError> {
-    argument::typed(text, |text| quantity::plain(text, "N/m"), f64::NAN)
-}
-
-fn margin(text: &str) -> Result<Typed<f64>, quantity::QuantityError> {
-    argument::typed(text, quantity::length_m, f64::NAN)
-}
-
-fn material(text: &str) -> Result<Material, String> {
-    // The parser of the command line names the option and the value.
-    Material::named(text).map_err(|error| match error {
-        PlateError::UnknownKind { allowed, .. } => format!("must be {allowed}"),
-        other => other.to_string(),
-    })
-}
-
-fn name(text: &str) -> Result<String, String> {
-    let is_fine = (1..=80).contains(&text.chars().count()) && !text.chars().any(char::is_control);
-    if is_fine { Ok(text.to_owned()) } else { Err("must be 1 to 80 characters on one line".to_owned()) }
-}
-
-/// A value typed for an option, in its range on this design.
-fn checked(
-    option: &str,
-    typed: Option<&Typed<f64>>,
-    range: Range,
-    measure: Measure,
-) -> Result<Option<f64>, Failure> {
-    let Some(typed) = typed else { return Ok(None) };
-    if range.contains(typed.value) {
-        return Ok(Some(typed.value));
-    }
-    Err(Failure::value(option, &typed.text, show_range(range.low, range.high, measure)))
 }
 
 impl DesignArguments {

@@ -7,6 +7,7 @@
 mod argument;
 mod check;
 mod design;
+mod design_argument;
 mod destination;
 mod device;
 mod drive;
@@ -189,7 +190,7 @@ pub struct SimulateArguments {
     actual_plate: Option<String>,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive, 10ms to 600s; without it, until the plate has settled and been measured.
+    /// How long to drive at most, 10ms to 600s: it ends when the plate has settled and been measured for 2s.
     #[arg(long, value_name = "S", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
     seconds: Option<f64>,
     /// Leave the table's gains out: every tone at the same DAC amplitude.

@@ -1,0 +1,66 @@
+//! The values of `slipline design`'s options.
+
+use super::Failure;
+use super::argument::{self, Typed};
+use crate::quantity::{self, Measure, QuantityError, show_range};
+use slipline_plate::PlateError;
+use slipline_plate::design::Material;
+use slipline_plate::range::{self, Range};
+
+pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
+    let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
+    let allowed = (range::FREQUENCY.low, range::FREQUENCY.high);
+    let frequency = argument::within(quantity::frequency_hz, Measure::Frequency, allowed);
+    let end =
+        |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
+    let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
+    if high_hz < 1.05 * low_hz {
+        return Err("the second frequency must be at least 5 % above the first".to_owned());
+    }
+    Ok((low_hz, high_hz))
+}
+
+pub(super) fn speed() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let allowed = (range::WAVE_SPEED.low, range::WAVE_SPEED.high);
+    argument::within(|text| quantity::plain(text, "m/s"), Measure::Plain("m/s"), allowed)
+}
+
+pub(super) fn loss() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    let allowed = (range::LOSS_FACTOR.low, range::LOSS_FACTOR.high);
+    argument::within(|text| quantity::plain(text, ""), Measure::Plain(""), allowed)
+}
+
+pub(super) fn tension(text: &str) -> Result<Typed<f64>, QuantityError> {
+    argument::typed(text, |text| quantity::plain(text, "N/m"), f64::NAN)
+}
+
+pub(super) fn margin(text: &str) -> Result<Typed<f64>, QuantityError> {
+    argument::typed(text, quantity::length_m, f64::NAN)
+}
+
+pub(super) fn material(text: &str) -> Result<Material, String> {
+    // The parser of the command line names the option and the value.
+    Material::named(text).map_err(|error| match error {
+        PlateError::UnknownKind { allowed, .. } => format!("must be {allowed}"),
+        other => other.to_string(),
+    })
+}
+
+pub(super) fn name(text: &str) -> Result<String, String> {
+    let is_fine = (1..=80).contains(&text.chars().count()) && !text.chars().any(char::is_control);
+    if is_fine { Ok(text.to_owned()) } else { Err("must be 1 to 80 characters on one line".to_owned()) }
+}
+
+/// A value typed for an option, in its range on this design.
+pub(super) fn checked(
+    option: &str,
+    typed: Option<&Typed<f64>>,
+    range: Range,
+    measure: Measure,
+) -> Result<Option<f64>, Failure> {
+    let Some(typed) = typed else { return Ok(None) };
+    if range.contains(typed.value) {
+        return Ok(Some(typed.value));
+    }
+    Err(Failure::value(option, &typed.text, show_range(range.low, range.high, measure)))
+}
