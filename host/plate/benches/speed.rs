@@ -4,6 +4,7 @@
 //! `cargo bench -p slipline-plate --bench speed` prints it; with `-- --lines` as tab-separated lines:
 //! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
 
+use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::Lattice;
 use slipline_plate::{Equation, Sheet, SheetGrid, TimeLine, preset, respond_batch};
 use std::f32::consts::PI;
@@ -111,6 +112,11 @@ fn time_lines(report: &Report) {
     }
 }
 
+/// The same grid, with the envelope of every cell.
+fn everywhere(grid: SheetGrid) -> SheetGrid {
+    SheetGrid { envelope: EnvelopeScope::Everywhere, ..grid }
+}
+
 /// Tapered sheets in two dimensions, driven by codes: cells per second and times real time.
 fn sheets(report: &Report) {
     for name in ["membrane", "paper-rubber"] {
@@ -118,6 +124,8 @@ fn sheets(report: &Report) {
         let rate = 400_000.0;
         for (kind, grid) in [
             ("coarse", SheetGrid::coarse(&plate)),
+            ("coarse, envelope", everywhere(SheetGrid::coarse(&plate))),
+            ("fine, envelope", everywhere(SheetGrid::new(512, 80))),
             ("fine", SheetGrid::new(512, 80)),
             ("finest", SheetGrid::new(2048, 320)),
         ] {

@@ -4,6 +4,7 @@ use super::block::{Course, Handover, Slant, Stretch, Turn};
 use super::exchange::{Exchange, Parcel};
 use super::kernel::{self, Hush};
 use super::plan::Plan;
+use super::record::{Record, overlap, refill};
 use super::row::Row;
 use super::vector::{LANES, Line};
 use std::ops::Range;
@@ -48,40 +49,13 @@ impl Field {
     }
 }
 
-/// Envelope of the rows in `rows`, each `stride` lines, laid out as the field is.
-#[derive(Debug)]
-pub(super) struct Record {
-    pub(super) rows: Range<usize>,
-    maximum: Vec<f32>,
-    squares: Vec<f64>,
-}
-
-impl Record {
-    /// Where the numbers of `rows` lie, as far as they are recorded.
-    fn numbers(&self, rows: &Range<usize>, stride: usize) -> Range<usize> {
-        let rows = overlap(rows, &self.rows);
-        let at = |row: usize| (row - self.rows.start) * stride * LANES;
-        at(rows.start)..at(rows.end)
-    }
-
-    /// Takes a step of a row.
-    #[inline(always)]
-    pub(super) fn take(&mut self, row: usize, lines: &[Line]) {
-        let to = (row - self.rows.start) * lines.len() * LANES;
-        let range = to..to + lines.len() * LANES;
-        kernel::record(lines.as_flattened(), &mut self.maximum[range.clone()], &mut self.squares[range]);
-    }
-}
-
 impl Band {
     /// The band `number` of `bands`, which owns the rows `owned` before a rising block.
     pub(super) fn new(plan: &Plan, owned: Range<usize>, number: usize, bands: usize) -> Self {
         let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
         // Room for a row before and one after: the edge's outer side, which is zero, or never read.
         let count = (stored.len() + 2) * plan.stride + 1;
-        let rows = overlap(&plan.recorded, &stored);
-        let recorded = rows.len() * plan.stride * LANES;
-        let record = Record { rows, maximum: vec![0.0; recorded], squares: vec![0.0; recorded] };
+        let record = Record::new(overlap(&plan.recorded, &stored), plan.stride);
         Self {
             owned,
             stored,
@@ -129,7 +103,9 @@ impl Band {
         self.owned = course.end();
     }
 
-    pub(super) fn hush(&mut self, plan: &Plan) {
+    /// What is due every some tens of steps: vanishing numbers become zero, and the record is summed up.
+    pub(super) fn tidy(&mut self, plan: &Plan) {
+        self.record.settle(&self.owned);
         let lines = self.line_of(self.owned.start)..self.line_of(self.owned.end);
         plan.width.run(Hush(&mut self.first.lines_mut()[lines.clone()]));
         plan.width.run(Hush(&mut self.second.lines_mut()[lines]));
@@ -153,43 +129,29 @@ impl Band {
         }
     }
 
-    /// Largest magnitude and sum of squares along `row`, if it is recorded.
-    pub(super) fn envelope(&self, plan: &Plan, row: usize) -> Option<(Row<'_>, Row<'_, f64>)> {
-        if !self.record.rows.contains(&row) {
-            return None;
-        }
-        let from = (row - self.record.rows.start) * self.stride;
-        let lines = from..from + self.stride;
-        let reach = plan.reach[row];
-        Some((
-            Row::new(&self.record.maximum.as_chunks().0[lines.clone()], reach),
-            Row::new(&self.record.squares.as_chunks().0[lines], reach),
-        ))
+    /// As [`Record::read`].
+    pub(super) fn envelope(&self, plan: &Plan, row: usize) -> Option<impl Iterator<Item = (f32, f64)>> {
+        self.record.read(row, plan.reach[row])
     }
 
     pub(super) fn reset_envelope(&mut self) {
-        self.record.maximum.fill(0.0);
-        self.record.squares.fill(0.0);
+        self.record.reset();
     }
 
     /// Packs rows that change hands: both fields, and the envelope where it is recorded.
     fn pack(&self, handover: &Handover, flipped: bool, parcel: &mut Parcel) {
         let (newest, older) = if flipped { (&self.second, &self.first) } else { (&self.first, &self.second) };
-        let numbers = self.record.numbers(&handover.rows, self.stride);
         refill(&mut parcel.newest, &newest.lines()[self.lines_of(&handover.rows)]);
         refill(&mut parcel.older, &older.lines()[self.lines_of(&handover.with_support)]);
-        refill(&mut parcel.maximum, &self.record.maximum[numbers.clone()]);
-        refill(&mut parcel.squares, &self.record.squares[numbers]);
+        self.record.pack(&handover.rows, &mut parcel.record);
     }
 
     fn unpack(&mut self, handover: &Handover, flipped: bool, parcel: &Parcel) {
         let (rows, with_support) = (self.lines_of(&handover.rows), self.lines_of(&handover.with_support));
-        let numbers = self.record.numbers(&handover.rows, self.stride);
         let (newest, older, record) = self.parts(flipped);
         newest[rows].copy_from_slice(&parcel.newest);
         older[with_support].copy_from_slice(&parcel.older);
-        record.maximum[numbers.clone()].copy_from_slice(&parcel.maximum);
-        record.squares[numbers].copy_from_slice(&parcel.squares);
+        record.unpack(&handover.rows, &parcel.record);
     }
 
     fn lines_of(&self, rows: &Range<usize>) -> Range<usize> {
@@ -202,15 +164,4 @@ impl Band {
         let (newest, older) = if flipped { (second, first) } else { (first, second) };
         (newest, older, &mut self.record)
     }
-}
-
-fn refill<T: Copy>(target: &mut Vec<T>, source: &[T]) {
-    target.clear();
-    target.extend_from_slice(source);
-}
-
-/// What two ranges share; empty, but within the second, when they share nothing.
-fn overlap(one: &Range<usize>, other: &Range<usize>) -> Range<usize> {
-    let start = one.start.clamp(other.start, other.end);
-    start..one.end.clamp(start, other.end)
 }

@@ -11,9 +11,9 @@
 //! rising block begins at the band's lower seam, where rows are left, and ends at the upper one, where they are taken
 //! over. The next block is a falling one, the other way round, and brings the seams back.
 
-use super::band::Record;
-use super::kernel::{self, Place, Spread};
+use super::kernel::{self, COLUMNS, Place, Spread};
 use super::plan::{Extent, Plan};
+use super::record::Record;
 use super::vector::{LANES, Lanes, Line, Work};
 use std::mem::replace;
 use std::ops::Range;
@@ -199,7 +199,8 @@ impl Stretch<'_> {
                 for row in rows {
                     if record.rows.contains(&row) {
                         let at = (row + 1 - first_row) * stride;
-                        record.take(row, &past[at..at + stride]);
+                        let lines = 1 + COLUMNS * plan.extent::<1>(row).chunks as usize;
+                        record.take(lanes, row, &past[at..at + lines]);
                     }
                 }
             }

@@ -1,6 +1,7 @@
 //! How bands on different threads leave rows to each other.
 
 use super::block::Slant;
+use super::record::Extract;
 use super::vector::Line;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -48,8 +49,7 @@ struct Slot {
 pub(super) struct Parcel {
     pub(super) newest: Vec<Line>,
     pub(super) older: Vec<Line>,
-    pub(super) maximum: Vec<f32>,
-    pub(super) squares: Vec<f64>,
+    pub(super) record: Extract,
 }
 
 impl Exchange {

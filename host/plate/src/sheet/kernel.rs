@@ -1,4 +1,4 @@
-//! The inner loops of the sheet: rows of the leapfrog update, the envelope, and the end of vanishing numbers.
+//! The inner loops of the sheet: rows of the leapfrog update, and the end of vanishing numbers.
 //!
 //! A row lies in memory by chunks of 64 cells, each as four columns of 16:
 //!
@@ -218,16 +218,6 @@ impl<'a, const N: usize> Rows<'a, N> {
             before[row] = cells[LAST];
         }
         next
-    }
-}
-
-/// Takes a row into the envelope: the largest magnitude and the sum of squares of every cell.
-#[inline(always)]
-pub(super) fn record(row: &[f32], maximum: &mut [f32], squares: &mut [f64]) {
-    for ((value, maximum), squares) in row.iter().zip(maximum).zip(squares) {
-        let magnitude = value.abs();
-        *maximum = if magnitude > *maximum { magnitude } else { *maximum };
-        *squares += f64::from(*value) * f64::from(*value);
     }
 }
 

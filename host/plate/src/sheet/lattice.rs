@@ -136,7 +136,7 @@ impl Lattice {
     }
 
     /// Largest magnitude and sum of squares of each cell of a recorded row (as [`Lattice::row`] is laid out).
-    pub(super) fn envelope(&self, row: usize) -> Option<(Row<'_>, Row<'_, f64>)> {
+    pub(super) fn envelope(&self, row: usize) -> Option<impl Iterator<Item = (f32, f64)>> {
         self.band_of(row).envelope(&self.plan, row)
     }
 
@@ -194,7 +194,7 @@ fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: 
         band.block(plan, now, clock.flipped, slant, exchange);
         clock.pass(steps, slant);
         if clock.steps.is_multiple_of(HUSH_EVERY) {
-            band.hush(plan);
+            band.tidy(plan);
         }
         rest = later;
     }

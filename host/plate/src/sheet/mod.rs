@@ -21,6 +21,7 @@ mod lattice;
 mod naive;
 mod outline;
 mod plan;
+mod record;
 mod row;
 mod scheme;
 #[cfg(test)]
@@ -155,11 +156,9 @@ impl Sheet {
         let count = lines.len() * stations;
         let mut envelope = SheetEnvelope { steps, maximum_m: vec![0.0; count], rms_m: vec![0.0; count] };
         for (place, line) in lines.enumerate() {
-            let Some((maximum, squares)) = self.lattice.envelope(self.lattice_row(line)) else { continue };
+            let Some(cells) = self.lattice.envelope(self.lattice_row(line)) else { continue };
             let to = place * stations;
-            for (station, (maximum, squares)) in
-                maximum.numbers().zip(squares.numbers()).take(stations).enumerate()
-            {
+            for (station, (maximum, squares)) in cells.take(stations).enumerate() {
                 envelope.maximum_m[to + station] = (f64::from(maximum) * self.full_scale_m) as f32;
                 let mean = squares / steps.max(1) as f64;
                 envelope.rms_m[to + station] = (mean.sqrt() * self.full_scale_m) as f32;

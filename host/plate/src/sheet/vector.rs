@@ -28,6 +28,8 @@ pub(super) trait Lanes: Copy {
     fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// a b - c, rounded once.
     fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// The larger of |a| and b; b if a is no number.
+    fn larger_magnitude(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// Every number one lane up; lane 0 takes the last lane of `before`.
     fn up(self, before: Self::Vector, vector: Self::Vector) -> Self::Vector;
     /// Every number one lane down; the last lane takes lane 0 of `after`.
@@ -74,6 +76,11 @@ impl Lanes for Plain {
     #[inline(always)]
     fn multiply_subtract(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
         from_fn(|lane| a[lane].mul_add(b[lane], -c[lane]))
+    }
+
+    #[inline(always)]
+    fn larger_magnitude(self, a: [f32; LANES], b: [f32; LANES]) -> [f32; LANES] {
+        from_fn(|lane| if a[lane].abs() > b[lane] { a[lane].abs() } else { b[lane] })
     }
 
     #[inline(always)]
@@ -125,6 +132,11 @@ impl Lanes for V4 {
     #[inline(always)]
     fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector {
         self.avx512f._mm512_fmsub_ps(a, b, c)
+    }
+
+    #[inline(always)]
+    fn larger_magnitude(self, a: Self::Vector, b: Self::Vector) -> Self::Vector {
+        self.avx512f._mm512_max_ps(self.avx512f._mm512_abs_ps(a), b)
     }
 
     #[inline(always)]
