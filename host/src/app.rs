@@ -11,17 +11,21 @@ mod background;
 mod device;
 mod hearing;
 mod input;
+mod notices;
+mod paths;
 mod perform;
 mod setup;
 mod window;
 
 pub use background::{Background, DesignState, Waiting};
+pub use notices::Notice;
 pub use window::run;
 
 use crate::designer::{Designed, Draft};
 use crate::edit::History;
 use crate::export;
-use crate::files::Files;
+use crate::figures::plate::Subject;
+use crate::files::{FileJob, Files};
 use crate::link::worker::Worker;
 use crate::link::{Port, PortInfo, Request, Snapshot, Ticket};
 use crate::live::{self, Live};
@@ -38,6 +42,7 @@ use crate::view::{self, Scene, ViewState, theme};
 use crate::workshop::Workshop;
 use eframe::egui;
 use hearing::Hearing;
+use notices::Notices;
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -76,21 +81,12 @@ pub struct Parts {
     pub live: Workshop<live::Job, Live>,
     /// Where the simulated plate is run.
     pub trials: Workshop<trial::Job, Measured>,
+    /// Where figures are drawn.
+    pub figures: Workshop<Subject, Result<Vec<u8>, String>>,
     /// Files.
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated plate's first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
-}
-
-/// A message to the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// What it says.
-    pub text: String,
-    /// Whether something went wrong.
-    pub is_error: bool,
-    /// Whether the device refused something: the message goes when it takes something newer.
-    pub is_refusal: bool,
 }
 
 /// The app.
@@ -116,8 +112,10 @@ pub struct App {
     predicted: Picture,
     hearing: Hearing,
     background: Background,
-    notice: Option<Notice>,
+    notices: Notices,
     dialog: Option<Dialog>,
+    /// The job that waits for a path to be typed.
+    asked: Option<FileJob>,
     view: ViewState,
     screenshots: (Sender<Arc<egui::ColorImage>>, Receiver<Arc<egui::ColorImage>>),
 }
@@ -147,8 +145,9 @@ impl App {
             predicted: Picture::default(),
             hearing: Hearing::default(),
             background: Background::default(),
-            notice: None,
+            notices: Notices::default(),
             dialog: None,
+            asked: None,
             view: ViewState::default(),
             screenshots: channel(),
         };
@@ -171,10 +170,10 @@ impl App {
         &self.settings
     }
 
-    /// The message that stands, if one does.
+    /// The latest message that stands, if one does.
     #[must_use]
     pub fn notice(&self) -> Option<&Notice> {
-        self.notice.as_ref()
+        self.notices.iter().max_by_key(|notice| notice.number)
     }
 
     /// Takes in all that happened since the last frame. Paints nothing.
@@ -195,16 +194,21 @@ impl App {
         while let Some(event) = self.parts.files.take() {
             self.file_event(event);
         }
+        match self.parts.figures.take() {
+            Some(Ok(bytes)) => self.save("figure.png", "Picture", "png", bytes),
+            Some(Err(reason)) => self.fail(format!("The figure could not be made: {reason}")),
+            None => {}
+        }
         if let Ok(image) = self.screenshots.1.try_recv() {
             match export::png(&image) {
-                Ok(bytes) => self.save("slipline.png", "Picture", "png", bytes),
-                Err(error) => self.fail(format!("The picture could not be made: {error}")),
+                Ok(bytes) => self.save("screenshot.png", "Picture", "png", bytes),
+                Err(error) => self.fail(format!("The screenshot could not be made: {error}")),
             }
         }
     }
 
     fn fail(&mut self, text: String) {
-        self.notice = Some(Notice { text, is_error: true, is_refusal: false });
+        self.notices.fail(text);
     }
 
     /// Shows the window in all of `ui`, then carries out what its views ask for.
@@ -227,7 +231,7 @@ impl App {
             waiting: self.background.waiting(&self.parts),
             settings: &self.settings,
             ports: &self.ports,
-            notice: self.notice.as_ref(),
+            notices: self.notices.iter().collect(),
             dialog: self.dialog.as_ref(),
             undo: (self.history.undo_name(), self.history.redo_name()),
             wave_time_s: self.hearing.wave_time_s,

@@ -1,6 +1,7 @@
 //! The plate designer in the app: what is wanted, and the plate that came of it. The rules are those of
 //! `slipline design`.
 
+use crate::plate_fault::{Panel, sentence};
 use crate::workshop::Task;
 use slipline_plate::PlateError;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
@@ -133,7 +134,7 @@ impl Draft {
 pub struct Misfit {
     /// The field of the library's request that is out of range.
     pub field: String,
-    /// What is wrong and what is allowed.
+    /// What is wrong and what is allowed, in the words of the form.
     pub reason: String,
 }
 
@@ -147,7 +148,7 @@ impl From<PlateError> for Misfit {
             | PlateError::TooLong { field, .. } => field.clone(),
             PlateError::NotNarrowing { .. } => "taper".to_owned(),
         };
-        Self { field, reason: error.to_string() }
+        Self { field, reason: sentence(&error, Panel::Designer) }
     }
 }
 

@@ -1,11 +1,8 @@
-//! What is seen, as files: PNG, CSV, WAV and a text for bug reports.
+//! What is seen, as files: PNG, CSV, WAV.
 
-use crate::link::Snapshot;
 use crate::live::Live;
-use crate::model::Setup;
-use crate::picture::{POINTS, Picture};
-use crate::setup_file;
-use crate::table_making::TableState;
+use crate::model::{BoundaryMode, Setup};
+use crate::picture::{POINTS, Picture, drawn_boundary_m};
 use crate::trial::Measured;
 use eframe::egui::ColorImage;
 use std::fmt::Write as _;
@@ -29,21 +26,71 @@ pub fn png(image: &ColorImage) -> Result<Vec<u8>, png::EncodingError> {
     Ok(bytes)
 }
 
-/// The envelope over x as CSV, SI units; the simulated plate's column is empty where nothing was measured.
+/// The envelope over x as CSV, SI units, after lines that say what it is of. Theory and simulated plate have grids of
+/// their own: a cell is empty where its column has no value. `full_peak_m` is the table's peak at level 1.
 #[must_use]
-pub fn envelope_csv(picture: &Picture, measured: Option<&Measured>) -> String {
-    let mut text = String::from("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m\n");
-    for i in 0..POINTS {
+pub fn envelope_csv(
+    setup: &Setup,
+    picture: &Picture,
+    measured: Option<&Measured>,
+    full_peak_m: f64,
+) -> String {
+    let mut rows: Vec<(f64, String)> = Vec::new();
+    for (i, (bound_m, rms_m)) in picture.bound_m.iter().zip(&picture.rms_m).enumerate() {
         let x_m = i as f64 / (POINTS - 1) as f64 * picture.length_m;
-        let value = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
-        let simulated = measured
-            .and_then(|measured| measured.at(x_m))
-            .map_or_else(String::new, |metres| format!("{metres:e}"));
-        // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "{x_m:.6},{:e},{:e},{simulated}", value(&picture.bound_m), value(&picture.rms_m));
+        rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},")));
+    }
+    for (x_m, metres) in measured.into_iter().flat_map(Measured::points) {
+        rows.push((x_m, format!("{x_m:.6},,,{metres:e}")));
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut text = envelope_head(setup, measured, full_peak_m);
+    text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m\n");
+    for (_, row) in rows {
+        text.push_str(&row);
+        text.push('\n');
     }
     text
+}
+
+/// What an envelope is of, line by line.
+fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -> String {
+    let boundary = match setup.boundary {
+        BoundaryMode::TurningPoint => "the turning point".to_owned(),
+        BoundaryMode::FeltEdge { threshold_m } => format!("where {threshold_m:e} m is just felt"),
+    };
+    let simulated = match measured {
+        Some(measured) => format!(
+            "largest displacement of the simulated plate, at its own {} places",
+            measured.position_m.len()
+        ),
+        None => "not run for what is on the screen".to_owned(),
+    };
+    let mut lines = vec![
+        "Envelope along the plate, by Slipline".to_owned(),
+        format!("plate: {}", setup.plate.name()),
+        format!("boundary: {boundary}"),
+        format!("master level: {:.2} dB", setup.master_db + 0.0),
+        format!("peak at level 1: {full_peak_m:e} m"),
+    ];
+    for tone in &setup.tones {
+        lines.push(format!(
+            "tone {}: frequency {:.4} Hz, turning point {:.6} m, boundary {:.6} m, level {:.4}, phase {:.4} turns",
+            tone.slot + 1,
+            setup.plate.frequency_for_boundary_hz(tone.position_m),
+            tone.position_m,
+            drawn_boundary_m(setup, tone, full_peak_m),
+            tone.level,
+            tone.phase_turns
+        ));
+    }
+    lines
+        .push(format!("predicted: steady state by theory, at {POINTS} places; maximum and root mean square"));
+    lines.push(format!("simulated: {simulated}"));
+    lines.push(
+        "units: metres from the driven end, metres of displacement; an empty cell has no value".to_owned(),
+    );
+    lines.iter().map(|line| format!("# {line}\n")).collect()
 }
 
 /// The latest codes as CSV: the sample index, the time and the DAC code. `None` while there is none.
@@ -81,38 +128,5 @@ pub fn wav(live: &Live) -> Result<Option<Vec<u8>>, hound::Error> {
     Ok(Some(file.into_inner()))
 }
 
-/// All that helps to find a fault: versions, counters, setup, log. It holds no name of the user or the machine.
-#[must_use]
-pub fn diagnostics(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
-    let mut text = format!(
-        "Slipline {} on {} {}\n",
-        env!("CARGO_PKG_VERSION"),
-        std::env::consts::OS,
-        std::env::consts::ARCH
-    );
-    let mut part = |title: &str, body: String| {
-        let _ = write!(text, "\n== {title}\n{body}\n");
-    };
-    part(
-        "link",
-        format!(
-            "{:?}\n{:?}\n{:?}\n{:?}",
-            snapshot.link, snapshot.round_trip, snapshot.counters, snapshot.decoder
-        ),
-    );
-    part("device", format!("{:#?}", snapshot.identity));
-    part("status", format!("{:#?}", snapshot.status));
-    part("device table", format!("{:?}, verified {:?}", snapshot.table, snapshot.upload_verified));
-    let made = match table {
-        TableState::Ready(made) => format!("{:?}", made.device_table.header()),
-        TableState::Failed(reason) => reason.clone(),
-        TableState::Waiting => "waiting for a device".to_owned(),
-        TableState::Making => "being made".to_owned(),
-        TableState::Cancelled => "given up".to_owned(),
-    };
-    part("screen table", made);
-    part("setup", setup_file::write(setup));
-    let log: Vec<String> = snapshot.log.iter().map(crate::view::log_line).collect();
-    part("log", log.join("\n"));
-    text
-}
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,7 @@
 //! Choosing, reading and writing files off the UI thread.
 
+mod native;
+
 use crate::setup_file::FILE_BYTES_MAX;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -31,6 +33,17 @@ pub enum FileJob {
     Save(Save),
     /// Let the user choose a folder and write these files (name, text) into it.
     SaveFolder(Vec<(String, String)>),
+    /// Write to this path.
+    SaveAs {
+        /// Where to.
+        path: PathBuf,
+        /// What.
+        save: Save,
+        /// Whether a file that is there is replaced.
+        may_replace: bool,
+    },
+    /// Write these files (name, text) into this folder.
+    SaveInto(PathBuf, Vec<(String, String)>),
 }
 
 /// How it went.
@@ -40,6 +53,10 @@ pub enum FileEvent {
     Opened(PathBuf, Result<String, String>),
     /// A file was written, or not; then a sentence says why.
     Saved(PathBuf, Result<(), String>),
+    /// The system has no dialog in which this job's path could be chosen.
+    NoDialog(FileJob),
+    /// There is a file of that name, and it may not be replaced.
+    Exists(PathBuf, Save),
 }
 
 /// Where files come from and go to.
@@ -86,6 +103,10 @@ impl Files for SystemFiles {
 
 /// Does a job; `None` when the user chose nothing.
 fn perform(job: FileJob) -> Option<FileEvent> {
+    let needs_dialog = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+    if needs_dialog && !native::is_there() {
+        return Some(FileEvent::NoDialog(job));
+    }
     match job {
         FileJob::Choose => {
             let path = rfd::FileDialog::new().add_filter("Setup or plate", &["toml"]).pick_file()?;
@@ -98,19 +119,33 @@ fn perform(job: FileJob) -> Option<FileEvent> {
         }
         FileJob::Save(save) => {
             let dialog = rfd::FileDialog::new().add_filter(save.kind, &[save.extension]);
-            let mut path = dialog.set_file_name(&save.name).save_file()?;
-            if path.extension().is_none() {
-                path.set_extension(save.extension);
-            }
-            let result = write_whole(&path, &save.bytes).map_err(|error| error.to_string());
-            Some(FileEvent::Saved(path, result))
+            let path = dialog.set_file_name(&save.name).save_file()?;
+            // The dialog has asked whether a file that is there is replaced.
+            Some(save_as(path, save, true))
         }
         FileJob::SaveFolder(files) => {
             let folder = rfd::FileDialog::new().set_title("A folder for the files").pick_folder()?;
-            let result = write_all(&folder, &files).map_err(|error| error.to_string());
-            Some(FileEvent::Saved(folder, result))
+            Some(save_into(folder, &files))
         }
+        FileJob::SaveAs { path, save, may_replace } => Some(save_as(path, save, may_replace)),
+        FileJob::SaveInto(folder, files) => Some(save_into(folder, &files)),
     }
+}
+
+fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
+    if path.extension().is_none() {
+        path.set_extension(save.extension);
+    }
+    if !may_replace && path.exists() {
+        return FileEvent::Exists(path, save);
+    }
+    let result = write_whole(&path, &save.bytes).map_err(|error| error.to_string());
+    FileEvent::Saved(path, result)
+}
+
+fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
+    let result = write_all(&folder, files).map_err(|error| error.to_string());
+    FileEvent::Saved(folder, result)
 }
 
 fn write_all(folder: &Path, files: &[(String, String)]) -> io::Result<()> {
@@ -148,10 +183,47 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 mod tests {
     use super::*;
 
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn a_file_that_is_there_is_replaced_only_when_that_was_said() {
+        let folder = folder("replaced");
+        let save = |text: &str| Save {
+            name: String::new(),
+            kind: "Setup",
+            extension: "toml",
+            bytes: text.as_bytes().into(),
+        };
+        let write = |text: &str, may_replace: bool| {
+            perform(FileJob::SaveAs { path: folder.join("mine"), save: save(text), may_replace }).unwrap()
+        };
+        assert!(matches!(write("a", false), FileEvent::Saved(path, Ok(())) if path.ends_with("mine.toml")));
+        assert!(matches!(write("b", false), FileEvent::Exists(path, _) if path.ends_with("mine.toml")));
+        let kept = || std::fs::read_to_string(folder.join("mine.toml")).unwrap();
+        assert_eq!(kept(), "a");
+        assert!(matches!(write("b", true), FileEvent::Saved(_, Ok(()))));
+        assert_eq!(kept(), "b");
+        let missing = folder.join("missing");
+        let files = vec![("x.svg".to_owned(), "<svg/>".to_owned())];
+        assert!(matches!(
+            perform(FileJob::SaveInto(missing, files.clone())),
+            Some(FileEvent::Saved(_, Err(_)))
+        ));
+        assert!(matches!(
+            perform(FileJob::SaveInto(folder.clone(), files)),
+            Some(FileEvent::Saved(_, Ok(())))
+        ));
+        assert!(folder.join("x.svg").exists());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
     #[test]
     fn huge_missing_and_binary_files_are_refused_in_words() {
-        let folder = std::env::temp_dir().join(format!("slipline-files-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = folder("files");
         let path = folder.join("a.toml");
         assert!(read_text(&path).is_err());
         write_whole(&path, &vec![b' '; FILE_BYTES_MAX + 1]).unwrap();

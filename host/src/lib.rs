@@ -14,6 +14,8 @@ pub mod cli;
 #[cfg(feature = "gui")]
 pub mod designer;
 pub mod device_table;
+#[cfg(feature = "gui")]
+pub mod diagnostics;
 pub mod edit;
 pub mod envelope_plot;
 #[cfg(feature = "gui")]
@@ -30,6 +32,8 @@ pub mod model;
 pub mod picture;
 #[cfg(feature = "gui")]
 pub mod pilot;
+#[cfg(feature = "gui")]
+pub mod plate_fault;
 pub mod quantity;
 #[cfg(feature = "gui")]
 pub mod settings;
@@ -40,7 +44,11 @@ pub mod simulation;
 #[cfg(feature = "gui")]
 pub mod spectrum;
 #[cfg(feature = "gui")]
+pub mod surface;
+#[cfg(feature = "gui")]
 pub mod table_making;
+#[cfg(feature = "gui")]
+pub mod ticks;
 #[cfg(feature = "gui")]
 pub mod trial;
 #[cfg(feature = "gui")]

@@ -2,7 +2,7 @@
 //!
 //! One solution costs tens of microseconds, so a picture is made anew for every step of a drag.
 
-use crate::model::{BoundaryMode, Setup};
+use crate::model::{BoundaryMode, Setup, ToneSetup};
 use slipline_plate::{Complex64, Equation, Plate, respond};
 
 /// Points of a picture along the plate.
@@ -149,6 +149,33 @@ pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) ->
             plate.threshold_boundary_m(tone.frequency_hz, threshold_m / tone.peak_m)
         }
     }
+}
+
+/// Where the boundary of a setup's tone is drawn, in metres: where it shows, or its turning point where nothing of it
+/// is felt; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> f64 {
+    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+    let steady =
+        SteadyTone { slot: tone.slot, frequency_hz, peak_m: tone.level * setup.master() * full_peak_m };
+    shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m)
+}
+
+/// The unit in which a displacement of this size is written, and its size in metres.
+#[must_use]
+pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
+    match metres {
+        m if m >= 2e-3 => ("mm", 1e-3),
+        m if m >= 2e-6 => ("µm", 1e-6),
+        _ => ("nm", 1e-9),
+    }
+}
+
+/// The top of an envelope's axis, in metres: room for level 1 at least, so that the level is seen; it grows with the
+/// sum. `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn envelope_top_m(picture: &Picture, full_peak_m: f64) -> f64 {
+    (full_peak_m * 1.08).max(picture.highest_m() * 1.05).max(1e-12)
 }
 
 /// The turning point that puts the shown boundary at `x`, in metres: the inverse of [`shown_boundary_m`].

@@ -64,11 +64,16 @@ impl Pilot {
         self.is_setup_new = true;
     }
 
-    /// The user wants the plate driven; whether the drive can be sent now.
-    pub fn start(&mut self, snapshot: &Snapshot) -> bool {
+    /// The user wants the plate driven; whether the drive is to be sent now. While its table is on its way it is not:
+    /// [`look`](Self::look) sends it then. `made` is the table for the plate on the screen.
+    pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
-        self.has_driven = self.may_drive(snapshot);
+        self.has_driven = self.may_drive(snapshot) && !is_table_coming(snapshot, made);
+        if self.has_driven {
+            // It is on its way: nothing is left to be sent for it.
+            self.is_setup_new = false;
+        }
         self.has_driven
     }
 
@@ -86,7 +91,7 @@ impl Pilot {
         &mut self,
         before: &Snapshot,
         now: &Snapshot,
-        made: Option<&Arc<TableMade>>,
+        made: Option<&TableMade>,
         settings: &Settings,
     ) -> Vec<Act> {
         let mut acts = Vec::new();
@@ -110,8 +115,7 @@ impl Pilot {
         }
         let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         let on_device = now.table.active.map(|header| header.crc);
-        // Whether the device has the table of the plate on the screen.
-        let is_held = made.is_some_and(|made| on_device == Some(made.device_table.crc()));
+        let is_held = is_held(now, made);
         if let Some(made) = made {
             let crc = made.device_table.crc();
             // A table the device holds from before is only recognised: that asks nothing of the user.
@@ -127,17 +131,27 @@ impl Pilot {
         if table_changed || !matches!(state, Some(State::Armed | State::Driving | State::Stopping)) {
             self.has_driven = false;
         }
-        // While a table is on its way the places would be those of the old one.
-        let is_table_coming = now.upload.is_some() || (is_simulated && !is_held);
         // The same plate from another file has the same table: nothing else tells that there is something to send.
         let is_due = !self.has_driven || (self.is_setup_new && is_held);
-        if self.wants_drive && is_due && !is_table_coming && self.may_drive(now) {
+        if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
             self.has_driven = true;
             self.is_setup_new = false;
             acts.push(Act::Drive);
         }
         acts
     }
+}
+
+/// Whether the device has the table of the plate on the screen.
+fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+    let on_device = snapshot.table.active.map(|header| header.crc);
+    made.is_some_and(|made| on_device == Some(made.device_table.crc()))
+}
+
+/// Whether a table is on its way: until it is there the places would be those of the old one.
+fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    snapshot.upload.is_some() || (is_simulated && !is_held(snapshot, made))
 }
 
 /// What the device has acknowledged and sounds.

@@ -43,14 +43,6 @@ impl Measured {
         self.position_m.iter().copied().zip(self.maximum_m.iter().copied())
     }
 
-    /// The displacement at the point nearest to `x`, if one is within half the points' distance.
-    #[must_use]
-    pub fn at(&self, x_m: f64) -> Option<f64> {
-        let step = self.position_m.get(1)? - self.position_m.first()?;
-        let (x, metres) = self.points().min_by(|a, b| (a.0 - x_m).abs().total_cmp(&(b.0 - x_m).abs()))?;
-        ((x - x_m).abs() <= 0.5 * step).then_some(metres)
-    }
-
     /// The largest displacement and its place, in metres.
     #[must_use]
     pub fn highest(&self) -> Option<(f64, f64)> {

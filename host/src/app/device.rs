@@ -1,7 +1,7 @@
 //! The device as the app steers it: which port, what its snapshot changes, the table and the drive it is sent. When
 //! the app asks by itself is the [`pilot`]'s affair.
 
-use super::{App, Notice, TableJob, TableState};
+use super::{App, TableJob, TableMade, TableState};
 use crate::edit;
 use crate::link::{Port, Request, Snapshot, Ticket};
 use crate::pilot;
@@ -31,17 +31,29 @@ impl App {
             && told != Some(ticket)
             && !self.goes_by_rest(ticket)
         {
-            self.notice =
-                Some(Notice { text: format!("Refused: {reason}"), is_error: true, is_refusal: true });
+            self.notices.refuse(format!("Refused: {reason}"));
         }
         self.ask_for_table();
         self.let_pilot_act(&before);
         self.hear();
     }
 
+    /// The table for the plate on the screen, once it is made.
+    pub(super) fn screen_table(&self) -> Option<&Arc<TableMade>> {
+        self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
+    }
+
+    /// The user wants the plate driven: the tones are sent now, or once the device holds their table.
+    pub(super) fn start(&mut self) {
+        let made = self.screen_table().cloned();
+        if self.pilot.start(&self.snapshot, made.as_deref()) {
+            self.send_drive();
+        }
+    }
+
     fn let_pilot_act(&mut self, before: &Snapshot) {
-        let made = self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
-        for act in self.pilot.look(before, &self.snapshot, made, &self.settings) {
+        let made = self.screen_table().cloned();
+        for act in self.pilot.look(before, &self.snapshot, made.as_deref(), &self.settings) {
             match act {
                 pilot::Act::Upload(table) => {
                     self.parts.link.send(Request::Upload(table));

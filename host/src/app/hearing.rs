@@ -59,16 +59,13 @@ impl App {
             return;
         };
         // Another plate with the very same table leaves the device as it is; the picture is another all the same.
-        let made = self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
-        let has_table = made.is_some_and(|made| made.device_table.crc() == heard.table.crc());
+        let has_table = self.screen_table().is_some_and(|made| made.device_table.crc() == heard.table.crc());
         let is_new = self.hearing.sounding.as_ref().is_none_or(|before| before.number != heard.number);
         if !is_new && (self.heard_on_screen().is_some() || !has_table) {
             return;
         }
         // What was refused before is settled: the device sounds something newer.
-        if self.notice.as_ref().is_some_and(|notice| notice.is_refusal) {
-            self.notice = None;
-        }
+        self.notices.settle();
         let plate = Arc::clone(&self.setup.plate);
         let picture = Picture::solve(&plate, &heard.tones);
         self.hearing.sounding = Some(Sounding { number: heard.number, plate: Arc::clone(&plate), picture });

@@ -1,9 +1,11 @@
 //! Carrying out what the views ask for.
 
-use super::{App, DesignState, Notice, first_setup, set_theme};
+use super::{App, DesignState, first_setup, set_theme};
 use crate::designer::cut_files;
+use crate::diagnostics;
 use crate::edit::Edit;
 use crate::export;
+use crate::figures::plate::Subject;
 use crate::files::{FileEvent, FileJob, Save};
 use crate::link::{Request, Severity};
 use crate::setup_file::{self, Opened};
@@ -25,11 +27,7 @@ impl App {
                     self.parts.link.send(request);
                 }
                 Intent::Connect(port) => self.connect(port),
-                Intent::Start => {
-                    if self.pilot.start(&self.snapshot) {
-                        self.send_drive();
-                    }
-                }
+                Intent::Start => self.start(),
                 Intent::Stop => self.stop(),
                 Intent::Disarm => {
                     self.stop();
@@ -98,6 +96,7 @@ impl App {
                     set_theme(ctx, choice);
                 }
                 Intent::Dialog(dialog) => self.dialog = dialog,
+                Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
                 Intent::Confirmed(confirm) => {
                     self.dialog = None;
                     self.parts.link.send(match confirm {
@@ -107,7 +106,7 @@ impl App {
                         Confirm::Bootloader => Request::Bootloader,
                     });
                 }
-                Intent::DismissNotice => self.notice = None,
+                Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
@@ -129,7 +128,20 @@ impl App {
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
         match what {
-            Export::Picture => {
+            Export::Figure => {
+                let subject = Subject {
+                    setup: self.setup.clone(),
+                    predicted: self.predicted.clone(),
+                    sounding: self.heard_on_screen().cloned(),
+                    sheet: self.shown_sheet().cloned(),
+                    measured: self.current_measured().cloned(),
+                    full_peak_m: self.full_peak_m(),
+                    is_largest: self.view.show_amplitude,
+                    wave_time_s: self.hearing.wave_time_s,
+                };
+                self.parts.figures.ask(subject);
+            }
+            Export::Screenshot => {
                 let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
                 let taken = egui::ScreenshotCallback::new(move |image| {
                     // Nobody waits for it once the window is closed.
@@ -139,7 +151,8 @@ impl App {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
             }
             Export::Envelope => {
-                let text = export::envelope_csv(&self.predicted, self.current_measured());
+                let (measured, full_peak_m) = (self.current_measured(), self.full_peak_m());
+                let text = export::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
             Export::Waveform => match export::waveform_csv(&self.hearing.live) {
@@ -152,7 +165,7 @@ impl App {
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),
             },
             Export::Diagnostics => {
-                let text = export::diagnostics(&self.snapshot, &self.setup, &self.table);
+                let text = diagnostics::text(&self.snapshot, &self.setup, &self.table);
                 self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
             }
         }
@@ -176,24 +189,21 @@ impl App {
                 }
                 self.settings.used(&path);
                 self.note(Severity::Info, format!("Opened {name}."));
-                self.notice =
-                    Some(Notice { text: format!("Opened {name}"), is_error: false, is_refusal: false });
+                self.notices.tell(format!("Opened {name}"));
             }
             FileEvent::Saved(path, Ok(())) => {
                 if path.extension().is_some_and(|extension| extension == "toml") {
                     self.settings.used(&path);
                 }
                 self.note(Severity::Info, format!("Saved {}.", name_of(&path)));
-                self.notice = Some(Notice {
-                    text: format!("Saved {}", path.display()),
-                    is_error: false,
-                    is_refusal: false,
-                });
+                self.notices.tell(format!("Saved {}", path.display()));
             }
             FileEvent::Saved(path, Err(reason)) => {
                 self.note(Severity::Error, format!("{} was not saved: {reason}", name_of(&path)));
                 self.fail(format!("{} was not saved: {reason}", path.display()));
             }
+            FileEvent::NoDialog(job) => self.ask_for_path(job, None),
+            FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The app in a window of the system: what is kept between runs, the threads it works with.
 
 use super::{App, Parts, first_setup};
+use crate::figures::plate;
 use crate::files::SystemFiles;
 use crate::link::list_ports;
 use crate::link::worker::{Worker, stop_on_panic};
@@ -70,6 +71,7 @@ fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
         sheets: Workshop::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
         live: Workshop::threaded("slipline-mirror", live::work(), wake(ctx))?,
         trials: Workshop::threaded("slipline-plate", |job, task: &_| trial::run(&job, task), wake(ctx))?,
+        figures: Workshop::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),
     };

@@ -1,7 +1,7 @@
 //! One figure on a canvas: title, then two panels, each with its heading, convention, legend and plot.
 
 use super::layout::{OVERSAMPLING, SIZE, pixels, rows, wrapped};
-use super::png_file;
+use super::png_file::{self, Shades};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
@@ -10,10 +10,10 @@ use std::sync::OnceLock;
 use thiserror::Error;
 
 /// The name the embedded font is registered under.
-const FONT: &str = "slipline-figures";
+pub(super) const FONT: &str = "slipline-figures";
 
 /// Colours that stay apart for colour-blind readers (Okabe and Ito), by a curve's hue.
-const HUES: [RGBColor; 6] = [
+pub(super) const HUES: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -33,7 +33,7 @@ pub enum DrawError {
     Png(#[from] png::EncodingError),
 }
 
-fn refused(error: impl std::fmt::Display) -> DrawError {
+pub(super) fn refused(error: impl std::fmt::Display) -> DrawError {
     DrawError::Canvas(error.to_string())
 }
 
@@ -55,11 +55,11 @@ pub(super) fn picture(figure: &Figure) -> Result<Vec<u8>, DrawError> {
         }
         canvas.present().map_err(refused)?;
     }
-    Ok(png_file::encode(&rgb, (width, height), OVERSAMPLING)?)
+    Ok(png_file::encode(&rgb, (width, height), OVERSAMPLING, Shades::Few)?)
 }
 
 /// Makes the embedded font known to the canvas: pictures look alike on every machine, with no font installed.
-fn embed_font() -> Result<(), DrawError> {
+pub(super) fn embed_font() -> Result<(), DrawError> {
     static READY: OnceLock<bool> = OnceLock::new();
     let ready = *READY
         .get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());

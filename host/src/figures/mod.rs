@@ -1,9 +1,12 @@
-//! The paper's figures as files: `fig04.png` and `fig04.csv`, as printed beside corrected.
+//! Figures as files: the paper's (`fig04.png` and `fig04.csv`, as printed beside corrected), and the plate on the
+//! screen.
 //!
-//! The numbers are [`slipline_plate::paper`]'s; this module only draws and writes them.
+//! The numbers are [`slipline_plate::paper`]'s and the picture's; this module only draws and writes them.
 
 mod draw;
 mod layout;
+#[cfg(feature = "gui")]
+pub mod plate;
 mod png_file;
 
 use slipline_plate::paper::{FigureError, figures};

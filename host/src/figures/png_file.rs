@@ -2,11 +2,25 @@
 
 use std::collections::BTreeMap;
 
+/// How the colours of a picture are kept.
+#[derive(Clone, Copy)]
+pub(super) enum Shades {
+    /// Sixteen levels a channel: enough for smoothed lines, and few enough colours for a palette.
+    Few,
+    /// As they are, for a picture of this many dots per metre of print.
+    #[cfg_attr(not(feature = "gui"), expect(dead_code, reason = "only the window's figure has shades"))]
+    All {
+        /// Dots per metre.
+        dots_per_m: u32,
+    },
+}
+
 /// Averages blocks of `factor` x `factor` RGB pixels and encodes the result; few colours make a palette file.
 pub(super) fn encode(
     rgb: &[u8],
     (width, height): (u32, u32),
     factor: u32,
+    shades: Shades,
 ) -> Result<Vec<u8>, png::EncodingError> {
     let (small_width, small_height) = (width / factor, height / factor);
     let block = factor * factor;
@@ -22,13 +36,15 @@ pub(super) fn encode(
                     }
                 }
             }
-            // Sixteen levels a channel: enough for smoothed lines, and few enough colours for a palette.
-            pixels.push(sum.map(|sum| ((sum / block + 8) / 17 * 17).min(255) as u8));
+            pixels.push(sum.map(|sum| match shades {
+                Shades::Few => ((sum / block + 8) / 17 * 17).min(255) as u8,
+                Shades::All { .. } => (sum / block).min(255) as u8,
+            }));
         }
     }
     let mut palette: BTreeMap<[u8; 3], u8> = BTreeMap::new();
     for pixel in &pixels {
-        if palette.len() == 256 {
+        if palette.len() == 256 || matches!(shades, Shades::All { .. }) {
             break;
         }
         let next = palette.len() as u8;
@@ -39,7 +55,14 @@ pub(super) fn encode(
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, small_width, small_height);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
+    match shades {
+        Shades::Few => encoder.set_compression(png::Compression::High),
+        Shades::All { dots_per_m } => {
+            encoder.set_compression(png::Compression::Balanced);
+            let unit = png::Unit::Meter;
+            encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: dots_per_m, yppu: dots_per_m, unit }));
+        }
+    }
     let data = match indexed {
         Some(indexed) => {
             let mut by_number: Vec<([u8; 3], u8)> = palette.into_iter().collect();
@@ -78,7 +101,7 @@ mod tests {
         // 4 x 2 pixels: a block with one white pixel in four, then a red one.
         let (k, w, r) = ([0, 0, 0], [255, 255, 255], [255, 0, 0]);
         let rgb: Vec<u8> = [k, w, r, r, k, k, r, r].into_iter().flatten().collect();
-        let (width, height, data) = decoded(&encode(&rgb, (4, 2), 2).expect("encodes"));
+        let (width, height, data) = decoded(&encode(&rgb, (4, 2), 2, Shades::Few).expect("encodes"));
         assert_eq!((width, height), (2, 1));
         assert_eq!(
             data,
@@ -92,6 +115,6 @@ mod tests {
         let rgb: Vec<u8> = (0..64_u32 * 64)
             .flat_map(|i| [(i % 16 * 17) as u8, (i / 16 % 16 * 17) as u8, (i / 256 * 17) as u8])
             .collect();
-        assert_eq!(decoded(&encode(&rgb, (64, 64), 1).expect("encodes")), (64, 64, rgb));
+        assert_eq!(decoded(&encode(&rgb, (64, 64), 1, Shades::Few).expect("encodes")), (64, 64, rgb));
     }
 }

@@ -1,5 +1,6 @@
 //! The one x axis that plate, envelope and strip share.
 
+use crate::ticks::Ticks;
 use eframe::egui::{Rangef, Rect};
 
 /// Places on the plate against pixels on the screen.
@@ -62,24 +63,11 @@ impl Axis {
         Rect::from_x_y_ranges(self.screen(), rect.y_range())
     }
 
-    /// Round places to label, about `spacing` points apart, in metres.
+    /// Round places to label, about `spacing` points apart, in millimetres.
     #[must_use]
-    pub fn ticks(&self, spacing: f32) -> Vec<f64> {
-        let step = round_step(f64::from(spacing / self.points_per_m));
-        let count = (self.length_m / step + 1e-6).floor() as usize;
-        (0..=count.min(200)).map(|i| i as f64 * step).collect()
+    pub fn ticks_mm(&self, spacing: f32) -> Ticks {
+        Ticks::between(0.0, self.length_m * 1e3, f64::from(spacing / self.points_per_m) * 1e3)
     }
-}
-
-/// The nearest 1, 2 or 5 times a power of ten at or above `at_least`.
-#[must_use]
-pub fn round_step(at_least: f64) -> f64 {
-    if !(at_least > 0.0 && at_least.is_finite()) {
-        return 1.0;
-    }
-    let decade = 10f64.powf(at_least.log10().floor());
-    let step = [1.0, 2.0, 5.0].into_iter().find(|step| step * decade >= at_least * (1.0 - 1e-9));
-    step.unwrap_or(10.0) * decade
 }
 
 #[cfg(test)]
@@ -100,9 +88,7 @@ mod tests {
 
     #[test]
     fn ticks_are_round_numbers() {
-        assert_eq!(round_step(0.013), 0.02);
-        assert_eq!(round_step(3.0), 5.0);
-        assert_eq!(round_step(f64::NAN), 1.0);
-        assert_eq!(Axis::new(0.32, Rangef::new(0.0, 800.0), 1.0).ticks(90.0).len(), 7);
+        let ticks = Axis::new(0.32, Rangef::new(0.0, 800.0), 1.0).ticks_mm(90.0);
+        assert_eq!(ticks.places, [0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0]);
     }
 }

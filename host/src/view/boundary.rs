@@ -7,6 +7,7 @@ use crate::edit::Edit;
 use crate::model::{BoundaryMode, MASTER_SLIDER_MIN_DB};
 use crate::picture::{SteadyTone, shown_boundary_m, turning_point_for};
 use crate::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
+use crate::ticks;
 use eframe::egui::{self, RichText, Slider};
 
 /// From 20 kHz on a finger feels slipperiness; below, vibration.
@@ -76,7 +77,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     theme::heading(ui, "Strength");
     level(ui, "Level", tone.level, intents, |level| Edit::Level { slot, level });
     let mut master = setup.master_db.max(MASTER_SLIDER_MIN_DB);
-    let slider = Slider::new(&mut master, MASTER_SLIDER_MIN_DB..=0.0).suffix(" dB").fixed_decimals(1);
+    let slider = Slider::new(&mut master, MASTER_SLIDER_MIN_DB..=0.0)
+        .suffix(" dB")
+        .fixed_decimals(1)
+        .custom_formatter(|decibel, _| ticks::label(decibel, 0.1));
     let response = named_slider(ui, "Master", slider, "Scales all tones");
     if response.changed() {
         intents.push(Intent::Edit(Edit::Master(master)));
@@ -115,7 +119,14 @@ pub(super) fn named_slider(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, he
                 ui.label(name)
             })
             .inner;
-        ui.add(slider).labelled_by(label.id).on_hover_text(help)
+        let response = ui.add(slider).labelled_by(label.id).on_hover_text(help);
+        if response.has_focus() {
+            // The slider's own look hardly changes when the keys are its.
+            let ring = response.rect.expand(2.0);
+            let stroke = egui::Stroke::new(2.0, theme::palette(ui).accent);
+            ui.painter().rect_stroke(ring, 6.0, stroke, egui::StrokeKind::Inside);
+        }
+        response
     })
     .inner
 }

@@ -1,10 +1,13 @@
-//! Pages in front of the window: shortcuts, port help, about, confirmations; and the message bar.
+//! Pages in front of the window: shortcuts, port help, about, diagnostics, a path to be typed, confirmations.
 
-use super::intent::{Confirm, Dialog, Intent, Intents};
-use super::{Scene, ViewState, bottom, theme};
-use crate::app::Notice;
-use eframe::egui::{self, Align2, RichText, Sense, vec2};
-use std::time::Duration;
+mod path;
+
+pub(crate) use path::TypedPath;
+
+use super::intent::{Confirm, Dialog, Export, Intent, Intents};
+use super::{Scene, ViewState};
+use crate::diagnostics;
+use eframe::egui::{self, RichText};
 
 /// Every key and what it does.
 pub(super) const SHORTCUTS: [(&str, &str); 14] = [
@@ -24,24 +27,19 @@ pub(super) const SHORTCUTS: [(&str, &str); 14] = [
     ("F1", "This page"),
 ];
 
-/// A message and since when it stands, in seconds of the window's time.
-pub(crate) struct Standing {
-    notice: Notice,
-    since_s: f64,
-}
-
-/// How long a message stands that tells of nothing wrong, in seconds.
-const NOTICE_S: f64 = 5.0;
-
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    notice(ui, scene, view, intents);
-    let Some(dialog) = scene.dialog else { return };
+    let Some(dialog) = scene.dialog else {
+        view.typed_path = None;
+        return;
+    };
     let response = egui::Modal::new(egui::Id::unique("dialog")).show(ui.ctx(), |ui| {
-        ui.set_width(460.0);
+        ui.set_width(if *dialog == Dialog::Diagnostics { 620.0 } else { 460.0 });
         match dialog {
             Dialog::Shortcuts => shortcuts(ui),
             Dialog::PortHelp => port_help(ui, intents),
             Dialog::About => about(ui),
+            Dialog::Diagnostics => diagnostics(ui, scene, intents),
+            Dialog::Path(question) => return path::show(ui, question, view, intents),
             Dialog::Confirm(confirm) => return confirmation(ui, *confirm, intents),
         }
         ui.add_space(8.0);
@@ -49,49 +47,6 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     });
     if response.inner || response.should_close() {
         intents.push(Intent::Dialog(None));
-    }
-}
-
-/// The message lies over the log, which tells the same: it covers nothing that is needed.
-fn notice(ui: &egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    let Some(notice) = scene.notice else {
-        view.notice = None;
-        return;
-    };
-    let now_s = ui.input(|input| input.time);
-    if view.notice.as_ref().is_none_or(|standing| standing.notice != *notice) {
-        view.notice = Some(Standing { notice: notice.clone(), since_s: now_s });
-    }
-    if let Some(standing) = view.notice.as_ref().filter(|standing| !standing.notice.is_error) {
-        let left_s = standing.since_s + NOTICE_S - now_s;
-        if left_s <= 0.0 {
-            intents.push(Intent::DismissNotice);
-            return;
-        }
-        ui.ctx().request_repaint_after(Duration::from_secs_f64(left_s));
-    }
-    let palette = theme::palette(ui);
-    let colour = if notice.is_error { palette.bad } else { palette.accent };
-    let frame = egui::Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, colour));
-    let width = (bottom::log_width(ui.ctx().content_rect().width()) - frame.total_margin().sum().x).max(40.0);
-    let area = egui::Area::new(egui::Id::unique("notice")).anchor(Align2::RIGHT_BOTTOM, vec2(-14.0, -10.0));
-    let shown = area.sense(Sense::click()).show(ui.ctx(), |ui| {
-        frame
-            .show(ui, |ui| {
-                ui.set_width(width);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-                    let is_dismissed = ui.button("Dismiss").clicked();
-                    let text = RichText::new(&notice.text).color(palette.text);
-                    let label = egui::Label::new(text).wrap().selectable(false);
-                    ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| ui.add(label));
-                    is_dismissed
-                })
-                .inner
-            })
-            .inner
-    });
-    if shown.inner || shown.response.clicked() {
-        intents.push(Intent::DismissNotice);
     }
 }
 
@@ -154,6 +109,31 @@ fn about(ui: &mut egui::Ui) {
         ui.add(egui::Label::new(text).wrap());
         ui.add_space(4.0);
     }
+}
+
+/// Height of the text of the diagnostics, in points: less in a small window.
+const DIAGNOSTICS: f32 = 380.0;
+
+fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    ui.heading("Diagnostics");
+    ui.add_space(6.0);
+    ui.label("What helps to find a fault. It holds no name of yours or of your machine.");
+    let text = diagnostics::text(scene.snapshot, scene.setup, scene.table);
+    ui.horizontal(|ui| {
+        if ui.button("Copy diagnostics").clicked() {
+            intents.push(Intent::Copy(text.clone()));
+        }
+        if ui.button("Save diagnostics…").clicked() {
+            intents.push(Intent::Export(Export::Diagnostics));
+        }
+    });
+    let height = (ui.ctx().content_rect().height() - 200.0).clamp(60.0, DIAGNOSTICS);
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        let area = egui::ScrollArea::both().max_height(height).auto_shrink([false, false]);
+        area.show(ui, |ui| {
+            ui.add(egui::Label::new(RichText::new(text).monospace()).extend());
+        });
+    });
 }
 
 /// Title, what happens, and the word on the button.

@@ -1,9 +1,10 @@
 //! How far the plate moves at each x: predicted by the solver, and as the simulated plate did.
 
-use super::axis::{Axis, round_step};
+use super::axis::Axis;
 use super::{Scene, theme};
 use crate::model::BoundaryMode;
-use crate::picture::POINTS;
+use crate::picture::{POINTS, displacement_unit, envelope_top_m};
+use crate::ticks::Ticks;
 use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
 
 /// Displacement against the screen: 0 at the bottom.
@@ -23,8 +24,7 @@ impl Height {
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let predicted = scene.predicted;
-    // Room for level 1 at least, so that the level is seen; it grows with the sum.
-    let top_m = (scene.full_peak_m * 1.08).max(predicted.highest_m() * 1.05).max(1e-12);
+    let top_m = envelope_top_m(predicted, scene.full_peak_m);
     let height = Height { rect, top_m };
     scale(ui, axis, &height);
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
@@ -82,33 +82,21 @@ fn scale(ui: &egui::Ui, axis: &Axis, height: &Height) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let font = FontId::proportional(11.5);
-    let (unit, unit_m) = unit_of(height.top_m);
-    let step = round_step(height.top_m / unit_m / 3.5);
-    let mut tick = 0.0;
-    while tick * unit_m <= height.top_m * 1.001 {
+    let (unit, unit_m) = displacement_unit(height.top_m);
+    let top = height.top_m / unit_m;
+    let ticks = Ticks::between(0.0, top, top / 3.5);
+    for &tick in &ticks.places {
         let y = height.screen(tick * unit_m).round() + 0.5;
         if tick > 0.0 {
             painter.hline(axis.screen(), y, Stroke::new(1.0, palette.grid));
         }
-        let decimals = usize::from(step < 1.0) + usize::from(step < 0.1);
-        let label = format!("{tick:.decimals$}");
         let place = pos2(axis.screen().min - 8.0, y);
-        painter.text(place, Align2::RIGHT_CENTER, label, font.clone(), palette.weak);
-        tick += step;
+        painter.text(place, Align2::RIGHT_CENTER, ticks.label(tick), font.clone(), palette.weak);
     }
     let left = Rangef::new(height.rect.left(), axis.screen().min);
     let place = pos2(left.min, height.rect.top() - 1.0);
     painter.text(place, Align2::LEFT_TOP, unit, font, palette.weak);
     painter.hline(axis.screen(), height.rect.bottom() + 0.5, Stroke::new(1.0, palette.line));
-}
-
-/// The unit in which a displacement of this size is written.
-fn unit_of(metres: f64) -> (&'static str, f64) {
-    match metres {
-        m if m >= 2e-3 => ("mm", 1e-3),
-        m if m >= 2e-6 => ("µm", 1e-6),
-        _ => ("nm", 1e-9),
-    }
 }
 
 /// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.

@@ -13,6 +13,8 @@ pub(crate) struct Fields {
 struct Typing {
     text: String,
     error: Option<String>,
+    /// The value that the text was typed over.
+    over: String,
 }
 
 /// One field: its name for screen readers, its present value as text, and what is allowed.
@@ -37,6 +39,11 @@ impl Field<'_> {
         ui.vertical(|ui| {
             if let Some(caption) = self.caption {
                 ui.label(RichText::new(caption).small().color(theme::palette(ui).weak));
+            }
+            // What was refused is over when the value has changed by another way, such as undo.
+            let is_over = fields.texts.get(&id).is_some_and(|typing| typing.over != self.value);
+            if is_over && !ui.memory(|memory| memory.has_focus(id)) {
+                fields.texts.remove(&id);
             }
             let typing = fields.texts.get(&id);
             let mut text = typing.map_or_else(|| self.value.to_owned(), |typing| typing.text.clone());
@@ -70,13 +77,15 @@ impl Field<'_> {
                             error = None;
                         }
                         Err(reason) => {
-                            fields.texts.insert(id, Typing { text, error: Some(reason.clone()) });
+                            let over = self.value.to_owned();
+                            fields.texts.insert(id, Typing { text, error: Some(reason.clone()), over });
                             error = Some(reason);
                         }
                     }
                 }
             } else if response.has_focus() {
-                fields.texts.insert(id, Typing { text, error: error.clone() });
+                let over = self.value.to_owned();
+                fields.texts.insert(id, Typing { text, error: error.clone(), over });
             }
             if let Some(error) = error {
                 // As wide as the field and no wider: a reason must not move what stands beside it.

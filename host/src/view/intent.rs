@@ -21,15 +21,17 @@ pub struct Grab {
 /// What is exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
+    /// Plate, envelope and boundaries as a figure for print, as PNG.
+    Figure,
     /// The window as it looks, as PNG.
-    Picture,
+    Screenshot,
     /// The envelope over x (and the simulated one), as CSV.
     Envelope,
     /// The drive waveform in the plot, as CSV.
     Waveform,
     /// The drive as sound, as WAV.
     Sound,
-    /// Versions, counters, setup and log, as text.
+    /// Versions, counters, setup and log, as text in a file.
     Diagnostics,
 }
 
@@ -42,8 +44,25 @@ pub enum Dialog {
     PortHelp,
     /// Version, licences, where it comes from.
     About,
+    /// Versions, counters, setup and log, to be copied or saved.
+    Diagnostics,
+    /// Where a file is or shall be, where the system has no dialog for that.
+    Path(PathQuestion),
     /// Something real would happen.
     Confirm(Confirm),
+}
+
+/// What is asked when a path must be typed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathQuestion {
+    /// What the path is for, as a title.
+    pub title: &'static str,
+    /// The word on the button.
+    pub verb: &'static str,
+    /// The path that is offered.
+    pub offered: String,
+    /// The path that was typed and names a file that exists: it would be replaced.
+    pub existing: Option<String>,
 }
 
 /// What needs a confirmation.
@@ -114,10 +133,12 @@ pub enum Intent {
     Theme(ThemeChoice),
     /// Show a page, or close it.
     Dialog(Option<Dialog>),
+    /// The path was typed; whether a file that exists there may be replaced.
+    Path(String, bool),
     /// Carry out what was confirmed.
     Confirmed(Confirm),
-    /// The message is read.
-    DismissNotice,
+    /// The message of this number is read.
+    DismissNotice(u64),
     /// Look for ports again.
     RefreshPorts,
     /// Draw the wave moving, or standing.

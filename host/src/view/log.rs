@@ -1,5 +1,6 @@
 //! The log: what was done and what went wrong, filtered, to be copied.
 
+use super::aligned::{self, Width};
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme};
 use crate::link::{LogEntry, Severity};
@@ -16,6 +17,9 @@ impl Default for LogView {
         Self { least: Severity::Info, filter: String::new() }
     }
 }
+
+/// Room for the heading and the space after it, in points.
+const LEAST_HEADING: f32 = 34.0;
 
 const LEVELS: [(Severity, &str); 4] = [
     (Severity::Detail, "all"),
@@ -47,31 +51,30 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         .filter(|entry| entry.severity >= log.least)
         .filter(|entry| needle.is_empty() || entry.text.to_lowercase().contains(&needle))
         .collect();
-    ui.horizontal(|ui| {
-        theme::heading(ui, "Log");
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("Copy").on_hover_text("Copy the lines shown").clicked() {
-                let text: Vec<String> = shown.iter().map(|entry| line(entry)).collect();
-                intents.push(Intent::Copy(text.join("\n")));
-            }
-            let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
-            let chosen = egui::ComboBox::from_id_salt("log level").selected_text(name).width(84.0);
-            let response = chosen.show_ui(ui, |ui| {
-                for (level, name) in LEVELS {
-                    ui.selectable_value(&mut log.least, level, name);
-                }
-            });
-            response
-                .response
-                .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
-            let width = (ui.available_width() - 8.0).clamp(40.0, 110.0);
-            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter").desired_width(width);
-            ui.add(edit.char_limit(64)).widget_info(|| {
-                let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
-                info.label = Some("Filter the log".to_owned());
-                info
-            });
+    let room = ui.available_width() - LEAST_HEADING;
+    aligned::headed(ui, "Log", |ui| {
+        let rest = Width::of(ui, "level and copy");
+        let width = (room - rest.points() - 2.0 * ui.spacing().item_spacing.x).clamp(40.0, 110.0);
+        let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter").desired_width(width);
+        ui.add(edit.char_limit(64)).widget_info(|| {
+            let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
+            info.label = Some("Filter the log".to_owned());
+            info
         });
+        let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
+        let chosen = egui::ComboBox::from_id_salt("log level").selected_text(name).width(84.0);
+        let response = chosen.show_ui(ui, |ui| {
+            for (level, name) in LEVELS {
+                ui.selectable_value(&mut log.least, level, name);
+            }
+        });
+        response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
+        let copy = ui.small_button("Copy").on_hover_text("Copy the lines shown");
+        if copy.clicked() {
+            let text: Vec<String> = shown.iter().map(|entry| line(entry)).collect();
+            intents.push(Intent::Copy(text.join("\n")));
+        }
+        rest.note(ui, copy.rect.right() - response.response.rect.left());
     });
     let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
     ui.spacing_mut().item_spacing.y = 1.0;

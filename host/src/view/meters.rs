@@ -1,6 +1,7 @@
 //! How loud, how much room is left, how warm, and how good the link is.
 
 use super::{Scene, field::row, theme};
+use crate::ticks;
 use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
@@ -9,11 +10,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     theme::heading(ui, "Output");
     let status = scene.snapshot.status.unwrap_or_default();
     let sum = f32::from(status.sum_per_mille) / 1000.0;
-    let decibel = if sum > 0.0 { format!("{:.1} dB", 20.0 * sum.log10()) } else { "silent".to_owned() };
+    let level = if sum > 0.0 { decibel(20.0 * sum.log10()) } else { "silent".to_owned() };
     let warn_from = |limit: f32, value: f32| if value >= limit { palette.warn } else { palette.accent };
-    meter(ui, "Level", sum, &decibel, warn_from(0.95, sum), "The device's sum of tones, against full scale");
-    let headroom =
-        if sum > 0.0 { format!("{:.1} dB", -20.0 * sum.min(1.0).log10()) } else { "all".to_owned() };
+    meter(ui, "Level", sum, &level, warn_from(0.95, sum), "The device's sum of tones, against full scale");
+    let headroom = if sum > 0.0 { decibel(-20.0 * sum.min(1.0).log10()) } else { "all".to_owned() };
     let room = (1.0 - sum).clamp(0.0, 1.0);
     meter(ui, "Headroom", room, &headroom, palette.good, "What is left before the DAC would clip");
     let heat = f32::from(status.heat_per_mille) / 1000.0;
@@ -44,6 +44,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     }
 }
 
+/// A level in dB; never `-0.0`.
+pub(super) fn decibel(value: f32) -> String {
+    format!("{} dB", ticks::label(f64::from(value), 0.1))
+}
+
 fn count(ui: &mut egui::Ui, name: &str, value: u32) {
     let palette = theme::palette(ui);
     let colour = if value > 0 { palette.warn } else { palette.text };
@@ -61,4 +66,14 @@ fn meter(ui: &mut egui::Ui, name: &str, share: f32, text: &str, colour: Color32,
     let name = format!("{name}: {text}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
     response.on_hover_text(help);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decibel;
+
+    #[test]
+    fn a_level_of_nothing_has_no_sign() {
+        assert_eq!([decibel(-0.0), decibel(-0.04), decibel(-0.06)], ["0.0 dB", "0.0 dB", "-0.1 dB"]);
+    }
 }

@@ -7,6 +7,7 @@
 //! bottom: waveform, spectrum, meters, log
 //! ```
 
+mod aligned;
 pub mod axis;
 mod bottom;
 mod boundary;
@@ -18,6 +19,7 @@ mod field;
 pub mod intent;
 mod log;
 mod meters;
+mod notices;
 mod plate;
 mod plate_panel;
 mod plots;
@@ -30,7 +32,6 @@ mod top_bar;
 mod validity;
 
 pub(crate) use log::line as log_line;
-pub(crate) use plate::slow_factor;
 pub(crate) use stage::arrow_step_m;
 
 use crate::app::{Background, Notice, TableState, Waiting};
@@ -78,8 +79,8 @@ pub struct Scene<'a> {
     pub settings: &'a Settings,
     /// Ports that exist.
     pub ports: &'a [PortInfo],
-    /// A message to the user.
-    pub notice: Option<&'a Notice>,
+    /// Messages to the user.
+    pub notices: Vec<&'a Notice>,
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
     /// What undo and redo would do.
@@ -98,7 +99,8 @@ pub struct ViewState {
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
     pub(crate) focused_handle: Option<egui::Id>,
-    pub(crate) notice: Option<dialogs::Standing>,
+    pub(crate) notices: notices::Since,
+    pub(crate) typed_path: Option<dialogs::TypedPath>,
 }
 
 impl ViewState {
@@ -154,6 +156,7 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
     });
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
+    notices::show(ui, scene, view, &mut intents);
     dialogs::show(ui, scene, view, &mut intents);
     intents
 }

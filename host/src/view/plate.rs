@@ -2,15 +2,14 @@
 
 use super::axis::Axis;
 use super::{Scene, ViewState, theme, validity};
-use crate::picture::{POINTS, Picture};
+use crate::picture::Picture;
 use crate::quantity::show_length;
 use crate::sheet::Source;
+use crate::surface::{Row, Surface, Wave, slow_factor};
 use eframe::egui::{
     self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
 };
-use slipline_plate::{Complex64, Model};
 use slipline_protocol::event::State;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 use theme::GAP;
 
@@ -18,13 +17,6 @@ use theme::GAP;
 const ROWS: usize = 19;
 /// Width of a mesh column, in points.
 const COLUMN: f32 = 3.0;
-
-/// How much slower than life the wave is drawn, so that the slowest tone takes about 1.5 s a turn: a round number.
-#[must_use]
-pub(crate) fn slow_factor(picture: &Picture) -> f64 {
-    let slowest = picture.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
-    if slowest.is_finite() { super::axis::round_step(slowest * 1.2) } else { 1.0 }
-}
 
 /// The narrowest line above the plate that has room for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
@@ -167,14 +159,16 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
     // A very wide plate is drawn narrower than it is rather than over its neighbours.
     let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
-    let across: Vec<(f32, f32)> = (0..ROWS)
-        .map(|row| {
-            let beta = 2.0 * row as f32 / (ROWS - 1) as f32 - 1.0;
-            (beta, mode_shape(&plate.spec().model, f64::from(beta)) as f32)
-        })
-        .collect();
+    let surface = Surface::new(Wave {
+        plate,
+        sounding: scene.sounding,
+        sheet: scene.sheet,
+        is_largest: show_amplitude,
+        time_s: scene.wave_time_s,
+    });
+    let across: Vec<Row> =
+        (0..ROWS).map(|row| surface.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
     let full_m = full_colour_m(scene).max(1e-12);
-    let values = if scene.sheet.is_some() { Vec::new() } else { along(scene, show_amplitude, columns) };
     let mut mesh = Mesh::default();
     mesh.reserve_vertices((columns + 1) * ROWS);
     mesh.reserve_triangles(columns * (ROWS - 1) * 2);
@@ -184,22 +178,14 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
         let x = screen.min + share * screen.span();
         let x_m = f64::from(share) * axis.length_m();
         let half = half_px(x_m) * squeeze;
-        for &(beta, shape) in &across {
-            let value = match scene.sheet.filter(|_| scene.sounding.is_some()) {
-                Some(sheet) => {
-                    let z_m = f64::from(beta) * plate.half_width_m(x_m);
-                    let metres =
-                        if show_amplitude { sheet.largest_m(x_m, z_m) } else { sheet.now_m(x_m, z_m) };
-                    (metres / full_m) as f32
-                }
-                None => values.get(column).copied().unwrap_or(0.0) * shape,
-            };
+        for row in &across {
+            let value = (surface.at(x_m, row) / full_m) as f32;
             let colour = if show_amplitude {
                 theme::sequential(value.abs(), palette.dark)
             } else {
                 theme::diverging(value, palette.dark)
             };
-            mesh.colored_vertex(pos2(x, rect.center().y + beta * half), colour);
+            mesh.colored_vertex(pos2(x, rect.center().y + row.beta as f32 * half), colour);
         }
         edge[0].push(pos2(x, rect.center().y - half));
         edge[1].push(pos2(x, rect.center().y + half));
@@ -229,40 +215,6 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     width_scale(ui, axis, rect, squeeze);
 }
 
-/// The displacement (or its amplitude) at each column, relative to full colour.
-fn along(scene: &Scene<'_>, show_amplitude: bool, columns: usize) -> Vec<f32> {
-    let Some(picture) = scene.sounding else { return Vec::new() };
-    let full = full_colour_m(scene).max(1e-12);
-    let factor = slow_factor(picture);
-    let mut at_points = vec![0.0; POINTS];
-    if show_amplitude {
-        at_points.clone_from(&picture.bound_m);
-    } else {
-        for wave in &picture.tones {
-            let turn = Complex64::cis(-TAU * wave.tone.frequency_hz / factor * scene.wave_time_s);
-            for (value, amplitude) in at_points.iter_mut().zip(&wave.wave) {
-                *value += (amplitude * turn).re;
-            }
-        }
-    }
-    (0..=columns)
-        .map(|column| (crate::picture::interpolate(&at_points, column as f64 / columns as f64) / full) as f32)
-        .collect()
-}
-
-/// Displacement across the plate at beta = z/W, -1..=1, for the first width mode: 1 on the centre line.
-fn mode_shape(model: &Model, beta: f64) -> f64 {
-    match model {
-        Model::BendingClamped(_) => {
-            // First mode of a beam with both ends clamped: q = 2.36502 solves tan q + tanh q = 0.
-            let q = 2.365_02f64;
-            let at = |beta: f64| (q * beta).cosh() / q.cosh() - (q * beta).cos() / q.cos();
-            at(beta) / at(0.0)
-        }
-        _ => (std::f64::consts::FRAC_PI_2 * beta).cos(),
-    }
-}
-
 /// A scale bar for the width, because the plate is drawn to scale.
 fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
     let palette = theme::palette(ui);
@@ -270,19 +222,4 @@ fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
     let place = pos2(axis.screen().max, rect.bottom() - 2.0);
     let colour: Color32 = palette.weak;
     ui.painter().text(place, Align2::RIGHT_BOTTOM, text, FontId::proportional(11.5), colour);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_wave_is_still_at_the_fixed_edges_and_full_on_the_centre_line() {
-        for preset in slipline_plate::presets() {
-            let plate = slipline_plate::preset(preset.name).unwrap();
-            let model = &plate.spec().model;
-            assert!((mode_shape(model, 0.0) - 1.0).abs() < 1e-9);
-            assert!(mode_shape(model, 1.0).abs() < 1e-4 && mode_shape(model, -1.0).abs() < 1e-4);
-        }
-    }
 }

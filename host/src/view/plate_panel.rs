@@ -4,6 +4,7 @@ use super::field::{Field, labelled, row};
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, designer, theme, validity};
 use crate::edit::Edit;
+use crate::plate_fault::{Panel, sentence};
 use crate::quantity::{self, show_frequency, show_length, show_place};
 use eframe::egui::{self, RichText};
 use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper};
@@ -137,7 +138,7 @@ impl Numbers<'_, '_> {
                 };
                 let mut spec = self.plate.spec().clone();
                 set(&mut spec, value.map_err(|error| error.to_string())?);
-                Plate::new(renamed(spec, self.plate)).map_err(|error| error.to_string())
+                Plate::new(renamed(spec, self.plate)).map_err(|error| sentence(&error, Panel::Plate))
             });
             if let Some(plate) = taken {
                 self.intents.push(Intent::Edit(Edit::Plate(Arc::new(plate))));

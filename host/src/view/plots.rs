@@ -1,32 +1,69 @@
 //! The drive in time and frequency, from the mirror.
 
 use super::intent::{Intent, Intents};
-use super::{Scene, ViewState, theme};
+use super::{Scene, ViewState, aligned, theme};
 use crate::quantity::show_frequency;
-use eframe::egui::{self, vec2};
-use egui_plot::{Line, Plot, PlotPoints, VLine};
+use crate::ticks::{self, Ticks};
+use eframe::egui::{self, FontId, Id, Rangef};
+use egui_plot::{AxisHints, GridInput, GridMark, Line, Plot, PlotPoints, VLine};
+use std::ops::RangeInclusive;
 
-/// Whether the plots follow the signal or stay where the user has zoomed to.
+/// What the plots remember.
 #[derive(Default)]
 pub(crate) struct PlotsView {
-    reset_waveform: bool,
-    reset_spectrum: bool,
+    /// What they show; held while they are paused.
+    shown: Option<Shown>,
+}
+
+/// What the plots are of, besides the codes.
+struct Shown {
+    axes: Axes,
+    /// The frequencies that sound, in Hz; the setup's while nothing does.
+    pitches: Vec<f64>,
 }
 
 /// Points of the waveform, at most.
 const POINTS: usize = 900;
-/// Turns of the slowest tone that the waveform shows.
+/// Turns of the plate's slowest tone that the waveform shows.
 const TURNS: f64 = 4.0;
-
-/// The spectrum is drawn up to this multiple of the highest tone.
+/// The waveform shows as many codes as this at least.
+const LEAST_CODES: f64 = 64.0;
+/// The spectrum is drawn up to this multiple of the plate's highest tone.
 const HARMONICS: f64 = 3.0;
 /// The spectrum is drawn down to here, in dB of full scale.
 const FLOOR_DB: f64 = -120.0;
 
-/// The frequencies that sound, in Hz; the setup's while nothing does.
-fn pitches(scene: &Scene<'_>) -> Vec<f64> {
-    let picture = scene.sounding.unwrap_or(scene.predicted);
-    picture.tones.iter().map(|wave| wave.tone.frequency_hz).collect()
+/// How far the plots reach. That is the plate's affair, not the tone's: they stay put while a boundary is dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Axes {
+    /// Duration of the waveform, in seconds.
+    span_s: f64,
+    /// The end of the spectrum, in Hz.
+    top_hz: f64,
+}
+
+impl Axes {
+    fn of(scene: &Scene<'_>) -> Self {
+        let (low_hz, high_hz) = scene.setup.plate.band_hz();
+        let rate_hz = scene.live.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
+        Self {
+            span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
+            top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
+        }
+    }
+}
+
+/// What is shown now. Paused plots keep what they had.
+fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
+    let now = || {
+        let picture = scene.sounding.unwrap_or(scene.predicted);
+        let pitches = picture.tones.iter().map(|wave| wave.tone.frequency_hz).collect();
+        Shown { axes: Axes::of(scene), pitches }
+    };
+    if scene.settings.animate {
+        view.shown = None;
+    }
+    view.shown.get_or_insert_with(now)
 }
 
 /// Whether the plots show anything: something sounds, or they are held.
@@ -35,26 +72,18 @@ fn is_shown(scene: &Scene<'_>) -> bool {
 }
 
 fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
-    let mut is_reset = false;
-    ui.horizontal(|ui| {
-        theme::heading(ui, name);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let fit = ui.small_button("Fit");
-            fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
-            is_reset = fit
-                .on_hover_text("Show all again (or double-click). Scroll with Ctrl to zoom, drag to move")
-                .clicked();
-            let word = if scene.settings.animate { "Pause" } else { "Go on" };
-            let pause = ui.small_button(word);
-            pause.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}"))
-            });
-            if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
-                intents.push(Intent::Animate(!scene.settings.animate));
-            }
-        });
-    });
-    is_reset
+    aligned::headed(ui, name, |ui| {
+        let word = if scene.settings.animate { "Pause" } else { "Go on" };
+        let pause = ui.small_button(word);
+        pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
+        if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
+            intents.push(Intent::Animate(!scene.settings.animate));
+        }
+        let fit = ui.small_button("Fit");
+        fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
+        fit.on_hover_text("Show all again (or double-click). Scroll with Ctrl to zoom, drag to move")
+            .clicked()
+    })
 }
 
 /// What stands where there is nothing to draw.
@@ -68,28 +97,71 @@ fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak);
 }
 
-fn plot<'a>(name: &str, is_reset: bool, palette: &theme::Palette) -> Plot<'a> {
-    let plot = Plot::new(name)
-        .auto_bounds(true)
+/// The least distance of labels, in points: of the x axis, of the y axis.
+const SPACING: (f64, f64) = (56.0, 26.0);
+/// What a label of the x axis needs right of its mark, in points.
+const HALF_LABEL: f64 = 16.0;
+
+/// A plot from 0 to `end` in this unit. It has a memory of its own for every `end`: where the user has zoomed to on
+/// other axes is nothing to these.
+fn plot<'a>(name: &str, end: f64, unit: &'static str, y: (f64, f64), palette: &theme::Palette) -> Plot<'a> {
+    let font = FontId::proportional(11.5);
+    let x_axis = AxisHints::new_x()
+        .label_spacing(Rangef::new(8.0, 9.0))
+        .tick_label_color(palette.weak)
+        .tick_label_font(font.clone())
+        .formatter(move |mark, range| x_label(mark, range, unit));
+    let y_axis = AxisHints::new_y()
+        .label_spacing(Rangef::new(8.0, 9.0))
+        .tick_label_color(palette.weak)
+        .tick_label_font(font)
+        .min_thickness(34.0)
+        .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
+    Plot::new(name)
+        .id(Id::unique((name, end.to_bits())))
+        .default_x_bounds(0.0, end)
+        .default_y_bounds(y.0, y.1)
+        .custom_x_axes(vec![x_axis])
+        .custom_y_axes(vec![y_axis])
+        .x_grid_spacer(|input| marks(&input, SPACING.0, HALF_LABEL))
+        .y_grid_spacer(|input| marks(&input, SPACING.1, 0.0))
         .grid_color(palette.grid)
         .grid_fade(0.0)
-        .grid_spacing(egui::Rangef::new(28.0, 120.0))
+        .grid_spacing(Rangef::new(GRID, 120.0))
         .cursor_color(palette.weak)
         .show_background(true)
-        .set_margin_fraction(vec2(0.0, 0.06))
         .allow_double_click_reset(true)
         .show_grid(true)
-        .y_axis_min_width(34.0);
-    if is_reset { plot.reset() } else { plot }
+}
+
+/// The least distance of grid lines, in points.
+const GRID: f32 = 8.0;
+
+/// Round places along an axis, all of which have a label: two at least. `end` points at its end hold none.
+fn marks(input: &GridInput, spacing: f64, end: f64) -> Vec<GridMark> {
+    let per_point = input.base_step_size / f64::from(GRID);
+    let (low, high) = input.bounds;
+    let ticks = Ticks::between(low, high - end * per_point, spacing * per_point);
+    ticks.places.iter().map(|&value| GridMark { value, step_size: ticks.step }).collect()
+}
+
+/// A label of the x axis; the first one has the unit.
+fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
+    let label = ticks::label(mark.value, mark.step_size);
+    if mark.value - mark.step_size < range.start() - 1e-6 * mark.step_size {
+        format!("{label} {unit}")
+    } else {
+        label
+    }
 }
 
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    view.plots.reset_waveform = head(ui, scene, "Drive waveform", intents);
+    let is_reset = head(ui, scene, "Drive waveform", intents);
+    let Shown { axes, .. } = look(scene, &mut view.plots);
     let Some(window) = scene.live.window().filter(|_| is_shown(scene)) else { return nothing(ui, scene) };
     let palette = theme::palette(ui);
-    let slowest_hz = pitches(scene).into_iter().fold(f64::INFINITY, f64::min);
-    let wanted = (TURNS / slowest_hz * window.sample_rate_hz) as usize;
-    let shown = wanted.clamp(256, window.codes.len().max(256)).min(window.codes.len());
+    let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
+    let shown = wanted.min(window.codes.len());
     // Begin at a rising zero, as an oscilloscope does, so that the picture stands still.
     let latest = window.codes.len() - shown;
     let trigger = (latest.saturating_sub(shown / 2)..latest)
@@ -97,7 +169,7 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
         .find(|&i| i > 0 && window.codes[i - 1] < 2048 && window.codes[i] >= 2048)
         .unwrap_or(latest);
     let codes = &window.codes[trigger..trigger + shown];
-    let (unit, scale) = if shown as f64 / window.sample_rate_hz < 2e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
+    let (unit, scale) = if axes.span_s < 2e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
     let step = codes.len().div_ceil(POINTS).max(1);
     let points: Vec<[f64; 2]> = codes
         .iter()
@@ -107,61 +179,36 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
             [(i * step) as f64 / window.sample_rate_hz * scale, (f64::from(code) - 2048.0) / 2048.0]
         })
         .collect();
-    let end = shown as f64 / window.sample_rate_hz * scale;
     let accent = palette.accent;
-    plot("waveform", view.plots.reset_waveform, palette)
-        .include_x(end)
-        .include_y(-1.0)
-        .include_y(1.0)
-        .x_axis_formatter(move |mark, range| axis_label(mark.value, range, unit))
-        .show(ui, |plot| {
-            plot.line(Line::new("code, of full scale", PlotPoints::from(points)).color(accent).width(1.4));
-        });
-}
-
-/// A mark of the x axis: its unit stands at zero, and what would be cut off at the right end is left out.
-fn axis_label(value: f64, range: &std::ops::RangeInclusive<f64>, unit: &str) -> String {
-    let span = range.end() - range.start();
-    if value > range.end() - 0.05 * span {
-        String::new()
-    } else if value.abs() < 1e-9 * span {
-        format!("0 {unit}")
-    } else {
-        trim(value)
-    }
-}
-
-/// A number with as many decimals as it needs, at most three.
-fn trim(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    let plot = plot("waveform", axes.span_s * scale, unit, (-1.15, 1.15), palette);
+    let plot = if is_reset { plot.reset() } else { plot };
+    plot.show(ui, |plot| {
+        plot.line(Line::new("code, of full scale", PlotPoints::from(points)).color(accent).width(1.4));
+    });
 }
 
 pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    view.plots.reset_spectrum = head(ui, scene, "Spectrum", intents);
+    let is_reset = head(ui, scene, "Spectrum", intents);
     let lines = scene.live.spectrum();
+    let Shown { axes, pitches } = look(scene, &mut view.plots);
     if lines.is_empty() || !is_shown(scene) {
         return nothing(ui, scene);
     }
     let palette = theme::palette(ui);
-    let pitches = pitches(scene);
-    let highest_hz = pitches.iter().copied().fold(0.0, f64::max).max(1.0);
-    let (unit, scale) = if highest_hz >= 2000.0 { ("kHz", 1e-3) } else { ("Hz", 1.0) };
+    let (unit, scale) = if axes.top_hz >= 5000.0 { ("kHz", 1e-3) } else { ("Hz", 1.0) };
     let points: Vec<[f64; 2]> = lines
         .iter()
-        .take_while(|line| line.frequency_hz <= HARMONICS * highest_hz)
+        .take_while(|line| line.frequency_hz <= axes.top_hz)
         .map(|line| [line.frequency_hz * scale, line.level_db.max(FLOOR_DB)])
         .collect();
     let (accent, weak) = (palette.accent, palette.weak);
-    plot("spectrum", view.plots.reset_spectrum, palette)
-        .include_y(FLOOR_DB)
-        .include_y(0.0)
-        .x_axis_formatter(move |mark, range| axis_label(mark.value, range, unit))
-        .show(ui, |plot| {
-            for hertz in pitches {
-                let line = VLine::new(show_frequency(hertz), hertz * scale);
-                plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0));
-            }
-            plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
-        });
+    let plot = plot("spectrum", axes.top_hz * scale, unit, (FLOOR_DB, 7.0), palette);
+    let plot = if is_reset { plot.reset() } else { plot };
+    plot.show(ui, |plot| {
+        for &hertz in pitches.iter() {
+            let line = VLine::new(show_frequency(hertz), hertz * scale);
+            plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0));
+        }
+        plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
+    });
 }

@@ -4,8 +4,7 @@ use super::axis::Axis;
 use super::intent::{Grab, Intent, Intents};
 use super::{Scene, ViewState, envelope, plate, strip, theme};
 use crate::edit::Edit;
-use crate::model::ToneSetup;
-use crate::picture::{SteadyTone, shown_boundary_m};
+use crate::picture::drawn_boundary_m;
 use crate::quantity::{show_frequency, show_place};
 use eframe::egui::{
     self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
@@ -83,8 +82,8 @@ fn grid(ui: &egui::Ui, layout: &Layout) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     painter.rect_filled(layout.axis.over_plate(layout.envelope), CornerRadius::same(3), palette.well);
-    for x_m in layout.axis.ticks(90.0) {
-        let x = layout.axis.line_from_place(x_m);
+    for x_mm in layout.axis.ticks_mm(90.0).places {
+        let x = layout.axis.line_from_place(x_mm * 1e-3);
         painter.vline(x, layout.envelope.y_range(), Stroke::new(1.0, palette.grid));
     }
 }
@@ -95,11 +94,12 @@ fn place_scale(ui: &egui::Ui, layout: &Layout) {
     let font = FontId::proportional(11.5);
     let top = layout.scale.top() + 3.0;
     painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
-    for x_m in layout.axis.ticks(90.0) {
-        let x = layout.axis.line_from_place(x_m);
+    let ticks = layout.axis.ticks_mm(90.0);
+    for &x_mm in &ticks.places {
+        let x = layout.axis.line_from_place(x_mm * 1e-3);
         painter.vline(x, Rangef::new(top, top + 4.0), Stroke::new(1.0, palette.weak));
-        let label = format!("{:.0}", x_m * 1e3);
-        painter.text(pos2(x, top + 6.0), Align2::CENTER_TOP, label, font.clone(), palette.weak);
+        let place = pos2(x, top + 6.0);
+        painter.text(place, Align2::CENTER_TOP, ticks.label(x_mm), font.clone(), palette.weak);
     }
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
     painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
@@ -114,7 +114,7 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     }
     let palette = theme::palette(ui);
     let Some(tone) = scene.setup.tone(scene.selected) else { return };
-    let line = layout.axis.line_from_place(shown_m(scene, tone));
+    let line = layout.axis.line_from_place(drawn_boundary_m(scene.setup, tone, scene.full_peak_m));
     let right = layout.axis.screen().max;
     let size = |text: &str| {
         let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(14.0), palette.text);
@@ -138,15 +138,6 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
 }
 
-/// Where the boundary of a tone is drawn, in metres.
-fn shown_m(scene: &Scene<'_>, tone: &ToneSetup) -> f64 {
-    let setup = scene.setup;
-    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-    let peak_m = tone.level * setup.master() * scene.full_peak_m;
-    let steady = SteadyTone { slot: tone.slot, frequency_hz, peak_m };
-    shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m)
-}
-
 /// The name of a tone's handle for those who cannot see it.
 pub(super) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
     if scene.setup.tones.first().is_some_and(|first| first.slot == slot) {
@@ -167,7 +158,7 @@ fn handle(
     let setup = scene.setup;
     let Some(tone) = setup.tone(slot) else { return };
     let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-    let shown_m = shown_m(scene, tone);
+    let shown_m = drawn_boundary_m(scene.setup, tone, scene.full_peak_m);
     let x = layout.axis.line_from_place(shown_m);
     let is_selected = slot == scene.selected;
     let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);

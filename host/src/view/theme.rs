@@ -167,9 +167,12 @@ pub fn panel_frame(palette: &Palette) -> egui::Frame {
     egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(14, 10))
 }
 
+/// Text size of a small heading, in points.
+pub const HEADING: f32 = 13.5;
+
 /// A small heading over a group of controls.
 pub fn heading(ui: &mut egui::Ui, text: &str) {
-    ui.label(egui::RichText::new(text).strong().size(13.5));
+    ui.label(egui::RichText::new(text).strong().size(HEADING));
 }
 
 /// OKLab (lightness 0..1, a, b) as a colour; what lies outside sRGB is clipped.

@@ -1,5 +1,6 @@
 //! The bar at the top: what is connected, its state, and STOP.
 
+use super::aligned::{self, Width};
 use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, theme};
 use crate::link::{LinkState, Request};
@@ -43,29 +44,55 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
     }
 }
 
+/// Windows narrower than this have no room for the program's name, in points.
+const ROOM_FOR_NAME: f32 = 760.0;
+/// Narrowest and widest that the menu of devices is, in points.
+const DEVICE: (f32, f32) = (70.0, 180.0);
+
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         ui.set_min_height(34.0);
-        ui.label(RichText::new("Slipline").strong().size(18.0));
-        ui.add_space(4.0);
+        if ui.available_width() >= ROOM_FOR_NAME {
+            ui.label(RichText::new("Slipline").strong().size(18.0));
+            ui.add_space(4.0);
+        }
         menu(ui, scene, intents);
         ui.separator();
-        port_menu(ui, scene, intents);
-        let (word, colour, sentence) = state_words(scene, palette);
-        chip(ui, word, colour).on_hover_text(sentence);
-        drive_button(ui, scene, intents);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            stop_button(ui, palette, intents);
-            ui.add_space(6.0);
-            if scene.snapshot.is_connected() {
-                let round_trip = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
-                let text = RichText::new(format!("round trip {round_trip:.1} ms")).color(palette.weak);
+        // What comes after the menu of devices and must be seen: that menu, then the round trip, give way to it.
+        let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
+        let gap = ui.spacing().item_spacing.x;
+        let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
+        let device = port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents);
+        let shown = ui.horizontal(|ui| {
+            let (word, colour, sentence) = state_words(scene, palette);
+            chip(ui, word, colour).on_hover_text(sentence);
+            drive_button(ui, scene, intents);
+        });
+        state.note(ui, shown.response.rect.width());
+        let round_trip = round_trip(ui, scene, room - device.rect.width() - gap);
+        aligned::at_right(ui, |ui| {
+            let badge = ui.horizontal(|ui| table_badge(ui, scene, intents)).response.rect.width();
+            if let Some(text) = round_trip {
                 ui.label(text).on_hover_text("From a command to its answer, running average");
             }
-            table_badge(ui, scene, intents);
+            ui.add_space(6.0);
+            stop_button(ui, palette, intents);
+            right.note(ui, badge + STOP.x + 6.0 + 2.0 * gap);
         });
     });
+}
+
+/// How long the device takes to answer, if the words fit this room, in points.
+fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
+    if !scene.snapshot.is_connected() {
+        return None;
+    }
+    let milliseconds = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
+    let text = format!("round trip {milliseconds:.1} ms");
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = ui.painter().layout_no_wrap(text.clone(), font, Color32::PLACEHOLDER).size().x;
+    (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
 }
 
 /// A word in a rounded box with a dot of its colour.
@@ -168,7 +195,8 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     }
 }
 
-fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+/// The menu of devices, this wide in points.
+fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Intents) -> egui::Response {
     let current = scene.snapshot.port.as_ref();
     let label = current.map_or_else(
         || "No device".to_owned(),
@@ -178,12 +206,8 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         },
     );
     // A long name must not push STOP out of the window.
-    let short: String = if label.chars().count() > 30 {
-        label.chars().take(29).chain(std::iter::once('…')).collect()
-    } else {
-        label.clone()
-    };
-    let response = egui::ComboBox::from_id_salt("port").selected_text(short).width(180.0).show_ui(ui, |ui| {
+    let menu = egui::ComboBox::from_id_salt("port").selected_text(label.as_str()).width(width).truncate();
+    let response = menu.show_ui(ui, |ui| {
         for info in scene.ports {
             let is_current = current == Some(&info.port);
             if ui.selectable_label(is_current, &info.label).clicked() && !is_current {
@@ -200,7 +224,7 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     });
     let name = format!("Device: {label}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    response.response.on_hover_text(label);
+    response.response.on_hover_text(label)
 }
 
 fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -228,11 +252,12 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         ask(ui, true, "Save setup…".into(), "Ctrl+S", Intent::SaveDialog);
         ask(ui, true, "Save plate…".into(), "", Intent::SavePlateDialog);
         ui.separator();
-        ask(ui, true, "Export picture (PNG)…".into(), "", Intent::Export(Export::Picture));
+        ask(ui, true, "Export figure (PNG)…".into(), "", Intent::Export(Export::Figure));
         ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
         ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
         ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
-        ask(ui, true, "Diagnostics bundle…".into(), "", Intent::Export(Export::Diagnostics));
+        ask(ui, true, "Save screenshot (PNG)…".into(), "", Intent::Export(Export::Screenshot));
+        ask(ui, true, "Diagnostics…".into(), "", Intent::Dialog(Some(Dialog::Diagnostics)));
     });
     ui.menu_button("Edit", |ui| {
         let name = |verb: &str, what: Option<&str>| {

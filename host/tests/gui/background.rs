@@ -125,10 +125,10 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
     let is_offered = |bench: &Bench| bench.window.query_by_label("Use this plate").is_some();
     assert!(is_offered(&bench));
     for (field, bad, reason, good) in [
-        ("Thickness", "5 m", "thickness_m = 5: must be", "2 mm"),
-        ("Band to", "20 kHz", "band high = 20000: must be", "40 kHz"),
-        ("Length", "10 mm", "length_m = 0.01", "300 mm"),
-        ("Loss factor", "0,7", "material.loss_factor = 0.7", "auto"),
+        ("Thickness", "5 m", "Thickness 5000 mm: must be 0.001 to 100 mm", "2 mm"),
+        ("Band to", "20 kHz", "Band to 20 kHz: must be 21 to 10000 kHz", "40 kHz"),
+        ("Length", "10 mm", "Length 10 mm: must be", "300 mm"),
+        ("Loss factor", "0,7", "Loss factor 0.7: must be 0 to 0.5", "auto"),
     ] {
         type_into(&mut bench, field, bad);
         bench.wait(100);

@@ -3,14 +3,14 @@
 use eframe::egui;
 use egui_kittest::Harness;
 use slipline::app::{App, Link, Parts, TableJob, TableState, first_setup};
-use slipline::files::{FileEvent, FileJob, Files};
+use slipline::files::{FileEvent, FileJob, Files, Save};
 use slipline::link::connection::Connection;
 use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::transport::{Opener, Transport, Waker};
 use slipline::link::{Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline::settings::{Settings, ThemeChoice};
 use slipline::workshop::Workshop;
-use slipline::{designer, live, setup_file, sheet, table_making, trial, validity};
+use slipline::{designer, figures, live, setup_file, sheet, table_making, trial, validity};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::io;
@@ -124,12 +124,23 @@ pub(crate) struct Drawer {
     pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
     /// What was saved.
     pub(crate) saved: Shared<(String, Vec<u8>)>,
+    /// Whether the system has no dialogs for files.
+    pub(crate) has_no_dialogs: Rc<Cell<bool>>,
     events: Rc<RefCell<VecDeque<FileEvent>>>,
+}
+
+impl Drawer {
+    fn write(&self, path: PathBuf, save: Save) -> FileEvent {
+        self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
+        FileEvent::Saved(path, Ok(()))
+    }
 }
 
 impl Files for Drawer {
     fn begin(&mut self, job: FileJob) {
+        let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
         let event = match job {
+            job if asks && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
             FileJob::Choose => {
                 let (path, text) = self.contents.borrow()[0].clone();
                 FileEvent::Opened(path, text)
@@ -139,11 +150,17 @@ impl Files for Drawer {
                 let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
                 FileEvent::Opened(path, text.unwrap_or_else(|| Err("no such file".to_owned())))
             }
-            FileJob::Save(save) => {
-                self.saved.borrow_mut().push((save.name.clone(), save.bytes.to_vec()));
-                FileEvent::Saved(PathBuf::from(save.name), Ok(()))
+            FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
+            FileJob::SaveAs { path, save, may_replace } => {
+                let is_there = self.contents.borrow().iter().any(|(other, _)| *other == path);
+                if is_there && !may_replace {
+                    FileEvent::Exists(path, save)
+                } else {
+                    self.contents.borrow_mut().push((path.clone(), Ok(String::new())));
+                    self.write(path, save)
+                }
             }
-            FileJob::SaveFolder(files) => {
+            FileJob::SaveFolder(files) | FileJob::SaveInto(_, files) => {
                 let files = files.into_iter().map(|(name, text)| (name, text.into_bytes()));
                 self.saved.borrow_mut().extend(files);
                 FileEvent::Saved(PathBuf::from("folder"), Ok(()))
@@ -313,6 +330,7 @@ fn parts(
         }),
         live: Workshop::inline(live::work()),
         trials: Workshop::inline(|job, task: &_| trial::run(&job, task)),
+        figures: Workshop::inline(|job, task: &_| figures::plate::work(&job, task)),
         files: Box::new(drawer.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
     }

@@ -3,7 +3,8 @@
 use crate::background::open_plate;
 use crate::bench::Bench;
 use crate::{add_tone, boundary_mm, type_into};
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::Queryable as _;
 use slipline::pilot::sounding;
 
 /// Frequencies that the device has acknowledged, in Hz, in the order of their tones.
@@ -82,6 +83,34 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     bench.wait(2500);
     assert!(bench.is_driving());
     assert_heard(&bench);
+}
+
+#[test]
+fn drive_after_another_plate_was_opened_at_rest_is_sent_once() {
+    let mut bench = Bench::driving();
+    bench.window.key_press(Key::Space);
+    bench.wait(500);
+    open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
+    bench.wait(2000);
+    assert!(!bench.is_driving(), "a stop holds over another plate");
+    bench.take_sent();
+    bench.window.get_by_role_and_label(Role::Button, "Drive").click();
+    bench.wait(1500);
+    assert_heard(&bench);
+    assert_eq!(crate::drives(&bench.take_sent()).len(), 1);
+}
+
+#[test]
+fn drive_while_a_table_is_on_its_way_is_sent_once_the_device_holds_it() {
+    let mut bench = Bench::driving();
+    bench.window.key_press(Key::Space);
+    bench.wait(500);
+    open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
+    bench.take_sent();
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
+    bench.wait(2500);
+    assert_heard(&bench);
+    assert_eq!(crate::drives(&bench.take_sent()).len(), 1);
 }
 
 /// Where the table's gain is least and where it is most: the place in mm and the gain there.

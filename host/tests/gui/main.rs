@@ -3,9 +3,13 @@
 
 mod background;
 mod bench;
+mod exports;
+mod focus;
 mod heard;
 mod notices;
 mod painter;
+mod paths;
+mod plots;
 mod reasons;
 mod sizes;
 mod snapshots;
@@ -49,6 +53,12 @@ fn line_rect(bench: &Bench) -> eframe::egui::Rect {
 
 fn boundary_mm(bench: &Bench) -> f64 {
     bench.window.state().setup().tones[0].position_m * 1e3
+}
+
+/// Moves the boundary by a millimetre.
+fn arrow_right(bench: &mut Bench) {
+    bench.window.key_press(Key::ArrowRight);
+    bench.window.step();
 }
 
 fn drives(requests: &[Request]) -> Vec<f64> {
@@ -344,31 +354,6 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
     window.get_by_label("table differs: upload").click();
     window.run_steps(5);
     assert!(link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
-}
-
-#[test]
-fn exports_hold_what_is_seen() {
-    let mut bench = Bench::driving();
-    for (entry, name) in [
-        ("Export envelope (CSV)…", "envelope.csv"),
-        ("Export waveform (CSV)…", "waveform.csv"),
-        ("Export drive (WAV)…", "drive.wav"),
-        ("Diagnostics bundle…", "slipline-diagnostics.txt"),
-    ] {
-        bench.window.get_by_label("File").click();
-        bench.wait(200);
-        bench.window.get_by_label_contains(entry).click();
-        bench.wait(200);
-        let (saved, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
-        assert_eq!(saved, name);
-        assert!(bytes.len() > 1000, "{name}: {}", bytes.len());
-    }
-    let saved = bench.drawer.saved.borrow();
-    let envelope = String::from_utf8(saved[0].1.clone()).unwrap();
-    assert!(envelope.starts_with("position_m,") && !envelope.contains("NaN"));
-    let wav = hound::WavReader::new(&saved[2].1[..]).unwrap();
-    assert_eq!(wav.spec().sample_rate, 400_000);
-    assert!(wav.into_samples::<i16>().map(|sample| sample.unwrap().abs()).max().unwrap() > 8000);
 }
 
 #[test]

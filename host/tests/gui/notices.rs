@@ -97,3 +97,45 @@ fn the_log_tells_of_files_by_their_names_alone() {
     assert!(has(Severity::Error, "bad.toml was not opened"));
     assert!(log.iter().all(|entry| !entry.text.contains("somebody")));
 }
+
+/// Two tones in one place, both as loud as can be: more than the DAC can send.
+fn ask_too_much(bench: &mut Bench) {
+    crate::add_tone(bench);
+    let mut setup = bench.window.state().setup().clone();
+    setup.master_db = 0.0;
+    for tone in &mut setup.tones {
+        tone.level = 1.0;
+        tone.position_m = 0.2;
+    }
+    open(bench, "loud.toml", &slipline::setup_file::write(&setup));
+    bench.wait(300);
+}
+
+#[test]
+fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
+    let mut bench = Bench::driving();
+    ask_too_much(&mut bench);
+    let is_told = |bench: &Bench| bench.window.query_all_by_label_contains("Refused: ").count() > 0;
+    assert!(is_told(&bench), "{:?}", bench.window.state().notice());
+    save(&mut bench);
+    assert!(is_told(&bench) && bench.window.query_by_label("Saved setup.toml").is_some());
+    watch(&mut bench, 7);
+    assert!(bench.window.query_by_label("Saved setup.toml").is_none());
+    assert!(bench.window.state().notice().is_some_and(|notice| notice.text.starts_with("Refused: ")));
+    // It goes when the device takes something newer.
+    bench.window.get_by_label("Make it fit").click();
+    bench.wait(500);
+    assert!(bench.window.state().notice().is_none(), "{:?}", bench.window.state().notice());
+}
+
+#[test]
+fn the_same_words_again_are_shown_their_whole_time() {
+    let mut bench = Bench::driving();
+    save(&mut bench);
+    watch(&mut bench, 3);
+    save(&mut bench);
+    watch(&mut bench, 3);
+    assert!(bench.window.query_by_label("Saved setup.toml").is_some());
+    watch(&mut bench, 3);
+    assert!(bench.window.query_by_label("Saved setup.toml").is_none());
+}

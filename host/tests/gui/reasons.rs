@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::type_into;
-use eframe::egui::{Rect, accesskit::Role};
+use eframe::egui::{Key, Modifiers, Rect, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 
 fn rect(bench: &Bench, role: Role, name: &str) -> Rect {
@@ -56,5 +56,39 @@ fn a_bad_number_of_the_plate_leaves_the_panel_as_wide_as_it_is() {
         type_into(&mut bench, name, "1e300");
         bench.wait(100);
         assert_eq!(outside(&bench), before, "{name}");
+    }
+}
+
+#[test]
+fn a_refused_value_goes_when_undo_changes_what_it_was_typed_over() {
+    let mut bench = Bench::driving();
+    let value = |bench: &Bench| {
+        bench.window.get_by_role_and_label(Role::TextInput, "Boundary position").value().unwrap()
+    };
+    type_into(&mut bench, "Boundary position", "120 mm");
+    type_into(&mut bench, "Boundary position", "900 mm");
+    assert_eq!(value(&bench), "900 mm");
+    assert!(bench.window.query_by_label_contains("outside 80").is_some());
+    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench.wait(100);
+    assert_eq!(value(&bench), "180.0 mm");
+    assert!(bench.window.query_by_label_contains("outside 80").is_none());
+}
+
+#[test]
+fn a_bad_number_of_the_plate_is_told_in_the_words_of_the_panel() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Plate").click();
+    bench.wait(100);
+    for (field, bad, reason) in [
+        ("Length", "11 m", "Length 11000 mm: must be 5 to 10000 mm"),
+        ("Span to", "1 m", "Span to 1000 mm: must be 80.32 to 320 mm"),
+        ("Wave speed", "0,01 m/s", "Wave speed 0.01 m/s: must be 0.1 to 20000 m/s"),
+        ("Loss factor", "7", "Loss factor 7: must be 0 to 0.5"),
+        ("At full scale", "1 m", "At full scale 1000 mm: must be 0.000001 to 100 mm"),
+    ] {
+        type_into(&mut bench, field, bad);
+        bench.wait(100);
+        assert!(bench.window.query_by_label(reason).is_some(), "{field}: {reason}");
     }
 }

@@ -55,3 +55,29 @@ fn the_zoom_ends_where_the_window_could_not_be_used() {
         assert!((room * (most - 0.1) - size).abs().max_elem() < 1.0, "{size}: {room}");
     }
 }
+
+#[test]
+fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
+    let mut bench = Bench::driving();
+    for width in (640..=1280).step_by(20) {
+        bench.window.set_size(vec2(width as f32, 620.0));
+        bench.wait(100);
+        let mut seen: Vec<(String, eframe::egui::Rect)> = Vec::new();
+        for name in ["Slipline", "File", "Edit", "View", "Help", "Device: ", "State: ", "round trip", "STOP"]
+        {
+            let nodes = bench.window.query_all_by_label_contains(name);
+            seen.extend(
+                nodes.map(|node| (name.to_owned(), node.rect())).filter(|(_, rect)| rect.top() < 40.0),
+            );
+        }
+        assert!(seen.len() >= 7, "{width}: {seen:?}");
+        for (i, (name, rect)) in seen.iter().enumerate() {
+            assert!(rect.right() <= width as f32, "{width}: {name} {rect}");
+            for (other, at) in seen.iter().skip(i + 1) {
+                assert!(!rect.shrink(1.0).intersects(at.shrink(1.0)), "{width}: {name} {rect}, {other} {at}");
+            }
+        }
+        let is_told = seen.iter().any(|(name, _)| name == "round trip");
+        assert!(is_told || width < 900, "{width}: there is room for the round trip");
+    }
+}

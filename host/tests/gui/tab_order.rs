@@ -1,7 +1,7 @@
 //! The Tab key walks through every control of the window, each once.
 
 use crate::bench::Bench;
-use eframe::egui::{Key, accesskit::Role};
+use eframe::egui::{Key, Rect, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::collections::BTreeMap;
 
@@ -38,6 +38,11 @@ fn controls(bench: &Bench) -> BTreeMap<Control, usize> {
     found
 }
 
+/// Where the control with the focus is.
+fn here(bench: &Bench) -> Rect {
+    bench.window.get_by(|node| node.is_focused()).rect()
+}
+
 fn walk(bench: &mut Bench, page: &str) {
     // A click on nothing takes the focus away.
     bench.window.ctx.memory_mut(|memory| {
@@ -49,11 +54,19 @@ fn walk(bench: &mut Bench, page: &str) {
     let all: Vec<Control> = controls(bench).into_keys().collect();
     let mut visited: BTreeMap<Control, usize> = BTreeMap::new();
     let mut first = None;
+    let mut before: Option<(String, String, Rect)> = None;
     for _ in 0..2 * all.len() {
         bench.window.key_press(Key::Tab);
         bench.window.step();
         bench.window.step();
         let Some((focused, _)) = controls(bench).into_iter().find(|(_, has)| *has == 1) else { continue };
+        // In a row the Tab key goes as one reads.
+        if let Some((_, last, at)) = &before
+            && (at.center().y - here(bench).center().y).abs() < 4.0
+        {
+            assert!(at.left() < here(bench).left(), "{page}: {} comes after {last}", focused.1);
+        }
+        before = Some((focused.0.clone(), focused.1.clone(), here(bench)));
         // Scrolling moves what is in the panel at the side: its height does not count.
         if first.as_ref() == Some(&focused) {
             break;

@@ -1,0 +1,62 @@
+//! The messages that stand: the device's refusal, as long as it holds, and beside it what was told last.
+
+/// A message to the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// What it says.
+    pub text: String,
+    /// Whether something went wrong.
+    pub is_error: bool,
+    /// Rises with every message: the same words again are another message.
+    pub number: u64,
+}
+
+/// The messages that stand.
+#[derive(Default)]
+pub(super) struct Notices {
+    /// What the device refused, until it takes something newer.
+    refusal: Option<Notice>,
+    latest: Option<Notice>,
+    count: u64,
+}
+
+impl Notices {
+    fn make(&mut self, text: String, is_error: bool) -> Option<Notice> {
+        self.count += 1;
+        Some(Notice { text, is_error, number: self.count })
+    }
+
+    /// Tells what was done.
+    pub(super) fn tell(&mut self, text: String) {
+        self.latest = self.make(text, false);
+    }
+
+    /// Tells what went wrong.
+    pub(super) fn fail(&mut self, text: String) {
+        self.latest = self.make(text, true);
+    }
+
+    /// Tells that the device refused something.
+    pub(super) fn refuse(&mut self, text: String) {
+        self.refusal = self.make(text, true);
+    }
+
+    /// The device has taken something newer than what it refused.
+    pub(super) fn settle(&mut self) {
+        self.refusal = None;
+    }
+
+    /// Takes away the message of this number.
+    pub(super) fn dismiss(&mut self, number: u64) {
+        for standing in [&mut self.refusal, &mut self.latest] {
+            if standing.as_ref().is_some_and(|notice| notice.number == number) {
+                *standing = None;
+            }
+        }
+    }
+
+    /// The messages, the refusal first.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Notice> {
+        self.refusal.iter().chain(&self.latest)
+    }
+}

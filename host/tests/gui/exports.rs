@@ -1,0 +1,80 @@
+//! What is saved of what is seen.
+
+use crate::bench::Bench;
+use eframe::egui::OutputCommand;
+use egui_kittest::kittest::Queryable as _;
+
+/// Chooses an entry of the File menu.
+pub(crate) fn file_menu(bench: &mut Bench, entry: &str) {
+    bench.window.get_by_label("File").click();
+    bench.wait(200);
+    bench.window.get_by_label_contains(entry).click();
+    bench.wait(200);
+}
+
+/// The pixels of a PNG file, as wide as high, and its dots per metre.
+fn decoded(bytes: &[u8]) -> (u32, u32, Vec<[u8; 3]>, Option<u32>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+    let mut data = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut data).unwrap();
+    let dots = reader.info().pixel_dims.map(|dims| dims.xppu);
+    let pixels = data[..info.buffer_size()].chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
+    (info.width, info.height, pixels, dots)
+}
+
+#[test]
+fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
+    let mut bench = Bench::driving();
+    file_menu(&mut bench, "Export figure (PNG)…");
+    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    assert_eq!(name, "figure.png");
+    let (width, height, pixels, dots) = decoded(&bytes);
+    let mm = |pixels: u32| f64::from(pixels) / f64::from(dots.unwrap()) * 1e3;
+    assert!((mm(width) - 170.0).abs() < 0.2 && (70.0..170.0).contains(&mm(height)), "{width} x {height}");
+    // No STOP on it; the simulated plate's rings are.
+    let count = |is_it: fn(&[u8; 3]) -> bool| pixels.iter().filter(|pixel| is_it(pixel)).count();
+    assert_eq!(count(|p| p[0] > 170 && p[1] < 60 && p[2] < 70), 0);
+    assert!(count(|p| p[0] > 190 && (70..130).contains(&p[1]) && p[2] < 60) > 500);
+}
+
+#[test]
+fn exports_hold_what_is_seen() {
+    let mut bench = Bench::driving();
+    for (entry, name) in [
+        ("Export envelope (CSV)…", "envelope.csv"),
+        ("Export waveform (CSV)…", "waveform.csv"),
+        ("Export drive (WAV)…", "drive.wav"),
+    ] {
+        file_menu(&mut bench, entry);
+        let (saved, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+        assert_eq!(saved, name);
+        assert!(bytes.len() > 1000, "{name}: {}", bytes.len());
+    }
+    let saved = bench.drawer.saved.borrow();
+    let envelope = String::from_utf8(saved[0].1.clone()).unwrap();
+    assert!(envelope.contains("\n# plate: membrane\n") && envelope.contains("\nposition_m,"));
+    assert!(!envelope.contains("NaN"));
+    let wav = hound::WavReader::new(&saved[2].1[..]).unwrap();
+    assert_eq!(wav.spec().sample_rate, 400_000);
+    assert!(wav.into_samples::<i16>().map(|sample| sample.unwrap().abs()).max().unwrap() > 8000);
+}
+
+#[test]
+fn the_diagnostics_are_read_copied_and_saved() {
+    let mut bench = Bench::driving();
+    file_menu(&mut bench, "Diagnostics…");
+    let text = bench.window.get_by_label_contains("== status").value().unwrap();
+    assert!(text.contains("Sample rate:                   400000 Hz") && !text.contains("Some("), "{text}");
+    bench.window.get_by_label("Copy diagnostics").click_accesskit();
+    let is_copied = |command: &OutputCommand| matches!(command, OutputCommand::CopyText(text) if text.contains("== status"));
+    let copied = (0..4).any(|_| {
+        bench.window.step();
+        bench.window.output().platform_output.commands.iter().any(is_copied)
+    });
+    assert!(copied);
+    bench.window.get_by_label("Save diagnostics…").click();
+    bench.wait(100);
+    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    assert_eq!(name, "slipline-diagnostics.txt");
+    assert!(String::from_utf8(bytes).unwrap().contains("== log"));
+}
