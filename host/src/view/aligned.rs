@@ -54,7 +54,8 @@ const AT_RIGHT: &str = "at right";
 pub(super) fn at_right<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     let width = Width::of(ui, AT_RIGHT);
     ui.add_space((ui.available_width() - width.points()).max(0.0));
-    let shown = ui.horizontal(add);
+    // In the whole height of the row, so that what is high and what is low stand at one middle.
+    let shown = ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), add);
     width.note(ui, shown.response.rect.width());
     shown.inner
 }

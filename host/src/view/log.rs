@@ -20,6 +20,10 @@ impl Default for LogView {
 
 /// Room for the heading and the space after it, in points.
 const LEAST_HEADING: f32 = 34.0;
+/// Room for the button at the end and the space before it, in points.
+const COPY: f32 = 60.0;
+/// A filter with less room than this is left out, in points.
+const LEAST_FILTER: f32 = 30.0;
 
 const LEVELS: [(Severity, &str); 4] = [
     (Severity::Detail, "all"),
@@ -40,6 +44,11 @@ pub(crate) fn line(entry: &LogEntry) -> String {
     format!("{:9.3} {level:7} {}", entry.time.as_secs_f64(), entry.text)
 }
 
+/// Width of the menu of levels in a row with this room: a narrow one leaves some of it to the filter.
+fn level_width(room: f32) -> f32 {
+    if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 74.0) }
+}
+
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let log = &mut view.log;
@@ -54,15 +63,19 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let room = ui.available_width() - LEAST_HEADING;
     aligned::headed(ui, "Log", |ui| {
         let rest = Width::of(ui, "level and copy");
-        let width = (room - rest.points() - 2.0 * ui.spacing().item_spacing.x).clamp(40.0, 110.0);
-        let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter").desired_width(width);
-        ui.add(edit.char_limit(64)).widget_info(|| {
-            let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
-            info.label = Some("Filter the log".to_owned());
-            info
-        });
+        let width = room - rest.points() - 2.0 * ui.spacing().item_spacing.x;
+        // A filter that is set stays in sight: lines are missing because of it.
+        if width >= LEAST_FILTER || !log.filter.is_empty() {
+            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter");
+            ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64)).widget_info(|| {
+                let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
+                info.label = Some("Filter the log".to_owned());
+                info
+            });
+        }
         let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
-        let chosen = egui::ComboBox::from_id_salt("log level").selected_text(name).width(84.0);
+        let chosen =
+            egui::ComboBox::from_id_salt("log level").selected_text(name).width(level_width(room)).truncate();
         let response = chosen.show_ui(ui, |ui| {
             for (level, name) in LEVELS {
                 ui.selectable_value(&mut log.least, level, name);

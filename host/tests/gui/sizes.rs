@@ -81,3 +81,22 @@ fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
         assert!(is_told || width < 900, "{width}: there is room for the round trip");
     }
 }
+
+#[test]
+fn the_logs_controls_stay_in_the_window() {
+    let mut bench = Bench::driving();
+    for width in (640..=1280).step_by(40) {
+        bench.window.set_size(vec2(width as f32, 620.0));
+        bench.wait(100);
+        let head = bench.window.get_by_label("Log").rect();
+        for name in ["Log level", "Copy"] {
+            let rect = bench.window.get_by_label(name).rect();
+            assert!(
+                rect.right() <= width as f32 && rect.left() >= head.right(),
+                "{width}: {name} {rect} {head}"
+            );
+        }
+        let has_filter = bench.window.query_by_label("Filter the log").is_some();
+        assert!(has_filter || width < 960, "{width}: there is room for the filter");
+    }
+}
