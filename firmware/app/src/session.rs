@@ -45,6 +45,8 @@ pub struct Session {
     outbox: Deque<Encoded, OUTBOX>,
     /// Bytes of the outbox's first that have gone.
     sent: usize,
+    /// A reply went in part and was dropped: a delimiter is due before the next, lest the host glues them together.
+    owes_delimiter: bool,
     /// When the outbox's first began to wait.
     waiting_since: SampleIndex,
     /// 0 before the first hello.
@@ -73,6 +75,7 @@ impl Session {
             queue: Deque::new(),
             outbox: Deque::new(),
             sent: 0,
+            owes_delimiter: false,
             waiting_since: 0,
             id: 0,
             nonce: [0; 4],
@@ -251,13 +254,22 @@ impl Session {
     /// The bytes to send next; empty when there are none.
     #[must_use]
     pub fn unsent(&self) -> &[u8] {
+        if self.owes_delimiter {
+            return &[0];
+        }
         self.outbox.front().and_then(|reply| reply.get(self.sent..)).unwrap_or_default()
     }
 
     /// So many of the unsent bytes have gone.
     pub fn sent(&mut self, bytes: usize, now: SampleIndex) {
-        self.sent = self.sent.saturating_add(bytes);
+        if bytes == 0 {
+            return;
+        }
         self.waiting_since = now;
+        if core::mem::take(&mut self.owes_delimiter) {
+            return;
+        }
+        self.sent = self.sent.saturating_add(bytes);
         if self.unsent().is_empty() {
             self.outbox.pop_front();
             self.sent = 0;
@@ -271,16 +283,12 @@ impl Session {
         }
     }
 
-    /// Drops the oldest reply and counts it. If a part of it has gone already, a delimiter takes the rest's place, so
-    /// that the host does not glue the next reply to it.
+    /// Drops the oldest reply and counts it.
     pub fn drop_first(&mut self, now: SampleIndex) {
         if self.outbox.pop_front().is_some() {
             self.dropped = self.dropped.saturating_add(1);
-            let broken = core::mem::take(&mut self.sent) > 0;
+            self.owes_delimiter |= core::mem::take(&mut self.sent) > 0;
             self.waiting_since = now;
-            if broken && let Ok(delimiter) = Encoded::from_slice(&[0]) {
-                let _ = self.outbox.push_front(delimiter);
-            }
         }
     }
 }

@@ -214,3 +214,34 @@ fn a_reply_that_was_cut_off_half_way_does_not_spoil_the_next() {
         });
     }
 }
+
+#[test]
+fn however_long_it_was_cut_off_and_whatever_waited_since() {
+    for hellos in 1..20 {
+        let wire = wire();
+        wire.borrow_mut().room = 5;
+        play(&wire, |pass| {
+            say_hello(&wire);
+            pass(1);
+            for _ in 1..hellos {
+                say_hello(&wire);
+                pass(1);
+            }
+            wire.borrow_mut().room = usize::MAX;
+            pass(1);
+            let all = if hellos <= 8 { hellos } else { 8 };
+            assert_eq!(replies(&wire), all, "of {hellos}");
+        });
+    }
+    let wire = wire();
+    wire.borrow_mut().room = 5;
+    play(&wire, |pass| {
+        say_hello(&wire);
+        // Many times 20 ms.
+        pass(1000);
+        wire.borrow_mut().room = usize::MAX;
+        say_hello(&wire);
+        pass(1);
+        assert_eq!(replies(&wire), 1);
+    });
+}
