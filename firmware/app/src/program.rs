@@ -101,7 +101,8 @@ pub fn plan(
     complete(Program { at, glide: drive.glide, table, targets }, motion, slots, shape)
 }
 
-/// Makes the motion of a table swap: every tone keeps its place and level and glides to the new table's values.
+/// Makes the motion of a table swap: every tone goes on to its place and level, in the time that it still has, and
+/// glides to the new table's values.
 ///
 /// # Errors
 /// [`Refusal::Headroom`] if the sum would exceed full scale by the new table.
@@ -113,7 +114,9 @@ pub fn plan_swap(
     shape: &RampShape,
     timing: &Timing,
 ) -> Result<Motion, Refusal> {
-    complete(Program { at, glide: timing.table_glide, table, targets: motion.goals() }, motion, slots, shape)
+    let left = u32::try_from(motion.end().saturating_sub(at)).unwrap_or(u32::MAX);
+    let glide = timing.table_glide.max(left);
+    complete(Program { at, glide, table, targets: motion.goals() }, motion, slots, shape)
 }
 
 /// Checks the headroom, stretches the glide, and goes on from where the tones are.

@@ -108,3 +108,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_table_swap_leaves_a_glide_its_time() {
+    let slots = Box::new(TableSlots::new());
+    for (slot, gain) in [(SlotIndex::First, 1 << 30), (SlotIndex::Second, 1 << 29)] {
+        for index in 0..2 {
+            slots.write(slot, index, Knot { step: 1 << 28, gain: Gain(gain) });
+        }
+    }
+    let table = |slot| TableRef { slot, knots: 2 };
+    let (shape, timing) = (RampShape::new(), Timing::at(400_000));
+    let tone = Tone { slot: 0, position: Position(0), level: Level::FULL, phase: Phase(0) };
+    let glide = 100 * timing.table_glide;
+    let drive =
+        Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next };
+    let rise = plan(&drive, 0, table(SlotIndex::First), &Motion::silent(), &slots, &shape, &timing).unwrap();
+    let swapped = |at| plan_swap(at, table(SlotIndex::Second), &rise, &slots, &shape, &timing).unwrap();
+    let glide = u64::from(glide);
+    assert_eq!(swapped(glide / 128 / 4 * 128).end(), glide);
+    let after = glide.next_multiple_of(128);
+    assert_eq!(swapped(after).end(), after + u64::from(timing.table_glide));
+}
