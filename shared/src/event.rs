@@ -61,7 +61,7 @@ pub enum ResetCause {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum StoredConfig {
-    /// There is none.
+    /// There is none, or the device is in safe mode and has not looked.
     #[default]
     Empty,
     /// It was read and is in use.
@@ -120,11 +120,11 @@ pub enum State {
     Idle,
     /// Unmuted, silent.
     Armed,
-    /// Tones sound.
+    /// Tones sound, or are about to.
     Driving,
     /// Ramping to silence.
     Stopping,
-    /// Muted; a latched fault stands.
+    /// A latched fault stands: muted, or on the way there.
     Fault,
     /// Started after repeated crashes: talks, never drives.
     SafeMode,

@@ -62,13 +62,14 @@ pub enum Busy {
     CommitPending,
     /// The output is not silent.
     DriveActive,
-    /// The staging slot still sounds: the last table swap is gliding.
+    /// The other slot is still needed: the last table swap has not begun, or what went by the old table fades out.
     TableInUse,
     /// A digest is under way.
     DigestPending,
 }
 
-/// A refusal, as it goes over the wire. The device's state is as it was before the command.
+/// A refusal, as it goes over the wire. What sounds, and what is kept, is as it was before the command; but the command
+/// has used its number, a wrong token the one given, and a damaged upload is given up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Refusal {
@@ -169,7 +170,7 @@ impl core::fmt::Display for Refusal {
             Self::Faulted { faults } => write!(f, "a fault stands: {faults}"),
             Self::Busy(Busy::CommitPending) => f.write_str("the last change has not been taken up yet"),
             Self::Busy(Busy::DriveActive) => f.write_str("only when the output is silent"),
-            Self::Busy(Busy::TableInUse) => f.write_str("the last table is still fading in"),
+            Self::Busy(Busy::TableInUse) => f.write_str("the last table has not been taken up yet"),
             Self::Busy(Busy::DigestPending) => f.write_str("a digest is under way"),
             Self::OutOfRange { field, min, max, got } => {
                 write!(f, "{} is {got}; allowed are {min} to {max}", field.name())

@@ -150,6 +150,10 @@ fn chunks_out_of_order_are_refused_and_the_upload_goes_on() {
     for chunk in &chunks[1..] {
         rig.accepted(&Command::TableChunk(chunk.clone()));
     }
+    let mut beyond = chunks[0].clone();
+    beyond.first = table.header.knots;
+    let expected = table.header.knots;
+    assert_eq!(rig.refused(&Command::TableChunk(beyond)), Refusal::ChunkOrder { expected });
     rig.accepted(&Command::TableCommit);
     assert_eq!(rig.status().table_crc, table.header.crc);
 }

@@ -1,7 +1,7 @@
 //! Tables on their way in: wrong ones, half ones, and what stays in force.
 
 use proptest::prelude::*;
-use slipline_protocol::command::TableChunk;
+use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::event::{Event, State};
 use slipline_protocol::limits::{MAX_KNOT_STEP, STAGING_TIMEOUT_MS};
 use slipline_protocol::refusal::{Busy, Field};
@@ -143,6 +143,21 @@ fn the_first_knot_at_fault_is_named() {
     // The bounds themselves are allowed.
     let edge = vec![Knot { step: 1, gain: Gain(1) }, Knot { step: MAX_KNOT_STEP, gain: Gain::FULL }];
     rig.upload(&Table::of(edge));
+}
+
+#[test]
+fn a_span_is_refused_with_a_range_that_has_room() {
+    //
+    let mut rig = Rig::default();
+    rig.hello();
+    for (start, end) in [(7, 7), (u32::MAX - 1, 5), (u32::MAX, 5), (u32::MAX, u32::MAX)] {
+        let header = TableHeader { span_start_um: start, span_end_um: end, ..Table::usual().header };
+        let refusal = rig.refused(&Command::TableBegin(header));
+        let Refusal::OutOfRange { field: Field::Span, min, max, got } = refusal else {
+            panic!("{refusal:?}")
+        };
+        assert!(min <= max && max <= i64::from(u32::MAX) && !(min..=max).contains(&got), "{refusal:?}");
+    }
 }
 
 #[test]

@@ -8,8 +8,8 @@
 //! payload (kind 0) = nothing: forgotten
 //! ```
 //! A record is written into the slot that does not hold the newest: erase, payload, header last. So whenever the
-//! power fails, the newest record whose header and payload are whole is the complete old or the complete new one. The
-//! sequence number tells the newest; it wraps.
+//! power fails, the newest record with a whole header is the complete old or the complete new one. The sequence number
+//! tells the newest; it wraps. A payload that decays later is told as damage: nobody asked for the table before it.
 
 use slipline_protocol::command::TableHeader;
 use slipline_protocol::event::StoredConfig;

@@ -163,6 +163,29 @@ mod tests {
     }
 
     #[test]
+    fn one_long_step_heats_as_many_short_ones() {
+        for seconds in [1u32, 10, 60] {
+            let mut thermal = Thermal::new(Heat::Cold);
+            thermal.advance(0, 0, RATE);
+            let samples = u64::from(seconds) * u64::from(RATE);
+            thermal.advance(samples, FULL_SQUARE * samples, RATE);
+            let want = analytic(f64::from(seconds));
+            assert!((f64::from(thermal.rise()) / want - 1.0).abs() < 0.02, "{seconds} s: {thermal:?} {want}");
+            assert_eq!(thermal.per_mille(), (thermal.rise() * 1000.0) as u16);
+            assert!(thermal.per_mille() > 50);
+        }
+    }
+
+    #[test]
+    fn the_foldback_is_linear_from_warm_to_the_limit() {
+        for (rise, left) in [(0.5, 1000), (0.79, 1000), (0.85, 875), (0.9, 750), (1.0, 500), (2.0, 500)] {
+            let thermal = Thermal { winding: rise, body: rise, ..Thermal::new(Heat::Cold) };
+            assert!(thermal.limit_per_mille().abs_diff(left) <= 1, "{rise}: {}", thermal.limit_per_mille());
+            assert_eq!(thermal.is_warm(), rise > WARN);
+        }
+    }
+
+    #[test]
     fn the_foldback_alone_holds_the_limit_for_ever() {
         let mut thermal = Thermal::new(Heat::Cold);
         for _ in 0..3600 {

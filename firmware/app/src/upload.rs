@@ -42,6 +42,9 @@ pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Ref
         let own = i64::from(sample_rate_hz);
         return Err(out_of_range(Field::SampleRate, own, own, i64::from(header.sample_rate_hz)));
     }
+    if header.span_start_um == u32::MAX {
+        return Err(out_of_range(Field::Span, 0, i64::from(u32::MAX - 1), i64::from(u32::MAX)));
+    }
     if header.span_end_um <= header.span_start_um {
         let min = i64::from(header.span_start_um).saturating_add(1);
         return Err(out_of_range(Field::Span, min, i64::from(u32::MAX), i64::from(header.span_end_um)));
@@ -74,7 +77,7 @@ impl Upload {
     /// Takes the next knots.
     ///
     /// # Errors
-    /// [`Refusal::ChunkOrder`] for any but the next; [`Refusal::OutOfRange`] for none or too many. Nothing is taken
+    /// [`Refusal::ChunkOrder`] for any but the next, or after the last; [`Refusal::OutOfRange`] for none or too many. Nothing is taken
     /// then.
     pub fn take<M: RawMutex>(
         &mut self,
@@ -82,10 +85,10 @@ impl Upload {
         crossing: &Crossing<M>,
         now: SampleIndex,
     ) -> Result<(), Refusal> {
-        if chunk.first != self.received {
+        let left = usize::from(self.header.knots.saturating_sub(self.received));
+        if chunk.first != self.received || left == 0 {
             return Err(Refusal::ChunkOrder { expected: self.received });
         }
-        let left = usize::from(self.header.knots.saturating_sub(self.received));
         if !(1..=left).contains(&chunk.knots.len()) {
             return Err(out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
         }
