@@ -54,8 +54,9 @@ impl BootloaderDoor {
         passed
     }
 
-    /// Forgets the token.
+    /// Forgets the token, and that it was shown.
     pub fn close(&mut self) {
         self.token = None;
+        self.leaving_since = None;
     }
 }

@@ -7,7 +7,7 @@
 //!            |  store  --> FlashPages
 //! tick ------+  thermal model, drive time, time-outs
 //! ```
-//! A refused command has changed nothing.
+//! A refused command has changed nothing that sounds or is kept.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -107,6 +107,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
         // Before anything can sound: a coil that may be hot is never driven at full scale.
         crossing.set_limit(self.thermal.limit_per_mille());
+        if self.boot.safe_mode {
+            // It may be the kept table that the last runs ended on.
+            return;
+        }
         let slot = self.active.slot.other();
         let knot = |index| crossing.slots().knot(slot, index);
         let loaded = store::load(&mut self.flash, self.timing.sample_rate_hz, |index, knot| {
@@ -230,14 +234,16 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if self.thermal.is_over() && !view.faults.set().contains(Fault::Overheat) {
             crossing.fault(Fault::Overheat, Stop::Normal);
         }
-        let sounds = view.armed && !view.is_silent();
+        // A table swap that is pending is no drive.
+        let sounds = view.armed && !view.report.silent;
         if sounds && now.saturating_sub(self.user_acted_at) >= self.timing.max_drive {
             crossing.fault(Fault::DriveTime, Stop::Normal);
         }
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {
             self.upload = None;
         }
-        if self.door.is_passed(now, &self.timing) {
+        // Who armed since the token was shown stays.
+        if self.door.is_passed(now, &self.timing) && !view.armed && view.is_silent() {
             self.system.enter_bootloader();
         }
         crossing.pulse_safety();
@@ -248,15 +254,15 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         window: DigestWindow,
         crossing: &Crossing<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let next = crossing.now();
-        let latest = next.saturating_add(self.timing.max_apply_ahead);
         in_range(Field::DigestCount, 1, u64::from(limits::MAX_DIGEST_SAMPLES), u64::from(window.count))?;
-        in_range(Field::ApplyAt, next, latest, window.from)?;
-        if matches!(crossing.digest(), DigestState::Waiting(_)) {
-            return Err(Refusal::Busy(Busy::DigestPending));
-        }
-        crossing.start_digest(window);
-        Ok(window.from)
+        crossing.start_digest(window, |next, state| {
+            let latest = next.saturating_add(self.timing.max_apply_ahead);
+            in_range(Field::ApplyAt, next, latest, window.from)?;
+            if matches!(state, DigestState::Waiting(_)) {
+                return Err(Refusal::Busy(Busy::DigestPending));
+            }
+            Ok(window.from)
+        })
     }
 
     fn refuse_unless_leavable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {

@@ -181,8 +181,10 @@ impl<M: RawMutex> Crossing<M> {
     pub fn stop(&self, stop: Stop) -> SampleIndex {
         self.shared.lock(|shared| {
             shared.pending.set(None);
-            // With what was pending gone, silence stays silence: there is nothing to ramp.
-            if !shared.report.get().silent {
+            // With what was pending gone, silence stays silence: there is nothing to ramp. The motion is asked, not
+            // the report, which lags: the block that is being rendered may have begun to sound.
+            let last = shared.next.get().saturating_sub(BLOCK_SAMPLES);
+            if !shared.live().outline().is_silent_from(last) {
                 shared.stop.set(Some(stop.quicker(shared.stop.get())));
             }
             shared.next.get()
@@ -263,9 +265,21 @@ impl<M: RawMutex> Crossing<M> {
         }
     }
 
-    /// Begins a digest.
-    pub fn start_digest(&self, window: DigestWindow) {
-        self.shared.lock(|shared| shared.digest.set(DigestState::Waiting(window)));
+    /// Begins a digest if `may_start` says so of the next index and of how the last digest stands. One step, so that
+    /// the window has not begun when the renderer hears of it.
+    ///
+    /// # Errors
+    /// What `may_start` says.
+    pub fn start_digest<T, E>(
+        &self,
+        window: DigestWindow,
+        may_start: impl FnOnce(SampleIndex, DigestState) -> Result<T, E>,
+    ) -> Result<T, E> {
+        self.shared.lock(|shared| {
+            let started = may_start(shared.next.get(), shared.digest.get())?;
+            shared.digest.set(DigestState::Waiting(window));
+            Ok(started)
+        })
     }
 
     /// Forgets the digest.

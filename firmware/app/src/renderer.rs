@@ -215,6 +215,9 @@ impl Renderer {
         let index = self.index;
         if let Some(stop) = orders.stop {
             self.fade(stop, crossing);
+        } else if !orders.armed && self.stop_ends.is_none() {
+            // The last net: whatever went wrong, who is not armed does not sound.
+            self.fade(Stop::Normal, crossing);
         }
         if is_host_lost(orders, index, self.timing.dead_man) {
             // A host that falls silent while nothing sounds has done no harm: the device disarms, without a fault.

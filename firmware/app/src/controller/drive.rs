@@ -31,6 +31,11 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(crossing.arm())
     }
 
+    fn refuse_unless_armed(&self, view: &View) -> Result<(), Refusal> {
+        self.refuse_if_unfit(view)?;
+        if view.armed { Ok(()) } else { Err(Refusal::NotArmed) }
+    }
+
     fn refuse_if_unfit(&self, view: &View) -> Result<(), Refusal> {
         if self.boot.safe_mode {
             return Err(Refusal::SafeMode);
@@ -44,12 +49,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         drive: &Drive,
         crossing: &Crossing<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let view = crossing.view();
-        self.refuse_if_unfit(&view)?;
-        if !view.armed {
-            return Err(Refusal::NotArmed);
-        }
+        // Before anything else, and again at each attempt: the renderer disarms by itself, at any moment.
+        self.refuse_unless_armed(&crossing.view())?;
         let at = publish(crossing, |view, lead| {
+            self.refuse_unless_armed(view)?;
             let earliest = view.next.max(view.ready_at);
             let at = match drive.apply {
                 Apply::Next => earliest.saturating_add(lead),

@@ -1,8 +1,13 @@
-//! What no message can bring about: a fold-back that does not hold the coil, a memory that flips.
+//! What no message alone can bring about: a fold-back that does not hold the coil, a memory that flips, an interrupt
+//! between two steps of a command.
 
+mod interleaving;
+
+use core::cell::RefCell;
 use std::boxed::Box;
+use std::rc::Rc;
 
-use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{Apply, Drive, TableChunk, Tone};
 use slipline_protocol::event::Faults;
 use slipline_protocol::table::{self, Knot};
@@ -10,6 +15,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
 use super::*;
 use crate::bank::BLOCK;
+use crate::bank::code::MID_SCALE;
 use crate::ports::NoFlash;
 use crate::renderer::Renderer;
 use crate::timing::TICK_BLOCKS;
@@ -19,22 +25,56 @@ const RATE: u32 = 8000;
 const KNOTS: [Knot; 2] =
     [Knot { step: 200_000_000, gain: Gain::FULL }, Knot { step: 100_000_000, gain: Gain::FULL }];
 
-/// A system without a bootloader.
-struct Bare;
+/// A system that remembers whether its bootloader was entered.
+#[derive(Clone, Default)]
+struct Rom(Rc<RefCell<bool>>);
 
-impl System for Bare {
+impl System for Rom {
     fn has_bootloader(&self) -> bool {
-        false
+        true
     }
 
-    fn enter_bootloader(&mut self) {}
+    fn enter_bootloader(&mut self) {
+        *self.0.borrow_mut() = true;
+    }
+}
+
+/// Something that happens before a lock is taken, and how many locks come before that one.
+type Interrupt = (u32, Box<dyn FnOnce()>);
+
+std::thread_local! {
+    static INTERRUPT: RefCell<Option<Interrupt>> = const { RefCell::new(None) };
+}
+
+/// A mutex before which an interrupt may come.
+struct Interrupted;
+
+#[expect(unsafe_code, reason = "the trait is unsafe")]
+// SAFETY: a crossing behind it is used by one thread only, and an interrupt is over before a lock is taken.
+unsafe impl RawMutex for Interrupted {
+    const INIT: Self = Self;
+
+    fn lock<R>(&self, f: impl FnOnce() -> R) -> R {
+        let due = INTERRUPT.with_borrow_mut(|interrupt| match interrupt.take() {
+            Some((0, happens)) => Some(happens),
+            later => {
+                *interrupt = later.map(|(locks, happens)| (locks - 1, happens));
+                None
+            }
+        });
+        if let Some(happens) = due {
+            happens();
+        }
+        f()
+    }
 }
 
 /// Both halves of the application, without a link between them and the test.
 struct Bench {
-    controller: Controller<NoFlash, Bare>,
-    crossing: Box<Crossing<NoopRawMutex>>,
-    renderer: Renderer,
+    controller: Controller<NoFlash, Rom>,
+    crossing: Rc<Crossing<Interrupted>>,
+    renderer: Rc<RefCell<Renderer>>,
+    rom: Rom,
 }
 
 impl Bench {
@@ -48,21 +88,28 @@ impl Bench {
             simulated: true,
             sample_rate_hz: RATE,
         };
+        let rom = Rom::default();
         let mut bench = Self {
-            controller: Controller::new(device, Boot::cold(), NoFlash, Bare),
-            crossing: Box::new(Crossing::new()),
-            renderer: Renderer::new(Timing::at(RATE)),
+            controller: Controller::new(device, Boot::cold(), NoFlash, rom.clone()),
+            crossing: Rc::new(Crossing::new()),
+            renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
+            rom,
         };
         bench.controller.start(&bench.crossing);
-        let crc = table::digest(0, 300_000, RATE, 2, |index| KNOTS[usize::from(index)]);
-        let header =
-            TableHeader { knots: 2, span_start_um: 0, span_end_um: 300_000, sample_rate_hz: RATE, crc };
-        bench.accepted(&Command::TableBegin(header));
-        bench.accepted(&Command::TableChunk(TableChunk { first: 0, knots: KNOTS.into_iter().collect() }));
-        bench.accepted(&Command::TableCommit);
+        bench.upload();
         bench.render(TICK_BLOCKS);
         bench.accepted(&Command::Arm);
         bench
+    }
+
+    /// Uploads the table and commits it.
+    fn upload(&mut self) {
+        let crc = table::digest(0, 300_000, RATE, 2, |index| KNOTS[usize::from(index)]);
+        let header =
+            TableHeader { knots: 2, span_start_um: 0, span_end_um: 300_000, sample_rate_hz: RATE, crc };
+        self.accepted(&Command::TableBegin(header));
+        self.accepted(&Command::TableChunk(TableChunk { first: 0, knots: KNOTS.into_iter().collect() }));
+        self.accepted(&Command::TableCommit);
     }
 
     fn execute(&mut self, command: &Command) -> Result<Event, Refusal> {
@@ -74,12 +121,14 @@ impl Bench {
         assert!(matches!(answer, Ok(Event::Accepted(_))), "{command:?}: {answer:?}");
     }
 
-    /// Renders blocks while the host lives.
-    fn render(&mut self, blocks: u64) {
+    /// Renders blocks while the host lives; whether anything sounded.
+    fn render(&mut self, blocks: u64) -> bool {
+        let mut sounded = false;
         for _ in 0..blocks {
             self.crossing.feed();
-            self.renderer.render(&self.crossing, &mut [0; BLOCK]);
+            sounded |= render(&self.renderer, &self.crossing);
         }
+        sounded
     }
 
     fn faults(&self) -> Faults {
@@ -95,17 +144,24 @@ impl Bench {
     }
 }
 
-fn full_scale() -> Command {
+/// Renders a block without a word from the host; whether it sounds.
+fn render(renderer: &RefCell<Renderer>, crossing: &Crossing<Interrupted>) -> bool {
+    let mut codes = [0; BLOCK];
+    renderer.borrow_mut().render(crossing, &mut codes);
+    codes.iter().any(|&code| code != MID_SCALE)
+}
+
+fn full_scale(apply: Apply) -> Command {
     let tone = Tone { slot: 0, position: Position(0), level: Level(u16::MAX), phase: Phase(0) };
     let tones = [tone].into_iter().collect();
-    Command::Drive(Drive { tones, master: CentiDecibel(0), glide: 200, apply: Apply::Next })
+    Command::Drive(Drive { tones, master: CentiDecibel(0), glide: 200, apply })
 }
 
 #[test]
 fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     //
     let mut bench = Bench::armed();
-    bench.accepted(&full_scale());
+    bench.accepted(&full_scale(Apply::Next));
     let ticks_of_two_minutes = 120 * u64::from(RATE) / (TICK_BLOCKS * BLOCK as u64);
     let hot = (0..ticks_of_two_minutes).find(|_| {
         bench.render(TICK_BLOCKS);
@@ -119,10 +175,14 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     let first = bench.crossing.view().faults.first();
     bench.render(8 * TICK_BLOCKS);
     bench.controller.tick(&bench.crossing);
-    assert!(bench.crossing.view().is_silent() && bench.renderer.is_muted());
+    assert!(bench.crossing.view().is_silent() && bench.renderer.borrow().is_muted());
     assert_eq!(bench.crossing.view().faults.first(), first);
     assert_eq!(bench.execute(&Command::ClearFaults).map(|_| bench.faults()), Ok(bench.faults()));
     assert!(bench.faults().contains(Fault::Overheat), "it is still warm");
+    bench.render(1000 * TICK_BLOCKS);
+    bench.controller.tick(&bench.crossing);
+    bench.accepted(&Command::ClearFaults);
+    assert_eq!(bench.faults(), Faults::NONE, "it has cooled");
 }
 
 #[test]
@@ -147,4 +207,53 @@ fn a_new_session_knows_no_digest_of_the_last() {
     bench.controller.begin_session(&bench.crossing);
     assert_eq!(bench.execute(&Command::DigestRead), Err(Refusal::NoDigest));
     bench.accepted(&Command::DigestStart(window));
+}
+
+#[test]
+fn who_arms_after_the_token_was_shown_stays() {
+    // by the same session or by one that took over.
+    for takes_over in [false, true] {
+        let mut bench = Bench::armed();
+        bench.accepted(&Command::Disarm);
+        bench.render(8);
+        let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
+        bench.accepted(&Command::BootloaderEnter(token));
+        if takes_over {
+            bench.controller.begin_session(&bench.crossing);
+        }
+        bench.render(1);
+        bench.accepted(&Command::Arm);
+        for _ in 0..100 {
+            bench.render(TICK_BLOCKS);
+            bench.controller.tick(&bench.crossing);
+        }
+        assert!(!*bench.rom.0.borrow());
+        assert!(bench.crossing.view().armed);
+    }
+}
+
+#[test]
+fn a_takeover_keeps_the_application_running() {
+    let mut bench = Bench::armed();
+    bench.accepted(&Command::Disarm);
+    bench.render(8);
+    let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
+    bench.accepted(&Command::BootloaderEnter(token));
+    bench.controller.begin_session(&bench.crossing);
+    for _ in 0..100 {
+        bench.render(TICK_BLOCKS);
+        bench.controller.tick(&bench.crossing);
+    }
+    assert!(!*bench.rom.0.borrow());
+}
+
+#[test]
+fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
+    //
+    let mut bench = Bench::armed();
+    let blocks = bench.controller.timing().max_drive / BLOCK as u64 + 2 * TICK_BLOCKS;
+    bench.render(blocks);
+    bench.upload();
+    bench.controller.tick(&bench.crossing);
+    assert_eq!(bench.faults(), Faults::NONE);
 }

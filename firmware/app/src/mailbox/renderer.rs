@@ -97,6 +97,8 @@ impl<M: RawMutex> Crossing<M> {
         self.shared.lock(|shared| {
             shared.armed.set(false);
             shared.pending.set(None);
+            // A drive that is being planned right now was for an armed device: it must not be published any more.
+            shared.count_change();
             if let Some((fault, at)) = fault {
                 shared.faults.set(shared.faults.get().with(fault, at));
             }
