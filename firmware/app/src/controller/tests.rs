@@ -16,7 +16,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 use super::*;
 use crate::bank::BLOCK;
 use crate::bank::code::MID_SCALE;
-use crate::ports::NoFlash;
+use crate::ports::{FLASH_WORD, FlashError, FlashSlot, NoFlash};
 use crate::renderer::Renderer;
 use crate::timing::TICK_BLOCKS;
 
@@ -24,6 +24,15 @@ use crate::timing::TICK_BLOCKS;
 const RATE: u32 = 8000;
 const KNOTS: [Knot; 2] =
     [Knot { step: 200_000_000, gain: Gain::FULL }, Knot { step: 100_000_000, gain: Gain::FULL }];
+
+const DEVICE: Device = Device {
+    board: "bench",
+    build: "",
+    firmware: (0, 0, 0),
+    unit: [0; 12],
+    simulated: true,
+    sample_rate_hz: RATE,
+};
 
 /// A system that remembers whether its bootloader was entered.
 #[derive(Clone, Default)]
@@ -80,17 +89,9 @@ struct Bench {
 impl Bench {
     /// A device with a table, armed.
     fn armed() -> Self {
-        let device = Device {
-            board: "bench",
-            build: "",
-            firmware: (0, 0, 0),
-            unit: [0; 12],
-            simulated: true,
-            sample_rate_hz: RATE,
-        };
         let rom = Rom::default();
         let mut bench = Self {
-            controller: Controller::new(device, Boot::cold(), NoFlash, rom.clone()),
+            controller: Controller::new(DEVICE, Boot::cold(), NoFlash, rom.clone()),
             crossing: Rc::new(Crossing::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
             rom,
@@ -256,4 +257,35 @@ fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
     bench.upload();
     bench.controller.tick(&bench.crossing);
     assert_eq!(bench.faults(), Faults::NONE);
+}
+
+/// A flash on which a program ends.
+struct Deadly;
+
+impl FlashPages for Deadly {
+    fn slot_len(&self) -> usize {
+        store::SLOT_BYTES
+    }
+
+    fn erase(&mut self, _: FlashSlot) -> Result<(), FlashError> {
+        panic!("erased")
+    }
+
+    fn write(&mut self, _: FlashSlot, _: usize, _: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
+        panic!("written")
+    }
+
+    fn read(&mut self, _: FlashSlot, _: usize, _: &mut [u8; FLASH_WORD]) -> Result<(), FlashError> {
+        panic!("read")
+    }
+}
+
+#[test]
+fn safe_mode_does_not_touch_the_kept_table() {
+    // the last runs may have ended on it.
+    let boot = Boot { safe_mode: true, ..Boot::cold() };
+    let crossing = Crossing::<Interrupted>::new();
+    let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
+    controller.start(&crossing);
+    assert_eq!(controller.execute(&Command::Arm, &crossing), Err(Refusal::SafeMode));
 }
