@@ -26,8 +26,10 @@ pub struct World {
     pub open_error: Option<Trouble>,
     /// Drops this many replies.
     pub deaf_for: u32,
-    /// Drops this many commands.
+    /// Drops this many numbered commands.
     pub mute_for: u32,
+    /// Drops this many stops.
+    pub mute_stops_for: u32,
     /// Changes a reply on its way.
     pub rewrite: Rewrite,
     /// The host's bytes.
@@ -53,6 +55,7 @@ impl Default for World {
             open_error: None,
             deaf_for: 0,
             mute_for: 0,
+            mute_stops_for: 0,
             rewrite: as_real,
             from_host: Decoder::new(),
             from_device: Decoder::new(),
@@ -186,6 +189,10 @@ impl Transport for Line {
             world.heard.push((header.sequence, command.clone()));
             if world.mute_for > 0 && command.is_sequenced() {
                 world.mute_for -= 1;
+                continue;
+            }
+            if world.mute_stops_for > 0 && matches!(command, Command::Stop | Command::EmergencyStop) {
+                world.mute_stops_for -= 1;
                 continue;
             }
             let frame = command.frame(header.session, header.sequence).expect("fits");

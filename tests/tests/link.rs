@@ -5,7 +5,6 @@ use std::time::Duration;
 use slipline::link::worker::Worker;
 use slipline::link::{Change, DriveRequest, LinkState, Outcome, Port, Request, Ticket, ToneRequest, Trouble};
 use slipline_protocol::Command;
-use slipline_protocol::event::State;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_tests::bench::{Bench, LOST_AFTER_MS, drive};
 use slipline_tests::world::{Ports, lock};
@@ -60,21 +59,6 @@ fn the_newest_drive_wins_and_a_stop_overtakes_all_of_them() {
     assert!(tickets.iter().all(|ticket| bench.outcome(*ticket) == Some(Outcome::Superseded)));
     assert!(matches!(bench.outcome(stop), Some(Outcome::Done { .. })));
     assert!(!bench.world().heard.iter().any(|(_, command)| matches!(command, Command::Drive(_))));
-}
-
-#[test]
-fn a_drive_that_was_lost_before_a_stop_does_not_come_back_after_it() {
-    let mut bench = Bench::armed();
-    bench.world().mute_for = 1;
-    bench.ask(drive(0.05));
-    let stop = bench.ask(Request::Stop);
-    bench.pass_ms(2000);
-    assert!(matches!(bench.outcome(stop), Some(Outcome::Done { .. })));
-    assert_eq!(bench.state(), State::Armed, "silent, and in step with the device");
-    let again = bench.ask(drive(0.06));
-    bench.pass_ms(300);
-    assert!(matches!(bench.outcome(again), Some(Outcome::Done { .. })));
-    assert_eq!(bench.state(), State::Driving);
 }
 
 #[test]

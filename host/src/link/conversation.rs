@@ -135,9 +135,9 @@ impl Conversation {
         self.pulse.is_some()
     }
 
-    /// The numbered command that waits for its answer.
-    pub(crate) fn pending(&self) -> Option<&Command> {
-        self.ordered.as_ref().map(|flight| &flight.command)
+    /// The stop that waits for its answer.
+    pub(crate) fn stopping(&self) -> Option<&Command> {
+        self.urgent.as_ref().map(|flight| &flight.command)
     }
 
     /// What has been counted here.
@@ -181,12 +181,6 @@ impl Conversation {
         if let Some(flight) = &mut self.ordered {
             flight.repeat = Command::TableDigest;
         }
-    }
-
-    /// Takes a numbered command's refusal as not counted: its number is `expected` from now on, and it goes out again.
-    pub(crate) fn renumber(&mut self, command: Command, expected: u16, now: Duration) {
-        self.sequence = expected;
-        self.say(command, now);
     }
 
     /// Takes bytes from the device; returns what they answer.
@@ -262,7 +256,8 @@ impl Conversation {
     }
 
     fn in_flash(&self) -> bool {
-        matches!(self.pending(), Some(Command::Store | Command::Forget))
+        let said = self.ordered.as_ref().map(|flight| &flight.command);
+        matches!(said, Some(Command::Store | Command::Forget))
     }
 
     fn patience(&self) -> Duration {
@@ -303,12 +298,14 @@ impl Conversation {
             })
         })?;
         let flight = self.lane_mut(lane).take()?;
-        let uncounted = matches!(
-            &reply,
-            Reply::Event(event) if matches!(**event, Event::Refused(Refusal::BadSequence { .. }))
-        );
-        if lane == Lane::Ordered && !uncounted {
-            self.sequence = self.sequence.wrapping_add(1);
+        if lane == Lane::Ordered {
+            self.sequence = match &reply {
+                // Not counted.
+                Reply::Event(event) if let Event::Refused(Refusal::BadSequence { expected }) = **event => {
+                    expected
+                }
+                _ => self.sequence.wrapping_add(1),
+            };
         }
         Some(Answer { round_trip: now.saturating_sub(flight.sent), command: flight.command, reply })
     }

@@ -1,8 +1,9 @@
 //! What to say to a connected device next; what its answers mean is in [`answers`], a table's way in [`uploading`].
 //!
 //! Tasks are said in order, one numbered command at a time. An upload runs beside them, a step whenever the lane is
-//! free. A stop goes out at once, throws away the drives that have not been said, and makes sure that one that has
-//! been said is never repeated.
+//! free. A stop goes out at once and overtakes what it would undo ([`Job::yields_to`]): what has not been said is
+//! thrown away, what has been said is never said again, and what is asked for later waits until the stop is answered,
+//! since its repeat would undo it.
 
 mod answers;
 mod uploading;
@@ -32,6 +33,17 @@ enum Job {
     FirstReadBack,
 }
 
+impl Job {
+    /// Whether this stop, emergency stop or disarm undoes it.
+    const fn yields_to(&self, stop: &Command) -> bool {
+        match self {
+            Self::Drive(_) => true,
+            Self::Say(Command::Arm | Command::ClearFaults) => matches!(stop, Command::EmergencyStop),
+            _ => false,
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Task {
     /// None for what the link does by itself.
@@ -39,11 +51,13 @@ struct Task {
     job: Job,
     tries: u32,
     not_before: Duration,
+    /// A stop came after it had been said: whatever the answer, it is not said again.
+    is_overtaken: bool,
 }
 
 impl Task {
     const fn new(ticket: Option<Ticket>, job: Job) -> Self {
-        Self { ticket, job, tries: 0, not_before: Duration::ZERO }
+        Self { ticket, job, tries: 0, not_before: Duration::ZERO, is_overtaken: false }
     }
 }
 
@@ -150,7 +164,10 @@ impl Dialogue {
                 return record.finish(Some(ticket), Outcome::Refused(sentence.to_owned()));
             }
             Request::Arm => Job::Say(Command::Arm),
-            Request::Disarm => Job::Say(Command::Disarm),
+            Request::Disarm => {
+                self.overtake(record, |job| job.yields_to(&Command::Disarm));
+                Job::Say(Command::Disarm)
+            }
             Request::ClearFaults => Job::Say(Command::ClearFaults),
             Request::ReadBack => Job::Say(Command::TableDigest),
             Request::Store => Job::Say(Command::Store),
@@ -171,17 +188,27 @@ impl Dialogue {
     }
 
     fn stop(&mut self, ticket: Ticket, command: Command, record: &mut Record, now: Duration) {
-        let is_emergency = command == Command::EmergencyStop;
-        self.drop_tasks(record, |job| match job {
-            Job::Drive(_) => true,
-            Job::Say(Command::Arm | Command::ClearFaults) => is_emergency,
-            _ => false,
-        });
-        if let Some(Command::Drive(_) | Command::Arm | Command::ClearFaults) = self.talk.pending() {
+        self.overtake(record, |job| job.yields_to(&command));
+        self.urgent.push(ticket);
+        self.say_stop(command, now);
+    }
+
+    /// Says a stop; an emergency stop that waits for its answer is said again, not replaced by less.
+    fn say_stop(&mut self, command: Command, now: Duration) {
+        let unanswered = self.talk.stopping().filter(|stop| **stop == Command::EmergencyStop);
+        let command = unanswered.cloned().unwrap_or(command);
+        self.talk.say(command, now);
+    }
+
+    /// Drops what has not been said of these, and makes sure that none is said again.
+    fn overtake(&mut self, record: &mut Record, which: impl Fn(&Job) -> bool) {
+        self.drop_tasks(record, &which);
+        if let Some(Current::Task(task)) = &mut self.current
+            && which(&task.job)
+        {
+            task.is_overtaken = true;
             self.talk.defuse();
         }
-        self.urgent.push(ticket);
-        self.talk.say(command, now);
     }
 
     fn drop_tasks(&mut self, record: &mut Record, which: impl Fn(&Job) -> bool) {
@@ -199,13 +226,12 @@ impl Dialogue {
 
     /// Stops the drive and disarms; [`Verdict::Close`] follows soon.
     pub(super) fn leave(&mut self, record: &mut Record, now: Duration) {
-        self.drop_tasks(record, |_| true);
+        self.overtake(record, |_| true);
         if self.stage == Stage::Limited || !self.is_greeted() {
             self.farewell = Some(now);
             return;
         }
-        self.talk.defuse();
-        self.talk.say(Command::Stop, now);
+        self.say_stop(Command::Stop, now);
         self.tasks.push_back(Task::new(None, Job::Say(Command::Disarm)));
         self.farewell = Some(now + FAREWELL);
     }
@@ -276,20 +302,26 @@ impl Dialogue {
         let mut deadline = self.keep_alive_due;
         deadline = deadline.min(self.talk.deadline().unwrap_or(deadline));
         deadline = deadline.min(self.farewell.unwrap_or(deadline));
-        if self.talk.is_free() {
+        if self.talk.is_free() && self.is_greeted() {
             let upload = self.upload.iter().map(|upload| upload.not_before);
-            let tasks = self.tasks.iter().map(|task| task.not_before);
+            let tasks = self.candidates().map(|(_, task)| task.not_before);
             deadline = deadline.min(upload.chain(tasks).min().unwrap_or(deadline));
         }
         deadline
     }
 
+    /// The tasks of which the next one is chosen: the first, and before it the digests, which let the others pass
+    /// until they are ready. None passes one that waits for a stop's answer.
+    fn candidates(&self) -> impl Iterator<Item = (usize, &Task)> {
+        let first = self.tasks.iter().position(|task| !matches!(task.job, Job::DigestRead));
+        let is_held = |task: &Task| self.talk.stopping().is_some_and(|stop| task.job.yields_to(stop));
+        let count = first.map_or(self.tasks.len(), |first| first + 1);
+        self.tasks.iter().enumerate().take(count).filter(move |(_, task)| !is_held(task))
+    }
+
     /// Says the next thing that is due; returns whether there was one.
     fn say_next(&mut self, record: &mut Record, now: Duration) -> bool {
-        // A digest that is not ready yet lets the others pass.
-        let due =
-            self.tasks.iter().position(|task| !matches!(task.job, Job::DigestRead) || now >= task.not_before);
-        let due = due.filter(|&at| self.tasks.get(at).is_some_and(|task| now >= task.not_before));
+        let due = self.candidates().find(|(_, task)| now >= task.not_before).map(|(at, _)| at);
         let upload_due = self.upload.as_ref().is_some_and(|upload| now >= upload.not_before);
         if upload_due && (due.is_none() || self.upload_turn) {
             self.upload_turn = false;

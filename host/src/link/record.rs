@@ -63,6 +63,16 @@ impl Record {
         self.touch();
     }
 
+    /// A drive that begins at `from` was told only after a stop had overtaken it. If the stop came later by its index,
+    /// it is the one that holds.
+    pub(crate) fn stop_again(&mut self, from: SampleIndex) {
+        let is_stop = |change: &Change| matches!(change, Change::Stop | Change::EmergencyStop);
+        let latest = self.view.journal.iter().rev().find(|entry| is_stop(&entry.change));
+        if let Some(stop) = latest.filter(|stop| stop.at >= from).cloned() {
+            self.acknowledge(stop.at, stop.change.clone());
+        }
+    }
+
     /// Notes how a request ended; requests of the link itself have no ticket.
     pub(crate) fn finish(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(sentence) = &outcome {

@@ -115,12 +115,13 @@ impl Dialogue {
     }
 
     fn numbered(&mut self, command: Command, event: Event, record: &mut Record, now: Duration) -> Verdict {
-        if let Event::Refused(Refusal::BadSequence { expected }) = event {
+        let is_overtaken = matches!(&self.current, Some(Current::Task(task)) if task.is_overtaken);
+        if matches!(event, Event::Refused(Refusal::BadSequence { .. })) && !is_overtaken {
             self.renumberings += 1;
             if self.renumberings > RENUMBERINGS {
                 return Verdict::Lose(Trouble::SessionEnded);
             }
-            self.talk.renumber(command, expected, now);
+            self.talk.say(command, now);
             return Verdict::GoOn;
         }
         self.renumberings = 0;
@@ -142,10 +143,13 @@ impl Dialogue {
     ) -> Verdict {
         let at = match event {
             Event::Accepted(accepted) => accepted.at,
+            Event::Refused(_) | Event::Table(_) if task.is_overtaken => {
+                // Refused, or lost and something harmless took its place: the stop is what counts.
+                record.finish(task.ticket, Outcome::Superseded);
+                return Verdict::GoOn;
+            }
             Event::Refused(Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
-                if matches!(task.job, Job::Drive(_))
-                    && task.tries < BUSY_TRIES
-                    && self.farewell.is_none() =>
+                if matches!(task.job, Job::Drive(_)) && task.tries < BUSY_TRIES =>
             {
                 // The last change is being taken up, or a stop ramps out. A newer drive takes this one's place.
                 if self.tasks.iter().any(|waiting| matches!(waiting.job, Job::Drive(_))) {
@@ -166,10 +170,6 @@ impl Dialogue {
                         self.stage = Stage::Connected;
                         self.connected(now_at, record);
                         self.arm_simulated(record);
-                    }
-                    // A defused drive or arm that never got through.
-                    _ if command != Command::TableDigest => {
-                        record.finish(task.ticket, Outcome::Superseded);
                     }
                     _ => record.finish(task.ticket, Outcome::Done { at: now_at }),
                 }
@@ -201,7 +201,12 @@ impl Dialogue {
                     return Verdict::Close;
                 }
             }
-            Command::Drive(drive) => record.acknowledge(at, Change::Drive(Arc::new(drive))),
+            Command::Drive(drive) => {
+                record.acknowledge(at, Change::Drive(Arc::new(drive)));
+                if task.is_overtaken {
+                    record.stop_again(at);
+                }
+            }
             Command::ClearFaults => self.arm_simulated(record),
             Command::DigestStart(_) => {
                 let mut read = Task::new(task.ticket, Job::DigestRead);
