@@ -197,6 +197,9 @@ impl Follower {
             Change::Limit(per_mille) => mirror.acknowledge_limit(*per_mille, entry.at),
             Change::Session | Change::Armed => Ok(()),
         };
+        if !entry.is_exact {
+            mirror.distrust();
+        }
     }
 }
 
@@ -237,7 +240,7 @@ mod tests {
 
     fn job(entries: &[(u64, u64, Change)], now: u64) -> Job {
         let entry = |(number, at, change): &(u64, u64, Change)| {
-            Arc::new(Acknowledged { number: *number, at: *at, change: change.clone() })
+            Arc::new(Acknowledged { number: *number, at: *at, change: change.clone(), is_exact: true })
         };
         let plate = preset("membrane").unwrap();
         Job {
@@ -262,6 +265,20 @@ mod tests {
         let live = follower.follow(&job(&later, 640_000));
         assert!(live.is_true());
         assert!(live.window().unwrap().codes.iter().any(|&code| code > 2500), "the table was kept");
+    }
+
+    #[test]
+    fn a_stop_of_the_devices_own_costs_the_trust_until_the_next_silence() {
+        let mut follower = Follower::default();
+        let drive_and_stop = [(1, 12_800, Change::Session), (2, 25_600, drive()), (3, 200_000, Change::Stop)];
+        let mut own = job(&drive_and_stop, 204_800);
+        Arc::make_mut(Arc::make_mut(&mut own.journal).back_mut().unwrap()).is_exact = false;
+        assert!(follower.follow(&job(&drive_and_stop[..2], 128_000)).is_true());
+        assert!(!follower.follow(&own).is_true());
+
+        Arc::make_mut(&mut own.journal).extend(job(&[(4, 512_000, drive())], 0).journal.iter().cloned());
+        let live = follower.follow(&Job { now: 640_000, ..own });
+        assert!(live.is_true() && live.window().is_some());
     }
 
     #[test]

@@ -3,8 +3,11 @@
 use std::time::Duration;
 
 use slipline::link::worker::Worker;
-use slipline::link::{Change, DriveRequest, LinkState, Outcome, Port, Request, Ticket, ToneRequest, Trouble};
+use slipline::link::{
+    Acknowledged, Change, DriveRequest, LinkState, Outcome, Port, Request, Ticket, ToneRequest, Trouble,
+};
 use slipline_protocol::Command;
+use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_tests::bench::{Bench, LOST_AFTER_MS, drive};
 use slipline_tests::world::{Ports, lock};
@@ -73,6 +76,44 @@ fn a_disconnect_stops_and_disarms_first() {
     let last: Vec<&Command> = world.heard.iter().rev().take(2).map(|(_, command)| command).collect();
     assert_eq!(last, [&Command::Disarm, &Command::Stop]);
     assert!(world.device.is_muted());
+}
+
+#[test]
+fn a_stop_of_the_devices_own_is_told_as_one_whose_index_nobody_knows() {
+    // the samples cannot be known from the journal until the next silence.
+    let mut bench = Bench::armed();
+    bench.ask(drive(0.05));
+    bench.pass_ms(300);
+    bench.world().device.inject_underrun();
+    bench.pass_ms(300);
+    let status = bench.view().status.unwrap();
+    assert_eq!(status.first_fault, Some(Fault::Underrun));
+    let told = |entry: &Acknowledged| (entry.at, entry.change.clone(), entry.is_exact);
+    assert_eq!(
+        bench.view().journal.back().map(|entry| told(entry)),
+        Some((status.first_fault_at, Change::Stop, false))
+    );
+
+    // Those of the user are, whatever the status says first.
+    for request in [Request::ClearFaults, Request::Arm, drive(0.05)] {
+        bench.ask(request);
+        bench.pass_ms(100);
+    }
+    bench.world().deaf_for = 1;
+    bench.ask(Request::EmergencyStop);
+    bench.pass_ms(1000);
+    assert_eq!(bench.view().status.unwrap().state, State::Fault);
+    assert_eq!(bench.view().journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
+}
+
+#[test]
+fn a_request_that_waits_for_the_greeting_does_not_keep_the_link_awake() {
+    //
+    let mut bench = Bench::new();
+    bench.world().deaf_for = u32::MAX;
+    bench.ask(Request::Connect(Port::Serial("A".to_owned())));
+    bench.ask(Request::Disarm);
+    assert!(bench.connection.deadline(bench.now).unwrap() > bench.now);
 }
 
 #[test]

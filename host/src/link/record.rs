@@ -53,12 +53,28 @@ impl Record {
 
     /// Notes what the device has agreed to.
     pub(crate) fn acknowledge(&mut self, at: SampleIndex, change: Change) {
+        self.enter(at, change, true);
+    }
+
+    /// Notes that the device, which has latched a fault at `at`, has stopped by itself what it was sounding.
+    pub(crate) fn stopped_by_itself(&mut self, at: SampleIndex) {
+        let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
+            Change::Drive(_) => Some(true),
+            Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
+            Change::Armed | Change::Table(_) | Change::Limit(_) => None,
+        });
+        if latest == Some(true) {
+            self.enter(at, Change::Stop, false);
+        }
+    }
+
+    fn enter(&mut self, at: SampleIndex, change: Change, is_exact: bool) {
         self.entries += 1;
         let journal = Arc::make_mut(&mut self.view.journal);
         if matches!(change, Change::Limit(_)) {
             drop_oldest_limit(journal);
         }
-        let entry = Arc::new(Acknowledged { number: self.entries, at, change });
+        let entry = Arc::new(Acknowledged { number: self.entries, at, change, is_exact });
         push_bounded(journal, JOURNAL_ENTRIES, entry);
         self.touch();
     }

@@ -73,6 +73,9 @@ pub struct Acknowledged {
     pub at: SampleIndex,
     /// What.
     pub change: Change,
+    /// Whether the device has named the index. Of a stop of its own (dead-man, fault) it tells only afterwards, and not
+    /// where its ramp began: until the next silence nobody knows its samples.
+    pub is_exact: bool,
 }
 
 /// A change of what the device sounds.

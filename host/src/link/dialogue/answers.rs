@@ -96,6 +96,10 @@ impl Dialogue {
             record.acknowledge(since, Change::Limit(status.foldback_per_mille));
         }
         record.status(status);
+        // A stop of the user's that is not answered yet may be why.
+        if status.state == State::Fault && self.talk.stopping().is_none() {
+            record.stopped_by_itself(status.first_fault_at);
+        }
         if is_first {
             record.acknowledge(status.now, Change::Session);
         }
