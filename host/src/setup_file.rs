@@ -131,10 +131,13 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
     if !table.contains_key("slipline_setup") && table.contains_key("taper") {
         return Ok(Opened::Plate(Arc::new(Plate::from_toml(text)?)));
     }
-    let parsed: SetupText = toml::from_str(text).map_err(syntax)?;
-    if parsed.slipline_setup != VERSION {
-        return Err(SetupFileError::Version(parsed.slipline_setup));
+    // First of all: what another version has more is no mistake in the file.
+    if let Some(version) = table.get("slipline_setup").and_then(toml::Value::as_integer)
+        && version != VERSION
+    {
+        return Err(SetupFileError::Version(version));
     }
+    let parsed: SetupText = toml::from_str(text).map_err(syntax)?;
     build(parsed).map(|setup| Opened::Setup(Box::new(setup)))
 }
 
@@ -254,6 +257,13 @@ mod tests {
         assert!(
             matches!(read(preset.toml), Ok(Opened::Plate(plate)) if plate.name() == preset.plate().unwrap().name())
         );
+    }
+
+    #[test]
+    fn a_file_of_a_newer_version_asks_for_a_newer_program_whatever_else_it_has() {
+        let newer = write(&sample()).replacen("slipline_setup = 1", "slipline_setup = 2\nstrange = true", 1);
+        let error = setup_of(&newer).unwrap_err().to_string();
+        assert!(error.contains("install a newer one"), "{error}");
     }
 
     #[test]
