@@ -1,7 +1,9 @@
 //! The host's link while the device is there: replies that are lost, requests that overtake each other, in virtual time.
 
+use std::sync::Arc;
 use std::time::Duration;
 
+use slipline::device_table::DeviceTable;
 use slipline::link::worker::Worker;
 use slipline::link::{
     Acknowledged, Change, DriveRequest, LinkState, Outcome, Port, Request, Ticket, ToneRequest, Trouble,
@@ -10,7 +12,7 @@ use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_tests::bench::{Bench, LOST_AFTER_MS, drive};
-use slipline_tests::world::{Ports, lock};
+use slipline_tests::world::{Ports, board, lock};
 
 #[test]
 fn a_lost_reply_is_asked_for_again_and_the_command_is_done_once() {
@@ -76,6 +78,59 @@ fn a_disconnect_stops_and_disarms_first() {
     let last: Vec<&Command> = world.heard.iter().rev().take(2).map(|(_, command)| command).collect();
     assert_eq!(last, [&Command::Disarm, &Command::Stop]);
     assert!(world.device.is_muted());
+}
+
+#[test]
+fn a_drag_while_a_table_comes_into_force_goes_to_the_places_of_the_table_it_plays() {
+    let mut bench = Bench::armed();
+    let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
+    let wide = Arc::new(DeviceTable::from_knots((0.0, 0.2), 400e3, knots, 1e-6).unwrap());
+    let upload = bench.ask(Request::Upload(wide));
+    for _ in 0..300 {
+        if bench.outcome(upload).is_none() {
+            bench.only_ask(drive(0.05));
+        }
+        bench.pass_ms(1);
+    }
+    assert!(matches!(bench.outcome(upload), Some(Outcome::Done { .. })));
+    let mut span_um = 100_000;
+    let mut spans = Vec::new();
+    for entry in bench.view().journal.iter() {
+        match &entry.change {
+            Change::Table(table) => span_um = table.header().span_end_um,
+            Change::Drive(drive) => {
+                // 50 mm of the span, in 65 536ths of it.
+                let part = f64::from(drive.tones[0].position.0) / 65536.0;
+                assert!((part * f64::from(span_um) - 50_000.0).abs() < 5.0, "{part} of {span_um} um");
+                spans.push(span_um);
+            }
+            _ => {}
+        }
+    }
+    spans.dedup();
+    assert_eq!(spans, [100_000, 200_000], "drives before and after");
+}
+
+#[test]
+fn a_disconnect_during_the_farewell_for_another_port_is_the_last_word() {
+    let mut bench = Bench::armed();
+    bench.world().ports.push(board("B"));
+    let connect = bench.only_ask(Request::Connect(Port::Serial("B".to_owned())));
+    let disconnect = bench.ask(Request::Disconnect);
+    bench.pass_ms(1000);
+    assert_eq!(bench.view().link, LinkState::Disconnected);
+    assert_eq!(bench.outcome(connect), Some(Outcome::Superseded));
+    assert!(matches!(bench.outcome(disconnect), Some(Outcome::Done { .. })));
+    assert_eq!(bench.world().opened.len(), 1);
+}
+
+#[test]
+fn a_step_in_which_nothing_happens_changes_nothing() {
+    let mut bench = Bench::connected();
+    bench.pass_ms(300);
+    bench.connection.take_changes();
+    bench.connection.step(bench.now);
+    assert_eq!(bench.connection.take_changes(), (false, false));
 }
 
 #[test]

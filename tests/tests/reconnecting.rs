@@ -40,6 +40,21 @@ fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
 }
 
 #[test]
+fn the_hellos_of_two_sessions_have_different_numbers() {
+    // A late answer to the first must not open the second.
+    let mut bench = Bench::connected();
+    bench.world().unplug();
+    bench.pass_ms(10);
+    bench.world().ports = vec![board("B")];
+    bench.pass_ms(1000);
+    let world = bench.world();
+    let numbers: Vec<u16> =
+        world.heard.iter().filter(|(_, c)| matches!(c, Command::Hello(_))).map(|(s, _)| *s).collect();
+    assert_eq!(numbers.len(), 2);
+    assert_ne!(numbers[0], numbers[1]);
+}
+
+#[test]
 fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     let mut bench = Bench::connected();
     bench.ask(Request::AutoReconnect(false));

@@ -135,6 +135,9 @@ impl<O: Opener> Connection<O> {
                 }
             }
             Request::Disconnect => {
+                // A port that was to be opened after the farewell.
+                let next = self.next.take().map(|(ticket, _)| ticket);
+                self.record.finish(next, Outcome::Superseded);
                 if let Phase::Open(open) = &mut self.phase {
                     open.dialogue.leave(&mut self.record, now);
                     let older = self.leave.replace(ticket);

@@ -109,7 +109,8 @@ impl Conversation {
             // A session's first numbered command has number 1.
             sequence: 1,
             beat: 0,
-            pulse_number: 0,
+            // Each session begins elsewhere: the answer to an earlier hello is none to this one's.
+            pulse_number: u16::from_le_bytes([nonce[0], nonce[1]]),
             urgent: None,
             pulse: None,
             ordered: None,

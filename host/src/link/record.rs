@@ -163,13 +163,14 @@ impl Record {
     /// Copies the conversation's counters.
     pub(crate) fn count(&mut self, conversation: &Conversation) {
         let tally = conversation.tally();
+        let before = (self.view.counters, self.view.decoder);
         let counters = &mut self.view.counters;
         counters.commands = tally.commands;
         counters.retries = tally.retries;
         counters.timeouts = tally.timeouts;
         counters.strays = tally.strays;
         self.view.decoder = conversation.decoder();
-        self.changed = true;
+        self.changed |= before != (self.view.counters, self.view.decoder);
     }
 
     /// Forgets what was known of a device that is connected no more.

@@ -1,7 +1,7 @@
 //! A table's way onto the device: recognised or sent step by step, and known once the device's own word names it.
 
-use super::Dialogue;
 use super::answers::sentence;
+use super::{Current, Dialogue};
 use crate::link::record::Record;
 use crate::link::upload::{BUSY_PAUSE, BUSY_TRIES, Step, Upload};
 use crate::link::{Change, Outcome, Severity, Ticket};
@@ -23,10 +23,9 @@ impl Dialogue {
         record.touch();
     }
 
-    /// Gives up the upload under way; what to say for it, if there is one. A table that is in force already is past
-    /// giving up: which one the device holds has still to be read back.
+    /// Gives up the upload under way; what to say for it, if there is one.
     pub(super) fn cancel_upload(&mut self, ticket: Option<Ticket>, record: &mut Record) -> Option<Command> {
-        let Some(upload) = self.upload.take_if(|upload| upload.step != Step::Verify) else {
+        let Some(upload) = self.upload.take() else {
             record.finish(ticket, Outcome::Done { at: 0 });
             return None;
         };
@@ -52,6 +51,10 @@ impl Dialogue {
             (Step::Commit, Event::Accepted(accepted)) => {
                 upload.advance();
                 record.acknowledge(accepted.at, Change::Table(upload.table.clone()));
+                // In the same breath: a drive in between would go to the places of the table before.
+                let read_back = upload.command();
+                self.talk.say(read_back, now);
+                self.current = Some(Current::Upload);
             }
             (Step::Verify, Event::Table(report)) => {
                 record.table(report);
@@ -108,7 +111,7 @@ fn confirm(upload: &Upload, record: &mut Record, when: &str) {
 mod tests {
     use super::*;
     use crate::device_table::DeviceTable;
-    use slipline_protocol::event::{Status, TableReport};
+    use slipline_protocol::event::{Accepted, Status, TableReport};
     use std::sync::Arc;
 
     fn upload(number: u64, hz: f64) -> Upload {
@@ -141,15 +144,17 @@ mod tests {
     }
 
     #[test]
-    fn a_table_that_is_in_force_is_read_back_whether_its_upload_is_cancelled_or_not() {
+    fn a_table_that_comes_into_force_is_read_back_before_anything_else_is_said() {
         let (held, mut sent) = (upload(1, 20e3), upload(2, 21e3));
         let (mut dialogue, mut record) = holding(&held);
-        sent.step = Step::Verify;
+        sent.step = Step::Commit;
         dialogue.upload = Some(sent.clone());
-        assert_eq!(dialogue.cancel_upload(Some(Ticket(3)), &mut record), None);
+        dialogue.uploaded(Event::Accepted(Accepted { at: 128 }), &mut record, Duration::ZERO);
+        assert!(!dialogue.talk.is_free(), "nothing replaces or cancels it meanwhile");
         let report = TableReport { active: Some(sent.table.header()), staged: 0 };
         dialogue.uploaded(Event::Table(report), &mut record, Duration::ZERO);
         assert_eq!(record.view.confirmed_table, Some(sent.table));
+        assert_eq!(dialogue.cancel_upload(Some(Ticket(3)), &mut record), None);
 
         dialogue.upload = Some(upload(4, 22e3));
         assert_eq!(dialogue.cancel_upload(Some(Ticket(5)), &mut record), Some(Command::TableAbort));
