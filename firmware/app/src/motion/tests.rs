@@ -3,9 +3,11 @@
 use std::boxed::Box;
 
 use proptest::prelude::*;
+use slipline_protocol::limits::MAX_KNOT_STEP;
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::Position;
 
+use super::track::blend;
 use super::*;
 use crate::slots::SlotIndex;
 
@@ -129,5 +131,22 @@ proptest! {
         let got = f64::from(placement.position.raw()) / f64::from(1u32 << 31);
         prop_assert!((got - want).abs() < 2e-9, "{got} {want}");
         prop_assert_eq!(placement.setting, slots.evaluate(motion.table(), placement.position));
+    }
+
+    #[test]
+    fn a_join_leaves_its_share_of_the_difference_and_stays_in_range(
+        at in (0..=u64::from(MAX_KNOT_STEP) << 32, 0..=ONE),
+        by in (-(i64::from(MAX_KNOT_STEP) << 32)..=i64::from(MAX_KNOT_STEP) << 32, -(1i64 << 31)..1i64 << 31),
+        left in 0..=ONE,
+    ) {
+        let (step, gain) = at;
+        let (step_by, gain_by) = by;
+        let setting = Setting { step: PhaseStep(step), gain: Gain(gain) };
+        let blended = blend(setting, ((step_by >> 32) as i32, step_by as u32), gain_by as i32, left);
+        let share = |by: i64| (i128::from(by) * i128::from(left)) >> 31;
+        let step = (i128::from(step) + share(step_by)).clamp(0, i128::from(MAX_KNOT_STEP) << 32);
+        // The gain's share is rounded up.
+        let gain = (i128::from(gain) - share(-gain_by)).clamp(0, i128::from(ONE));
+        prop_assert_eq!((i128::from(blended.step.0), i128::from(blended.gain.0)), (step, gain));
     }
 }
