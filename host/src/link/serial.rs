@@ -1,8 +1,8 @@
 //! A serial port as a transport: native USB (CDC-ACM) or a UART behind a USB bridge.
 //!
 //! The port is opened exclusively, raw, 8N1, with DTR set (some bridges pass nothing without it; nothing here relies
-//! on it). Reads and writes do not wait: where the system can tell when bytes arrive (all but Windows) the worker
-//! sleeps until then, else it reads every few milliseconds.
+//! on it). Reads and writes do not wait, on Windows not long: where the system can tell when bytes arrive (all but
+//! Windows) the worker sleeps until then, else it reads every few milliseconds.
 
 use super::transport::{Transport, Wakes};
 use super::{Port, Trouble};
@@ -13,6 +13,9 @@ use std::time::Duration;
 
 /// The rate of boards that talk through a UART; native USB ignores it.
 pub const BAUD_RATE: u32 = 921_600;
+
+/// A read or a write waits so long at most. To Windows, zero would mean that a write waits for ever.
+const PATIENCE: Duration = Duration::from_millis(if cfg!(windows) { 2 } else { 0 });
 
 #[cfg(unix)]
 type Native = serialport::TTYPort;
@@ -28,7 +31,7 @@ pub struct Serial(Native);
 /// [`Trouble`]: no such port, in use, no permission, or what the system says.
 pub fn open(name: &str) -> Result<Serial, Trouble> {
     let port = Port::Serial(name.to_owned());
-    let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(Duration::ZERO);
+    let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(PATIENCE);
     let native = Native::open(&builder).map_err(|error| match error.kind {
         // The crate says "no device" for a port that another program has locked, too.
         ErrorKind::NoDevice if Path::new(name).exists() => Trouble::Busy(port.clone()),
@@ -45,7 +48,11 @@ impl Transport for Serial {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.write(bytes)
+        match self.0.write(bytes)? {
+            // What Windows says when the time is over; a port that has gone is an error.
+            0 => Err(io::ErrorKind::TimedOut.into()),
+            count => Ok(count),
+        }
     }
 
     #[cfg(unix)]

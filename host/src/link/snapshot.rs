@@ -21,7 +21,7 @@ pub enum LinkState {
     Connecting,
     /// The device answers.
     Connected,
-    /// The device has gone. It is not looked for (that is switched off, or has just been noticed).
+    /// The device has gone. It is not looked for: that is switched off, it has just been noticed, or the link crashed.
     Lost(Trouble),
     /// The device has gone and is being looked for.
     Reconnecting(Trouble),
@@ -135,7 +135,7 @@ pub const OUTCOMES: usize = 64;
 /// Everything known about link and device at one moment. Cloning is cheap.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
-    /// Rises with every change.
+    /// Rises with every change that is worth a repaint.
     pub revision: u64,
     /// Where the link stands.
     pub link: LinkState,
@@ -185,10 +185,12 @@ impl Snapshot {
         self.link == LinkState::Connected
     }
 
-    /// How a request ended, if it has and it is not too long ago.
+    /// How a request ended, if it has and it is not too long ago. A link that has crashed does none any more.
     #[must_use]
     pub fn outcome(&self, ticket: Ticket) -> Option<&Outcome> {
-        self.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome)
+        let has_crashed = self.link == LinkState::Lost(Trouble::Crashed);
+        let ended = self.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome);
+        ended.or(has_crashed.then_some(&Outcome::NotConnected))
     }
 
     /// The chip's unique id in hexadecimal, while connected.

@@ -19,8 +19,7 @@ pub trait Transport: Send {
     /// As above, or whatever the system says.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
 
-    /// Asks for `poll` to wake up when bytes arrive; returns whether it will. `false` means the stream has to be
-    /// read every few milliseconds, unless it wakes the worker itself.
+    /// Asks for `poll` to wake up when bytes arrive; returns whether it will, or the transport by itself.
     ///
     /// # Errors
     /// Whatever the system says.

@@ -29,6 +29,9 @@ pub enum Trouble {
     /// The device no longer knows this session.
     #[error("the device was restarted, or another program took it over")]
     SessionEnded,
+    /// The link's own thread has failed; it cannot go on.
+    #[error("the link itself has failed; the device stops by itself: start Slipline again")]
+    Crashed,
     /// Something else the system said.
     #[error("the port failed: {0}")]
     Io(String),

@@ -2,14 +2,17 @@
 //!
 //! It sleeps until a request comes, bytes arrive or something is due; [`Worker::send`] and [`Worker::snapshot`] only
 //! take a lock that is held for a copy. When the worker is dropped it stops and disarms the device first; should the
-//! program panic, [`stop_on_panic`] sends a stop, and if even that fails, the device's dead-man ends the drive.
+//! program panic, [`stop_on_panic`] sends a stop, and if even that fails, the device's dead-man ends the drive. Should
+//! this very thread panic, the snapshot says so ([`Trouble::Crashed`]) and whatever is asked is not done.
 
 use super::connection::{Connection, Nonces};
 use super::opener::SystemOpener;
+use super::record::Record;
 use super::transport::{Opener, Waker, Wakes};
-use super::{Outcome, Ticket};
+use super::{LinkState, Outcome, Severity, Ticket, Trouble};
 use std::hash::{BuildHasher, Hasher};
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -20,6 +23,8 @@ pub use super::{Request, Snapshot};
 const READ_PERIOD: Duration = Duration::from_millis(2);
 /// When the worker is dropped, the device has so long to agree to the farewell.
 const QUIT_PATIENCE: Duration = Duration::from_millis(500);
+/// A thread that hangs in the system's port is left behind after so long: the program ends without it.
+const HANG_PATIENCE: Duration = Duration::from_millis(1000);
 
 const WAKE: mio::Token = mio::Token(0);
 const PORT: mio::Token = mio::Token(1);
@@ -125,9 +130,14 @@ impl Worker {
         });
         let connection = Connection::new(opener, waker, random_nonces());
         let of_thread = shared.clone();
-        let thread = thread::Builder::new()
-            .name("link".to_owned())
-            .spawn(move || run(connection, poll, &of_thread, wake))?;
+        let thread = thread::Builder::new().name("link".to_owned()).spawn(move || {
+            // What a panic leaves half done goes with the connection.
+            let run = AssertUnwindSafe(|| run(connection, poll, &of_thread, &wake));
+            if catch_unwind(run).is_err() {
+                tell_crash(&of_thread);
+                wake();
+            }
+        })?;
         Ok(Self { handle: Handle(shared), thread: Some(thread) })
     }
 
@@ -160,8 +170,10 @@ impl Drop for Worker {
         lock(&self.handle.0.inbox).quit = true;
         let _ = self.handle.0.waker.wake();
         if let Some(thread) = self.thread.take() {
-            // Whatever became of it, there is nothing left to do here.
-            let _ = thread.join();
+            let by = Instant::now() + HANG_PATIENCE;
+            while !thread.is_finished() && Instant::now() < by {
+                thread::sleep(Duration::from_millis(1));
+            }
         }
     }
 }
@@ -175,7 +187,7 @@ pub fn stop_on_panic(handle: Handle) {
     }));
 }
 
-fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &Shared, wake: impl Fn()) {
+fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &Shared, wake: &impl Fn()) {
     let since = Instant::now();
     let mut events = mio::Events::with_capacity(8);
     let mut quit_by: Option<Duration> = None;
@@ -201,8 +213,7 @@ fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &S
         }
         let (is_changed, is_loud) = connection.take_changes();
         if is_changed {
-            *lock(&shared.snapshot) = Arc::new(connection.view().clone());
-            shared.published.notify_all();
+            publish(shared, connection.view());
         }
         if is_loud {
             wake();
@@ -220,6 +231,23 @@ fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &S
             Err(_) => thread::sleep(READ_PERIOD),
         }
     }
+}
+
+fn publish(shared: &Shared, view: &Snapshot) {
+    *lock(&shared.snapshot) = Arc::new(view.clone());
+    shared.published.notify_all();
+}
+
+/// Nobody may take the last picture before a crash for the present one.
+fn tell_crash(shared: &Shared) {
+    let mut record = Record::default();
+    record.view = Snapshot::clone(&lock(&shared.snapshot));
+    record.set_time(record.view.status_time);
+    record.part(Some(Trouble::Crashed));
+    record.link(LinkState::Lost(Trouble::Crashed));
+    record.log(Severity::Error, format!("Connection lost: {}.", Trouble::Crashed));
+    record.take_changes();
+    publish(shared, &record.view);
 }
 
 /// Nonces from the system's entropy, which seeds every [`std::hash::RandomState`].
