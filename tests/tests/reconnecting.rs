@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use slipline::link::connection::SEEK_PERIOD;
-use slipline::link::{LinkState, Outcome, Port, Request, Trouble};
+use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble};
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::{Command, Event, Refusal};
 use slipline_tests::bench::{Bench, drive};
@@ -100,6 +100,32 @@ fn another_board_in_its_place_is_not_taken_for_it() {
     bench.pass_ms(2000);
     assert!(matches!(bench.view().link, LinkState::Reconnecting(_)));
     assert_eq!(bench.world().opened.len(), 1, "not even opened");
+}
+
+#[test]
+fn a_port_with_another_board_is_passed_over_for_the_next_one() {
+    let nameless = |name| PortInfo { usb_serial: None, ..board(name) };
+    let mut bench = Bench::new();
+    bench.world().ports = vec![nameless("A")];
+    bench.ask(Request::Connect(Port::Serial("A".to_owned())));
+    bench.pass_ms(100);
+    bench.world().unplug();
+    // Another board answers at the first port of its kind...
+    bench.world().ports = vec![nameless("B"), nameless("C")];
+    bench.world().rewrite = |event| match as_real(event) {
+        Event::Hello(mut identity) => {
+            identity.unit = *b"another-unit";
+            Event::Hello(identity)
+        }
+        event => event,
+    };
+    bench.pass_ms(100);
+    assert!(matches!(bench.view().link, LinkState::Reconnecting(_)));
+    // ...and the one that was lost at the second.
+    bench.world().rewrite = as_real;
+    bench.pass_ms(SEEK_PERIOD.as_millis() as u64);
+    assert_eq!(bench.view().link, LinkState::Connected);
+    assert_eq!(bench.world().opened, ["A", "B", "C"].map(|name| Port::Serial(name.to_owned())));
 }
 
 #[test]

@@ -49,6 +49,8 @@ enum Phase {
 struct Sought {
     info: PortInfo,
     unit: Option<[u8; 12]>,
+    /// Listed ports at which another device answered.
+    others: Vec<Port>,
 }
 
 /// The link to at most one device.
@@ -270,7 +272,10 @@ impl<O: Opener> Connection<O> {
             return Verdict::GoOn;
         };
         match sought.unit {
-            Some(known) if known != unit => Verdict::Lose(Trouble::Gone),
+            Some(known) if known != unit => {
+                sought.others.extend(self.record.view.port.clone());
+                Verdict::Lose(Trouble::Gone)
+            }
             _ => {
                 sought.unit = Some(unit);
                 Verdict::GoOn
@@ -340,7 +345,7 @@ impl<O: Opener> Connection<O> {
         });
         self.record.view.port = Some(port.clone());
         self.record.begin();
-        self.sought = Some(Sought { info, unit: None });
+        self.sought = Some(Sought { info, unit: None, others: Vec::new() });
         self.record.log(Severity::Info, format!("Connecting to {port}."));
         self.record.link(LinkState::Connecting);
         if let Err(trouble) = self.open(&port, Some(ticket), now) {
@@ -362,8 +367,11 @@ impl<O: Opener> Connection<O> {
     /// Looks for the lost device once.
     fn look(&mut self, now: Duration) {
         self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
-        let Some(sought) = self.sought.clone() else { return };
-        let ports = self.opener.list();
+        let Some(sought) = &mut self.sought else { return };
+        let mut ports = self.opener.list();
+        // One that left the list may come back as the right one.
+        sought.others.retain(|other| ports.iter().any(|info| info.port == *other));
+        ports.retain(|info| !sought.others.contains(&info.port));
         let by_serial =
             |info: &&PortInfo| sought.info.usb_serial.is_some() && info.usb_serial == sought.info.usb_serial;
         let by_name = |info: &&PortInfo| info.port == sought.info.port;
@@ -380,7 +388,7 @@ impl<O: Opener> Connection<O> {
             // Sockets and pseudo-terminals are in no list: try the name.
             Some(known.map_or_else(|| sought.info.port.clone(), |info| info.port.clone()))
         };
-        let Some(port) = found else { return };
+        let Some(port) = found.filter(|port| !sought.others.contains(port)) else { return };
         if self.open(&port, None, now).is_ok() {
             self.record.view.port = Some(port);
             self.record.begin();
