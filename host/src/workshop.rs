@@ -1,5 +1,6 @@
 //! Work that takes longer than a frame, off the UI thread: only the newest job counts, and each can be given up.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -38,7 +39,8 @@ impl Task {
 /// A place where jobs of one kind are done.
 ///
 /// [`Workshop::threaded`] does them on a thread of its own; [`Workshop::inline`] at once, which makes tests
-/// repeatable. The work gives `None` when nothing came of a job, such as when its [`Task`] was over.
+/// repeatable. The work gives `None` when nothing came of a job, such as when its [`Task`] was over; nothing comes of one
+/// that panics on the thread either, and the next is done all the same.
 pub struct Workshop<Job, Done> {
     way: Way<Job, Done>,
     done: Receiver<(u64, Option<Done>)>,
@@ -78,7 +80,8 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
                     next = newer;
                 }
                 let (number, job, task) = next;
-                if finished.send((number, work(job, &task))).is_err() {
+                let done = catch_unwind(AssertUnwindSafe(|| work(job, &task))).unwrap_or(None);
+                if finished.send((number, done)).is_err() {
                     return;
                 }
                 wake();
@@ -161,6 +164,23 @@ mod tests {
             latest = workshop.take().or(latest);
         }
         assert_eq!(workshop.progress(), None);
+    }
+
+    #[test]
+    fn a_job_that_panics_ends_and_the_next_one_is_done() {
+        let (woken, waking) = channel();
+        let work = |fails: bool, _: &Task| {
+            assert!(!fails, "a mistake in the work");
+            Some(7)
+        };
+        let mut workshop =
+            Workshop::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
+        for (fails, done) in [(true, None), (false, Some(7))] {
+            workshop.ask(fails);
+            waking.recv().unwrap();
+            assert_eq!(workshop.take(), done);
+            assert_eq!(workshop.progress(), None);
+        }
     }
 
     #[test]
