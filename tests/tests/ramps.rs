@@ -5,8 +5,9 @@ use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::{Fault, ResetCause, State};
 use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
+use slipline_protocol::units::Phase;
 use slipline_tests::measure::{envelope, peak};
-use slipline_tests::rig::{BLOCK, MID, Rig, drive};
+use slipline_tests::rig::{BLOCK, MID, Rig, drive, tone};
 use slipline_tests::talk::Talk;
 
 /// Sounds 20 kHz at full scale.
@@ -167,4 +168,40 @@ fn dragging_at_a_thousand_drives_a_second_is_taken_without_a_refusal() {
         rig.live_blocks(if step % 8 == 0 { 4 } else { 3 });
     }
     assert_eq!(rig.status().state, State::Driving);
+}
+
+/// A tone of 20 kHz that begins at a phase, in turns, in a slot that has played something else before or has not: its
+/// codes from where it begins on.
+fn begun_at(phase: f64, is_used: bool) -> Vec<u16> {
+    let mut rig = Rig::armed();
+    if is_used {
+        rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.7)], 2000)));
+        rig.live_ms(20);
+        rig.accepted(&Command::Drive(drive(&[], 2000)));
+        rig.live_ms(20);
+    }
+    rig.record();
+    let mut tone = tone(0, 1.0, 0.8);
+    tone.phase = Phase((phase * 65_536.0) as u16);
+    let tones = [tone].into_iter().collect();
+    let at = rig.accepted(&Command::Drive(Drive { tones, ..drive(&[], 2000) }));
+    rig.live_ms(20);
+    rig.recording.from(at)[..4000].to_vec()
+}
+
+#[test]
+fn a_tone_begins_at_its_phase_whatever_its_slot_played_before() {
+    for phase in [0.0, 0.125, 0.25, 0.6, 0.9375] {
+        let codes = begun_at(phase, false);
+        assert_eq!(begun_at(phase, true), codes, "{phase} turns");
+        // Against sine and cosine of 20 samples a period, over whole periods of the steady part.
+        let (sine, cosine) = (2000..4000).fold((0.0, 0.0), |(sine, cosine), n| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(n) / 20.0).sin_cos();
+            let value = f64::from(codes[n as usize]) - f64::from(MID);
+            (sine + s * value, cosine + c * value)
+        });
+        let turns = cosine.atan2(sine) / std::f64::consts::TAU;
+        let off = (turns - phase).rem_euclid(1.0);
+        assert!(off.min(1.0 - off) < 1e-3, "{phase} turns: {turns}");
+    }
 }
