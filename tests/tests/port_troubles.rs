@@ -93,8 +93,7 @@ fn a_mistake_in_the_link_itself_is_told_and_leaves_no_request_unanswered() {
             self.0.open(port, waker)
         }
     }
-    let bench = Bench::new();
-    let worker = Worker::spawn_with(FailsSecond(Ports(bench.world.clone()), 0), || ()).unwrap();
+    let worker = Worker::spawn_with(FailsSecond(Ports(Bench::new().world), 0), || ()).unwrap();
     let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
     assert!(matches!(worker.wait(connect, PATIENCE), Some(Outcome::Done { .. })));
     let again = worker.send(Request::Connect(Port::Serial("A".to_owned())));

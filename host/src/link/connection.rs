@@ -6,8 +6,9 @@
 //!      +------------------------+-----------------------+                 found: greet again <+  | not yet
 //! ```
 //! It owns no thread and no clock: whoever runs it calls [`Connection::step`] with the time and waits no longer than
-//! [`Connection::deadline`]. After a loss the device is looked for by its USB serial number, then by its USB identity,
-//! then by the port's name; it comes back disarmed, and arming it again is left to the user.
+//! [`Connection::deadline`]. After a loss the device is looked for by its USB serial number or, if it has none, by the
+//! port's name and then among the ports of its kind; the chip that answers has to be the same. It comes back disarmed,
+//! and arming it again is left to the user.
 
 use super::dialogue::{Dialogue, Verdict};
 use super::record::Record;
@@ -45,7 +46,7 @@ enum Phase {
 }
 
 /// How to know a device again.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Sought {
     info: PortInfo,
     unit: Option<[u8; 12]>,

@@ -12,16 +12,16 @@ use slipline_protocol::{Command, Decoder, Direction, Event, Refusal, command, ev
 use std::time::Duration;
 
 /// A reply is awaited so long before the command is sent again.
-pub(crate) const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
+const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
 /// A keep-alive goes out this often.
 pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
 /// Erasing and writing a slot takes the slowest board, the H743, up to 4.2 s; for so long a device that was told to is
 /// left in peace.
-pub(crate) const FLASH_PATIENCE: Duration = Duration::from_secs(6);
+const FLASH_PATIENCE: Duration = Duration::from_secs(6);
 
 /// Which queue a command travels in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Lane {
+enum Lane {
     /// Stop and emergency stop.
     Urgent,
     /// Hello, keep-alive, status.

@@ -148,7 +148,7 @@ impl Record {
         self.changed = true;
     }
 
-    /// Counts a drive that a newer one replaced before it was sent.
+    /// Counts a drive in whose place a newer one or a stop was sent.
     pub(crate) const fn superseded(&mut self) {
         self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
     }

@@ -43,7 +43,7 @@ impl DriveRequest {
 }
 
 /// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all
-/// others, and a newer [`Request::Drive`] replaces one that is not sent yet.
+/// others, and a newer [`Request::Drive`] or a [`Request::Disarm`] replaces a drive that the device has not taken yet.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first.
@@ -127,7 +127,7 @@ pub enum Outcome {
     Digest(Digest),
     /// Not done; a sentence that says why.
     Refused(String),
-    /// A newer request or a stop took its place before it was sent.
+    /// A newer request or a stop took its place before the device had taken it.
     Superseded,
     /// The link was lost, or there was none.
     NotConnected,

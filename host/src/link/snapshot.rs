@@ -56,7 +56,7 @@ pub struct LinkCounters {
     pub retries: u32,
     /// Times an answer did not come in time.
     pub timeouts: u32,
-    /// Drive requests that a newer one replaced before they were sent.
+    /// Drive requests in whose place a newer one or a stop was sent.
     pub superseded: u32,
     /// Requests dropped because there was no connection.
     pub dropped: u32,
@@ -67,7 +67,7 @@ pub struct LinkCounters {
 /// Something the device has agreed to, at a sample index: what the mirror replays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Acknowledged {
-    /// Rises by one with each entry; a gap means entries were missed.
+    /// Rises by one with each entry; a gap means that entries have been dropped: the oldest, or thermal limits.
     pub number: u64,
     /// The index from which it shows in the samples.
     pub at: SampleIndex,
@@ -149,7 +149,7 @@ pub struct Snapshot {
     pub identity: Option<Arc<Identity>>,
     /// How its firmware stands to this program, while connected.
     pub compatibility: Option<Compatibility>,
-    /// Its status, while connected; at most a fifth of a second old.
+    /// Its status, while connected; asked for every fifth of a second.
     pub status: Option<Status>,
     /// When that status came, since the worker was started: with the rate it tells the present sample index.
     pub status_time: Duration,
