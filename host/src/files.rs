@@ -143,8 +143,12 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
     FileEvent::Saved(path, result)
 }
 
+/// Writes all the files or, if one of them is there already, none: choosing a folder is no word on what is in it.
 fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
-    let result = write_all(&folder, files).map_err(|error| error.to_string());
+    let result = match files.iter().find(|(name, _)| folder.join(name).exists()) {
+        Some((name, _)) => Err(format!("{name} is there already: choose another folder")),
+        None => write_all(&folder, files).map_err(|error| error.to_string()),
+    };
     FileEvent::Saved(folder, result)
 }
 
@@ -172,11 +176,15 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".part");
     let part = path.with_file_name(name);
-    let mut file = File::create(&part)?;
-    file.write_all(bytes)?;
-    file.sync_all()?;
-    drop(file);
-    std::fs::rename(part, path)
+    let write = || {
+        let mut file = File::create(&part)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        drop(file);
+        std::fs::rename(&part, path)
+    };
+    // What failed half-way is not left lying about.
+    write().inspect_err(|_| drop(std::fs::remove_file(&part)))
 }
 
 #[cfg(test)]
@@ -218,6 +226,14 @@ mod tests {
             Some(FileEvent::Saved(_, Ok(())))
         ));
         assert!(folder.join("x.svg").exists());
+        let again = ["new.svg", "x.svg"].map(|name| (name.to_owned(), "<other/>".to_owned()));
+        let Some(FileEvent::Saved(_, Err(told))) = perform(FileJob::SaveInto(folder.clone(), again.to_vec()))
+        else {
+            panic!("it was replaced")
+        };
+        assert_eq!(told, "x.svg is there already: choose another folder");
+        assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
+        assert!(!folder.join("new.svg").exists(), "all or none");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 
@@ -232,7 +248,9 @@ mod tests {
         assert!(read_text(&path).unwrap_err().contains("not text"));
         write_whole(&path, b"x = 1").unwrap();
         assert_eq!(read_text(&path).unwrap(), "x = 1");
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "no part is left behind");
+        std::fs::create_dir(folder.join("taken.toml")).unwrap();
+        assert!(write_whole(&folder.join("taken.toml"), b"x = 1").is_err());
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "no part is left behind");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
