@@ -6,12 +6,12 @@
 //!      +------------------------+-----------------------+                 found: greet again <+  | not yet
 //! ```
 //! It owns no thread and no clock: whoever runs it calls [`Connection::step`] with the time and waits no longer than
-//! [`Connection::deadline`]. After a loss the device is looked for by its USB serial number or, if it has none, by the
-//! port's name and then among the ports of its kind; the chip that answers has to be the same. It comes back disarmed,
-//! and arming it again is left to the user.
+//! [`Connection::deadline`]. After a loss the device is looked for; it comes back disarmed, and arming it again is
+//! left to the user.
 
 use super::dialogue::{Dialogue, Verdict};
 use super::record::Record;
+use super::sought::Sought;
 use super::transport::{Opener, Transport, Waker};
 use super::{LinkState, Outcome, Port, PortInfo, Request, Severity, Snapshot, Ticket, Trouble};
 use std::io;
@@ -43,15 +43,6 @@ enum Phase {
     Closed,
     Open(Box<Open>),
     Seeking { next: Duration },
-}
-
-/// How to know a device again.
-#[derive(Debug)]
-struct Sought {
-    info: PortInfo,
-    unit: Option<[u8; 12]>,
-    /// Listed ports at which another device answered.
-    others: Vec<Port>,
 }
 
 /// The link to at most one device.
@@ -272,16 +263,8 @@ impl<O: Opener> Connection<O> {
         let Some(unit) = self.record.view.identity.as_ref().map(|identity| identity.unit) else {
             return Verdict::GoOn;
         };
-        match sought.unit {
-            Some(known) if known != unit => {
-                sought.others.extend(self.record.view.port.clone());
-                Verdict::Lose(Trouble::Gone)
-            }
-            _ => {
-                sought.unit = Some(unit);
-                Verdict::GoOn
-            }
-        }
+        let is_it = sought.is_it(unit, self.record.view.port.as_ref());
+        if is_it { Verdict::GoOn } else { Verdict::Lose(Trouble::Gone) }
     }
 
     /// Drops the transport; whatever waits ends with `outcome`.
@@ -346,7 +329,7 @@ impl<O: Opener> Connection<O> {
         });
         self.record.view.port = Some(port.clone());
         self.record.begin();
-        self.sought = Some(Sought { info, unit: None, others: Vec::new() });
+        self.sought = Some(Sought::at(info));
         self.record.log(Severity::Info, format!("Connecting to {port}."));
         self.record.link(LinkState::Connecting);
         if let Err(trouble) = self.open(&port, Some(ticket), now) {
@@ -368,28 +351,8 @@ impl<O: Opener> Connection<O> {
     /// Looks for the lost device once.
     fn look(&mut self, now: Duration) {
         self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
-        let Some(sought) = &mut self.sought else { return };
-        let mut ports = self.opener.list();
-        // One that left the list may come back as the right one.
-        sought.others.retain(|other| ports.iter().any(|info| info.port == *other));
-        ports.retain(|info| !sought.others.contains(&info.port));
-        let by_serial =
-            |info: &&PortInfo| sought.info.usb_serial.is_some() && info.usb_serial == sought.info.usb_serial;
-        let by_name = |info: &&PortInfo| info.port == sought.info.port;
-        let by_kind = |info: &&PortInfo| {
-            sought.info.is_ours
-                && info.is_ours
-                && sought.info.port != Port::Simulated
-                && info.port != Port::Simulated
-        };
-        let found = if sought.info.usb_serial.is_some() {
-            ports.iter().find(by_serial).map(|info| info.port.clone())
-        } else {
-            let known = ports.iter().find(by_name).or_else(|| ports.iter().find(by_kind));
-            // Sockets and pseudo-terminals are in no list: try the name.
-            Some(known.map_or_else(|| sought.info.port.clone(), |info| info.port.clone()))
-        };
-        let Some(port) = found.filter(|port| !sought.others.contains(port)) else { return };
+        let ports = self.opener.list();
+        let Some(port) = self.sought.as_mut().and_then(|sought| sought.find(ports)) else { return };
         if self.open(&port, None, now).is_ok() {
             self.record.view.port = Some(port);
             self.record.begin();

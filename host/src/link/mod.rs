@@ -22,6 +22,7 @@ pub mod simulated;
 mod snapshot;
 #[cfg(unix)]
 pub mod socket;
+mod sought;
 pub mod transport;
 mod trouble;
 mod upload;

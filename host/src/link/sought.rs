@@ -1,0 +1,50 @@
+//! The device of a link, to be known again after it was lost.
+
+use super::{Port, PortInfo};
+
+/// What is known of a device, and where it is not.
+#[derive(Debug)]
+pub(super) struct Sought {
+    /// The port at which it was.
+    info: PortInfo,
+    /// The chip's unique id, once it has told it.
+    unit: Option<[u8; 12]>,
+    /// Listed ports at which another device answered.
+    others: Vec<Port>,
+}
+
+impl Sought {
+    /// The device that will answer at a port.
+    pub(super) const fn at(info: PortInfo) -> Self {
+        Self { info, unit: None, others: Vec::new() }
+    }
+
+    /// Whether the device that answers at `port` is the one that is sought, by its chip; the first to answer is.
+    pub(super) fn is_it(&mut self, unit: [u8; 12], port: Option<&Port>) -> bool {
+        let is_it = *self.unit.get_or_insert(unit) == unit;
+        if !is_it {
+            self.others.extend(port.cloned());
+        }
+        is_it
+    }
+
+    /// The port to try next: by the USB serial number or, if the device has none, by the port's name and then among
+    /// those of its kind.
+    pub(super) fn find(&mut self, mut ports: Vec<PortInfo>) -> Option<Port> {
+        // One that left the list may come back as the right one.
+        self.others.retain(|other| ports.iter().any(|info| info.port == *other));
+        ports.retain(|info| !self.others.contains(&info.port));
+        let own = &self.info;
+        let found = if own.usb_serial.is_some() {
+            ports.iter().find(|info| info.usb_serial == own.usb_serial).map(|info| info.port.clone())
+        } else {
+            let is_kin = |info: &&PortInfo| {
+                own.is_ours && info.is_ours && ![&own.port, &info.port].contains(&&Port::Simulated)
+            };
+            let known = ports.iter().find(|info| info.port == own.port).or_else(|| ports.iter().find(is_kin));
+            // Sockets and pseudo-terminals are in no list: try the name.
+            Some(known.map_or_else(|| own.port.clone(), |info| info.port.clone()))
+        };
+        found.filter(|port| !self.others.contains(port))
+    }
+}
