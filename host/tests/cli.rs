@@ -401,7 +401,13 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_leaves_no_half_written_file_and_keeps_the_old_one() {
+fn whoever_ends_it_leaves_no_half_written_file_and_keeps_the_old_one() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        ends_whole(signal);
+    }
+}
+
+fn ends_whole(signal: &str) {
     let folder = file("interrupted");
     std::fs::create_dir_all(&folder).unwrap();
     let wav = folder.join("long.wav");
@@ -415,7 +421,7 @@ fn ctrl_c_leaves_no_half_written_file_and_keeps_the_old_one() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     assert_eq!(entries(), 2, "it is being written beside the old one");
-    let told = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let told = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(told.success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(entries(), 1);

@@ -135,3 +135,11 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
     drop(worker);
     assert!(quit.elapsed() < PATIENCE);
 }
+
+#[test]
+fn a_file_or_a_folder_is_told_to_be_no_serial_port() {
+    for path in [concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"), env!("CARGO_MANIFEST_DIR")] {
+        let told = slipline::link::serial::open(path).err();
+        assert_eq!(told, Some(Trouble::NotSerial(Port::Serial(path.to_owned()))));
+    }
+}

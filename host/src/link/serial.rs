@@ -35,11 +35,17 @@ pub fn open(name: &str) -> Result<Serial, Trouble> {
     let native = Native::open(&builder).map_err(|error| match error.kind {
         // The crate says "no device" for a port that another program has locked, too.
         ErrorKind::NoDevice if Path::new(name).exists() => Trouble::Busy(port.clone()),
+        _ if is_no_device(Path::new(name)) => Trouble::NotSerial(port.clone()),
         _ => Trouble::opening(&port, &io::Error::from(error)),
     })?;
     // What an earlier owner left behind belongs to nobody.
     native.clear(serialport::ClearBuffer::All).ok();
     Ok(Serial(native))
+}
+
+/// Whether there is a file or a folder of that name, which the system would only call no typewriter.
+fn is_no_device(path: &Path) -> bool {
+    path.is_file() || path.is_dir()
 }
 
 impl Transport for Serial {

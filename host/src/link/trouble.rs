@@ -17,6 +17,9 @@ pub enum Trouble {
         "no permission to open {0}: on Linux install the udev rule or join the group dialout, then log in again"
     )]
     NoPermission(Port),
+    /// There is something of that name, but no serial port.
+    #[error("{0} is no serial port")]
+    NotSerial(Port),
     /// The port opened but nothing answered the hello.
     #[error("{0} opened but no Slipline device answers there")]
     NoAnswer(Port),
