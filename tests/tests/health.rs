@@ -165,15 +165,21 @@ fn a_reset_is_taken_as_hot_and_a_rest_of_some_seconds_lifts_it() {
     assert_eq!(rig.status().foldback_per_mille, 1000);
 }
 
-#[test]
-fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
-    // At 8 kS/s, so that ten minutes are few blocks.
+/// One tone, at 8 kS/s, so that ten minutes are few blocks.
+fn driving_at_8_khz() -> Rig {
     let rate = 8000;
     let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
     rig.hello();
     rig.upload(&Table::usual().at_rate(rate));
     rig.arm();
     rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 100)));
+    rig
+}
+
+#[test]
+fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
+    //
+    let mut rig = driving_at_8_khz();
     rig.live_ms(MAX_DRIVE_MS / 2);
     let again = rig.accepted(&Command::Drive(drive(&[(0, 0.6, 0.5)], 100)));
     rig.live_ms(MAX_DRIVE_MS - 1000);
@@ -189,12 +195,7 @@ fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
 #[test]
 fn a_device_that_stays_armed_and_silent_is_not_taken_for_one_that_drives() {
     // A drive without tones fades out and stays armed.
-    let rate = 8000;
-    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
-    rig.hello();
-    rig.upload(&Table::usual().at_rate(rate));
-    rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 100)));
+    let mut rig = driving_at_8_khz();
     rig.live_ms(1000);
     rig.accepted(&Command::Drive(drive(&[], 100)));
     rig.live_ms(MAX_DRIVE_MS + 1000);
