@@ -25,14 +25,14 @@ const RATE: u32 = 8000;
 const KNOTS: [Knot; 2] =
     [Knot { step: 200_000_000, gain: Gain::FULL }, Knot { step: 100_000_000, gain: Gain::FULL }];
 
-const DEVICE: Device = Device {
-    board: "bench",
-    build: "",
-    firmware: (0, 0, 0),
-    unit: [0; 12],
-    simulated: true,
-    sample_rate_hz: RATE,
-};
+impl Device {
+    /// A device that is nothing in particular.
+    pub(crate) const fn of_a_test(sample_rate_hz: u32) -> Self {
+        Self { board: "test", build: "", firmware: (0, 0, 0), unit: [0; 12], simulated: true, sample_rate_hz }
+    }
+}
+
+const DEVICE: Device = Device::of_a_test(RATE);
 
 /// A system that remembers whether its bootloader was entered.
 #[derive(Clone, Default)]
