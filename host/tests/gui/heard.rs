@@ -85,12 +85,18 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     assert_heard(&bench);
 }
 
-#[test]
-fn drive_after_another_plate_was_opened_at_rest_is_sent_once() {
+/// Stopped, and then another plate opened, whose table is yet to be made.
+fn stopped_before_another_plate() -> Bench {
     let mut bench = Bench::driving();
     bench.window.key_press(Key::Space);
     bench.wait(500);
     open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
+    bench
+}
+
+#[test]
+fn drive_after_another_plate_was_opened_at_rest_is_sent_once() {
+    let mut bench = stopped_before_another_plate();
     bench.wait(2000);
     assert!(!bench.is_driving(), "a stop holds over another plate");
     bench.take_sent();
@@ -102,10 +108,7 @@ fn drive_after_another_plate_was_opened_at_rest_is_sent_once() {
 
 #[test]
 fn drive_while_a_table_is_on_its_way_is_sent_once_the_device_holds_it() {
-    let mut bench = Bench::driving();
-    bench.window.key_press(Key::Space);
-    bench.wait(500);
-    open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
+    let mut bench = stopped_before_another_plate();
     bench.take_sent();
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     bench.wait(2500);
