@@ -12,7 +12,7 @@ mod demodulator;
 
 use crate::chain::{Chain, ChainError};
 use crate::device_table::{DeviceTable, DeviceTableError};
-use crate::link::{DriveRequest, Request, ToneRequest};
+use crate::link::{DriveRequest, Request};
 use demodulator::Demodulator;
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
@@ -166,12 +166,7 @@ impl Simulation<'_> {
 
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
         let mut line = TimeLine::new(self.actual, rate_hz, PLACES, 1)?;
-        let drive = DriveRequest::of(
-            (0u8..)
-                .zip(self.tones)
-                .map(|(slot, &(boundary_m, level))| ToneRequest { slot, boundary_m, level, phase_turns: 0.0 })
-                .collect(),
-        );
+        let drive = DriveRequest::at(self.tones);
         let glide_s = drive.glide_s;
         chain.perform(Request::Drive(drive), |codes| line.push_codes(codes, 12))?;
 

@@ -101,14 +101,14 @@ pub enum PlateFileError {
 
 impl PlateError {
     /// The field that is wrong, as it is written in the plate file.
-    pub fn field(&self) -> Option<&str> {
+    pub(crate) fn field(&self) -> &str {
         match self {
             Self::OutOfRange { field, .. }
             | Self::Missing { field, .. }
             | Self::Unexpected { field, .. }
             | Self::UnknownKind { field, .. }
-            | Self::TooLong { field, .. } => Some(field),
-            Self::NotNarrowing { .. } => Some("taper.points"),
+            | Self::TooLong { field, .. } => field,
+            Self::NotNarrowing { .. } => "taper.points",
         }
     }
 }

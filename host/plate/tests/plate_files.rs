@@ -28,6 +28,14 @@ fn refusal(from: &str, to: &str) -> String {
     Plate::from_toml(&GOOD.replace(from, to)).expect_err(to).to_string()
 }
 
+/// Cases of (what stands in a good file, what stands there instead, what the refusal must say).
+fn assert_refused(cases: &[(&str, &str, &str)]) {
+    for (from, to, wanted) in cases {
+        let found = refusal(from, to);
+        assert!(found.contains(wanted), "{to}: {found}");
+    }
+}
+
 #[test]
 fn every_preset_reads_writes_and_reads_the_same() {
     assert_eq!(presets()[0].name, "membrane");
@@ -81,10 +89,7 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         ("name = \"mine\"", "name = ", "line 2:"),
         ("name = \"mine\"", "name = \"\"", "name has 0 characters: must be 1 to 80"),
     ];
-    for (from, to, wanted) in cases {
-        let found = refusal(from, to);
-        assert!(found.contains(wanted), "{to}: {found}");
-    }
+    assert_refused(&cases);
 }
 
 #[test]
@@ -118,10 +123,7 @@ fn a_value_of_another_kind_is_quoted_and_told_what_is_due() {
         ("end = \"displacement\"", "end = \"displacment\"", "\"resistance\"; did you mean \"displacement\"?"),
         ("[taper]", "[[taper]]", "line 8: taper = "),
     ];
-    for (from, to, wanted) in cases {
-        let found = refusal(from, to);
-        assert!(found.contains(wanted), "{to}: {found}");
-    }
+    assert_refused(&cases);
     let sampled = "kind = \"sampled\"\npoints = [[0.0, 0.05],\n  [0.1, \"x\"], [0.3, 0.01]]";
     let found = refusal("kind = \"exponential\"\nhalf_width_m = 0.05\nrate_per_m = 4.62", sampled);
     assert!(found.contains("line 11: taper.points[1] = [0.1, \"x\"]: must be a pair"), "{found}");
@@ -151,10 +153,7 @@ fn a_number_that_toml_cannot_read_is_told_with_its_field_and_range() {
             "line 5: loss_factor: duplicate key",
         ),
     ];
-    for (from, to, wanted) in cases {
-        let found = refusal(from, to);
-        assert!(found.contains(wanted), "{to}: {found}");
-    }
+    assert_refused(&cases);
 }
 
 #[test]
@@ -181,10 +180,7 @@ fn a_name_that_is_not_known_is_answered_with_the_one_that_was_meant() {
             "\"exponential\" has half_width_m, rate_per_m",
         ),
     ];
-    for (from, to, wanted) in cases {
-        let found = refusal(from, to);
-        assert!(found.contains(wanted), "{to}: {found}");
-    }
+    assert_refused(&cases);
     let long = format!("{} = 1\n", "x".repeat(1 << 19));
     assert!(Plate::from_toml(&long).expect_err("a long name").to_string().len() < 300);
 }

@@ -104,6 +104,24 @@ pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
     Ok(ToneArgument { boundary, level })
 }
 
+impl Typed<f64> {
+    /// The value if it is in its range; `more` follows the range in what is told of another, `option` is where it was
+    /// typed.
+    pub(super) fn within(
+        &self,
+        option: &str,
+        range: Range,
+        measure: Measure,
+        more: &str,
+    ) -> Result<f64, Failure> {
+        if range.contains(self.value) {
+            return Ok(self.value);
+        }
+        let told = show_range(range.low, range.high, measure);
+        Err(Failure::value(option, &self.text, format!("{told}{more}")))
+    }
+}
+
 impl Boundary {
     /// Its place in metres, within the plate's span; `option` is where it was typed.
     pub(super) fn on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {

@@ -26,7 +26,6 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
         }
         other => other,
     };
-    let count = |colour: Colour| report.lights.iter().filter(|light| light.colour == colour).count();
     output::print(as_json, &value, |out| {
         for light in &report.lights {
             let colour = match light.colour {
@@ -38,7 +37,7 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
         }
         Ok(())
     })?;
-    match count(Colour::Red) {
+    match report.lights.iter().filter(|light| light.colour == Colour::Red).count() {
         0 => Ok(()),
         1 => Err(Failure::Red(format!("1 of {} lights is red", report.lights.len()))),
         red => Err(Failure::Red(format!("{red} of {} lights are red", report.lights.len()))),

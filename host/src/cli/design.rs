@@ -1,7 +1,7 @@
 //! `slipline design`.
 
 use super::argument::{self, Typed};
-use super::design_argument::{band, checked, loss, margin, material, name, speed, tension};
+use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
 use super::{Failure, output, progress};
 use crate::quantity::{Measure, show_frequency, show_si};
@@ -92,7 +92,10 @@ impl DesignArguments {
         let tension_of = |speed: f64| speed * speed * surface_density;
         let tensions =
             Range::new(tension_of(range::WAVE_SPEED.low), tension_of(range::WAVE_SPEED.high), "N/m");
-        let tension = checked("--tension", self.tension.as_ref(), tensions, Measure::Plain("N/m"))?;
+        let within = |option: &str, typed: &Option<Typed<f64>>, range: Range, measure: Measure| {
+            typed.as_ref().map(|typed| typed.within(option, range, measure, "")).transpose()
+        };
+        let tension = within("--tension", &self.tension, tensions, Measure::Plain("N/m"))?;
         let wave = match (self.wave_speed, tension, self.shear) {
             (Some(wave_speed_m_per_s), _, _) => Wave::Membrane { wave_speed_m_per_s },
             (None, Some(tension), _) => Wave::under_tension(tension, &material, self.thickness),
@@ -107,9 +110,8 @@ impl DesignArguments {
         };
         let mut request = Request::new(&self.name, material, self.thickness, wave, self.band, self.length);
         let (nearest, farthest) = (start_margin_range(self.length), end_margin_range(self.length));
-        request.start_margin_m =
-            checked("--start-margin", self.start_margin.as_ref(), nearest, Measure::Length)?;
-        request.end_margin_m = checked("--end-margin", self.end_margin.as_ref(), farthest, Measure::Length)?;
+        request.start_margin_m = within("--start-margin", &self.start_margin, nearest, Measure::Length)?;
+        request.end_margin_m = within("--end-margin", &self.end_margin, farthest, Measure::Length)?;
         request.rim_m = self.rim;
         if let Some(full_scale_m) = self.full_scale {
             request.full_scale_m = full_scale_m;

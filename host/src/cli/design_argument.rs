@@ -1,11 +1,10 @@
 //! The values of `slipline design`'s options.
 
-use super::Failure;
 use super::argument::{self, Typed};
-use crate::quantity::{self, Measure, QuantityError, show_range};
+use crate::quantity::{self, Measure, QuantityError};
 use slipline_plate::PlateError;
 use slipline_plate::design::Material;
-use slipline_plate::range::{self, Range};
+use slipline_plate::range;
 
 pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
@@ -49,18 +48,4 @@ pub(super) fn material(text: &str) -> Result<Material, String> {
 pub(super) fn name(text: &str) -> Result<String, String> {
     let is_fine = (1..=80).contains(&text.chars().count()) && !text.chars().any(char::is_control);
     if is_fine { Ok(text.to_owned()) } else { Err("must be 1 to 80 characters on one line".to_owned()) }
-}
-
-/// A value typed for an option, in its range on this design.
-pub(super) fn checked(
-    option: &str,
-    typed: Option<&Typed<f64>>,
-    range: Range,
-    measure: Measure,
-) -> Result<Option<f64>, Failure> {
-    let Some(typed) = typed else { return Ok(None) };
-    if range.contains(typed.value) {
-        return Ok(Some(typed.value));
-    }
-    Err(Failure::value(option, &typed.text, show_range(range.low, range.high, measure)))
 }

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::{DriveArguments, Failure, argument, output};
-use crate::link::{DriveRequest, LinkState, Request, ToneRequest};
+use crate::link::{DriveRequest, LinkState, Request};
 use crate::quantity::{show_frequency, show_place};
 use serde_json::json;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -23,14 +23,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     }
     let table = device.use_table(&plate)?;
     device.perform(Request::Arm)?;
-    let request = DriveRequest {
-        tones: (0u8..)
-            .zip(&tones)
-            .map(|(slot, &(boundary_m, level))| ToneRequest { slot, boundary_m, level, phase_turns: 0.0 })
-            .collect(),
-        glide_s,
-        ..DriveRequest::of(Vec::new())
-    };
+    let request = DriveRequest { glide_s, ..DriveRequest::at(&tones) };
     let at = device.perform_at(Request::Drive(request))?;
 
     let played: Vec<(f64, f64, f64)> = tones

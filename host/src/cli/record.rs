@@ -3,7 +3,7 @@
 use super::destination::Destination;
 use super::{Failure, RecordArguments, argument, output, progress};
 use crate::chain::Chain;
-use crate::link::{DriveRequest, Request, ToneRequest};
+use crate::link::{DriveRequest, Request};
 use crate::simulation::SAMPLE_RATE_HZ;
 use serde_json::json;
 use slipline_plate::Plate;
@@ -32,13 +32,9 @@ fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
-    let tones = (0u8..)
-        .zip(tones)
-        .map(|(slot, &(boundary_m, level))| ToneRequest { slot, boundary_m, level, phase_turns: 0.0 })
-        .collect();
     let begin = chain.samples();
     let mut codes = Vec::new();
-    let drive = Request::Drive(DriveRequest::of(tones));
+    let drive = Request::Drive(DriveRequest::at(tones));
     let at = chain.perform(drive, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
 
     let spec = hound::WavSpec {

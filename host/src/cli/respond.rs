@@ -1,7 +1,7 @@
 //! `slipline respond`.
 
 use super::{Failure, RespondArguments, argument, output};
-use crate::quantity::{Measure, show_frequency, show_place, show_range};
+use crate::quantity::{Measure, show_frequency, show_place};
 use serde_json::json;
 use slipline_plate::numeral::with_decimals;
 use slipline_plate::{Equation, respond, respond_range};
@@ -9,14 +9,10 @@ use slipline_plate::{Equation, respond, respond_range};
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
-    let range = respond_range(&plate);
-    if !range.contains(arguments.freq.value) {
-        let told = show_range(range.low, range.high, Measure::Frequency);
-        let must = format!("{told} on the plate {:?}", plate.name());
-        return Err(Failure::value("--freq", &arguments.freq.text, must));
-    }
-    let response =
-        respond(&plate, arguments.freq.value, arguments.points, equation).map_err(Failure::usage)?;
+    let on_plate = format!(" on the plate {:?}", plate.name());
+    let frequency_hz =
+        arguments.freq.within("--freq", respond_range(&plate), Measure::Frequency, &on_plate)?;
+    let response = respond(&plate, frequency_hz, arguments.points, equation).map_err(Failure::usage)?;
     let peak = response.peak;
     let value = json!({
         "plate": plate.name(),

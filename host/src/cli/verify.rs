@@ -8,9 +8,10 @@ use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
 use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
 use crate::mirror::{Mirror, TooLate};
-use crate::quantity::{Measure, show_range};
+use crate::quantity::Measure;
 use serde_json::{Value, json};
 use slipline_app::mailbox::Stop;
+use slipline_plate::range::Range;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use slipline_protocol::frame::CRC;
@@ -68,11 +69,8 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     let device = Device::connect(port)?;
     let rate = f64::from(device.identity()?.sample_rate_hz);
     let longest_s = f64::from(MAX_DIGEST_SAMPLES) / rate;
-    let window_s = arguments.window.value;
-    if !(0.01..=longest_s).contains(&window_s) {
-        let must = show_range(0.01, longest_s, Measure::Time);
-        return Err(Failure::value("--window", &arguments.window.text, must));
-    }
+    let windows = Range::new(0.01, longest_s, "s");
+    let window_s = arguments.window.within("--window", windows, Measure::Time, "")?;
     let table = device.use_table(&plate)?;
     device.perform(Request::Arm)?;
     sleep(REST);

@@ -40,6 +40,18 @@ impl DriveRequest {
     pub fn of(tones: Vec<ToneRequest>) -> Self {
         Self { tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
+
+    /// As [`DriveRequest::of`] tones that are (place in metres, level) and begin at phase 0, in slots from 0 on.
+    #[must_use]
+    pub fn at(tones: &[(f64, f64)]) -> Self {
+        let tones = (0u8..).zip(tones).map(|(slot, &(boundary_m, level))| ToneRequest {
+            slot,
+            boundary_m,
+            level,
+            phase_turns: 0.0,
+        });
+        Self::of(tones.collect())
+    }
 }
 
 /// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all

@@ -27,7 +27,7 @@ impl Plate {
         }
         let text = Text::parse(text)?;
         read(&text).map_err(|error| {
-            let line = error.field().and_then(|field| text.line_of(field));
+            let line = text.line_of(error.field());
             PlateFileError::Plate { line, error }
         })
     }

@@ -76,7 +76,11 @@ impl<'t> Text<'t> {
         } else {
             let Some((_, value)) = entry(&self.root, law.name) else { return Ok(None) };
             let DeValue::Table(table) = value.get_ref() else {
-                return Err(mistaken(law.name, self.quoted(value), format!("a section [{}]", law.name)));
+                return Err(mistaken(
+                    law.name,
+                    quoted(self.text, value.span()),
+                    format!("a section [{}]", law.name),
+                ));
             };
             table
         };
@@ -87,10 +91,6 @@ impl<'t> Text<'t> {
             given.refuse_strangers(|name| name == law.kind_field || fields.contains(&name))?;
         }
         Ok(Some(given))
-    }
-
-    fn quoted(&self, value: &Spanned<DeValue<'_>>) -> String {
-        quoted(self.text, value.span())
     }
 }
 
