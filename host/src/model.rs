@@ -80,6 +80,13 @@ impl Setup {
         Self { plate, tones: vec![tone], master_db: 0.0, glide_s: 0.02, boundary: BoundaryMode::TurningPoint }
     }
 
+    /// The master level in dB by which tones fit the DAC that add up to `sum` of full scale, more than 1. It is a
+    /// little lower than needed, because the device rounds to hundredths of a decibel.
+    #[must_use]
+    pub fn fitting_master_db(&self, sum: f64) -> f64 {
+        (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)
+    }
+
     /// The tone in a slot.
     #[must_use]
     pub fn tone(&self, slot: u8) -> Option<&ToneSetup> {

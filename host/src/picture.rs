@@ -123,19 +123,22 @@ fn solve_tone(plate: &Plate, tone: &SteadyTone) -> Option<ToneWave> {
     })
 }
 
-/// The tones of a setup, with the peak the table gives them; `full_peak_m` is the table's peak at level 1.
-#[must_use]
-pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
-    let master = setup.master();
-    setup
-        .tones
-        .iter()
-        .map(|tone| SteadyTone {
+impl SteadyTone {
+    /// A tone of a setup, with the peak the table gives it; `full_peak_m` is the table's peak at level 1.
+    #[must_use]
+    pub fn of(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> Self {
+        Self {
             slot: tone.slot,
             frequency_hz: setup.plate.frequency_for_boundary_hz(tone.position_m),
-            peak_m: tone.level * master * full_peak_m,
-        })
-        .collect()
+            peak_m: tone.level * setup.master() * full_peak_m,
+        }
+    }
+}
+
+/// The tones of a setup; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
+    setup.tones.iter().map(|tone| SteadyTone::of(setup, tone, full_peak_m)).collect()
 }
 
 /// Where the boundary of a tone shows, in metres: its turning point, or the place where it is just felt.
@@ -155,9 +158,7 @@ pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) ->
 /// is felt; `full_peak_m` is the table's peak at level 1.
 #[must_use]
 pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> f64 {
-    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-    let steady =
-        SteadyTone { slot: tone.slot, frequency_hz, peak_m: tone.level * setup.master() * full_peak_m };
+    let steady = SteadyTone::of(setup, tone, full_peak_m);
     shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m)
 }
 
@@ -169,6 +170,12 @@ pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
         m if m >= 2e-6 => ("µm", 1e-6),
         _ => ("nm", 1e-9),
     }
+}
+
+/// The displacement that full colour stands for, in metres; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn full_colour_m(sounding: Option<&Picture>, full_peak_m: f64) -> f64 {
+    full_peak_m.max(sounding.map_or(0.0, Picture::highest_m)).max(1e-12)
 }
 
 /// The top of an envelope's axis, in metres: room for level 1 at least, so that the level is seen; it grows with the

@@ -45,6 +45,16 @@ pub struct Row {
     shape: f64,
 }
 
+/// A line across the plate, and what is the same everywhere on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    x_m: f64,
+    /// Half the plate's width there, in metres.
+    pub half_width_m: f64,
+    /// Displacement on the centre line by the modal lines, in metres.
+    centre_m: f64,
+}
+
 impl<'a> Surface<'a> {
     /// The surface of this wave.
     #[must_use]
@@ -62,19 +72,27 @@ impl<'a> Surface<'a> {
         Row { beta, shape: mode_shape(&self.wave.plate.spec().model, beta) }
     }
 
-    /// The displacement at `x` on a row, in metres; 0 at rest.
+    /// The column at a place from the driven end, in metres.
     #[must_use]
-    pub fn at(&self, x_m: f64, row: &Row) -> f64 {
-        if self.wave.sounding.is_none() {
-            return 0.0;
-        }
+    pub fn column(&self, x_m: f64) -> Column {
         let plate = self.wave.plate;
+        let centre_m = match self.centre_m.as_slice() {
+            [] => 0.0,
+            centre_m => interpolate(centre_m, x_m / plate.length_m()),
+        };
+        Column { x_m, half_width_m: plate.half_width_m(x_m), centre_m }
+    }
+
+    /// The displacement where a column and a row cross, in metres; 0 at rest.
+    #[must_use]
+    pub fn at(&self, column: &Column, row: &Row) -> f64 {
         match self.wave.sheet {
+            _ if self.wave.sounding.is_none() => 0.0,
             Some(sheet) => {
-                let z_m = row.beta * plate.half_width_m(x_m);
+                let (x_m, z_m) = (column.x_m, row.beta * column.half_width_m);
                 if self.wave.is_largest { sheet.largest_m(x_m, z_m) } else { sheet.now_m(x_m, z_m) }
             }
-            None => interpolate(&self.centre_m, x_m / plate.length_m()) * row.shape,
+            None => column.centre_m * row.shape,
         }
     }
 }
@@ -135,10 +153,11 @@ mod tests {
         for i in 0..=50 {
             let x_m = plate.length_m() * f64::from(i) / 50.0;
             let row = now.row(0.4);
-            assert!(now.at(x_m, &row).abs() <= largest.at(x_m, &row) + 1e-12);
-            assert_eq!(rest.at(x_m, &row), 0.0);
+            let column = now.column(x_m);
+            assert!(now.at(&column, &row).abs() <= largest.at(&largest.column(x_m), &row) + 1e-12);
+            assert_eq!(rest.at(&rest.column(x_m), &row), 0.0);
         }
         let peak_m = picture.tones[0].peak_position_m.unwrap();
-        assert!((largest.at(peak_m, &largest.row(0.0)) / 1e-4 - 1.0).abs() < 0.02);
+        assert!((largest.at(&largest.column(peak_m), &largest.row(0.0)) / 1e-4 - 1.0).abs() < 0.02);
     }
 }

@@ -42,12 +42,6 @@ impl Measured {
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         self.position_m.iter().copied().zip(self.maximum_m.iter().copied())
     }
-
-    /// The largest displacement and its place, in metres.
-    #[must_use]
-    pub fn highest(&self) -> Option<(f64, f64)> {
-        self.points().max_by(|a, b| a.1.total_cmp(&b.1))
-    }
 }
 
 /// A drive to be tried on a plate.

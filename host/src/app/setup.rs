@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::edit::{self, Edit};
-use crate::model::{MASTER_MIN_DB, Setup};
+use crate::model::Setup;
 use crate::picture::{Picture, steady_tones};
 use std::sync::Arc;
 
@@ -63,7 +63,6 @@ impl App {
 fn make_fit(setup: &mut Setup) {
     let sum = setup.tones.iter().map(|tone| tone.level).sum::<f64>() * setup.master();
     if sum > 1.0 {
-        // A little more than needed, because the device rounds to hundredths of a decibel.
-        setup.master_db = (setup.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB);
+        setup.master_db = setup.fitting_master_db(sum);
     }
 }

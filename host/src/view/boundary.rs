@@ -18,8 +18,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let Some(tone) = setup.tone(scene.selected).copied() else { return };
     let slot = tone.slot;
     let plate = &setup.plate;
-    let frequency_hz = plate.frequency_for_boundary_hz(tone.position_m);
-    let steady = SteadyTone { slot, frequency_hz, peak_m: tone.level * setup.master() * scene.full_peak_m };
+    let steady = SteadyTone::of(setup, &tone, scene.full_peak_m);
+    let frequency_hz = steady.frequency_hz;
     let shown_m = shown_boundary_m(plate, &steady, setup.boundary);
     let palette = theme::palette(ui);
 

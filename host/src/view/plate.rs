@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::{Scene, ViewState, theme, validity};
-use crate::picture::Picture;
+use crate::picture::full_colour_m;
 use crate::quantity::show_length;
 use crate::sheet::Source;
 use crate::surface::{Row, Surface, Wave, slow_factor};
@@ -88,11 +88,6 @@ fn drawn(scene: &Scene<'_>, view: &ViewState) -> String {
     format!("{source}, 1/{:.0} speed{paused}", slow_factor(picture))
 }
 
-/// The displacement that full colour stands for, in metres.
-fn full_colour_m(scene: &Scene<'_>) -> f64 {
-    scene.full_peak_m.max(scene.sounding.map_or(0.0, Picture::highest_m))
-}
-
 /// What the colours stand for: the displacements at both ends, or at the right end only where there is little room.
 #[derive(Clone, Copy)]
 struct Scale {
@@ -107,7 +102,7 @@ impl Scale {
 
     /// The words at its ends.
     fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
-        let full = show_length(full_colour_m(scene));
+        let full = show_length(full_colour_m(scene.sounding, scene.full_peak_m));
         let ends = match (self.show_amplitude, self.is_wide) {
             (true, true) => ["0".to_owned(), full],
             (true, false) => [String::new(), full],
@@ -168,7 +163,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     });
     let across: Vec<Row> =
         (0..ROWS).map(|row| surface.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
-    let full_m = full_colour_m(scene).max(1e-12);
+    let full_m = full_colour_m(scene.sounding, scene.full_peak_m);
     let mut mesh = Mesh::default();
     mesh.reserve_vertices((columns + 1) * ROWS);
     mesh.reserve_triangles(columns * (ROWS - 1) * 2);
@@ -178,8 +173,9 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
         let x = screen.min + share * screen.span();
         let x_m = f64::from(share) * axis.length_m();
         let half = half_px(x_m) * squeeze;
+        let across_here = surface.column(x_m);
         for row in &across {
-            let value = (surface.at(x_m, row) / full_m) as f32;
+            let value = (surface.at(&across_here, row) / full_m) as f32;
             let colour = if show_amplitude {
                 theme::sequential(value.abs(), palette.dark)
             } else {

@@ -84,9 +84,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             let text = "More than the DAC can send: the device refuses it. Lower levels or the master.";
             ui.label(RichText::new(text).small().color(palette.wrong));
             if ui.button("Make it fit").on_hover_text("Lower the master so that the sum fits").clicked() {
-                let master_db =
-                    (setup.master_db - 20.0 * sum.log10() - 0.05).max(crate::model::MASTER_MIN_DB);
-                intents.push(Intent::Edit(Edit::Master(master_db)));
+                intents.push(Intent::Edit(Edit::Master(setup.fitting_master_db(sum))));
             }
         });
     }

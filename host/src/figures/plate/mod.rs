@@ -6,7 +6,7 @@ mod paper;
 
 use super::draw::{DrawError, HUES};
 use crate::model::{BoundaryMode, Setup};
-use crate::picture::{POINTS, Picture, displacement_unit, drawn_boundary_m, envelope_top_m};
+use crate::picture::{POINTS, Picture, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m};
 use crate::quantity::{show_frequency, show_length, show_place};
 use crate::sheet::Frame;
 use crate::surface::{Row, Surface, Wave};
@@ -72,9 +72,8 @@ pub fn png(subject: &Subject) -> Result<Vec<u8>, DrawError> {
 }
 
 impl Subject {
-    /// What full colour stands for, in metres.
     fn full_colour_m(&self) -> f64 {
-        self.full_peak_m.max(self.sounding.as_ref().map_or(0.0, Picture::highest_m)).max(1e-12)
+        full_colour_m(self.sounding.as_ref(), self.full_peak_m)
     }
 }
 
@@ -144,10 +143,11 @@ impl Figure<'_, '_> {
         let place_m = |column: usize| plate.length_m() * column as f64 / columns as f64;
         for column in 0..columns {
             let x_m = place_m(column);
-            let (x, half) = (page.x(x_m), page.half_width(plate.half_width_m(x_m)));
+            let across = surface.column(x_m);
+            let (x, half) = (page.x(x_m), page.half_width(across.half_width_m));
             for row in &rows {
                 let y = page.centre + row.beta * half;
-                let colour = self.colour(surface.at(x_m, row) / full_m);
+                let colour = self.colour(surface.at(&across, row) / full_m);
                 paper.fill((x, y - 0.5 * CELL), (x + CELL, y + 0.5 * CELL), colour)?;
             }
         }
