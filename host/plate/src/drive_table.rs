@@ -13,13 +13,12 @@
 //! departure is then the ripple itself, whatever the true speed.
 
 use crate::airy;
-use crate::numeral::typed;
 use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
 use crate::plate::Plate;
 use crate::progress::{Progress, Stopped};
-use crate::range::Range;
 use crate::respond::Equation;
+use crate::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -31,27 +30,13 @@ pub const KNOTS_MAX: usize = 1025;
 const SPEEDS: usize = 9;
 /// Frequencies between two looks at whether the table is still wanted.
 const FREQUENCIES_AT_ONCE: usize = 64;
-/// Largest frequency of a table, as a part of the sample rate.
-pub const FREQUENCY_TO_RATE_MAX: f64 = 0.45;
-/// Highest sample rate a table is made for, Hz.
-pub const SAMPLE_RATE_MAX_HZ: f64 = 1e8;
 
 /// Why a table could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TableError {
     /// The sample rate cannot carry the plate's band.
-    #[error(
-        "sample rate = {} Hz: must be {}, the plate's band ends at {highest_hz:.1} Hz",
-        typed(*.sample_rate_hz), Range::new(*.low, SAMPLE_RATE_MAX_HZ, "Hz")
-    )]
-    SampleRate {
-        /// The rate that was given, Hz.
-        sample_rate_hz: f64,
-        /// Lowest rate that carries the band, Hz.
-        low: f64,
-        /// Highest frequency of the plate's span, Hz.
-        highest_hz: f64,
-    },
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
     /// The number of knots is not usable.
     #[error("knots = {knots}: must be 2 to {KNOTS_MAX}")]
     Knots {
@@ -247,11 +232,7 @@ pub(crate) struct Chain<'a> {
 
 impl<'a> Chain<'a> {
     pub(crate) fn new(plate: &'a Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
-        let highest_hz = plate.band_hz().1;
-        let low = highest_hz / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9);
-        if !(low..=SAMPLE_RATE_MAX_HZ).contains(&sample_rate_hz) {
-            return Err(TableError::SampleRate { sample_rate_hz, low, highest_hz });
-        }
+        sample_rate::check(plate, sample_rate_hz)?;
         Ok(Self::unchecked(plate, sample_rate_hz))
     }
 

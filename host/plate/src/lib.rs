@@ -36,6 +36,7 @@ mod presets;
 mod progress;
 pub mod range;
 mod respond;
+mod sample_rate;
 pub mod sensation;
 mod sensitivity;
 pub mod sheet;
@@ -47,9 +48,7 @@ mod turning;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
 pub use drive::{Actuator, DriveEnd};
-pub use drive_table::{
-    DriveTable, FREQUENCY_TO_RATE_MAX, KNOTS_MAX, Knot, Level, SAMPLE_RATE_MAX_HZ, TableError,
-};
+pub use drive_table::{DriveTable, KNOTS_MAX, Knot, Level, TableError};
 pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};
 pub use error::{PlateError, PlateFileError};
 pub use model::{Bending, Model};
@@ -62,6 +61,7 @@ pub use progress::{Progress, Stopped};
 pub use respond::{
     Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch, respond_range,
 };
+pub use sample_rate::{SampleRateError, sample_rates};
 pub use sensitivity::{
     Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
     sensitivity_per_percent_watched, table_sensitivity,

@@ -6,11 +6,11 @@
 //! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
 
 use crate::analytic::{BSPLINE, Drive, Plan};
-use crate::drive_table::FREQUENCY_TO_RATE_MAX;
 use crate::envelope::Envelope;
 use crate::kernel::{self, Oscillators};
 use crate::oscillators::{self, Bank, Input};
 use crate::plate::Plate;
+use crate::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -27,13 +27,8 @@ pub const WIDTH_MODE_MAX: u32 = 9;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LineError {
     /// The sample rate cannot carry the plate's band.
-    #[error("sample rate = {sample_rate_hz} Hz: must be {low:.1} to 1e8 Hz for this plate")]
-    SampleRate {
-        /// The rate that was given, Hz.
-        sample_rate_hz: f64,
-        /// Lowest rate that carries the band, Hz.
-        low: f64,
-    },
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
     /// The number of places is not usable.
     #[error("points = {points}: must be {low} to {high}")]
     Points {
@@ -83,11 +78,8 @@ impl TimeLine {
     /// # Errors
     /// [`LineError`] names what is out of range.
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
+        sample_rate::check(plate, sample_rate_hz)?;
         let (low_hz, high_hz) = plate.band_hz();
-        let low = high_hz / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9);
-        if !(low..=1e8).contains(&sample_rate_hz) {
-            return Err(LineError::SampleRate { sample_rate_hz, low });
-        }
         if !(LINE_POINTS.0..=LINE_POINTS.1).contains(&points) {
             return Err(LineError::Points { points, low: LINE_POINTS.0, high: LINE_POINTS.1 });
         }

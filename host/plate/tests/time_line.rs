@@ -182,7 +182,9 @@ fn a_line_that_cannot_be_made_says_why() {
     let fault = |rate: f64, points: usize, mode: u32| {
         TimeLine::new(&plate, rate, points, mode).err().expect("refused")
     };
-    assert!(matches!(fault(50e3, 64, 1), LineError::SampleRate { .. }));
+    let told = "sample rate = 50000 Hz: must be 88657 to 1e8 Hz, the plate's band ends at 39895.5 Hz";
+    assert_eq!(fault(50e3, 64, 1).to_string(), told);
+    assert_eq!(DriveTable::build(&plate, 50e3, 5).expect_err("the same rule").to_string(), told);
     assert!(matches!(fault(f64::NAN, 64, 1), LineError::SampleRate { .. }));
     assert!(matches!(fault(400e3, 4, 1), LineError::Points { .. }));
     assert!(matches!(fault(400e3, 64, 0), LineError::Mode { .. }));

@@ -6,21 +6,15 @@ use crate::device_table::DeviceTable;
 use crate::quantity::{Measure, show_frequency, show_length, show_place};
 use serde_json::json;
 use slipline_plate::numeral::with_decimals;
-use slipline_plate::range::Range;
-use slipline_plate::{
-    DriveTable, FREQUENCY_TO_RATE_MAX, SAMPLE_RATE_MAX_HZ, TableError, sensitivity_per_percent_of,
-};
+use slipline_plate::{DriveTable, TableError, sample_rates, sensitivity_per_percent_of};
 use std::io::Write;
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let file = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
-    let highest_hz = plate.band_hz().1;
-    // As the table's own check, but in the option's words.
-    let lowest_rate_hz = highest_hz / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9);
-    let rates = Range::new(lowest_rate_hz, SAMPLE_RATE_MAX_HZ, "Hz");
-    let why = format!(": the plate's band ends at {}", show_frequency(highest_hz));
-    let rate_hz = arguments.sample_rate.within("--sample-rate", rates, Measure::Frequency, &why)?;
+    let why = format!(": the plate's band ends at {}", show_frequency(plate.band_hz().1));
+    let rate_hz =
+        arguments.sample_rate.within("--sample-rate", sample_rates(&plate), Measure::Frequency, &why)?;
     let (table, sensitivity) = progress::watched("table", |progress| {
         let first = &mut progress.part(0.0, 0.8);
         let table = DriveTable::build_watched(&plate, rate_hz, arguments.knots, first)?;

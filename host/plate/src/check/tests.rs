@@ -283,7 +283,7 @@ fn boundaries_off_the_plate_and_absurd_conditions_are_refused_with_their_range()
 fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
     let plate = preset("membrane").expect("a preset");
     // At 1 % more wave speed the band would no longer fit: the boundaries' own frequencies do.
-    let sample_rate_hz = 1.001 * plate.band_hz().1 / crate::FREQUENCY_TO_RATE_MAX;
+    let sample_rate_hz = 1.001 * crate::sample_rates(&plate).low;
     let checker = Checker::new(&plate, Conditions { sample_rate_hz, ..Conditions::default() }).expect("fits");
     assert!(checker.at(plate.span_m().1).is_ok());
     assert!(checker.over_span().is_ok());

@@ -1,6 +1,7 @@
 //! The grid of a sheet as it is asked for: how fine, how driven, what is recorded, and what is refused.
 
 use crate::plate::Plate;
+use crate::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
@@ -99,7 +100,7 @@ impl SheetGrid {
             }
             Err(SheetError::OutOfRange { field, value, low, high })
         };
-        within("sample_rate_hz", sample_rate_hz, 1000.0, 1e8)?;
+        within("sample_rate_hz", sample_rate_hz, 1000.0, SAMPLE_RATE_MAX_HZ)?;
         within("along", self.along as f64, 16.0, 16384.0)?;
         within("across", self.across as f64, 4.0, 4096.0)?;
         within("threads", self.threads as f64, 1.0, 64.0)?;
