@@ -1,7 +1,7 @@
 //! The plate designer in the app: what is wanted, and the plate that came of it. The rules are those of
 //! `slipline design`.
 
-use crate::plate_fault::{Panel, sentence};
+use crate::caption::Panel;
 use crate::workshop::Task;
 use slipline_plate::PlateError;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
@@ -140,15 +140,7 @@ pub struct Misfit {
 
 impl From<PlateError> for Misfit {
     fn from(error: PlateError) -> Self {
-        let field = match &error {
-            PlateError::OutOfRange { field, .. }
-            | PlateError::Missing { field, .. }
-            | PlateError::Unexpected { field, .. }
-            | PlateError::UnknownKind { field, .. }
-            | PlateError::TooLong { field, .. } => field.clone(),
-            PlateError::NotNarrowing { .. } => "taper".to_owned(),
-        };
-        Self { field, reason: sentence(&error, Panel::Designer) }
+        Self { field: error.field().to_owned(), reason: error.told(&Panel::Designer) }
     }
 }
 

@@ -9,6 +9,8 @@
 
 #[cfg(feature = "gui")]
 pub mod app;
+#[cfg(feature = "gui")]
+pub mod caption;
 pub mod chain;
 pub mod cli;
 #[cfg(feature = "gui")]

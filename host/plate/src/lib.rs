@@ -39,6 +39,7 @@ mod respond;
 mod sample_rate;
 pub mod sensation;
 mod sensitivity;
+mod sentence;
 pub mod sheet;
 mod suggestion;
 mod sweep;
@@ -50,11 +51,11 @@ pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respon
 pub use drive::{Actuator, DriveEnd};
 pub use drive_table::{DriveTable, KNOTS_MAX, Knot, Level, TableError};
 pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};
-pub use error::{PlateError, PlateFileError};
+pub use error::{Consequence, Origin, PlateError, PlateFileError};
 pub use model::{Bending, Model};
 pub use num_complex::Complex64;
 pub use peak::Peak;
-pub use plate::{BAND_RATIO_MAX, FREQUENCY_RANGE_HZ, Plate, PlateSpec, WAVELENGTHS_MAX};
+pub use plate::{BAND_RATIO_MAX, Plate, PlateSpec, WAVELENGTHS_MAX};
 pub use plate_file::PLATE_FILE_BYTES_MAX;
 pub use presets::{Preset, preset, presets};
 pub use progress::{Progress, Stopped};
@@ -66,7 +67,8 @@ pub use sensitivity::{
     Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
     sensitivity_per_percent_watched, table_sensitivity,
 };
+pub use sentence::Notation;
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use suggestion::nearest;
-pub use taper::{HALF_WIDTH_MAX_M, HALF_WIDTH_MIN_M, TAPER_POINTS_MAX, Taper};
+pub use taper::Taper;
 pub use time_line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};

@@ -4,10 +4,9 @@
 //! behind it has to be asked twice.
 
 use crate::drive::{Actuator, DriveEnd};
-use crate::error::{PlateError, within};
+use crate::error::{Consequence, Origin, PlateError};
 use crate::model::Model;
-use crate::numeral::typed;
-use crate::range;
+use crate::range::{self, Range};
 use crate::taper::{Taper, WidthLaw};
 use std::f64::consts::TAU;
 
@@ -15,8 +14,6 @@ use std::f64::consts::TAU;
 pub const WAVELENGTHS_MAX: f64 = 60.0;
 /// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
 pub const BAND_RATIO_MAX: f64 = 64.0;
-/// Lowest and highest frequency a boundary may need, Hz.
-pub const FREQUENCY_RANGE_HZ: (f64, f64) = (0.5, 1e7);
 
 /// The description of a plate, before validation. Lengths in metres, frequencies in hertz.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,8 +58,8 @@ impl Plate {
     /// # Errors
     /// [`PlateError`] names the first field that is out of range and the range that is allowed.
     pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
-        text("name", &spec.name, 1, 80)?;
-        text("description", &spec.description, 0, 400)?;
+        range::NAME.check_text("name", &spec.name)?;
+        range::DESCRIPTION.check_text("description", &spec.description)?;
         range::LENGTH.check("length_m", spec.length_m)?;
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
@@ -73,9 +70,9 @@ impl Plate {
             actuator.validate()?;
         }
         range::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
-        within("span_start_m", spec.span_start_m, 1e-3 * spec.length_m, 0.999 * spec.length_m, "m")?;
+        range::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
-        within("span_end_m", spec.span_end_m, shortest, spec.length_m, "m")?;
+        Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
         let width = WidthLaw::new(&spec.taper, spec.length_m);
         let plate = Self { spec, width };
@@ -85,53 +82,25 @@ impl Plate {
 
     fn validate_band(&self) -> Result<(), PlateError> {
         let (low, high) = self.band_hz();
-        let refuse = |field: &str, value: f64, allowed: String| {
-            Err(PlateError::OutOfRange { field: field.to_owned(), value, allowed })
-        };
-        if low.is_nan() || low < FREQUENCY_RANGE_HZ.0 {
-            return refuse(
-                "span_start_m",
-                self.spec.span_start_m,
-                format!("where the boundary needs at least {} Hz (here {low:.4} Hz)", FREQUENCY_RANGE_HZ.0),
-            );
+        let allowed = range::FREQUENCY;
+        let at_start = |it| Err(PlateError::unfit("span_start_m", self.spec.span_start_m, it));
+        let at_end = |it| Err(PlateError::unfit("span_end_m", self.spec.span_end_m, it));
+        if low.is_nan() || low < allowed.low {
+            return at_start(Consequence::Frequency(low));
         }
-        if high.is_nan() || high > FREQUENCY_RANGE_HZ.1 {
-            return refuse(
-                "span_end_m",
-                self.spec.span_end_m,
-                format!(
-                    "where the boundary needs at most {} Hz (here {high:.4e} Hz)",
-                    typed(FREQUENCY_RANGE_HZ.1)
-                ),
-            );
+        if high.is_nan() || high > allowed.high {
+            return at_end(Consequence::Frequency(high));
         }
         if high > low * BAND_RATIO_MAX {
-            return refuse(
-                "span_start_m",
-                self.spec.span_start_m,
-                format!(
-                    "where the boundary needs at least 1/{BAND_RATIO_MAX} of the {high:.1} Hz at the span's end \
-                     (here {low:.4} Hz)"
-                ),
-            );
+            return at_start(Consequence::BandRatio(low, high));
         }
         let wavelengths = self.guide(1).phase_to(self.spec.span_end_m, high) / TAU;
         if wavelengths.is_nan() || wavelengths > WAVELENGTHS_MAX {
-            return refuse(
-                "span_end_m",
-                self.spec.span_end_m,
-                format!("within {WAVELENGTHS_MAX} wavelengths of the driven end (here {wavelengths:.0})"),
-            );
+            return at_end(Consequence::Wavelengths(wavelengths));
         }
         if let Some(frequency_hz) = self.spec.drive_end.at_frequency_hz() {
-            let lowest = self.cut_off_hz() * 1.0001;
-            within(
-                "drive.at_frequency_hz",
-                frequency_hz,
-                lowest,
-                FREQUENCY_RANGE_HZ.1,
-                "Hz (it must enter the plate)",
-            )?;
+            let entering = Range { low: self.cut_off_hz() * 1.0001, ..allowed };
+            entering.check_from(Origin::Entry, "drive.at_frequency_hz", frequency_hz)?;
         }
         Ok(())
     }
@@ -188,7 +157,7 @@ impl Plate {
     /// # Errors
     /// [`PlateError`] when the material leaves its allowed range.
     pub fn with_wave_speed(&self, factor: f64) -> Result<Self, PlateError> {
-        within("wave speed factor", factor, 0.5, 2.0, "")?;
+        Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
         let mut spec = self.spec.clone();
         match &mut spec.model {
             Model::Membrane { wave_speed_m_per_s } => *wave_speed_m_per_s *= factor,
@@ -209,19 +178,6 @@ impl Plate {
             slope: self.spec.model.width_slope(mode),
         }
     }
-}
-
-fn text(field: &str, value: &str, shortest: usize, longest: usize) -> Result<(), PlateError> {
-    let length = value.chars().count();
-    if length >= shortest && length <= longest && !value.chars().any(char::is_control) {
-        return Ok(());
-    }
-    Err(PlateError::TooLong {
-        field: field.to_owned(),
-        length,
-        unit: "characters",
-        allowed: format!("{shortest} to {longest}, on one line, without control characters"),
-    })
 }
 
 /// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2).

@@ -1,11 +1,11 @@
 //! The numbers that a plate's fields may have: one place for those who check them and those who tell of them.
 
-use crate::error::PlateError;
+use crate::error::{Origin, PlateError};
 use crate::numeral::{at_least, at_most, typed};
 use std::fmt;
 
-/// The numbers that a field may have, both ends included. Written as `0.005 to 10 m`, each end as a person would type
-/// it: rounded to five digits, and inwards, so that what is named is allowed.
+/// The numbers that a field may have, both ends included; an infinite end bounds nothing. Written as `0.005 to 10 m`,
+/// each end as a person would type it: rounded to five digits, and inwards, so that what is named is allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     /// Least.
@@ -22,6 +22,32 @@ impl Range {
         Self { low, high, unit }
     }
 
+    /// From `low` up.
+    pub const fn at_least(low: f64, unit: &'static str) -> Self {
+        Self::new(low, f64::INFINITY, unit)
+    }
+
+    /// Up to `high`.
+    pub const fn at_most(high: f64, unit: &'static str) -> Self {
+        Self::new(f64::NEG_INFINITY, high, unit)
+    }
+
+    /// The same with its ends rounded inwards to five digits: what may be told of it.
+    #[must_use]
+    pub fn rounded(self) -> Self {
+        Self { low: at_least(self.low, 5), high: at_most(self.high, 5), unit: self.unit }
+    }
+
+    /// The range in words, with its ends written by `number` (which is given a finite one) and without its unit.
+    pub fn in_words(self, number: impl Fn(f64) -> String) -> String {
+        let Self { low, high, .. } = self;
+        match (low.is_finite(), high.is_finite()) {
+            (false, true) => format!("at most {}", number(high)),
+            (true, false) => format!("at least {}", number(low)),
+            _ => format!("{} to {}", number(low), number(high)),
+        }
+    }
+
     /// Whether a number is allowed; NaN never is.
     pub fn contains(self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -29,16 +55,22 @@ impl Range {
 
     /// Refuses what is not allowed, naming the field.
     pub(crate) fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
-        if self.contains(value) {
-            return Ok(());
-        }
-        Err(PlateError::OutOfRange { field: field.to_owned(), value, allowed: self.to_string() })
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
+    }
+
+    /// As [`Range::check`], naming what moves the range too.
+    pub(crate) fn check_from(self, origin: Origin, field: &str, value: f64) -> Result<(), PlateError> {
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, Some(origin))) }
+    }
+
+    pub(crate) fn refuse(self, field: &str, value: f64, origin: Option<Origin>) -> PlateError {
+        PlateError::OutOfRange { field: field.to_owned(), value, range: self, origin }
     }
 }
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", typed(at_least(self.low, 5)), typed(at_most(self.high, 5)))?;
+        f.write_str(&self.rounded().in_words(typed))?;
         if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
     }
 }
@@ -52,7 +84,7 @@ pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
 /// Displacement of the drive at DAC full scale.
 pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 /// Half-width anywhere on a plate.
-pub const HALF_WIDTH: Range = Range::new(crate::HALF_WIDTH_MIN_M, crate::HALF_WIDTH_MAX_M, "m");
+pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
 /// Rate of an exponential taper.
 pub const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
 /// Place of a point of a sampled taper.
@@ -72,13 +104,85 @@ pub const THICKNESS: Range = Range::new(1e-6, 0.1, "m");
 /// r of a drive end that is a resistance.
 pub const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
 /// Frequency that a boundary may need.
-pub const FREQUENCY: Range = Range::new(crate::FREQUENCY_RANGE_HZ.0, crate::FREQUENCY_RANGE_HZ.1, "Hz");
+pub const FREQUENCY: Range = Range::new(0.5, 1e7, "Hz");
 /// An actuator's resonance.
 pub const RESONANCE: Range = Range::new(0.1, 1e7, "Hz");
 /// An actuator's quality factor.
 pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
 /// Width of the frame's rim of a design.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
+
+/// The nearest boundaries that a plate of this length may offer, metres from the driven end.
+pub fn span_start(length_m: f64) -> Range {
+    Range::new(1e-3 * length_m, 0.999 * length_m, "m")
+}
+
+/// How long a text or a list may be, both ends included. Written as `1 to 80`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Count {
+    /// Fewest.
+    pub least: usize,
+    /// Most.
+    pub most: usize,
+    /// Of what.
+    pub of: Counted,
+}
+
+/// What a [`Count`] counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counted {
+    /// Characters of a text that stands on one line, without control characters.
+    Characters,
+    /// Points of a list.
+    Points,
+}
+
+impl Count {
+    const fn new(least: usize, most: usize, of: Counted) -> Self {
+        Self { least, most, of }
+    }
+
+    /// Whether so many are allowed.
+    pub fn contains(self, count: usize) -> bool {
+        (self.least..=self.most).contains(&count)
+    }
+
+    /// Whether a text is as long as is allowed and stands on one line.
+    pub fn allows(self, text: &str) -> bool {
+        self.contains(text.chars().count()) && !text.chars().any(char::is_control)
+    }
+
+    /// Refuses a text that is not allowed, naming the field.
+    pub(crate) fn check_text(self, field: &str, text: &str) -> Result<(), PlateError> {
+        if self.allows(text) { Ok(()) } else { Err(self.refuse(field, text.chars().count())) }
+    }
+
+    pub(crate) fn refuse(self, field: &str, count: usize) -> PlateError {
+        PlateError::WrongCount { field: field.to_owned(), count, allowed: self }
+    }
+}
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.least, self.most)
+    }
+}
+
+impl fmt::Display for Counted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Characters => "characters",
+            Self::Points => "points",
+        })
+    }
+}
+
+/// Name of a plate.
+pub const NAME: Count = Count::new(1, 80, Counted::Characters);
+/// What a plate is, on one line.
+pub const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
+/// Points of a sampled taper.
+pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 
 #[cfg(test)]
 mod tests {
@@ -100,5 +204,7 @@ mod tests {
             assert_eq!(range.to_string(), wanted);
             assert!(at_least(low, 5) >= low && at_most(high, 5) <= high, "{wanted}");
         }
+        assert_eq!(Range::at_most(28.312_34, "1/m").to_string(), "at most 28.312 1/m");
+        assert_eq!(Range::at_least(0.3, "m").to_string(), "at least 0.3 m");
     }
 }

@@ -3,8 +3,8 @@
 use crate::numeral::{at_least, typed};
 use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
-use crate::plate::{FREQUENCY_RANGE_HZ, Plate};
-use crate::range::Range;
+use crate::plate::Plate;
+use crate::range::{FREQUENCY, Range};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -144,7 +144,7 @@ fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondE
         return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
     }
     let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
-    let low = FREQUENCY_RANGE_HZ.0.min(cut_off_hz);
+    let low = FREQUENCY.low.min(cut_off_hz);
     if !(frequency_hz >= low && frequency_hz <= high) {
         return Err(if frequency_hz < low && frequency_hz > 0.0 {
             RespondError::CannotEnter { frequency_hz, cut_off_hz }

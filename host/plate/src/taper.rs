@@ -3,16 +3,8 @@
 //! The plate spans z = -W..+W. Beyond the plate's end the law is continued (the frame goes on), so that the tail
 //! of the wave decays as it would in a longer plate.
 
-use crate::error::{PlateError, within};
-use crate::numeral::at_most;
-use crate::range;
-
-/// Most points a sampled taper may have.
-pub const TAPER_POINTS_MAX: usize = 10_000;
-/// Smallest half-width a plate may have anywhere, metres.
-pub const HALF_WIDTH_MIN_M: f64 = 1e-5;
-/// Largest half-width a plate may have, metres.
-pub const HALF_WIDTH_MAX_M: f64 = 10.0;
+use crate::error::{Origin, PlateError};
+use crate::range::{self, Range};
 
 /// The law of the half-width W(x); x = 0 is the driven, wide end.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,27 +38,18 @@ impl Taper {
                 range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
                 range::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
                 let end = half_width_m * (-rate_per_m * length_m).exp();
-                if end < HALF_WIDTH_MIN_M {
-                    return Err(PlateError::OutOfRange {
-                        field: "taper.rate_per_m".to_owned(),
-                        value: *rate_per_m,
-                        allowed: format!(
-                            "at most {} 1/m, or the half-width at the end ({end:.3e} m) falls below 1e-5 m",
-                            at_most((half_width_m / HALF_WIDTH_MIN_M).ln() / length_m, 5)
-                        ),
-                    });
+                let narrowest = range::HALF_WIDTH.low;
+                if end < narrowest {
+                    let steepest = Range::at_most((half_width_m / narrowest).ln() / length_m, "1/m");
+                    let origin = Some(Origin::EndHalfWidth(end));
+                    return Err(steepest.refuse("taper.rate_per_m", *rate_per_m, origin));
                 }
                 Ok(())
             }
             Self::Linear { half_width_m, end_half_width_m } => {
                 range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
-                within(
-                    "taper.end_half_width_m",
-                    *end_half_width_m,
-                    HALF_WIDTH_MIN_M,
-                    0.999 * half_width_m,
-                    "m",
-                )
+                let end = Range { high: 0.999 * half_width_m, ..range::HALF_WIDTH };
+                end.check("taper.end_half_width_m", *end_half_width_m)
             }
             Self::Sampled { points } => validate_points(points, length_m),
         }
@@ -74,13 +57,8 @@ impl Taper {
 }
 
 fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError> {
-    if points.len() < 2 || points.len() > TAPER_POINTS_MAX {
-        return Err(PlateError::TooLong {
-            field: "taper.points".to_owned(),
-            length: points.len(),
-            unit: "points",
-            allowed: format!("2 to {TAPER_POINTS_MAX}"),
-        });
+    if !range::TAPER_POINTS.contains(points.len()) {
+        return Err(range::TAPER_POINTS.refuse("taper.points", points.len()));
     }
     for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
         range::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
@@ -92,13 +70,10 @@ fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError>
         }
     }
     let (first, last) = (points[0][0], points[points.len() - 1][0]);
-    within("taper.points[0][0]", first, 0.0, 0.0, "m (the driven end)")?;
+    Range::new(0.0, 0.0, "m").check_from(Origin::DrivenEnd, "taper.points[0][0]", first)?;
     if last < length_m * (1.0 - 1e-9) {
-        return Err(PlateError::OutOfRange {
-            field: format!("taper.points[{}][0]", points.len() - 1),
-            value: last,
-            allowed: format!("at least length_m = {length_m} m: the points must cover the plate"),
-        });
+        let field = format!("taper.points[{}][0]", points.len() - 1);
+        return Err(Range::at_least(length_m, "m").refuse(&field, last, Some(Origin::Length(length_m))));
     }
     Ok(())
 }

@@ -243,8 +243,8 @@ fn a_band_that_cannot_enter_is_refused_with_the_lowest_frequency_that_can() {
     let plate = Plate::from_toml(&band(87.0, 190.0)).expect("a band that enters");
     assert!((plate.band_hz().0 - 87.0).abs() < 1e-6 && (plate.band_hz().1 - 190.0).abs() < 1e-6);
     for (low, high, wanted) in [
-        (40.0, 190.0, "band_start_hz = 40: must be above 60.084 and up to 239.92 Hz"),
-        (87.0, 9e3, "band_end_hz = 9000: must be above 87 and up to 239.92 Hz"),
+        (40.0, 190.0, "band_start_hz = 40: must be above 60.084 Hz and up to 239.92 Hz"),
+        (87.0, 9e3, "band_end_hz = 9000: must be above 87 Hz and up to 239.92 Hz"),
     ] {
         let found = Plate::from_toml(&band(low, high)).expect_err("out of band").to_string();
         assert!(found.contains(wanted), "{found}");

@@ -3,7 +3,7 @@
 use super::argument::{self, Typed};
 use crate::quantity::{self, Measure, QuantityError};
 use slipline_plate::PlateError;
-use slipline_plate::design::Material;
+use slipline_plate::design::{BAND_WIDTH_MIN_PERCENT, Material, band_high_range};
 use slipline_plate::range;
 
 pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
@@ -13,8 +13,11 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let end =
         |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
     let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
-    if high_hz < 1.05 * low_hz {
-        return Err("the second frequency must be at least 5 % above the first".to_owned());
+    // Both are in their range by now.
+    if !band_high_range(low_hz).contains(high_hz) {
+        return Err(format!(
+            "the second frequency must be at least {BAND_WIDTH_MIN_PERCENT} % above the first",
+        ));
     }
     Ok((low_hz, high_hz))
 }
@@ -46,6 +49,8 @@ pub(super) fn material(text: &str) -> Result<Material, String> {
 }
 
 pub(super) fn name(text: &str) -> Result<String, String> {
-    let is_fine = (1..=80).contains(&text.chars().count()) && !text.chars().any(char::is_control);
-    if is_fine { Ok(text.to_owned()) } else { Err("must be 1 to 80 characters on one line".to_owned()) }
+    if range::NAME.allows(text) {
+        return Ok(text.to_owned());
+    }
+    Err(format!("must be {} {} on one line", range::NAME, range::NAME.of))
 }

@@ -18,6 +18,7 @@ mod wave;
 use crate::drive_table::{Chain, TableError, other_speeds};
 use crate::plate::Plate;
 use crate::progress::{Progress, Stopped};
+use crate::range;
 use serde::Serialize;
 use thiserror::Error;
 use thresholds::Limits;
@@ -358,7 +359,7 @@ fn places(plate: &Plate, count: usize) -> impl Iterator<Item = f64> {
 }
 
 fn on_plate(plate: &Plate, field: &'static str, boundary_m: f64) -> Result<(), CheckError> {
-    let (low, high) = (1e-3 * plate.length_m(), plate.length_m());
+    let (low, high) = (range::span_start(plate.length_m()).low, plate.length_m());
     if (low..=high).contains(&boundary_m) {
         return Ok(());
     }

@@ -17,7 +17,7 @@ mod svg;
 use crate::airy;
 use crate::check::{loss_integral, thresholds, wavelengths};
 use crate::drive::DriveEnd;
-use crate::error::{PlateError, within};
+use crate::error::{Consequence, Origin, PlateError};
 use crate::model::{Bending, Model};
 use crate::plate::{Plate, PlateSpec};
 use crate::range::{self, Range};
@@ -170,7 +170,8 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     range::THICKNESS.check("thickness_m", request.thickness_m)?;
     range::LENGTH.check("length_m", request.length_m)?;
     range::FREQUENCY.check("band low", request.band_hz.0)?;
-    within("band high", request.band_hz.1, 1.05 * request.band_hz.0, 1e7, "Hz (5 % above its low end)")?;
+    let (low_hz, high_hz) = request.band_hz;
+    band_high_range(low_hz).check_from(Origin::BandLow(low_hz), "band high", high_hz)?;
     range::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
     range::RIM.check("rim_m", request.rim_m)?;
     let model = model(request);
@@ -254,9 +255,17 @@ const SPAN_LEAST: f64 = 0.1;
 /// Handbook constants of a metal and a gauge of its thickness give the wave speed to about 1 %.
 const WAVE_SPEED_TOLERANCE: f64 = 0.01;
 
+/// How far the end of a band is above its start at least, percent.
+pub const BAND_WIDTH_MIN_PERCENT: f64 = 5.0;
+
+/// The highest frequency of a band that starts at `low_hz`, Hz.
+pub fn band_high_range(low_hz: f64) -> Range {
+    Range { low: (1.0 + 0.01 * BAND_WIDTH_MIN_PERCENT) * low_hz, ..range::FREQUENCY }
+}
+
 /// From the driven end to the nearest boundary, metres, on a plate of this length.
 pub fn start_margin_range(length_m: f64) -> Range {
-    Range::new(1e-3 * length_m, (1.0 - SPAN_LEAST) * length_m, "m")
+    Range { high: (1.0 - SPAN_LEAST) * length_m, ..range::span_start(length_m) }
 }
 
 /// From the farthest boundary to the narrow end, metres, on a plate of this length.
@@ -286,15 +295,9 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
         rate = 0.5 * rate + 0.5 * (far_k / near_k).ln() / span;
     }
     if far_m - near_m < SPAN_LEAST * length * (1.0 - 1e-9) {
-        let margins = near_m + length - far_m;
-        return Err(PlateError::OutOfRange {
-            field: "length_m".to_owned(),
-            value: length,
-            allowed: format!(
-                "longer: the peak of {} Hz and the tail of {} Hz alone take {margins:.3} m of it; or raise the band, or set smaller margins",
-                request.band_hz.0, request.band_hz.1
-            ),
-        });
+        let margins_m = near_m + length - far_m;
+        let consequence = Consequence::Margins { band_hz: request.band_hz, margins_m };
+        return Err(PlateError::unfit("length_m", length, consequence));
     }
     let rate_per_m = (far_k / near_k).ln() / (far_m - near_m);
     let half_width_m = number / near_k * (rate_per_m * near_m).exp();

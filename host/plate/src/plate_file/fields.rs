@@ -1,7 +1,6 @@
 //! The fields of a plate file: what each means, what it may be, and which kind of taper, model or drive end has it.
 
-use crate::range::{self, Range};
-use crate::taper::TAPER_POINTS_MAX;
+use crate::range::{self, Count, Range};
 use std::borrow::Cow;
 
 /// What a field has to hold.
@@ -11,7 +10,7 @@ pub(super) enum Due {
     /// A number whose range depends on the other fields, in words.
     NumberThat(&'static str),
     /// A text, by its length in characters.
-    Text(usize, usize),
+    Text(Count),
     /// true or false.
     Flag,
     /// Pairs of numbers.
@@ -48,8 +47,8 @@ pub(super) const PLATE: Section = Section {
     kind_field: "",
     kinds: &[],
     fields: &[
-        field("name", Due::Text(1, 80), "the plate's short name"),
-        field("description", Due::Text(0, 400), "one line that says what the plate is"),
+        field("name", Due::Text(range::NAME), "the plate's short name"),
+        field("description", Due::Text(range::DESCRIPTION), "one line that says what the plate is"),
         field("length_m", Due::Number(range::LENGTH), "from the driven end to the narrow end"),
         field("loss_factor", Due::Number(range::LOSS_FACTOR), "loss factor of the modulus or the tension"),
         field(
@@ -172,11 +171,11 @@ impl Section {
         match &field.due {
             Due::Number(range) => format!("a number, {range}").into(),
             Due::NumberThat(words) => format!("a number, {words}").into(),
-            Due::Text(0, most) => format!("a text in quotes, up to {most} characters").into(),
-            Due::Text(least, most) => format!("a text in quotes, {least} to {most} characters").into(),
+            Due::Text(Count { least: 0, most, of }) => format!("a text in quotes, up to {most} {of}").into(),
+            Due::Text(count) => format!("a text in quotes, {count} {}", count.of).into(),
             Due::Flag => "true or false".into(),
             Due::Points => {
-                format!("2 to {TAPER_POINTS_MAX} pairs [place, half-width] of numbers, in m").into()
+                format!("{} pairs [place, half-width] of numbers, in m", range::TAPER_POINTS).into()
             }
             Due::Kind => self.one_of().into(),
         }

@@ -5,10 +5,10 @@ mod text;
 mod written;
 
 use crate::drive::{Actuator, DriveEnd};
-use crate::error::{PlateError, PlateFileError};
+use crate::error::{Origin, PlateError, PlateFileError};
 use crate::model::{Bending, Model};
-use crate::numeral::{at_least, at_most, typed};
 use crate::plate::{Plate, PlateSpec};
+use crate::range::{self, Range};
 use crate::taper::Taper;
 use text::{Given, Text};
 
@@ -120,8 +120,8 @@ fn first_missing(text: &Text<'_>) -> PlateError {
 /// A plate whose span is given by the frequencies of its ends.
 fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plate, PlateError> {
     // A plate with its widest span answers where the two frequencies turn.
-    spec.span_start_m = 1e-3 * spec.length_m;
-    spec.span_end_m = 3e-3 * spec.length_m;
+    spec.span_start_m = range::span_start(spec.length_m).low;
+    spec.span_end_m = 3.0 * spec.span_start_m;
     let probe = Plate::new(spec.clone())?;
     let lowest = probe.frequency_for_boundary_hz(spec.span_start_m);
     let highest = probe.frequency_for_boundary_hz(spec.length_m);
@@ -129,10 +129,7 @@ fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plat
         if value > low && value <= highest {
             return Ok(());
         }
-        let (low, high) = (typed(at_least(low, 5)), typed(at_most(highest, 5)));
-        let allowed =
-            format!("above {low} and up to {high} Hz: lower cannot enter the plate, higher passes its end");
-        Err(PlateError::OutOfRange { field: field.to_owned(), value, allowed })
+        Err(Range::new(low, highest, "Hz").refuse(field, value, Some(Origin::Turning)))
     };
     check("band_start_hz", low_hz, lowest)?;
     check("band_end_hz", high_hz, low_hz)?;

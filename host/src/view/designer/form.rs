@@ -1,12 +1,14 @@
 //! The form of the designer: the fields of a draft, and the reason of a misfit at the field it names. The fields and
 //! their words are those of `slipline design`.
 
+use crate::caption::{self, Caption};
 use crate::designer::{Draft, Kind, Misfit, Stretch};
-use crate::quantity;
+use crate::quantity::{self, Measure, show_range};
 use crate::view::field::{Field, Fields, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
-use slipline_plate::design::{Material, material_names};
+use slipline_plate::design::{BAND_WIDTH_MIN_PERCENT, Material, material_names};
+use slipline_plate::range::{self, Range};
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -30,12 +32,11 @@ pub(super) struct Shown {
     pub(super) is_told: bool,
 }
 
-/// One field: its name, the library's names for it, what stands in it and what is allowed.
-struct Entry<'a> {
-    name: &'a str,
-    keys: &'a [&'a str],
+/// One field: what it is called, what stands in it and what is allowed.
+struct Entry {
+    caption: &'static Caption,
     value: String,
-    hint: &'a str,
+    hint: String,
 }
 
 fn text_of<E: ToString>(error: E) -> String {
@@ -49,6 +50,10 @@ fn millimetres(metres: f64) -> String {
 
 fn hertz(frequency_hz: f64) -> String {
     if frequency_hz >= 1e3 { format!("{} kHz", frequency_hz / 1e3) } else { format!("{frequency_hz} Hz") }
+}
+
+fn lengths(allowed: Range) -> String {
+    show_range(allowed.low, allowed.high, Measure::Length)
 }
 
 /// What is typed, or `None` for nothing or `auto`.
@@ -85,10 +90,10 @@ impl<'a> Form<'a> {
     fn entry(
         &mut self,
         ui: &mut egui::Ui,
-        entry: &Entry<'_>,
+        entry: &Entry,
         take: impl FnOnce(&mut Draft, &str) -> Result<(), String>,
     ) {
-        let Entry { name, keys, value, hint } = entry;
+        let Entry { caption: Caption { name, keys, .. }, value, hint } = entry;
         let reason = self.misfit.filter(|misfit| keys.contains(&misfit.field.as_str()));
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
@@ -148,10 +153,9 @@ impl<'a> Form<'a> {
             draft.loss_factor = None;
         });
         let thickness = Entry {
-            name: "Thickness",
-            keys: &["thickness_m", "model.thickness_m"],
+            caption: &caption::THICKNESS,
             value: millimetres(draft.thickness_m),
-            hint: "The sheet's thickness, 1 µm to 100 mm",
+            hint: format!("The sheet's thickness, {}", lengths(range::THICKNESS)),
         };
         self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
         let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
@@ -176,10 +180,9 @@ impl<'a> Form<'a> {
             Stretch::Tension(tension) => format!("{tension} N/m"),
         };
         let stretch = Entry {
-            name: "Wave speed",
-            keys: &["model.wave_speed_m_per_s"],
+            caption: &caption::WAVE_SPEED,
             value,
-            hint: "A wave speed (12 m/s) or a tension per width (70 N/m)",
+            hint: "A wave speed (12 m/s) or a tension per width (70 N/m)".to_owned(),
         };
         self.entry(ui, &stretch, |draft, text| {
             draft.stretch = match quantity::plain(text, "m/s") {
@@ -196,24 +199,23 @@ impl<'a> Form<'a> {
     fn size(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let low = Entry {
-            name: "Band from",
-            keys: &["band low"],
+            caption: &caption::BAND_LOW,
             value: hertz(draft.band_hz.0),
-            hint: "The boundary's lowest frequency, such as 20 kHz",
+            hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
         };
         self.entry(ui, &low, |draft, text| frequency(text).map(|value| draft.band_hz.0 = value));
         let high = Entry {
-            name: "Band to",
-            keys: &["band high"],
+            caption: &caption::BAND_HIGH,
             value: hertz(draft.band_hz.1),
-            hint: "The boundary's highest frequency, at least 5 % above the lowest",
+            hint: format!(
+                "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
+            ),
         };
         self.entry(ui, &high, |draft, text| frequency(text).map(|value| draft.band_hz.1 = value));
         let long = Entry {
-            name: "Length",
-            keys: &["length_m"],
+            caption: &caption::LENGTH,
             value: millimetres(draft.length_m),
-            hint: "From the driven end to the narrow end, 5 mm to 10 m",
+            hint: format!("From the driven end to the narrow end, {}", lengths(range::LENGTH)),
         };
         self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
     }
@@ -223,51 +225,46 @@ impl<'a> Form<'a> {
         let draft = self.draft;
         let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);
         let start = Entry {
-            name: "Start margin",
-            keys: &["start_margin_m", "span_start_m"],
+            caption: &caption::START_MARGIN,
             value: automatic(draft.start_margin_m),
-            hint: "From the driven end to the nearest boundary; auto: as much as its peak needs",
+            hint: "From the driven end to the nearest boundary; auto: as much as its peak needs".to_owned(),
         };
         self.entry(ui, &start, |draft, text| {
             optional(text, length).map(|value| draft.start_margin_m = value)
         });
         let end = Entry {
-            name: "End margin",
-            keys: &["end_margin_m", "span_end_m"],
+            caption: &caption::END_MARGIN,
             value: automatic(draft.end_margin_m),
-            hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs",
+            hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs".to_owned(),
         };
         self.entry(ui, &end, |draft, text| optional(text, length).map(|value| draft.end_margin_m = value));
         let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
         let loss = Entry {
-            name: "Loss factor",
-            keys: &["material.loss_factor", "loss_factor"],
+            caption: &caption::LOSS_FACTOR,
             value: draft.loss_factor.unwrap_or(library).to_string(),
-            hint: "0 to 0.5; auto: the library's for this material",
+            hint: format!("{}; auto: the library's for this material", range::LOSS_FACTOR),
         };
         self.entry(ui, &loss, |draft, text| {
             let plain = |text: &str| quantity::plain(text, "").map_err(text_of);
             optional(text, plain).map(|value| draft.loss_factor = value)
         });
         let scale = Entry {
-            name: "Full scale",
-            keys: &["full_scale_m"],
+            caption: &caption::FULL_SCALE,
             value: draft.full_scale_m.map_or_else(|| AUTOMATIC.to_owned(), millimetres),
-            hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm",
+            hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm"
+                .to_owned(),
         };
         self.entry(ui, &scale, |draft, text| optional(text, length).map(|value| draft.full_scale_m = value));
         let rim = Entry {
-            name: "Rim",
-            keys: &["rim_m"],
+            caption: &caption::RIM,
             value: millimetres(draft.rim_m),
-            hint: "Width of the frame's rim, 10 to 500 mm",
+            hint: format!("Width of the frame's rim, {}", lengths(range::RIM)),
         };
         self.entry(ui, &rim, |draft, text| length(text).map(|value| draft.rim_m = value));
         let name = Entry {
-            name: "Name",
-            keys: &["name"],
+            caption: &caption::NAME,
             value: draft.name.clone(),
-            hint: "The plate's name, 1 to 80 characters",
+            hint: format!("The plate's name, {} {}", range::NAME, range::NAME.of),
         };
         self.entry(ui, &name, |draft, text| {
             draft.name = text.trim().to_owned();
