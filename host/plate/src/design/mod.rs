@@ -12,13 +12,14 @@ mod drawing;
 mod dxf;
 mod material;
 mod outline;
+mod request;
 mod svg;
 
 use crate::airy;
 use crate::check::{loss_integral, thresholds, wavelengths};
 use crate::drive::DriveEnd;
 use crate::error::{Consequence, Origin, PlateError};
-use crate::model::{Bending, Model};
+use crate::model::Model;
 use crate::plate::{Plate, PlateSpec};
 use crate::range::{self, Range};
 use crate::taper::Taper;
@@ -28,95 +29,7 @@ use std::f64::consts::TAU;
 pub use damper::Damper;
 pub use drawing::{Drawing, Layer, Shape};
 pub use material::{Material, material_names};
-
-/// How the sheet carries the wave.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wave {
-    /// A stiff plate in bending.
-    Bending {
-        /// How its edges are held.
-        edge: Edge,
-        /// Whether shear and rotary inertia are included (Mindlin).
-        thick_plate: bool,
-    },
-    /// A stretched membrane between fixed edges.
-    Membrane {
-        /// Wave speed sqrt(tension stress/density), m/s (0.1 to 20 000).
-        wave_speed_m_per_s: f64,
-    },
-    /// The shear-horizontal wave of the material between fixed edges.
-    ShearHorizontal,
-}
-
-impl Wave {
-    /// A membrane of this material and thickness (m) under `tension_n_per_m`: speed = sqrt(tension/(density thickness)).
-    #[must_use]
-    pub fn under_tension(tension_n_per_m: f64, material: &Material, thickness_m: f64) -> Self {
-        let surface_density = material.density_kg_per_m3 * thickness_m;
-        Self::Membrane { wave_speed_m_per_s: (tension_n_per_m / surface_density).sqrt() }
-    }
-}
-
-/// How the long edges of a bending plate are held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Edge {
-    /// On a knife edge: no displacement, free to turn.
-    Supported,
-    /// Between the halves of a stiff frame: no displacement, no turn.
-    Clamped,
-}
-
-/// What a plate is wanted for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// Short name of the plate, 1 to 80 characters.
-    pub name: String,
-    /// The sheet.
-    pub material: Material,
-    /// Thickness of the sheet, metres (1e-6 to 0.1).
-    pub thickness_m: f64,
-    /// How the sheet carries the wave.
-    pub wave: Wave,
-    /// Lowest and highest frequency of the boundary, Hz (0.5 to 1e7, at least 5 % apart).
-    pub band_hz: (f64, f64),
-    /// Length from the driven end to the narrow end, metres (0.005 to 10).
-    pub length_m: f64,
-    /// From the driven end to the nearest boundary, metres; `None`: as much as its peak needs.
-    pub start_margin_m: Option<f64>,
-    /// From the farthest boundary to the narrow end, metres; `None`: as much as its tail needs.
-    pub end_margin_m: Option<f64>,
-    /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1).
-    pub full_scale_m: f64,
-    /// Width of the frame's rim, metres (0.01 to 0.5: the bolts need room).
-    pub rim_m: f64,
-}
-
-impl Request {
-    /// A request with the usual rest: automatic margins, a rim of 20 mm, a drive of 1 um from 1 kHz on and 100 um
-    /// below.
-    pub fn new(
-        name: &str,
-        material: Material,
-        thickness_m: f64,
-        wave: Wave,
-        band_hz: (f64, f64),
-        length_m: f64,
-    ) -> Self {
-        Self {
-            name: name.to_owned(),
-            material,
-            thickness_m,
-            wave,
-            band_hz,
-            length_m,
-            start_margin_m: None,
-            end_margin_m: None,
-            full_scale_m: if band_hz.0 >= 1e3 { 1e-6 } else { 1e-4 },
-            rim_m: 0.02,
-        }
-    }
-}
+pub use request::{Edge, Request, Wave};
 
 /// What the plate does at one end of its band.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -174,12 +87,12 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     band_high_range(low_hz).check_from(Origin::BandLow(low_hz), "band high", high_hz)?;
     range::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
     range::RIM.check("rim_m", request.rim_m)?;
-    let model = model(request);
+    let model = request.model();
     model.validate()?;
     let taper = taper_for(request, &model)?;
     let mut spec = PlateSpec {
         name: request.name.clone(),
-        description: describe(request),
+        description: request.describe(),
         taper: Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m },
         length_m: request.length_m,
         model,
@@ -302,46 +215,6 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     let rate_per_m = (far_k / near_k).ln() / (far_m - near_m);
     let half_width_m = number / near_k * (rate_per_m * near_m).exp();
     Ok(FoundTaper { half_width_m, rate_per_m, near_m, far_m })
-}
-
-fn model(request: &Request) -> Model {
-    let material = &request.material;
-    match request.wave {
-        Wave::Membrane { wave_speed_m_per_s } => Model::Membrane { wave_speed_m_per_s },
-        Wave::ShearHorizontal => Model::ShearHorizontal {
-            shear_modulus_pa: material.shear_modulus_pa(),
-            density_kg_per_m3: material.density_kg_per_m3,
-        },
-        Wave::Bending { edge, thick_plate } => {
-            let bending = Bending {
-                youngs_modulus_pa: material.youngs_modulus_pa,
-                poisson_ratio: material.poisson_ratio,
-                density_kg_per_m3: material.density_kg_per_m3,
-                thickness_m: request.thickness_m,
-                thick_plate,
-            };
-            match edge {
-                Edge::Supported => Model::BendingSupported(bending),
-                Edge::Clamped => Model::BendingClamped(bending),
-            }
-        }
-    }
-}
-
-fn describe(request: &Request) -> String {
-    let wave = match request.wave {
-        Wave::Membrane { .. } => "stretched",
-        Wave::ShearHorizontal => "SH wave",
-        Wave::Bending { edge: Edge::Supported, .. } => "bending, supported edges",
-        Wave::Bending { edge: Edge::Clamped, .. } => "bending, clamped edges",
-    };
-    format!(
-        "Designed: {} {:.3} mm, {wave}, boundary from {:.1} to {:.1} Hz",
-        request.material.name,
-        request.thickness_m * 1e3,
-        request.band_hz.0,
-        request.band_hz.1
-    )
 }
 
 /// The loss integral is proportional to the loss factor: scaled from a plate of known loss.
