@@ -10,6 +10,8 @@
 //! Every limit is a named constant in [`thresholds`], with its reason.
 
 mod drive;
+mod grading;
+mod report;
 mod shape;
 mod sound;
 pub mod thresholds;
@@ -19,71 +21,17 @@ use crate::drive_table::{Chain, TableError, other_speeds};
 use crate::plate::Plate;
 use crate::progress::{Progress, Stopped};
 use crate::range;
-use serde::Serialize;
+use grading::{Finding, Site, colour, pick};
 use thiserror::Error;
-use thresholds::Limits;
 
 pub use drive::drive_ratio;
+pub use report::{Colour, Light, Report};
 pub use shape::{edge_curvature, edge_slope, wavelengths};
 pub use sound::{a_weighting_db, plane_wave_level_db};
 pub use wave::loss_integral;
 
 /// Places over the span that [`Checker::over_span`] looks at.
 pub const SPAN_PLACES: usize = 41;
-
-/// Colour of a light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Colour {
-    /// Nothing to mind.
-    Green,
-    /// It works, with the reservation the sentence names.
-    Amber,
-    /// Do not rely on it.
-    Red,
-}
-
-/// One validity light.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Light {
-    /// What is looked at; the same words for every plate.
-    pub name: &'static str,
-    /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
-    pub value: Option<f64>,
-    /// Unit of `value`; empty for a plain number.
-    pub unit: &'static str,
-    /// The verdict.
-    pub colour: Colour,
-    /// One sentence that says what it means here.
-    pub sentence: String,
-    /// The boundary this was found at, metres: over the span, the one where it is worst.
-    pub boundary_m: f64,
-}
-
-/// All lights of a plate at one boundary or over its span.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
-    /// Name of the plate.
-    pub plate: String,
-    /// The boundary, metres; `None` over the span.
-    pub boundary_m: Option<f64>,
-    /// The frequencies that were looked at, Hz: the lowest and the highest.
-    pub frequency_hz: (f64, f64),
-    /// The lights, always in the same order.
-    pub lights: Vec<Light>,
-}
-
-impl Report {
-    /// The worst colour of all lights.
-    pub fn worst(&self) -> Colour {
-        self.lights.iter().map(|light| light.colour).max().unwrap_or(Colour::Green)
-    }
-
-    /// The light of that name.
-    pub fn light(&self, name: &str) -> Option<&Light> {
-        self.lights.iter().find(|light| light.name == name)
-    }
-}
 
 /// What the plate is used with.
 #[derive(Debug, Clone, PartialEq)]
@@ -157,20 +105,6 @@ pub struct Checker {
     speeds: Vec<Plate>,
     /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
     lowest_gain: f64,
-}
-
-/// A light and how bad it is within its colour, so that the worst of a span can be picked.
-struct Finding {
-    light: Light,
-    badness: f64,
-}
-
-/// One boundary, with what the groups of lights need of it.
-struct Site<'a> {
-    checker: &'a Checker,
-    plate: &'a Plate,
-    boundary_m: f64,
-    frequency_hz: f64,
 }
 
 impl Checker {
@@ -301,55 +235,6 @@ impl Checker {
             sound::level_light(&site)?,
             sound::beat_light(&site),
         ])
-    }
-}
-
-impl Site<'_> {
-    /// A light whose colour follows from `value` and `limits`; the larger, the worse.
-    fn graded(
-        &self,
-        name: &'static str,
-        value: f64,
-        unit: &'static str,
-        limits: Limits,
-        sentences: [String; 3],
-    ) -> Finding {
-        let colour = colour(value, limits);
-        self.judged(name, Some(value), unit, colour, value, pick(colour, sentences))
-    }
-
-    fn judged(
-        &self,
-        name: &'static str,
-        value: Option<f64>,
-        unit: &'static str,
-        colour: Colour,
-        badness: f64,
-        sentence: String,
-    ) -> Finding {
-        // JSON and a reader can do nothing with an infinite number: the sentence tells it.
-        let value = value.filter(|value| value.is_finite());
-        Finding { light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m }, badness }
-    }
-}
-
-/// The sentence that belongs to the colour.
-fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
-    match colour {
-        Colour::Green => green,
-        Colour::Amber => amber,
-        Colour::Red => red,
-    }
-}
-
-/// Green up to the first limit, amber up to the second; NaN is red.
-fn colour(measure: f64, limits: Limits) -> Colour {
-    if measure <= limits.green {
-        Colour::Green
-    } else if measure <= limits.amber {
-        Colour::Amber
-    } else {
-        Colour::Red
     }
 }
 
