@@ -22,9 +22,11 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 //   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
 //   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433, RCC_CFGR).
 //   200 MHz / 500 = 400 kHz.
-//   USB: VCO = 8 * 48 = 384 MHz (DIVM3 = 1, DIVN3 = 48), 384 / 8 = 48 MHz exactly (DIVQ3 = 8), as true as the
-//   ST-LINK's crystal. Not HSI48: full speed wants 0.25 %, so it would have to be trimmed by the CRS, whose SYNCSRC
-//   10, the only one embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
+//   USB: VCO = 8 * 60 = 480 MHz (DIVM3 = 1, DIVN3 = 60), 480 / 10 = 48 MHz (DIVQ3 = 10), as true as the ST-LINK's
+//   clock. Above 420 MHz on purpose: below, embassy-stm32 0.6 chooses the medium VCO range, which is for inputs of 1
+//   to 2 MHz only (DS12110, PLL characteristics, medium VCO frequency range).
+//   Not HSI48: full speed wants 0.25 %, so it would have to be trimmed by the CRS, whose SYNCSRC 10, the only one
+//   embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
@@ -96,10 +98,10 @@ pub(crate) fn config() -> Config {
     config.rcc.pll3 = Some(Pll {
         source: PllSource::HSE,
         prediv: PllPreDiv::DIV1,
-        mul: PllMul::MUL48,
+        mul: PllMul::MUL60,
         fracn: None,
         divp: None,
-        divq: Some(PllDiv::DIV8),
+        divq: Some(PllDiv::DIV10),
         divr: None,
     });
     config.rcc.sys = Sysclk::PLL1_P;
