@@ -82,11 +82,13 @@ fn main() -> ! {
     })
 }
 
-/// DWT's cycle counter, free running (ARMv7-M, DWT_CYCCNT); the trace unit must be on for it.
+/// DWT's cycle counter, free running (ARMv7-M, DWT_CYCCNT); the trace unit must be on for it, and a Cortex-M7 ignores
+/// what is written to the unit until its lock is opened (DWT_LAR), as a debug probe does by itself.
 fn start_cycle_counter() {
     // SAFETY: nothing else uses the debug peripherals; interrupts that read the counter are not enabled yet.
     let mut core = unsafe { cortex_m::Peripherals::steal() };
     core.DCB.enable_trace();
+    DWT::unlock();
     core.DWT.enable_cycle_counter();
 }
 

@@ -26,6 +26,8 @@ HARD_FAULT, PENDSV, SYSTICK = 3, 14, 15
 USB_IRQ, SUPPLY_IRQ = 67, 1
 RCC, GPIO, EXTI, PWR, SYSTICK_CONTROL, DEBUG_ID = 0x40023800, 0x40020000, 0x40013C00, 0x40007000, 0xE000E010, 0xE0042000
 RESET_FLAGS = RCC + 0x74
+# The trace unit, with the lock that it has on a Cortex-M7 (the same code runs there), and what switches it on.
+DWT, DWT_LAR, DWT_KEY, DEMCR = 0xE0001000, 0xE0001FB0, 0xC5ACCE55, 0xE000EDFC
 # RCC_CSR (7.3.21): every reset sets PINRSTF (bit 26) too; power-on sets BORRSTF (25) and PORRSTF (27).
 CAUSES = {"power": 0b111 << 25, "brown-out": 0b11 << 25, "pin": 1 << 26, "software": 0b101 << 26, "watchdog": 0b1001 << 26}
 
@@ -357,8 +359,9 @@ class Board:
             return value | (value & 1) << 1
         if a == PWR + 4:
             return value | 1 << 14 | (value >> 16 & 3) << 16
-        if a == 0xE0001004:
-            return int(self.now) & 0xFFFFFFFF
+        if a == DWT + 4:
+            counts = self.registers.get(DEMCR, 0) & 1 << 24 and self.registers.get(DWT, 0) & 1
+            return int(self.now) & 0xFFFFFFFF if counts else 0
         if a == 0xE000ED00:
             return 0x410FC241
         if a == 0xE000ED04:
@@ -409,6 +412,8 @@ class Board:
         elif a == 0xE000ED0C:
             if value >> 16 == 0x5FA and value & 4:
                 self.reset("software")
+        elif DWT <= a < DWT_LAR and self.registers.get(DWT_LAR) != DWT_KEY:
+            pass
         elif a == SYSTICK_CONTROL:
             self.systick["control"] = value
             if value & 1:
