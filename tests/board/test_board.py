@@ -333,20 +333,36 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(bench, operat
     assert stored_crc(bench) == again
 
 
-def test_the_rom_bootloader_is_entered_in_two_steps(bench):
-    """R-63."""
+def enter_bootloader(bench):
     bench.host.connect()
     _, reply, body = bench.host.exchange(BOOTLOADER_TOKEN)
     assert reply == TOKEN_REPLY
     bench.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
     bench.board.run(0.1)
     assert bench.board.resets == ["software"]
+
+
+def test_the_rom_bootloader_is_entered_in_two_steps(bench):
+    """R-63."""
+    enter_bootloader(bench)
     assert bench.board.pc & ~1 == 0x1FFF0100
     assert bench.board.vectors == 0x1FFF0000, "the ROM's interrupts are the ROM's"
     assert bench.board.registers[SYSCFG_MEMRMP] & 3 == 1, "system memory at address 0, as after a boot from ROM"
     bench.board.reset("pin")
     bench.host.inbox.clear()
     bench.host.connect()
+
+
+def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(bench):
+    """`dfu-util -s 0x08000000:leave` resets nothing."""
+    enter_bootloader(bench)
+    bench.board.leave_bootloader()
+    bench.host.inbox.clear()
+    identity = bench.host.connect()
+    assert (identity["reset"], identity["crash"]) == ("software", "")
+    assert bench.board.resets == ["software"], "the one that led into the ROM"
+    bench.host.upload()
+    bench.host.arm()
 
 
 def test_the_lamp_tells_muted_from_sounding(armed):

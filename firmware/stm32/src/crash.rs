@@ -27,16 +27,6 @@ unsafe impl Sync for Kept {}
 #[unsafe(link_section = ".uninit.crash")]
 static KEPT: Kept = Kept(UnsafeCell::new([0; CrashRecord::BYTES]));
 
-/// Tells the start-up code to enter the ROM bootloader. Any other value means nothing.
-struct Wish(UnsafeCell<u32>);
-
-// SAFETY: as for `KEPT`.
-unsafe impl Sync for Wish {}
-
-#[unsafe(link_section = ".uninit.wish")]
-static WISH: Wish = Wish(UnsafeCell::new(0));
-const BOOTLOADER: u32 = 0x510b_007d;
-
 fn read() -> Option<CrashRecord> {
     // SAFETY: see `Kept`; any bytes are valid bytes. Volatile, because the linker's initial value is not the content.
     CrashRecord::decode(&unsafe { KEPT.0.get().read_volatile() })
@@ -76,7 +66,7 @@ pub(crate) fn stable() {
 }
 
 /// Mutes, centres the DAC and switches interrupts off.
-fn silence() {
+pub(crate) fn silence() {
     cortex_m::interrupt::disable();
     board::mute_now();
     dac::silence();
@@ -89,36 +79,10 @@ fn end(cause: ResetCause, message: &dyn Display) -> ! {
     SCB::sys_reset();
 }
 
-/// Into the ROM bootloader, by way of a reset: it expects every register as reset leaves it.
-pub(crate) fn reset_into_bootloader() -> ! {
-    silence();
-    // SAFETY: see `Wish`.
-    unsafe { WISH.0.get().write_volatile(BOOTLOADER) };
-    SCB::sys_reset();
-}
-
 /// The supply dips: mutes, and starts anew.
 pub(crate) fn reset_for_brown_out() -> ! {
     silence();
     end(ResetCause::BrownOut, &"")
-}
-
-/// First thing after reset: jumps into the ROM bootloader if the last run asked for it.
-pub(crate) fn enter_bootloader_if_wished() {
-    // SAFETY: see `Wish`; no interrupt is enabled yet.
-    let wish = unsafe { WISH.0.get().read_volatile() };
-    // SAFETY: as above. Asked once, entered once: the next reset starts the program.
-    unsafe { WISH.0.get().write_volatile(0) };
-    if wish == BOOTLOADER {
-        // The ROM's own interrupts (USB's, for DFU) must find its vectors: the jump alone leaves this program's in force.
-        board::map_system_memory();
-        // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table, aligned as VTOR wants it,
-        // begins with its stack pointer and its reset vector (AN2606).
-        unsafe {
-            (*SCB::PTR).vtor.write(board::SYSTEM_MEMORY);
-            cortex_m::asm::bootload(board::SYSTEM_MEMORY as *const u32)
-        }
-    }
 }
 
 #[panic_handler]

@@ -16,7 +16,7 @@ use crate::board::{self, Board};
 use crate::dac::Dac;
 use crate::lamp::Lamp;
 use crate::store::Store;
-use crate::{crash, priority, supply};
+use crate::{bootloader, crash, priority, supply};
 
 /// The one thing the two halves share.
 static CROSSING: Crossing<CriticalSectionRawMutex> = Crossing::new();
@@ -35,9 +35,10 @@ const SUPERVISION_MS: u64 = 100;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    // The order matters. Until line 3 the mute pin floats and its resistor mutes the amplifier; from there on the
+    // The order matters. Until `Board::take` the mute pin floats and its resistor mutes the amplifier; from there on the
     // program holds it low; the DAC is at mid-scale before the application exists that could ask to unmute.
-    crash::enter_bootloader_if_wished();
+    bootloader::enter_if_wished();
+    bootloader::leave_behind();
     let peripherals = embassy_stm32::init(board::config());
     let board = Board::take(peripherals);
     board::tune_flash();
@@ -235,6 +236,6 @@ impl System for Rom {
     }
 
     fn enter_bootloader(&mut self) {
-        crash::reset_into_bootloader()
+        bootloader::reset_into()
     }
 }

@@ -8,11 +8,14 @@
 //! flash slots <--store--> ----+            watchdog <--supervisor--+ both halves' pulses
 //! ```
 //! Nothing in this crate knows a command. `board` says what differs between boards, `dac` owns timer, DAC and DMA,
-//! `priority` says who interrupts whom, `crash` what happens when all else fails.
+//! `priority` says who interrupts whom, `crash` what happens when all else fails, `bootloader` how the chip's ROM is
+//! entered and left.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 
 #[cfg(target_arch = "arm")]
 mod board;
+#[cfg(target_arch = "arm")]
+mod bootloader;
 #[cfg(target_arch = "arm")]
 mod crash;
 #[cfg(target_arch = "arm")]

@@ -24,6 +24,8 @@ RETURN = 0x0FFF0000
 USB = 0x50000000
 HARD_FAULT, PENDSV, SYSTICK = 3, 14, 15
 USB_IRQ, SUPPLY_IRQ = 67, 1
+# USART3: one of those by which the ROM bootloader listens (AN2606).
+ROM_IRQ = 39
 RCC, GPIO, EXTI, PWR, SYSTICK_CONTROL, DEBUG_ID = 0x40023800, 0x40020000, 0x40013C00, 0x40007000, 0xE000E010, 0xE0042000
 RESET_FLAGS = RCC + 0x74
 # The trace unit, with the lock that it has on a Cortex-M7 (the same code runs there), and what switches it on.
@@ -153,6 +155,16 @@ class Board:
         self.cpu.emu_stop()
         if self.usb:
             self.usb.reset()
+
+    def leave_bootloader(self):
+        """The ROM jumps to the program: nothing is reset, its own vectors are in force, its interrupts may wait."""
+        self.vectors = SYSTEM_MEMORY
+        self.enabled.add(ROM_IRQ)
+        self.pend(ROM_IRQ)
+        self.cpu.reg_write(UC_ARM_REG_PRIMASK, 1)
+        stack, entry = struct.unpack("<II", self.cpu.mem_read(CODE, 8))
+        self.cpu.reg_write(UC_ARM_REG_SP, stack)
+        self.pc = entry | 1
 
     def cut_power(self):
         self.cut = True
