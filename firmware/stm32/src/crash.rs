@@ -49,7 +49,7 @@ pub(crate) fn boot() -> Boot {
     let kept = read();
     // A dip of the supply ends in a software reset too; only the record tells them apart.
     let dipped = kept.as_ref().is_some_and(|record| record.cause == ResetCause::BrownOut);
-    let hardware = match board::reset_cause() {
+    let hardware = match board::take_reset_flags().cause() {
         ResetCause::Software if dipped => ResetCause::BrownOut,
         cause => cause,
     };

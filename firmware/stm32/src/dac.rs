@@ -20,7 +20,12 @@
 //!
 //! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its
 //! end and serves one flag an interrupt, so the stream is driven through the PAC. Everything that touches TIM6, DAC1 or
-//! its DMA stream is in this file; what differs between the chips is in `stream` below and in the board's constants.
+//! its DMA stream is in this file and in `stream`, one file for each kind of DMA: `dac/streams.rs`,
+//! `dac/channels.rs`.
+
+#[cfg_attr(feature = "dma-channels", path = "dac/channels.rs")]
+#[cfg_attr(feature = "dma-streams", path = "dac/streams.rs")]
+mod stream;
 
 use core::cell::UnsafeCell;
 use core::future::poll_fn;
@@ -29,7 +34,7 @@ use core::task::Poll;
 
 use embassy_stm32::gpio::Flex;
 use embassy_stm32::pac;
-use embassy_stm32::{Peri, peripherals, rcc};
+use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
 use slipline_app::bank::BLOCK;
 use slipline_app::ports::{DacStream, Underrun};
@@ -68,9 +73,9 @@ impl Ring {
     }
 }
 
-// On the H743 the DMA cannot reach the RAM that holds the other variables; memory/h743zi.x places this section, and
-// nothing initialises it: `Dac::start` writes every word before the DMA is enabled.
-#[cfg_attr(feature = "board-nucleo-h743zi2", unsafe(link_section = ".dma"))]
+// On the H743 the DMA cannot reach the RAM that holds the other variables; memory/h743zi.x places this section.
+// Nothing initialises it: `Dac::start` writes every word before the DMA is enabled.
+#[unsafe(link_section = ".uninit.dma")]
 static RING: Ring = Ring(UnsafeCell::new([0; 2 * BLOCK]));
 static HALVES: Halves = Halves::full();
 static WAKER: AtomicWaker = AtomicWaker::new();
@@ -109,10 +114,8 @@ impl Dac {
         rcc::enable_and_reset::<peripherals::DAC1>();
         rcc::enable_and_reset::<peripherals::TIM6>();
         let regs = pac::DAC1;
-        // DAC_MCR.HFSEL: the DAC's clock is the AHB at 170 MHz; above 160 MHz it wants 10 (RM0440 22.7.16). MODE1 stays
-        // 000: external pin, buffer on. Both only while the channel is off.
-        #[cfg(feature = "board-nucleo-g474re")]
-        regs.mcr().modify(|w| w.set_hfsel(0b10));
+        // DAC_MCR.MODE1, where there is one, stays 000: external pin, buffer on.
+        board::tune_dac();
         // Without trigger (TEN = 0) a value in DHR is taken over one APB cycle later, so the first voltage the
         // channel ever drives is mid-scale (it is loaded before EN).
         regs.dhr12r(0).write(|w| w.set_dhr(MID_SCALE));
@@ -213,8 +216,8 @@ pub(crate) fn on_dma() {
     }
     if flags.half && flags.whole {
         // This interrupt was kept away for a block or longer. The DMA itself tells where it is.
-        HALVES.resynchronise(stream::playing());
-        let playing = stream::playing();
+        HALVES.resynchronise(playing());
+        let playing = playing();
         RING.write(1 - playing, fade(RING.last(playing)));
     } else if flags.half || flags.whole {
         let left = HALVES.finish();
@@ -224,7 +227,8 @@ pub(crate) fn on_dma() {
 }
 
 /// The DAC's interrupt: a trigger came before the DMA had delivered.
-pub(crate) fn on_underrun() {
+#[interrupt]
+fn TIM6_DAC() {
     if pac::DAC1.sr().read().dmaudr(0) {
         // The flag itself is cleared by `restart`, after the DMA has been stopped; until then the interrupt would come
         // again and again.
@@ -261,132 +265,7 @@ struct Flags {
     failed: bool,
 }
 
-/// The stream of a chip with the stream DMA (F4, H7): RM0090 chapter 10, RM0433 likewise.
-#[cfg(not(feature = "board-nucleo-g474re"))]
-mod stream {
-    use super::Flags;
-    use crate::board::{DMA_STREAM, route_dma};
-    use embassy_stm32::pac::DMA1;
-    use embassy_stm32::pac::dma::{regs, vals};
-
-    /// Streams 0 to 3 have their flags in LISR, 4 to 7 in HISR; the PAC indexes both.
-    const GROUP: usize = DMA_STREAM / 4;
-    const FLAG: usize = DMA_STREAM % 4;
-
-    pub(super) fn start(ring: u32, register: u32, words: u16) {
-        stop();
-        let stream = DMA1.st(DMA_STREAM);
-        stream.par().write_value(register);
-        stream.m0ar().write_value(ring);
-        stream.ndtr().write_value(regs::Ndtr(u32::from(words)));
-        // Direct mode (DMDIS = 0): no FIFO, the stream holds one word ready, so a request is answered in a few cycles.
-        stream.fcr().write(|w| w.set_dmdis(vals::Dmdis::ENABLED));
-        stream.cr().write(|w| {
-            w.set_dir(vals::Dir::MEMORY_TO_PERIPHERAL);
-            // Both 32 bit; in direct mode the memory's size is forced to the peripheral's anyway.
-            w.set_msize(vals::Size::BITS32);
-            w.set_psize(vals::Size::BITS32);
-            w.set_minc(true);
-            w.set_pinc(false);
-            w.set_circ(true);
-            w.set_pl(vals::Pl::VERY_HIGH);
-            w.set_pfctrl(vals::Pfctrl::DMA);
-            w.set_htie(true);
-            w.set_tcie(true);
-            w.set_teie(true);
-            route_dma(w);
-        });
-        // What was written to the ring is in memory before the stream may read it.
-        cortex_m::asm::dmb();
-        stream.cr().modify(|w| w.set_en(true));
-    }
-
-    pub(super) fn stop() {
-        let stream = DMA1.st(DMA_STREAM);
-        stream.cr().modify(|w| w.set_en(false));
-        // EN reads 1 until the last access is done, and the other registers are locked until then (RM0090, 10.3.17).
-        while stream.cr().read().en() {}
-        clear();
-    }
-
-    fn clear() {
-        DMA1.ifcr(GROUP).write(|w| {
-            w.set_htif(FLAG, true);
-            w.set_tcif(FLAG, true);
-            w.set_teif(FLAG, true);
-            w.set_dmeif(FLAG, true);
-            w.set_feif(FLAG, true);
-        });
-    }
-
-    pub(super) fn take_flags() -> Flags {
-        let seen = DMA1.isr(GROUP).read();
-        // Only what was seen: a flag that rises now raises the interrupt again.
-        DMA1.ifcr(GROUP).write(|w| {
-            w.set_htif(FLAG, seen.htif(FLAG));
-            w.set_tcif(FLAG, seen.tcif(FLAG));
-            w.set_teif(FLAG, seen.teif(FLAG));
-        });
-        Flags { half: seen.htif(FLAG), whole: seen.tcif(FLAG), failed: seen.teif(FLAG) }
-    }
-
-    /// The half the stream reads now. NDTR counts down what is left of the ring.
-    pub(super) fn playing() -> usize {
-        usize::from(usize::from(DMA1.st(DMA_STREAM).ndtr().read().ndt()) <= slipline_app::bank::BLOCK)
-    }
-}
-
-/// The stream of a chip with the channel DMA behind a DMAMUX (G4): RM0440 chapters 12 and 13.
-#[cfg(feature = "board-nucleo-g474re")]
-mod stream {
-    use super::Flags;
-    use crate::board::{DMA_REQUEST, DMA_STREAM};
-    use embassy_stm32::pac::bdma::vals;
-    use embassy_stm32::pac::{DMA1, DMAMUX1};
-
-    pub(super) fn start(ring: u32, register: u32, words: u16) {
-        stop();
-        // Channels 1 to 8 of DMA1 hang on DMAMUX channels 0 to 7 (RM0440 13.3.2).
-        DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
-        let channel = DMA1.ch(DMA_STREAM);
-        channel.par().write_value(register);
-        channel.mar().write_value(ring);
-        channel.ndtr().write(|w| w.set_ndt(words));
-        channel.cr().write(|w| {
-            w.set_dir(vals::Dir::FROM_MEMORY);
-            w.set_msize(vals::Size::BITS32);
-            w.set_psize(vals::Size::BITS32);
-            w.set_minc(true);
-            w.set_pinc(false);
-            w.set_circ(true);
-            w.set_pl(vals::Pl::VERY_HIGH);
-            w.set_htie(true);
-            w.set_tcie(true);
-            w.set_teie(true);
-        });
-        // What was written to the ring is in memory before the channel may read it.
-        cortex_m::asm::dmb();
-        channel.cr().modify(|w| w.set_en(true));
-    }
-
-    pub(super) fn stop() {
-        DMA1.ch(DMA_STREAM).cr().modify(|w| w.set_en(false));
-        DMA1.ifcr().write(|w| w.set_gif(DMA_STREAM, true));
-    }
-
-    pub(super) fn take_flags() -> Flags {
-        let seen = DMA1.isr().read();
-        // Only what was seen: a flag that rises now raises the interrupt again.
-        DMA1.ifcr().write(|w| {
-            w.set_htif(DMA_STREAM, seen.htif(DMA_STREAM));
-            w.set_tcif(DMA_STREAM, seen.tcif(DMA_STREAM));
-            w.set_teif(DMA_STREAM, seen.teif(DMA_STREAM));
-        });
-        Flags { half: seen.htif(DMA_STREAM), whole: seen.tcif(DMA_STREAM), failed: seen.teif(DMA_STREAM) }
-    }
-
-    /// The half the channel reads now. NDTR counts down what is left of the ring.
-    pub(super) fn playing() -> usize {
-        usize::from(usize::from(DMA1.ch(DMA_STREAM).ndtr().read().ndt()) <= slipline_app::bank::BLOCK)
-    }
+/// The half the DMA reads now.
+fn playing() -> usize {
+    usize::from(usize::from(stream::left()) <= BLOCK)
 }

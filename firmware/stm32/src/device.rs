@@ -1,7 +1,7 @@
 //! Start-up in order, and the tasks.
 
 use cortex_m::peripheral::DWT;
-use embassy_executor::{Executor, InterruptExecutor, Spawner};
+use embassy_executor::{Executor, InterruptExecutor};
 use embassy_stm32::gpio::Output;
 use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_stm32::wdg::IndependentWatchdog;
@@ -12,10 +12,14 @@ use slipline_app::ports::{CycleCounter, Mute, System};
 use slipline_app::{Crossing, Device, Link, Renderer, Supervisor, Timing};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::{self, Board};
+use crate::board;
 use crate::dac::Dac;
 use crate::lamp::Lamp;
 use crate::store::Store;
+#[cfg(feature = "link-uart")]
+use crate::uart_link::{FromHost, ToHost, start as start_link};
+#[cfg(feature = "link-usb")]
+use crate::usb_link::{FromHost, ToHost, start as start_link};
 use crate::{bootloader, crash, priority, supply};
 
 /// The one thing the two halves share.
@@ -35,12 +39,12 @@ const SUPERVISION_MS: u64 = 100;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    // The order matters. Until `Board::take` the mute pin floats and its resistor mutes the amplifier; from there on the
+    // The order matters. Until `board::take` the mute pin floats and its resistor mutes the amplifier; from there on the
     // program holds it low; the DAC is at mid-scale before the application exists that could ask to unmute.
     bootloader::enter_if_wished();
     bootloader::leave_behind();
     let peripherals = embassy_stm32::init(board::config());
-    let board = Board::take(peripherals);
+    let board = board::take(peripherals);
     board::tune_flash();
     let boot = crash::boot();
     supply::watch();
@@ -76,10 +80,10 @@ fn main() -> ! {
         if let Ok(task) = supervise(watchdog, board.lamp, lamp) {
             spawner.spawn(task);
         }
-        #[cfg(not(feature = "board-nucleo-g474re"))]
-        start_link(spawner, board.usb, boot, store);
-        #[cfg(feature = "board-nucleo-g474re")]
-        start_link(spawner, board.uart, boot, store);
+        let (read, write) = start_link(spawner, board.link);
+        if let Ok(task) = talk(read, write, boot, store) {
+            spawner.spawn(task);
+        }
     })
 }
 
@@ -102,48 +106,8 @@ async fn render(dac: Dac, mute: AmplifierMute) {
     RENDERER.take().run(&CROSSING, dac, mute, Cycles).await;
 }
 
-#[cfg(not(feature = "board-nucleo-g474re"))]
-fn start_link(spawner: Spawner, usb: board::Usb, boot: Boot, store: Store) {
-    let (device, read, write) = crate::usb_link::start(usb);
-    board::USB_INTERRUPT.set_priority(priority::USB);
-    if let Ok(task) = run_usb(device) {
-        spawner.spawn(task);
-    }
-    if let Ok(task) = talk(read, write, boot, store) {
-        spawner.spawn(task);
-    }
-}
-
-#[cfg(not(feature = "board-nucleo-g474re"))]
 #[embassy_executor::task]
-async fn run_usb(mut device: crate::usb_link::Device) {
-    device.run().await;
-}
-
-#[cfg(not(feature = "board-nucleo-g474re"))]
-#[embassy_executor::task]
-async fn talk(read: crate::usb_link::UsbRead, write: crate::usb_link::UsbWrite, boot: Boot, store: Store) {
-    let mut link = Link::new(identity(), boot, store, Rom);
-    link.run(&CROSSING, read, write).await;
-}
-
-#[cfg(feature = "board-nucleo-g474re")]
-fn start_link(spawner: Spawner, uart: board::Uart, boot: Boot, store: Store) {
-    let (read, write) = crate::uart_link::start(uart);
-    board::UART_INTERRUPT.set_priority(priority::UART);
-    if let Ok(task) = talk(read, write, boot, store) {
-        spawner.spawn(task);
-    }
-}
-
-#[cfg(feature = "board-nucleo-g474re")]
-#[embassy_executor::task]
-async fn talk(
-    read: crate::uart_link::UartRead,
-    write: crate::uart_link::UartWrite,
-    boot: Boot,
-    store: Store,
-) {
+async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
     let mut link = Link::new(identity(), boot, store, Rom);
     link.run(&CROSSING, read, write).await;
 }

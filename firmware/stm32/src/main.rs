@@ -27,14 +27,16 @@ mod lamp;
 #[cfg(target_arch = "arm")]
 mod priority;
 #[cfg(any(target_arch = "arm", test))]
+mod reset;
+#[cfg(any(target_arch = "arm", test))]
 mod ring;
 #[cfg(target_arch = "arm")]
 mod store;
 #[cfg(target_arch = "arm")]
 mod supply;
-#[cfg(all(target_arch = "arm", feature = "board-nucleo-g474re"))]
+#[cfg(all(target_arch = "arm", feature = "link-uart"))]
 mod uart_link;
-#[cfg(all(target_arch = "arm", not(feature = "board-nucleo-g474re")))]
+#[cfg(all(target_arch = "arm", feature = "link-usb"))]
 mod usb_link;
 
 /// On the host there is nothing to run; `cargo test -p slipline-stm32` runs the tests of the hardware-free parts.
@@ -43,7 +45,6 @@ fn main() {
     println!(
         "This is firmware. Build it with\n  \
          cargo build --release -p slipline-stm32 --target thumbv7em-none-eabihf\n\
-         for the STM32F4DISCOVERY, or with --no-default-features --features board-nucleo-g474re\n\
-         (or board-nucleo-h743zi2) for the others; firmware/BOARDS.md tells how to flash it."
+         for the STM32F4DISCOVERY; firmware/BOARDS.md lists the other boards and tells how to flash them."
     );
 }

@@ -18,12 +18,12 @@ use embassy_stm32::interrupt::Priority;
 /// The DAC's DMA stream, its underrun, and the supply's dip.
 pub(crate) const DAC: Priority = Priority::P1;
 /// The link's UART.
-#[cfg(feature = "board-nucleo-g474re")]
+#[cfg(feature = "link-uart")]
 pub(crate) const UART: Priority = Priority::P2;
 /// The renderer's executor.
 pub(crate) const RENDERER: Priority = Priority::P3;
 /// embassy-time's timer.
 pub(crate) const TIME: Priority = Priority::P4;
 /// The USB core.
-#[cfg(not(feature = "board-nucleo-g474re"))]
+#[cfg(feature = "link-usb")]
 pub(crate) const USB: Priority = Priority::P5;

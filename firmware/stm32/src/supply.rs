@@ -7,10 +7,16 @@
 
 use crate::board;
 use embassy_stm32::interrupt::InterruptExt;
+use embassy_stm32::pac::EXTI;
+
+/// The detector's output is this line of EXTI on all three chips; it rises when the supply falls.
+const LINE: usize = 16;
 
 /// Arms the detector.
 pub(crate) fn watch() {
-    board::watch_supply();
+    board::start_supply_detector();
+    EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
+    EXTI.imr(0).modify(|w| w.set_line(LINE, true));
     board::SUPPLY_INTERRUPT.set_priority(crate::priority::DAC);
     // SAFETY: the handler only writes registers; nothing it needs is set up later.
     unsafe { board::SUPPLY_INTERRUPT.enable() };
@@ -19,6 +25,7 @@ pub(crate) fn watch() {
 /// The detector's interrupt. The program cannot know how far the supply falls: it mutes and starts anew, and the next
 /// hello says brown-out.
 pub(crate) fn on_dip() {
-    board::clear_supply_dip();
+    // Cleared by writing 1.
+    EXTI.pr(0).write(|w| w.set_line(LINE, true));
     crate::crash::reset_for_brown_out();
 }

@@ -3,10 +3,12 @@
 //! 921600 baud, 8 data bits, no parity, one stop bit: the fastest that every ST-LINK firmware takes. The frames have
 //! their own checks, so a byte lost to noise or to a full buffer costs one frame.
 
+use embassy_executor::Spawner;
+use embassy_stm32::interrupt::InterruptExt;
 use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
 use static_cell::StaticCell;
 
-use crate::board;
+use crate::{board, priority};
 
 const BAUD: u32 = 921_600;
 /// A quarter of a kilobyte is 2.8 ms of the line: the thread half may be that late.
@@ -15,18 +17,19 @@ const RECEIVE_BYTES: usize = 256;
 const TRANSMIT_BYTES: usize = 256;
 
 /// Bytes from the host.
-pub(crate) type UartRead = BufferedUartRx<'static>;
+pub(crate) type FromHost = BufferedUartRx<'static>;
 /// Bytes to the host.
-pub(crate) type UartWrite = BufferedUartTx<'static>;
+pub(crate) type ToHost = BufferedUartTx<'static>;
 
 /// Sets up the line.
-pub(crate) fn start(uart: board::Uart) -> (UartRead, UartWrite) {
+pub(crate) fn start(_: Spawner, uart: board::Link) -> (FromHost, ToHost) {
     static RECEIVE: StaticCell<[u8; RECEIVE_BYTES]> = StaticCell::new();
     static TRANSMIT: StaticCell<[u8; TRANSMIT_BYTES]> = StaticCell::new();
     let mut config = Config::default();
     config.baudrate = BAUD;
     let opened: BufferedUart<'static> =
         uart.open(TRANSMIT.init([0; TRANSMIT_BYTES]), RECEIVE.init([0; RECEIVE_BYTES]), config);
+    board::UART_INTERRUPT.set_priority(priority::UART);
     let (transmit, receive) = opened.split();
     (receive, transmit)
 }

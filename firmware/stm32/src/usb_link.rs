@@ -5,15 +5,18 @@
 //! asked and a read waits for as long as it takes. A write waits too, but the application drops it, and the reply with
 //! it, when the host has not taken it in time: a host that has stopped reading must not stop the program.
 
-use embassy_stm32::peripherals::USB_OTG_FS;
-use embassy_stm32::usb::Driver;
+use embassy_executor::Spawner;
+use embassy_stm32::interrupt::{self, InterruptExt};
+use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
+use embassy_stm32::usb::{self, Driver};
+use embassy_stm32::{Peri, bind_interrupts};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, UsbDevice};
 use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
 use static_cell::StaticCell;
 
-use crate::board;
+use crate::priority;
 
 /// pid.codes' pair for tests: 0x1209 is its vendor id, product 0x0001 may be used by anyone for development and must
 /// not be shipped. A product needs its own pair; udev's rule and the host's port search name this one.
@@ -25,20 +28,30 @@ const PACKET: usize = 64;
 /// Receive buffers of the control and the bulk OUT endpoint, with room to spare.
 const OUT_BUFFERS: usize = 4 * PACKET;
 
-type Usb = Driver<'static, USB_OTG_FS>;
+bind_interrupts!(struct Irqs {
+    OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
+});
 
-/// The device side of the bus; its `run` must be polled for ever.
-pub(crate) type Device = UsbDevice<'static, Usb>;
+/// The OTG core that has its own full-speed PHY, on its pins.
+pub(crate) struct Usb {
+    pub(crate) core: Peri<'static, USB_OTG_FS>,
+    pub(crate) dp: Peri<'static, PA12>,
+    pub(crate) dm: Peri<'static, PA11>,
+}
 
 /// Sets up the device, with the chip's unique id as serial number, and the port's two halves.
-pub(crate) fn start(usb: board::Usb) -> (Device, UsbRead, UsbWrite) {
+pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     static OUT: StaticCell<[u8; OUT_BUFFERS]> = StaticCell::new();
     static CONFIGURATION: StaticCell<[u8; 256]> = StaticCell::new();
     static BOS: StaticCell<[u8; 32]> = StaticCell::new();
     static CONTROL: StaticCell<[u8; PACKET]> = StaticCell::new();
     static STATE: StaticCell<State<'static>> = StaticCell::new();
 
-    let driver = usb.driver(OUT.init([0; OUT_BUFFERS]));
+    // Whether the cable carries 5 V says nothing about the host's health: the dead-man alone decides, so the sense stays
+    // off and its pin, PA9, free.
+    let mut sense = usb::Config::default();
+    sense.vbus_detection = false;
+    let driver = Driver::new_fs(usb.core, Irqs, usb.dp, usb.dm, OUT.init([0; OUT_BUFFERS]), sense);
     let mut config = embassy_usb::Config::new(VENDOR, PRODUCT);
     config.manufacturer = Some("Slipline");
     config.product = Some("Slipline tactile display");
@@ -57,8 +70,17 @@ pub(crate) fn start(usb: board::Usb) -> (Device, UsbRead, UsbWrite) {
     );
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
     let (sender, receiver) = class.split();
-    let read = UsbRead { receiver, packet: [0; PACKET], start: 0, end: 0 };
-    (builder.build(), read, UsbWrite(sender))
+    interrupt::OTG_FS.set_priority(priority::USB);
+    if let Ok(task) = run(builder.build()) {
+        spawner.spawn(task);
+    }
+    (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
+}
+
+/// The device's side of the bus.
+#[embassy_executor::task]
+async fn run(mut device: UsbDevice<'static, Driver<'static, USB_OTG_FS>>) {
+    device.run().await;
 }
 
 /// There is no host.
@@ -80,18 +102,18 @@ impl embedded_io_async::Error for NotConnected {
 }
 
 /// Bytes from the host.
-pub(crate) struct UsbRead {
-    receiver: Receiver<'static, Usb>,
+pub(crate) struct FromHost {
+    receiver: Receiver<'static, Driver<'static, USB_OTG_FS>>,
     packet: [u8; PACKET],
     start: usize,
     end: usize,
 }
 
-impl ErrorType for UsbRead {
+impl ErrorType for FromHost {
     type Error = NotConnected;
 }
 
-impl Read for UsbRead {
+impl Read for FromHost {
     /// Waits for bytes, and for a host first if there is none. Dropping the future loses nothing: a packet is taken
     /// out of the endpoint and into `self` in one step.
     async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, NotConnected> {
@@ -115,13 +137,13 @@ impl Read for UsbRead {
 }
 
 /// Bytes to the host.
-pub(crate) struct UsbWrite(Sender<'static, Usb>);
+pub(crate) struct ToHost(Sender<'static, Driver<'static, USB_OTG_FS>>);
 
-impl ErrorType for UsbWrite {
+impl ErrorType for ToHost {
     type Error = NotConnected;
 }
 
-impl Write for UsbWrite {
+impl Write for ToHost {
     /// Hands over the next packet. Dropping the future before it is done sends nothing: the driver fills the
     /// endpoint's FIFO in one step, after its waits.
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, NotConnected> {

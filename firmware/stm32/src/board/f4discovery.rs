@@ -8,10 +8,13 @@ use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, usb};
-use slipline_app::ResetCause;
+use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
 
-use crate::{dac, priority};
+use super::Board;
+use crate::reset::ResetFlags;
+use crate::{dac, priority, supply};
+
+pub(crate) use crate::usb_link::Usb as Link;
 
 pub(crate) const NAME: &str = "STM32F4DISCOVERY";
 
@@ -24,7 +27,6 @@ pub(crate) const NAME: &str = "STM32F4DISCOVERY";
 pub(crate) const CORE_HZ: u32 = 168_000_000;
 pub(crate) const TIMER_HZ: u32 = 84_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 210;
-pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
 /// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 chapter 14).
 pub(crate) const DAC_TRIGGER: u8 = 0b000;
@@ -51,24 +53,17 @@ pub(crate) const WATCHDOG_US: u32 = 4_000_000;
 /// System memory (RM0090 table 5; AN2606: PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
 
-bind_interrupts!(struct Irqs {
-    OTG_FS => usb::InterruptHandler<peripherals::USB_OTG_FS>;
-});
-
 #[interrupt]
 fn DMA1_STREAM5() {
     dac::on_dma();
 }
 
 #[interrupt]
-fn TIM6_DAC() {
-    dac::on_underrun();
+fn PVD() {
+    supply::on_dip();
 }
 
-#[interrupt]
-fn PVD() {
-    crate::supply::on_dip();
-}
+pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM5;
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD;
 
 pub(crate) fn config() -> Config {
@@ -102,90 +97,49 @@ pub(crate) fn tune_flash() {
     });
 }
 
+/// Nothing to do: this DAC has one speed.
+pub(crate) fn tune_dac() {}
+
 /// SYSCFG_MEMRMP.MEM_MODE = 01: system memory at address 0, as it is when BOOT0 chooses it (RM0090 9.2.1).
 pub(crate) fn map_system_memory() {
     pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
     pac::SYSCFG.memrm().modify(|w| w.set_mem_mode(0b01));
 }
 
-pub(crate) struct Board {
-    /// High: the amplifier may sound.
-    pub(crate) unmute: Output<'static>,
-    pub(crate) lamp: Output<'static>,
-    pub(crate) dac: Peri<'static, peripherals::DAC1>,
-    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
-    pub(crate) dac_stream: Peri<'static, DacDma>,
-    pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
-    pub(crate) flash: Peri<'static, peripherals::FLASH>,
-    pub(crate) watchdog: Peri<'static, peripherals::IWDG>,
-    pub(crate) usb: Usb,
-    /// PA4 is also the word select of the board's audio codec: low on PD4 keeps that chip in reset and its pin out of
-    /// the way.
-    _codec_reset: Output<'static>,
-}
-
-pub(crate) struct Usb {
-    core: Peri<'static, peripherals::USB_OTG_FS>,
-    dp: Peri<'static, peripherals::PA12>,
-    dm: Peri<'static, peripherals::PA11>,
-}
-
-impl Board {
-    pub(crate) fn take(p: Peripherals) -> Self {
-        Self {
-            // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
-            unmute: Output::new(p.PB1, Level::Low, Speed::Low),
-            // LD4, green.
-            lamp: Output::new(p.PD12, Level::Low, Speed::Low),
-            _codec_reset: Output::new(p.PD4, Level::Low, Speed::Low),
-            dac: p.DAC1,
-            dac_timer: p.TIM6,
-            dac_stream: p.DMA1_CH5,
-            dac_pin: p.PA4,
-            flash: p.FLASH,
-            watchdog: p.IWDG,
-            usb: Usb { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
-        }
+pub(crate) fn take(p: Peripherals) -> Board {
+    // PA4 is also the word select of the board's audio codec: low on PD4 keeps that chip in reset and its pin out of the
+    // way. Forgotten, because an `Output` that is dropped lets go of its pin.
+    core::mem::forget(Output::new(p.PD4, Level::Low, Speed::Low));
+    Board {
+        // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
+        unmute: Output::new(p.PB1, Level::Low, Speed::Low),
+        // LD4, green.
+        lamp: Output::new(p.PD12, Level::Low, Speed::Low),
+        dac: p.DAC1,
+        dac_timer: p.TIM6,
+        dac_stream: p.DMA1_CH5,
+        dac_pin: p.PA4,
+        flash: p.FLASH,
+        watchdog: p.IWDG,
+        link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }
-
-impl Usb {
-    /// The OTG core in device mode with its own full-speed PHY. `buffer` holds one received packet per OUT endpoint:
-    /// control and bulk, 64 bytes each, and the FIFO's word granularity.
-    pub(crate) fn driver(self, buffer: &'static mut [u8]) -> usb::Driver<'static, peripherals::USB_OTG_FS> {
-        let mut config = usb::Config::default();
-        // The board's VBUS divider is on PA9, but whether the cable carries 5 V says nothing about the host's health:
-        // the dead-man alone decides (RELIABILITY of the drive), so the sense stays off and the pin free.
-        config.vbus_detection = false;
-        usb::Driver::new_fs(self.core, Irqs, self.dp, self.dm, buffer, config)
-    }
-}
-
-pub(crate) const USB_INTERRUPT: interrupt::Interrupt = interrupt::OTG_FS;
-pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM5;
 
 /// PB1 low. BSRR's upper half resets (RM0090 8.4.7).
 pub(crate) fn mute_now() {
     pac::GPIOB.bsrr().write(|w| w.set_br(1, true));
 }
 
-/// RCC_CSR (RM0090 7.3.21): every reset sets PINRSTF too, and power-on sets BORRSTF with PORRSTF, so the rarer ones
-/// are asked first. Clears the flags.
-pub(crate) fn reset_cause() -> ResetCause {
+/// RCC_CSR (RM0090 7.3.21): every reset sets PINRSTF too, and power-on sets BORRSTF with PORRSTF. Clears the flags.
+pub(crate) fn take_reset_flags() -> ResetFlags {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
-    if flags.wdgrstf() || flags.wwdgrstf() {
-        ResetCause::Watchdog
-    } else if flags.sftrstf() {
-        ResetCause::Software
-    } else if flags.porrstf() {
-        ResetCause::PowerOn
-    } else if flags.borrstf() {
-        ResetCause::BrownOut
-    } else if flags.padrstf() {
-        ResetCause::Pin
-    } else {
-        ResetCause::PowerOn
+    ResetFlags {
+        watchdog: flags.wdgrstf() || flags.wwdgrstf(),
+        software: flags.sftrstf(),
+        power_on: flags.porrstf(),
+        brown_out: flags.borrstf(),
+        pin: flags.padrstf(),
     }
 }
 
@@ -196,19 +150,12 @@ pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optcr().read().bor_lev() <= 0b01
 }
 
-/// PWR_CR.PLS = 100: the supply detector trips at 2.66 V, until 2.76 V (DS8626 table 19). Its output is EXTI line 16.
-/// This board feeds its chip with 2.9 to 3.0 V, too near to the next levels: 101 ends at 2.93 V, 110 at 3.03 V, and a
-/// detector that has tripped when it is switched on resets the program for ever.
-pub(crate) fn watch_supply() {
+/// PWR_CR.PLS = 100: the supply detector trips at 2.66 V, until 2.76 V (DS8626 table 19). This board feeds
+/// its chip with 2.9 to 3.0 V, too near to the next levels: 101 ends at 2.93 V, 110 at 3.03 V, and a detector that has
+/// tripped when it is switched on resets the program for ever.
+pub(crate) fn start_supply_detector() {
     pac::PWR.cr1().modify(|w| {
         w.set_pls(0b100);
         w.set_pvde(true);
     });
-    pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
-    pac::EXTI.imr(0).modify(|w| w.set_line(16, true));
-}
-
-/// EXTI line 16's pending bit is cleared by writing 1.
-pub(crate) fn clear_supply_dip() {
-    pac::EXTI.pr(0).write(|w| w.set_line(16, true));
 }

@@ -10,9 +10,10 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals};
-use slipline_app::ResetCause;
 
-use crate::{dac, priority};
+use super::Board;
+use crate::reset::ResetFlags;
+use crate::{dac, priority, supply};
 
 pub(crate) const NAME: &str = "NUCLEO-G474RE";
 
@@ -24,7 +25,6 @@ pub(crate) const NAME: &str = "NUCLEO-G474RE";
 pub(crate) const CORE_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
-pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
 /// DAC_CR.TSEL1 of DAC1: 0111 is TIM6 TRGO (RM0440 table 186, dac_chx_trg7).
 pub(crate) const DAC_TRIGGER: u8 = 7;
@@ -56,13 +56,8 @@ fn DMA1_CHANNEL1() {
 }
 
 #[interrupt]
-fn TIM6_DAC() {
-    dac::on_underrun();
-}
-
-#[interrupt]
 fn PVD_PVM() {
-    crate::supply::on_dip();
+    supply::on_dip();
 }
 
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_PVM;
@@ -98,51 +93,42 @@ pub(crate) fn tune_flash() {
     });
 }
 
+/// DAC_MCR.HFSEL: the DAC's clock is the AHB at 170 MHz; above 160 MHz it wants 10 (RM0440 22.7.16), which can be written
+/// only while both channels are off.
+pub(crate) fn tune_dac() {
+    pac::DAC1.mcr().modify(|w| w.set_hfsel(0b10));
+}
+
 /// SYSCFG_MEMRMP.MEM_MODE = 001: system memory at address 0, as it is when BOOT0 chooses it (RM0440 10.2.1).
 pub(crate) fn map_system_memory() {
     pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
     pac::SYSCFG.memrmp().modify(|w| w.set_mem_mode(0b001));
 }
 
-pub(crate) struct Board {
-    /// High: the amplifier may sound.
-    pub(crate) unmute: Output<'static>,
-    pub(crate) lamp: Output<'static>,
-    pub(crate) dac: Peri<'static, peripherals::DAC1>,
-    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
-    pub(crate) dac_stream: Peri<'static, DacDma>,
-    pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
-    pub(crate) flash: Peri<'static, peripherals::FLASH>,
-    pub(crate) watchdog: Peri<'static, Watchdog>,
-    pub(crate) uart: Uart,
-}
-
-pub(crate) struct Uart {
+pub(crate) struct Link {
     uart: Peri<'static, peripherals::USART2>,
     receive: Peri<'static, peripherals::PA3>,
     transmit: Peri<'static, peripherals::PA2>,
 }
 
-impl Board {
-    pub(crate) fn take(p: Peripherals) -> Self {
-        Self {
-            // PB5, D4 on the Arduino header; not PB4 or PB6, which USB-C's dead-battery resistors pull after reset. The
-            // wiring has a resistor to ground on it (BOARDS.md).
-            unmute: Output::new(p.PB5, Level::Low, Speed::Low),
-            // LD2, green.
-            lamp: Output::new(p.PA5, Level::Low, Speed::Low),
-            dac: p.DAC1,
-            dac_timer: p.TIM6,
-            dac_stream: p.DMA1_CH1,
-            dac_pin: p.PA4,
-            flash: p.FLASH,
-            watchdog: p.IWDG,
-            uart: Uart { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
-        }
+pub(crate) fn take(p: Peripherals) -> Board {
+    Board {
+        // PB5, D4 on the Arduino header; not PB4 or PB6, which USB-C's dead-battery resistors pull after reset. The
+        // wiring has a resistor to ground on it (BOARDS.md).
+        unmute: Output::new(p.PB5, Level::Low, Speed::Low),
+        // LD2, green.
+        lamp: Output::new(p.PA5, Level::Low, Speed::Low),
+        dac: p.DAC1,
+        dac_timer: p.TIM6,
+        dac_stream: p.DMA1_CH1,
+        dac_pin: p.PA4,
+        flash: p.FLASH,
+        watchdog: p.IWDG,
+        link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
     }
 }
 
-impl Uart {
+impl Link {
     /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK; UM2505 calls them LPUART1's
     /// (alternate function 12), but the pins carry either. Its clock is APB1:
     /// 170 MHz / 184 = 923913 baud, 0.25 % from 921600.
@@ -164,22 +150,17 @@ pub(crate) fn mute_now() {
     pac::GPIOB.bsrr().write(|w| w.set_br(5, true));
 }
 
-/// RCC_CSR (RM0440 7.4.28): every reset sets PINRSTF too, so the rarer ones are asked first. A power-on sets BORRSTF
-/// (there is no separate flag), so a brown-out looks like one here; the supply detector tells it apart. Clears the
-/// flags.
-pub(crate) fn reset_cause() -> ResetCause {
+/// RCC_CSR (RM0440 7.4.28): every reset sets PINRSTF too. A power-on sets BORRSTF (there is no separate flag), so a
+/// brown-out looks like one here; the supply detector tells it apart. Clears the flags.
+pub(crate) fn take_reset_flags() -> ResetFlags {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));
-    if flags.iwdgrstf() || flags.wwdgrstf() {
-        ResetCause::Watchdog
-    } else if flags.sftrstf() {
-        ResetCause::Software
-    } else if flags.borrstf() {
-        ResetCause::PowerOn
-    } else if flags.pinrstf() {
-        ResetCause::Pin
-    } else {
-        ResetCause::PowerOn
+    ResetFlags {
+        watchdog: flags.iwdgrstf() || flags.wwdgrstf(),
+        software: flags.sftrstf(),
+        power_on: flags.borrstf(),
+        brown_out: false,
+        pin: flags.pinrstf(),
     }
 }
 
@@ -188,18 +169,10 @@ pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optr().read().bor_lev() == 0b100
 }
 
-/// PWR_CR2.PLS = 110 (RM0440 6.4.2): the supply detector trips at 2.90 V (DS12288 table 19). Its output is EXTI line
-/// 16.
-pub(crate) fn watch_supply() {
+/// PWR_CR2.PLS = 110 (RM0440 6.4.2): the supply detector trips at 2.90 V (DS12288 table 19).
+pub(crate) fn start_supply_detector() {
     pac::PWR.cr2().modify(|w| {
         w.set_pls(0b110);
         w.set_pvde(true);
     });
-    pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
-    pac::EXTI.imr(0).modify(|w| w.set_line(16, true));
-}
-
-/// EXTI line 16's pending bit is cleared by writing 1.
-pub(crate) fn clear_supply_dip() {
-    pac::EXTI.pr(0).write(|w| w.set_line(16, true));
 }

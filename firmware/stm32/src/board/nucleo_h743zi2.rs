@@ -9,10 +9,14 @@ use embassy_stm32::rcc::{
     VoltageScale, mux,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, usb};
-use slipline_app::ResetCause;
+use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
 
-use crate::{dac, priority};
+use super::Board;
+use crate::reset::ResetFlags;
+use crate::{dac, priority, supply};
+
+/// OTG2 in the reference manual's words: the core on PA11 and PA12.
+pub(crate) use crate::usb_link::Usb as Link;
 
 pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 
@@ -30,7 +34,6 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
-pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 
 /// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433, dac_ch1_trg5).
 pub(crate) const DAC_TRIGGER: u8 = 5;
@@ -59,28 +62,18 @@ pub(crate) const WATCHDOG_US: u32 = 10_000_000;
 /// System memory (AN2606; PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1ff0_9800;
 
-bind_interrupts!(struct Irqs {
-    OTG_FS => usb::InterruptHandler<peripherals::USB_OTG_FS>;
-});
-
 #[interrupt]
 fn DMA1_STREAM0() {
     dac::on_dma();
 }
 
 #[interrupt]
-fn TIM6_DAC() {
-    dac::on_underrun();
-}
-
-#[interrupt]
 fn PVD_AVD() {
-    crate::supply::on_dip();
+    supply::on_dip();
 }
 
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_AVD;
 pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_STREAM0;
-pub(crate) const USB_INTERRUPT: interrupt::Interrupt = interrupt::OTG_FS;
 
 pub(crate) fn config() -> Config {
     let mut config = Config::default();
@@ -116,6 +109,9 @@ pub(crate) fn config() -> Config {
     config
 }
 
+/// Nothing to do: this DAC has one speed.
+pub(crate) fn tune_dac() {}
+
 /// Nothing to do: this chip has no remap to address 0, the bootloader's vectors are found by VTOR alone.
 pub(crate) fn map_system_memory() {}
 
@@ -135,51 +131,19 @@ pub(crate) fn tune_flash() {
     core.SCB.enable_icache();
 }
 
-pub(crate) struct Board {
-    /// High: the amplifier may sound.
-    pub(crate) unmute: Output<'static>,
-    pub(crate) lamp: Output<'static>,
-    pub(crate) dac: Peri<'static, peripherals::DAC1>,
-    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
-    pub(crate) dac_stream: Peri<'static, DacDma>,
-    pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
-    pub(crate) flash: Peri<'static, peripherals::FLASH>,
-    pub(crate) watchdog: Peri<'static, Watchdog>,
-    pub(crate) usb: Usb,
-}
-
-pub(crate) struct Usb {
-    core: Peri<'static, peripherals::USB_OTG_FS>,
-    dp: Peri<'static, peripherals::PA12>,
-    dm: Peri<'static, peripherals::PA11>,
-}
-
-impl Board {
-    pub(crate) fn take(p: Peripherals) -> Self {
-        Self {
-            // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
-            unmute: Output::new(p.PE9, Level::Low, Speed::Low),
-            // LD1, green.
-            lamp: Output::new(p.PB0, Level::Low, Speed::Low),
-            dac: p.DAC1,
-            dac_timer: p.TIM6,
-            dac_stream: p.DMA1_CH0,
-            dac_pin: p.PA4,
-            flash: p.FLASH,
-            watchdog: p.IWDG1,
-            usb: Usb { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
-        }
-    }
-}
-
-impl Usb {
-    /// OTG2 (the reference manual's name for the core on PA11 and PA12) in device mode with its own full-speed PHY.
-    /// `buffer` holds one received packet per OUT endpoint.
-    pub(crate) fn driver(self, buffer: &'static mut [u8]) -> usb::Driver<'static, peripherals::USB_OTG_FS> {
-        let mut config = usb::Config::default();
-        // Whether the cable carries 5 V says nothing about the host's health: the dead-man alone decides.
-        config.vbus_detection = false;
-        usb::Driver::new_fs(self.core, Irqs, self.dp, self.dm, buffer, config)
+pub(crate) fn take(p: Peripherals) -> Board {
+    Board {
+        // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
+        unmute: Output::new(p.PE9, Level::Low, Speed::Low),
+        // LD1, green.
+        lamp: Output::new(p.PB0, Level::Low, Speed::Low),
+        dac: p.DAC1,
+        dac_timer: p.TIM6,
+        dac_stream: p.DMA1_CH0,
+        dac_pin: p.PA4,
+        flash: p.FLASH,
+        watchdog: p.IWDG1,
+        link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }
 
@@ -189,22 +153,16 @@ pub(crate) fn mute_now() {
 }
 
 /// RCC_RSR (RM0433 8.4.4): power-on sets PORRSTF, BORRSTF and PINRSTF, a brown-out the last two, everything else
-/// PINRSTF, so the rarer ones are asked first. Clears the flags.
-pub(crate) fn reset_cause() -> ResetCause {
+/// PINRSTF. Clears the flags.
+pub(crate) fn take_reset_flags() -> ResetFlags {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));
-    if flags.iwdg1rstf() || flags.wwdg1rstf() {
-        ResetCause::Watchdog
-    } else if flags.sftrstf() {
-        ResetCause::Software
-    } else if flags.porrstf() {
-        ResetCause::PowerOn
-    } else if flags.borrstf() {
-        ResetCause::BrownOut
-    } else if flags.pinrstf() {
-        ResetCause::Pin
-    } else {
-        ResetCause::PowerOn
+    ResetFlags {
+        watchdog: flags.iwdg1rstf() || flags.wwdg1rstf(),
+        software: flags.sftrstf(),
+        power_on: flags.porrstf(),
+        brown_out: flags.borrstf(),
+        pin: flags.pinrstf(),
     }
 }
 
@@ -214,17 +172,10 @@ pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optsr_cur().read().bor_lev() == 0b11
 }
 
-/// PWR_CR1.PLS = 110: the supply detector trips at 2.76 V (DS12110 table 27). Its output is EXTI line 16.
-pub(crate) fn watch_supply() {
+/// PWR_CR1.PLS = 110: the supply detector trips at 2.76 V (DS12110 table 27).
+pub(crate) fn start_supply_detector() {
     pac::PWR.cr1().modify(|w| {
         w.set_pls(0b110);
         w.set_pvde(true);
     });
-    pac::EXTI.rtsr(0).modify(|w| w.set_line(16, true));
-    pac::EXTI.imr(0).modify(|w| w.set_line(16, true));
-}
-
-/// EXTI line 16's pending bit is cleared by writing 1.
-pub(crate) fn clear_supply_dip() {
-    pac::EXTI.pr(0).write(|w| w.set_line(16, true));
 }

@@ -1,0 +1,53 @@
+//! Why the chip was reset, from its flags.
+
+use slipline_app::ResetCause;
+
+/// A chip's reset flags. Several stand at once: every reset sets the pin's, and power-on the brown-out's too.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ResetFlags {
+    pub(crate) watchdog: bool,
+    pub(crate) software: bool,
+    pub(crate) power_on: bool,
+    pub(crate) brown_out: bool,
+    pub(crate) pin: bool,
+}
+
+impl ResetFlags {
+    /// The rarer ones are asked first; a chip that says nothing has just got its power.
+    pub(crate) const fn cause(self) -> ResetCause {
+        if self.watchdog {
+            ResetCause::Watchdog
+        } else if self.software {
+            ResetCause::Software
+        } else if self.power_on {
+            ResetCause::PowerOn
+        } else if self.brown_out {
+            ResetCause::BrownOut
+        } else if self.pin {
+            ResetCause::Pin
+        } else {
+            ResetCause::PowerOn
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_reset_sets_besides_its_own_flag_does_not_hide_it() {
+        let pin = ResetFlags { pin: true, ..ResetFlags::default() };
+        let brown_out = ResetFlags { brown_out: true, ..pin };
+        for (flags, cause) in [
+            (ResetFlags::default(), ResetCause::PowerOn),
+            (pin, ResetCause::Pin),
+            (brown_out, ResetCause::BrownOut),
+            (ResetFlags { power_on: true, ..brown_out }, ResetCause::PowerOn),
+            (ResetFlags { software: true, ..pin }, ResetCause::Software),
+            (ResetFlags { watchdog: true, ..pin }, ResetCause::Watchdog),
+        ] {
+            assert_eq!(flags.cause(), cause, "{flags:?}");
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! The H7's flash: a double error ends in a bus fault (RM0433, DBECCERR).
+//!
+//! With FAULTMASK set and CCR.BFHFNMIGN, data bus faults are ignored (ARMv7-M B3.2.8): the read returns anything and the
+//! flash's status says that it did.
+
+use cortex_m::peripheral::SCB;
+use embassy_stm32::pac::FLASH;
+
+/// CCR bit 8.
+const BFHFNMIGN: u32 = 1 << 8;
+
+pub(super) fn guard(read: impl FnOnce() -> bool) -> bool {
+    let bank = FLASH.bank(1);
+    bank.ccr().write(|w| w.set_clr_dbeccerr(true));
+    // SAFETY: CCR is written in thread mode only; FAULTMASK masks every other handler until it is cleared again, for
+    // the time of eight loads.
+    let done = unsafe {
+        (*SCB::PTR).ccr.modify(|ccr| ccr | BFHFNMIGN);
+        core::arch::asm!("cpsid f", "dsb", "isb");
+        let done = read();
+        core::arch::asm!("dsb", "cpsie f", "isb");
+        (*SCB::PTR).ccr.modify(|ccr| ccr & !BFHFNMIGN);
+        done
+    };
+    let is_torn = bank.sr().read().dbeccerr();
+    bank.ccr().write(|w| w.set_clr_dbeccerr(true));
+    done && !is_torn
+}
+
+/// A corrected bit or a speculative read of a protected place leaves a flag in FLASH_SR2 that stands until it is
+/// cleared in FLASH_CCR2 (RM0433), and embassy-stm32 0.6, which writes FLASH_SR2 instead, takes it
+/// for an error of the next erasure or write.
+pub(super) fn forget_old_errors() {
+    FLASH.bank(1).ccr().write(|w| {
+        w.set_clr_eop(true);
+        w.set_clr_wrperr(true);
+        w.set_clr_pgserr(true);
+        w.set_clr_strberr(true);
+        w.set_clr_incerr(true);
+        w.set_clr_operr(true);
+        w.set_clr_rdperr(true);
+        w.set_clr_rdserr(true);
+        w.set_clr_sneccerr(true);
+        w.set_clr_dbeccerr(true);
+    });
+}
+
+/// Nothing to do: the data cache is off.
+pub(super) const fn forget_cached() {}
