@@ -2,12 +2,17 @@
 
 use std::{env, fs, path::PathBuf};
 
-/// Board feature, as cargo hands it to a build script, and its memory map.
+/// A board's feature and its memory map.
 const BOARDS: [(&str, &str); 3] = [
-    ("CARGO_FEATURE_BOARD_F4DISCOVERY", "memory/f407vg.x"),
-    ("CARGO_FEATURE_BOARD_NUCLEO_G474RE", "memory/g474re.x"),
-    ("CARGO_FEATURE_BOARD_NUCLEO_H743ZI2", "memory/h743zi.x"),
+    ("board-f4discovery", "memory/f407vg.x"),
+    ("board-nucleo-g474re", "memory/g474re.x"),
+    ("board-nucleo-h743zi2", "memory/h743zi.x"),
 ];
+
+/// Whether cargo builds with a feature, as it tells a build script.
+fn has(feature: &str) -> bool {
+    env::var_os(format!("CARGO_FEATURE_{}", feature.to_uppercase().replace('-', "_"))).is_some()
+}
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -18,12 +23,10 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_ARCH").as_deref() != Ok("arm") {
         return;
     }
-    let chosen: Vec<_> = BOARDS.iter().filter(|(feature, _)| env::var_os(feature).is_some()).collect();
+    let chosen: Vec<_> = BOARDS.iter().filter(|(board, _)| has(board)).collect();
     let [(_, memory)] = chosen[..] else {
-        println!(
-            "cargo::error=choose one board: --no-default-features --features board-f4discovery, \
-             board-nucleo-g474re or board-nucleo-h743zi2"
-        );
+        let known = BOARDS.map(|(board, _)| board).join(", ");
+        println!("cargo::error=choose one board: --no-default-features --features ..., with one of {known}");
         return;
     };
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));

@@ -9,7 +9,7 @@ from host import DIGEST_START, DISARM, DRIVE, STORE, TABLE_COMMIT, drive, varint
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
-BOARDS = ("board-f4discovery", "board-nucleo-g474re", "board-nucleo-h743zi2")
+BOARDS = re.findall(r"^(board-[\w-]+) = ", (ROOT / "firmware/stm32/Cargo.toml").read_text(), re.M)
 ALLOCATED, NO_BITS = 2, "SHT_NOBITS"
 # A table in the documents may lag a little behind the code; the stack's by some words only.
 TOLERANCE, STACK_TOLERANCE = 0.10, 64
