@@ -20,8 +20,8 @@
 //!
 //! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its
 //! end and serves one flag an interrupt, so the stream is driven through the PAC. Everything that touches TIM6, DAC1 or
-//! its DMA stream is in this file and in `stream`, one file for each kind of DMA: `dac/streams.rs`,
-//! `dac/channels.rs`.
+//! its DMA stream is in this file, in `stream`, one file for each kind of DMA (`dac/streams.rs`, `dac/channels.rs`), and in
+//! the board's `tune_dac`.
 
 #[cfg_attr(feature = "dma-channels", path = "dac/channels.rs")]
 #[cfg_attr(feature = "dma-streams", path = "dac/streams.rs")]

@@ -20,6 +20,8 @@ pub(crate) const NAME: &str = "NUCLEO-G474RE";
 // Clocks (RM0440 7.2, DS12288 table 46). The board's crystal X3 has 24 MHz.
 //   VCO in = 24 / 6 = 4 MHz (PLLM = 6; 2.66 to 16 MHz allowed), VCO = 4 * 85 = 340 MHz (PLLN = 85; at most 344 MHz),
 //   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 table 38).
+//   RM0440 6.1.5 wants the AHB at half of it for 1 us after the switch; embassy-stm32 0.6 waits before the switch instead
+//   and ends the half with the same write. Should a chip fail at the start, look here first.
 //   AHB = APB1 = APB2 = 170 MHz. TIM6 is on APB1; APB1 is not divided, so its timers run at 170 MHz.
 //   170 MHz / 425 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 170_000_000;
@@ -35,7 +37,8 @@ pub(crate) const DMA_REQUEST: u8 = 6;
 pub(crate) type DacDma = peripherals::DMA1_CH1;
 pub(crate) type Watchdog = peripherals::IWDG;
 
-/// The last two times eight pages of 2 KiB in bank 2, as offsets from 0x0800_0000.
+/// The last two times eight pages of 2 KiB in bank 2, as offsets from 0x0800_0000. With option bit DBANK = 0, which no chip
+/// is delivered with, there is no bank 2: embassy-stm32 panics, and the program starts again and again, muted.
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x7_8000, 0x7_c000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
