@@ -2,9 +2,9 @@
 
 mod native;
 
+use crate::disk::{self, said};
 use crate::setup_file::FILE_BYTES_MAX;
-use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -139,7 +139,7 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
     if !may_replace && path.exists() {
         return FileEvent::Exists(path, save);
     }
-    let result = write_whole(&path, &save.bytes).map_err(|error| error.to_string());
+    let result = write(&path, &save.bytes).map_err(|error| said(&error));
     FileEvent::Saved(path, result)
 }
 
@@ -147,44 +147,22 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
 fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
     let result = match files.iter().find(|(name, _)| folder.join(name).exists()) {
         Some((name, _)) => Err(format!("{name} is there already: choose another folder")),
-        None => write_all(&folder, files).map_err(|error| error.to_string()),
+        None => write_all(&folder, files).map_err(|error| said(&error)),
     };
     FileEvent::Saved(folder, result)
 }
 
 fn write_all(folder: &Path, files: &[(String, String)]) -> io::Result<()> {
-    files.iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes()))
+    files.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
 }
 
-/// The text of a file that is not too big; what is too big is not read.
-pub(crate) fn read_text(path: &Path) -> Result<String, String> {
-    let read = || -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        // One byte more than allowed tells a file that is too big from one that just fits.
-        File::open(path)?.take(FILE_BYTES_MAX as u64 + 1).read_to_end(&mut bytes)?;
-        Ok(bytes)
-    };
-    let bytes = read().map_err(|error| error.to_string())?;
-    if bytes.len() > FILE_BYTES_MAX {
-        return Err(format!("the file is larger than the {FILE_BYTES_MAX} bytes that are read"));
-    }
-    String::from_utf8(bytes).map_err(|_| "the file is not text".to_owned())
+fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    disk::write(path, |out| out.write_all(bytes))
 }
 
-/// Writes a file as a whole: a half-written one never takes the old one's place.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        drop(file);
-        std::fs::rename(&part, path)
-    };
-    // What failed half-way is not left lying about.
-    write().inspect_err(|_| drop(std::fs::remove_file(&part)))
+/// The text of a file, or a sentence that says why it cannot be read.
+fn read_text(path: &Path) -> Result<String, String> {
+    disk::read_text(path, FILE_BYTES_MAX).map_err(|error| said(&error))
 }
 
 #[cfg(test)]
@@ -234,23 +212,6 @@ mod tests {
         assert_eq!(told, "x.svg is there already: choose another folder");
         assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
         assert!(!folder.join("new.svg").exists(), "all or none");
-        std::fs::remove_dir_all(&folder).unwrap();
-    }
-
-    #[test]
-    fn huge_missing_and_binary_files_are_refused_in_words() {
-        let folder = folder("files");
-        let path = folder.join("a.toml");
-        assert!(read_text(&path).is_err());
-        write_whole(&path, &vec![b' '; FILE_BYTES_MAX + 1]).unwrap();
-        assert!(read_text(&path).unwrap_err().contains("larger"));
-        write_whole(&path, &[0xff, 0xfe]).unwrap();
-        assert!(read_text(&path).unwrap_err().contains("not text"));
-        write_whole(&path, b"x = 1").unwrap();
-        assert_eq!(read_text(&path).unwrap(), "x = 1");
-        std::fs::create_dir(folder.join("taken.toml")).unwrap();
-        assert!(write_whole(&folder.join("taken.toml"), b"x = 1").is_err());
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "no part is left behind");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

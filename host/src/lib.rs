@@ -18,6 +18,7 @@ pub mod designer;
 pub mod device_table;
 #[cfg(feature = "gui")]
 pub mod diagnostics;
+mod disk;
 pub mod edit;
 pub mod envelope_plot;
 #[cfg(feature = "gui")]

@@ -1,12 +1,10 @@
 //! What stands on the command line: quantities, tones, plates.
 
-use super::destination::said;
 use super::failure::Failure;
+use crate::disk::{read_text, said};
 use crate::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
 use slipline_plate::range::Range;
 use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 /// A value whose range depends on the plate or the device, with what was typed for it.
@@ -166,9 +164,8 @@ pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
     if let Some(plate) = preset(name) {
         return Ok(plate);
     }
-    let path = Path::new(name);
     let in_file = |message: String| Failure::Usage(format!("{name}: {message}"));
-    let text = read_limited(path).map_err(|error| match error.kind() {
+    let text = read_text(Path::new(name), PLATE_FILE_BYTES_MAX).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => {
             let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
             let meant = nearest(name, names.iter().copied())
@@ -178,27 +175,7 @@ pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
                 names.join(", ")
             ))
         }
-        std::io::ErrorKind::FileTooLarge => in_file(format!(
-            "the file is too big to be a plate: must be at most {PLATE_FILE_BYTES_MAX} bytes"
-        )),
-        std::io::ErrorKind::InvalidData => in_file("the file is not UTF-8 text".to_owned()),
-        std::io::ErrorKind::IsADirectory => in_file("is a directory: name a plate file in it".to_owned()),
         _ => in_file(said(&error)),
     })?;
     Plate::from_toml(&text).map_err(|error| in_file(error.to_string()))
-}
-
-/// Reads a text file, but never more than a plate file may have.
-fn read_limited(path: &Path) -> std::io::Result<String> {
-    let file = File::open(path)?;
-    if file.metadata()?.is_dir() {
-        return Err(std::io::ErrorKind::IsADirectory.into());
-    }
-    let mut bytes = Vec::new();
-    // A pipe has no length to be asked for, so the limit holds while reading.
-    file.take(PLATE_FILE_BYTES_MAX as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > PLATE_FILE_BYTES_MAX {
-        return Err(std::io::ErrorKind::FileTooLarge.into());
-    }
-    String::from_utf8(bytes).map_err(|_| std::io::ErrorKind::InvalidData.into())
 }

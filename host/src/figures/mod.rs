@@ -9,7 +9,9 @@ mod layout;
 pub mod plate;
 mod png_file;
 
+use crate::disk;
 use slipline_plate::paper::{FigureError, figures};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -50,7 +52,7 @@ pub enum WriteError {
 /// Draws every figure and writes it as PNG and CSV into `folder`, which is made if it is not there.
 ///
 /// # Errors
-/// [`WriteError`] names the file that could not be written; files written before it stay.
+/// [`WriteError`] names the file that could not be written; each file is whole or as it was before.
 pub fn write_all(folder: &Path) -> Result<Vec<Written>, WriteError> {
     let file = |path: &Path, error| WriteError::File { path: path.to_owned(), error };
     std::fs::create_dir_all(folder).map_err(|error| file(folder, error))?;
@@ -58,8 +60,10 @@ pub fn write_all(folder: &Path) -> Result<Vec<Written>, WriteError> {
     for figure in figures()? {
         let png = folder.join(format!("{}.png", figure.file_stem()));
         let csv = folder.join(format!("{}.csv", figure.file_stem()));
-        std::fs::write(&png, draw::picture(&figure)?).map_err(|error| file(&png, error))?;
-        std::fs::write(&csv, figure.to_csv()).map_err(|error| file(&csv, error))?;
+        let picture = draw::picture(&figure)?;
+        for (path, bytes) in [(&png, &picture[..]), (&csv, figure.to_csv().as_bytes())] {
+            disk::write(path, |out| out.write_all(bytes)).map_err(|error| file(path, error))?;
+        }
         written.push(Written { number: figure.number, title: figure.title, png, csv });
     }
     Ok(written)
@@ -79,6 +83,13 @@ mod tests {
             assert!(csv.starts_with(&format!("# Fig. {}", one.number)), "{csv:.40}");
             assert!(std::fs::read(&one.png).expect("there").starts_with(b"\x89PNG"));
         }
+        // The file that is there stays what it was until the new one is whole: another name of it keeps the old one.
+        let (csv, kept) = (&written[0].csv, folder.join("kept.csv"));
+        std::fs::write(csv, b"mine").expect("writable");
+        std::fs::hard_link(csv, &kept).expect("linked");
+        write_all(&folder).expect("writable");
+        assert!(std::fs::read(&kept).expect("there") == b"mine");
+        assert!(std::fs::read(csv).expect("there") != b"mine");
         std::fs::remove_dir_all(&folder).expect("removable");
     }
 

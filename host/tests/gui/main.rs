@@ -226,12 +226,12 @@ fn undo_takes_back_a_whole_drag_and_redo_does_it_again() {
 fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
     let mut bench = Bench::driving();
     let good = bench.setup_text();
-    let huge = Err("the file is larger than the 1048576 bytes that are read".to_owned());
+    let huge = Err("the file is too big: must be at most 1048576 bytes".to_owned());
     let cases = [
         (Ok("\u{0}\u{1}nonsense".to_owned()), "line 1"),
         (Ok(good.replace("master_db = 0.0", "master_db = nan")), "master level"),
         (Ok(good.replace("length_m = 0.32", "length_m = 1e300")), "length_m"),
-        (huge, "larger than"),
+        (huge, "too big"),
     ];
     for (text, reason) in cases {
         *bench.drawer.contents.borrow_mut() = vec![(PathBuf::from("bad.toml"), text)];

@@ -1,0 +1,196 @@
+//! Files on disk: written whole or not at all, and read no further than they may be long.
+
+use std::collections::BTreeSet;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+
+/// The files that are being written under their temporary names, for whoever ends the program to remove.
+static PARTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn parts() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes a file through `write`: under another name first, so that the old file is there until the new one is whole.
+/// What a link leads to is replaced, not the link. A pipe or a device is written to as it is.
+///
+/// # Errors
+/// What the system or `write` says; then the old file is as it was. [`ErrorKind::ResourceBusy`] when another thread
+/// is writing the same file.
+pub(crate) fn write<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let through = |file: File| {
+        let mut out = BufWriter::new(file);
+        write(&mut out)?;
+        out.into_inner().map_err(|error| E::from(error.into_error()))
+    };
+    if is_stream(path) {
+        return File::create(path).map_err(E::from).and_then(through).map(drop);
+    }
+    // What is not there yet has no other name.
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    if !begin(&part) {
+        return Err(E::from(io::Error::new(ErrorKind::ResourceBusy, "it is being written already")));
+    }
+    let written = File::create(&part)
+        .map_err(E::from)
+        .and_then(through)
+        .and_then(|file| Ok(file.sync_all()?))
+        .and_then(|()| Ok(std::fs::rename(&part, &path)?));
+    if written.is_err() {
+        // It may not even have been made.
+        let _ = std::fs::remove_file(&part);
+    }
+    parts().remove(&part);
+    written
+}
+
+/// Whether it is a pipe or a device: nothing to replace, and nothing to put in its place. A folder counts, too: it
+/// refuses to be written to.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    path.metadata().is_ok_and(|found| !found.is_file())
+}
+
+/// From now on Ctrl-C removes this file; false if it is being written already.
+fn begin(part: &Path) -> bool {
+    static WATCH: Once = Once::new();
+    WATCH.call_once(|| {
+        // Without a handler Ctrl-C still ends the program; only the part is left.
+        let _ = ctrlc::set_handler(|| {
+            // Held to the end, so that no other part is begun.
+            let parts = parts();
+            for part in parts.iter() {
+                let _ = std::fs::remove_file(part);
+            }
+            // What a shell gives a program that Ctrl-C ended.
+            std::process::exit(130);
+        });
+    });
+    parts().insert(part.to_owned())
+}
+
+/// The text of a file that is not too big; what is too big is not read.
+///
+/// # Errors
+/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] for what is no text, and what the
+/// system says.
+pub(crate) fn read_text(path: &Path, most: usize) -> io::Result<String> {
+    let file = File::open(path)?;
+    if file.metadata()?.is_dir() {
+        return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));
+    }
+    let mut bytes = Vec::new();
+    // A pipe has no length to be asked for, so the limit holds while reading: one byte more than allowed tells a file
+    // that is too big from one that just fits.
+    file.take(most as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > most {
+        let told = format!("the file is too big: must be at most {most} bytes");
+        return Err(io::Error::new(ErrorKind::FileTooLarge, told));
+    }
+    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
+}
+
+/// What the system says, without its number and as the end of a sentence.
+pub(crate) fn said(error: &impl Display) -> String {
+    let mut sentence = error.to_string().split(" (os error").next().unwrap_or_default().to_owned();
+    if let Some(first) = sentence.get_mut(..1) {
+        first.make_ascii_lowercase();
+    }
+    sentence
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+        write(path, |out| out.write_all(bytes))
+    }
+
+    fn count(folder: &Path) -> usize {
+        std::fs::read_dir(folder).unwrap().count()
+    }
+
+    #[test]
+    fn a_file_is_whole_or_as_it_was() {
+        let folder = folder("whole");
+        let path = folder.join("a.txt");
+        put(&path, b"old").unwrap();
+        let half = write(&path, |out| {
+            out.write_all(&[b'x'; 100_000])?;
+            assert!(count(&folder) == 2 && std::fs::read(&path)? == b"old", "the old one stays");
+            assert_eq!(put(&path, b"other").unwrap_err().kind(), ErrorKind::ResourceBusy);
+            Err(io::Error::other("the disk is full"))
+        });
+        assert_eq!(half.unwrap_err().to_string(), "the disk is full");
+        assert_eq!((count(&folder), std::fs::read(&path).unwrap()), (1, b"old".to_vec()));
+        put(&path, b"new").unwrap();
+        assert_eq!((count(&folder), std::fs::read(&path).unwrap()), (1, b"new".to_vec()));
+        std::fs::create_dir(folder.join("taken")).unwrap();
+        assert!(put(&folder.join("taken"), b"x").is_err());
+        assert_eq!(count(&folder), 2, "no part is left behind");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_a_link_leads_to_is_replaced_and_a_pipe_is_written_to() {
+        let folder = folder("links");
+        let (path, link, pipe) = (folder.join("a.txt"), folder.join("link"), folder.join("pipe"));
+        put(&path, b"old").unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        put(&link, b"new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read(pipe).unwrap()
+        });
+        put(&pipe, b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(is_stream(&pipe));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn huge_missing_and_binary_files_are_refused_in_words() {
+        let folder = folder("read");
+        let path = folder.join("a.toml");
+        let refusal = |path: &Path| {
+            let error = read_text(path, 10).unwrap_err();
+            (error.kind(), said(&error))
+        };
+        assert_eq!(refusal(&path).0, ErrorKind::NotFound);
+        assert_eq!(
+            refusal(&folder),
+            (ErrorKind::IsADirectory, "is a directory: name a file in it".to_owned())
+        );
+        let too_big = "the file is too big: must be at most 10 bytes";
+        for (bytes, kind, told) in [
+            (&[b' '; 11][..], ErrorKind::FileTooLarge, too_big),
+            (&[0xff, 0xfe], ErrorKind::InvalidData, "the file is not UTF-8 text"),
+        ] {
+            put(&path, bytes).unwrap();
+            assert_eq!(refusal(&path), (kind, told.to_owned()));
+        }
+        put(&path, b"x = 1 # 10").unwrap();
+        assert_eq!(read_text(&path, 10).unwrap(), "x = 1 # 10");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
