@@ -8,7 +8,7 @@
 
 use crate::link::connection::Connection;
 use crate::link::simulated::{MemoryFlash, Options, SimulatedDevice};
-use crate::link::transport::{Opener, Transport, Waker};
+use crate::link::transport::{Opener, Transport, Waker, read_received};
 use crate::link::{Outcome, Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline_app::bank::BLOCK;
 use std::io;
@@ -149,14 +149,7 @@ struct Line {
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         lock(&self.device).take(&mut self.received);
-        if self.received.is_empty() {
-            return Err(io::ErrorKind::WouldBlock.into());
-        }
-        let count = buffer.len().min(self.received.len());
-        for (to, from) in buffer.iter_mut().zip(self.received.drain(..count)) {
-            *to = from;
-        }
-        Ok(count)
+        read_received(&mut self.received, buffer)
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::{Opener, Transport, Waker};
+use slipline::link::transport::{Opener, Transport, Waker, read_received};
 use slipline::link::{Port, PortInfo, Trouble};
 use slipline_protocol::{Command, Decoder, Event};
 
@@ -165,14 +165,7 @@ impl Transport for Line {
                 None => {}
             }
         }
-        if self.received.is_empty() {
-            return Err(ErrorKind::WouldBlock.into());
-        }
-        let count = buffer.len().min(self.received.len());
-        for (to, from) in buffer.iter_mut().zip(self.received.drain(..count)) {
-            *to = from;
-        }
-        Ok(count)
+        read_received(&mut self.received, buffer)
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -5,7 +5,7 @@
 //! rest no work but what the keep-alives cause.
 
 use super::simulated::SimulatedDevice;
-use super::transport::{Transport, Waker};
+use super::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -57,14 +57,7 @@ impl PacedLine {
 
 impl Transport for PacedLine {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.received.is_empty() {
-            return Err(io::ErrorKind::WouldBlock.into());
-        }
-        let count = buffer.len().min(self.received.len());
-        for (to, from) in buffer.iter_mut().zip(self.received.drain(..count)) {
-            *to = from;
-        }
-        Ok(count)
+        read_received(&mut self.received, buffer)
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

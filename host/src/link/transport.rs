@@ -28,6 +28,21 @@ pub trait Transport: Send {
     }
 }
 
+/// Reads from what a transport has received already, as [`Transport::read`] does.
+///
+/// # Errors
+/// `WouldBlock` when there is nothing.
+pub fn read_received(received: &mut Vec<u8>, buffer: &mut [u8]) -> io::Result<usize> {
+    if received.is_empty() {
+        return Err(io::ErrorKind::WouldBlock.into());
+    }
+    let count = buffer.len().min(received.len());
+    for (to, from) in buffer.iter_mut().zip(received.drain(..count)) {
+        *to = from;
+    }
+    Ok(count)
+}
+
 /// How a transport tells that bytes have arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wakes {
