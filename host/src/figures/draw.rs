@@ -217,19 +217,14 @@ fn short(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::png_file::tests::decoded;
     use super::*;
     use slipline_plate::paper::figures;
 
     /// RGB pixels of a figure's file.
     fn pixels_of(figure: &Figure) -> (u32, u32, Vec<[u8; 3]>) {
-        let file = picture(figure).expect("drawn");
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
-        decoder.set_transformations(png::Transformations::EXPAND);
-        let mut reader = decoder.read_info().expect("a PNG");
-        let mut data = vec![0; reader.output_buffer_size().expect("small")];
-        let info = reader.next_frame(&mut data).expect("a frame");
-        data.truncate(info.buffer_size());
-        (info.width, info.height, data.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
+        let (width, height, data) = decoded(&picture(figure).expect("drawn"));
+        (width, height, data.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
     }
 
     #[test]

@@ -83,10 +83,11 @@ pub(super) fn encode(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
+    /// Width, height and samples of a file, a palette looked up.
+    pub(in crate::figures) fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
         let mut decoder = png::Decoder::new(std::io::Cursor::new(file));
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info().expect("a PNG");
