@@ -27,6 +27,13 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     format!("{value:.*}", usize::try_from(1 - size.log10().floor() as i32).unwrap_or(decimals))
 }
 
+/// A number rounded to so many decimals, with no row of zeros behind its digits and never `-0`: `0.5`, `20`.
+pub fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
 /// The least number of so many digits (1 to 15) that is not below `value`.
 pub fn at_least(value: f64, digits: usize) -> f64 {
     -at_most(-value, digits)
@@ -74,6 +81,22 @@ mod tests {
             (0.0, "0.00"),
         ] {
             assert_eq!(with_decimals(value, 2), wanted);
+        }
+    }
+
+    #[test]
+    fn a_rounded_number_has_no_tail_of_zeros() {
+        for (value, decimals, wanted) in [
+            (1.0, 2, "1"),
+            (0.5, 2, "0.5"),
+            (-0.001, 2, "0"),
+            (-0.0, 0, "0"),
+            (120.0, 0, "120"),
+            (20.0, 4, "20"),
+            (1e-6, 12, "0.000001"),
+            (f64::NAN, 2, "NaN"),
+        ] {
+            assert_eq!(rounded(value, decimals), wanted);
         }
     }
 

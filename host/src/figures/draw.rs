@@ -5,6 +5,7 @@ use super::png_file::{self, Shades};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
+use slipline_plate::numeral::rounded;
 use slipline_plate::paper::{Figure, Panel, Stroke};
 use std::sync::OnceLock;
 use thiserror::Error;
@@ -184,7 +185,7 @@ fn draw_plot(area: &Area<'_>, figure: &Figure, panel: &Panel) -> Result<(), Draw
         .x_desc(figure.x_label)
         .y_desc(panel.y_label)
         .x_label_formatter(&|value| format!("{value:.0}"))
-        .y_label_formatter(&|value| short(*value))
+        .y_label_formatter(&|value| rounded(*value, 2))
         .draw()
         .map_err(refused)?;
     for mark in &panel.marks {
@@ -206,13 +207,6 @@ fn draw_plot(area: &Area<'_>, figure: &Figure, panel: &Panel) -> Result<(), Draw
         .map_err(refused)?;
     }
     Ok(())
-}
-
-/// A tick's number without a tail of zeros.
-fn short(value: f64) -> String {
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 #[cfg(test)]
@@ -241,10 +235,5 @@ mod tests {
             };
             assert!(blue(0, width / 2) > 300 && blue(width / 2, width) > 300, "Fig. {}", figure.number);
         }
-    }
-
-    #[test]
-    fn ticks_have_no_tail_of_zeros() {
-        assert_eq!([short(1.0), short(0.5), short(-0.001), short(20.0)], ["1", "0.5", "0", "20"]);
     }
 }
