@@ -42,16 +42,6 @@ impl Verdict {
     }
 }
 
-/// The word for a colour.
-#[must_use]
-pub const fn word(colour: Colour) -> &'static str {
-    match colour {
-        Colour::Green => "green",
-        Colour::Amber => "amber",
-        Colour::Red => "red",
-    }
-}
-
 /// The work of the thread that checks: what was prepared for a plate is kept while the plate stays.
 pub fn work() -> impl FnMut(Job, &Task) -> Option<Verdict> + Send {
     let mut kept: Option<(Arc<Plate>, Checker)> = None;

@@ -440,7 +440,9 @@ fn red_lights_end_a_check_with_3_and_are_counted() {
         let output = slipline(arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
         assert_eq!(String::from_utf8(output.stderr).unwrap(), last, "{arguments:?}");
-        assert!(!output.stdout.is_empty());
+        let text = String::from_utf8(output.stdout).unwrap();
+        let red = if arguments.contains(&"--json") { "\"colour\":\"red\"" } else { "red    " };
+        assert_eq!(text.matches(red).count(), if code == 3 { 4 } else { 0 }, "{text}");
     }
     assert!(failure(&["check", "--plate", "nope"], 2).contains("nope"));
     let help = String::from_utf8(slipline(&["--help"]).stdout).unwrap();

@@ -28,12 +28,7 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
     };
     output::print(as_json, &value, |out| {
         for light in &report.lights {
-            let colour = match light.colour {
-                Colour::Green => "green",
-                Colour::Amber => "amber",
-                Colour::Red => "red",
-            };
-            writeln!(out, "{colour:<5}  {:<16}  {}", light.name, light.sentence)?;
+            writeln!(out, "{:<5}  {:<16}  {}", light.colour.name(), light.name, light.sentence)?;
         }
         Ok(())
     })?;

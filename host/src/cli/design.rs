@@ -234,10 +234,8 @@ fn band_end(end: &slipline_plate::design::BandEnd) -> String {
 
 /// The lights that are not green.
 fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
-    report.lights.iter().filter(|light| light.colour != Colour::Green).map(|light| {
-        let colour = if light.colour == Colour::Red { "red" } else { "amber" };
-        format!("{colour}: {}", light.sentence)
-    })
+    let not_green = report.lights.iter().filter(|light| light.colour != Colour::Green);
+    not_green.map(|light| format!("{}: {}", light.colour.name(), light.sentence))
 }
 
 /// What is written into the folder.

@@ -2,7 +2,6 @@
 
 use super::{Scene, theme};
 use crate::quantity::{show_frequency, show_place};
-use crate::validity::word;
 use eframe::egui::{
     self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
 };
@@ -42,7 +41,7 @@ fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette
 fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
     let Some(verdict) = &scene.background.verdict else { return (None, "checking".to_owned()) };
     let Ok(report) = &verdict.report else { return (None, "not checked".to_owned()) };
-    let counts = [Colour::Red, Colour::Amber].map(|colour| (verdict.count(colour), word(colour)));
+    let counts = [Colour::Red, Colour::Amber].map(|colour| (verdict.count(colour), colour.name()));
     let bad: Vec<String> = counts
         .iter()
         .filter(|(count, _)| *count > 0)
@@ -131,9 +130,9 @@ fn light(ui: &mut egui::Ui, light: &Light, palette: &Palette) {
         }
         ui.label(name);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let text = RichText::new(word(light.colour)).small().color(ink(light.colour, palette));
+            let text = RichText::new(light.colour.name()).small().color(ink(light.colour, palette));
             let label = ui.label(text);
-            let said = format!("{}: {}", light.name, word(light.colour));
+            let said = format!("{}: {}", light.name, light.colour.name());
             label.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
         });
     });

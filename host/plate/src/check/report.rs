@@ -1,10 +1,9 @@
 //! What is told of a plate: lights, each with its number, its colour and a sentence.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Colour of a light.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Colour {
     /// Nothing to mind.
     Green,
@@ -12,6 +11,24 @@ pub enum Colour {
     Amber,
     /// Do not rely on it.
     Red,
+}
+
+impl Colour {
+    /// Its word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Green => "green",
+            Self::Amber => "amber",
+            Self::Red => "red",
+        }
+    }
+}
+
+impl Serialize for Colour {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 /// One validity light.
