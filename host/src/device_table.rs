@@ -6,6 +6,8 @@
 //! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
 //! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
 
+use slipline_app::headroom::per_mille;
+use slipline_app::level::tone_gain;
 use slipline_plate::DriveTable;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::CHUNK_KNOTS;
@@ -162,6 +164,23 @@ impl DeviceTable {
     #[must_use]
     pub fn setting(&self, position: FinePosition) -> Setting {
         table::evaluate(self.header.knots, position, knot_of(&self.knots))
+    }
+
+    /// Whether tones, each as (place in metres, level), that rise from silence stay within full scale: by the device's
+    /// own rule, at full master level. A place or a level that is outside its range counts nothing.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`], as the device would answer.
+    pub fn check_sum(&self, tones: &[(f64, f64)]) -> Result<(), Refusal> {
+        let amplitude = |&(boundary_m, level): &(f64, f64)| {
+            let gain = self.setting(self.position(boundary_m)?.fine()).gain;
+            Some(u64::from(gain.times(tone_gain(Gain::FULL, self::level(level)?)).0))
+        };
+        let sum = tones.iter().filter_map(amplitude).sum();
+        if sum > u64::from(Gain::FULL.0) {
+            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
+        }
+        Ok(())
     }
 
     /// The frequency the device plays for a boundary at this position, in Hz.

@@ -18,6 +18,7 @@ use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
     TimeLine, ToneDrive, predict_envelope, respond,
 };
+use slipline_protocol::refusal::Refusal;
 use std::sync::Arc;
 
 /// Samples per second of the simulated device, in Hz.
@@ -63,6 +64,9 @@ pub enum SimulationError {
     /// The plate cannot be simulated in time.
     #[error(transparent)]
     Line(#[from] LineError),
+    /// The tones add up to too much.
+    #[error("{0}")]
+    Sum(Refusal),
     /// The link or the device refused.
     #[error(transparent)]
     Chain(#[from] ChainError),
@@ -161,6 +165,7 @@ impl Simulation<'_> {
     pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
         let device_table =
             Arc::new(if self.has_gains { DeviceTable::quantise(table)? } else { without_gains(table)? });
+        device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
         let mut chain = Chain::connect(SAMPLE_RATE_HZ)?;
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;
 

@@ -280,6 +280,22 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
 }
 
 #[test]
+fn tones_that_add_up_to_too_much_are_bad_usage_in_the_devices_words() {
+    let tones = ["--plate", "membrane", "--boundary", "120mm", "--tone", "200mm:1"];
+    let wav = file("loud.wav");
+    for command in [
+        &["drive", "--port", "sim", "--for", "100ms"][..],
+        &["simulate"],
+        &["simulate", "--no-table"],
+        &["record", "--seconds", "10ms", "--wav", wav.to_str().unwrap()],
+    ] {
+        let message = failure(&[command, &tones].concat(), 2);
+        assert!(message.contains("% of full scale; lower their levels"), "{command:?}: {message}");
+    }
+    assert!(!wav.exists());
+}
+
+#[test]
 fn what_cannot_be_done_ends_with_1_and_says_why() {
     let message = failure(&["info", "--port", "no-such-port"], 1);
     assert!(message.contains("no-such-port"), "{message}");

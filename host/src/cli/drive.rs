@@ -22,6 +22,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         device.perform(Request::ClearFaults)?;
     }
     let table = device.use_table(&plate)?;
+    table.check_sum(&tones).map_err(Failure::usage)?;
     device.perform(Request::Arm)?;
     let request = DriveRequest { glide_s, ..DriveRequest::at(&tones) };
     let at = device.perform_at(Request::Drive(request))?;

@@ -54,6 +54,7 @@ impl From<SimulationError> for Failure {
             SimulationError::Table(_)
             | SimulationError::DeviceTable(_)
             | SimulationError::Respond(_)
+            | SimulationError::Sum(_)
             | SimulationError::Line(_) => Self::usage(error),
             SimulationError::Chain(_) => Self::failed(error),
         }

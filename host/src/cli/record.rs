@@ -30,6 +30,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
 /// Records so many codes, from the block in which the drive begins.
 fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
+    table.check_sum(tones).map_err(Failure::usage)?;
     let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
     let begin = chain.samples();
