@@ -103,8 +103,30 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The settings as text that [`Settings::read`] reads back.
+    #[must_use]
+    pub fn write(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// Settings from such text. What is missing, unknown or written by a version that knows more words costs no more
+    /// than its own field: that one is as in [`Settings::default`].
+    #[must_use]
+    pub fn read(text: &str) -> Self {
+        let fields: toml::Table = text.parse().unwrap_or_default();
+        fields.into_iter().fold(Self::default(), |settings, (field, value)| {
+            let mut with_field = toml::Table::try_from(&settings).unwrap_or_default();
+            with_field.insert(field, value);
+            with_field.try_into().unwrap_or(settings)
+        })
+    }
+
     /// Puts a file at the top of the recent ones.
     pub fn used(&mut self, path: &Path) {
+        // A path that is no text could not be written, and nothing else with it.
+        if path.to_str().is_none() {
+            return;
+        }
         self.recent.retain(|other| other != path);
         self.recent.insert(0, path.to_owned());
         self.recent.truncate(RECENT);
@@ -114,6 +136,50 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn uncommon() -> Settings {
+        Settings {
+            theme: ThemeChoice::Dark,
+            wave: WavePicture::Sheet,
+            port: Some("unix:/run/it.sock".to_owned()),
+            auto_reconnect: false,
+            auto_upload: true,
+            recent: vec!["/a/b.toml".into(), "c.toml".into()],
+            has_dragged: true,
+            animate: true,
+        }
+    }
+
+    #[test]
+    fn settings_are_read_as_they_were_written() {
+        for settings in [uncommon(), Settings::default()] {
+            assert_eq!(Settings::read(&settings.write()), settings);
+        }
+        assert_eq!(Settings::read("no settings"), Settings::default());
+    }
+
+    #[test]
+    fn a_field_that_is_not_understood_costs_no_other() {
+        let text = uncommon().write();
+        for (from, to, wanted) in [
+            ("\"Dark\"", "\"Sepia\"", Settings { theme: ThemeChoice::System, ..uncommon() }),
+            ("auto_reconnect = false", "auto_reconnect = 7", Settings { auto_reconnect: true, ..uncommon() }),
+            ("auto_reconnect = false\n", "", Settings { auto_reconnect: true, ..uncommon() }),
+            ("has_dragged", "zoom = 2\nhas_dragged", uncommon()),
+        ] {
+            assert!(text.contains(from), "{text}");
+            assert_eq!(Settings::read(&text.replacen(from, to, 1)), wanted, "{to}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_that_is_no_text_keeps_nothing_from_being_written() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let mut settings = uncommon();
+        settings.used(Path::new(std::ffi::OsStr::from_bytes(b"/\xff.toml")));
+        assert_eq!(Settings::read(&settings.write()), uncommon());
+    }
 
     #[test]
     fn recent_files_are_few_newest_first_and_named_once() {

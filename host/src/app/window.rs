@@ -5,6 +5,7 @@ use crate::figures::plate;
 use crate::files::SystemFiles;
 use crate::link::list_ports;
 use crate::link::worker::{Worker, stop_on_panic};
+use crate::settings::Settings;
 use crate::setup_file::{self, Opened};
 use crate::workshop::Workshop;
 use crate::{live, sheet, trial, validity};
@@ -27,7 +28,7 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, KEPT_SETTINGS, &self.0.settings);
+        storage.set_string(KEPT_SETTINGS, self.0.settings.write());
         storage.set_string(KEPT_SETUP, setup_file::write(&self.0.setup));
     }
 
@@ -75,10 +76,9 @@ fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),
     };
-    let settings =
-        context.storage.and_then(|storage| eframe::get_value(storage, KEPT_SETTINGS)).unwrap_or_default();
-    let kept = context.storage.and_then(|storage| storage.get_string(KEPT_SETUP));
-    let setup = match kept.as_deref().map(setup_file::read) {
+    let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
+    let settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
+    let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
     };
