@@ -128,7 +128,10 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
         SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
     };
     let table: toml::Table = toml::from_str(text).map_err(syntax)?;
-    if !table.contains_key("slipline_setup") && table.contains_key("taper") {
+    // By what only a setup has: a plate file whose sections are mistyped is still told what a plate file must have.
+    let is_setup =
+        ["slipline_setup", "tones", "plate", "boundary"].iter().any(|key| table.contains_key(*key));
+    if !is_setup {
         return Ok(Opened::Plate(Arc::new(Plate::from_toml(text)?)));
     }
     // First of all: what another version has more is no mistake in the file.
@@ -257,6 +260,23 @@ mod tests {
         assert!(
             matches!(read(preset.toml), Ok(Opened::Plate(plate)) if plate.name() == preset.plate().unwrap().name())
         );
+    }
+
+    #[test]
+    fn a_mistyped_plate_file_is_told_what_a_plate_file_has_and_a_setup_what_a_setup_has() {
+        let plate = slipline_plate::presets()[0].toml;
+        let setup = write(&sample());
+        for (text, from, to, want) in [
+            (plate, "[taper]", "[tapper]", "did you mean [taper]?"),
+            (plate, "length_m", "lenght_m", "did you mean length_m?"),
+            (&setup, "slipline_setup", "slipline_setap", "unknown field `slipline_setap`"),
+            (&setup, "slipline_setup = 1\n", "", "missing field `slipline_setup`"),
+            (&setup, "[plate]", "[plait]", "unknown field `plait`"),
+        ] {
+            assert!(text.contains(from), "{from}");
+            let error = read(&text.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(error.contains(want), "{to}: {error}");
+        }
     }
 
     #[test]
