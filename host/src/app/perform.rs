@@ -9,7 +9,7 @@ use crate::figures::plate::Subject;
 use crate::files::{FileEvent, FileJob, Save};
 use crate::link::{Request, Severity};
 use crate::setup_file::{self, Opened};
-use crate::view::intent::{Confirm, Export, Intent, Intents};
+use crate::view::intent::{Confirm, Dialog, Export, Intent, Intents};
 use eframe::egui;
 use slipline_plate::design::Design;
 use std::path::Path;
@@ -110,6 +110,10 @@ impl App {
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
+                Intent::CopyDiagnostics => {
+                    ctx.copy_text(self.diagnostics());
+                    self.dialog = Some(Dialog::Diagnostics);
+                }
             }
             ctx.request_repaint();
         }
@@ -119,6 +123,10 @@ impl App {
     fn designed(&self) -> Option<Arc<Design>> {
         let DesignState::Ready(designed) = &self.background.design else { return None };
         designed.result.as_ref().ok().cloned()
+    }
+
+    fn diagnostics(&self) -> String {
+        diagnostics::text(&self.snapshot, &self.setup, &self.table)
     }
 
     pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
@@ -165,7 +173,7 @@ impl App {
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),
             },
             Export::Diagnostics => {
-                let text = diagnostics::text(&self.snapshot, &self.setup, &self.table);
+                let text = self.diagnostics();
                 self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
             }
         }

@@ -117,11 +117,12 @@ const DIAGNOSTICS: f32 = 380.0;
 fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.heading("Diagnostics");
     ui.add_space(6.0);
-    ui.label("What helps to find a fault. It holds no name of yours or of your machine.");
+    ui.label("What helps to find a fault is on the clipboard now: read it before you send it.");
+    ui.label("It holds no name of yours or of your machine.");
     let text = diagnostics::text(scene.snapshot, scene.setup, scene.table);
     ui.horizontal(|ui| {
-        if ui.button("Copy diagnostics").clicked() {
-            intents.push(Intent::Copy(text.clone()));
+        if ui.button("Copy again").clicked() {
+            intents.push(Intent::CopyDiagnostics);
         }
         if ui.button("Save diagnostics…").clicked() {
             intents.push(Intent::Export(Export::Diagnostics));

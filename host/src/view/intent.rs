@@ -44,7 +44,7 @@ pub enum Dialog {
     PortHelp,
     /// Version, licences, where it comes from.
     About,
-    /// Versions, counters, setup and log, to be copied or saved.
+    /// Versions, counters, setup and log, to be read before they are sent.
     Diagnostics,
     /// Where a file is or shall be, where the system has no dialog for that.
     Path(PathQuestion),
@@ -145,6 +145,8 @@ pub enum Intent {
     Animate(bool),
     /// Put text on the clipboard.
     Copy(String),
+    /// Put versions, counters, setup and log on the clipboard, and show them.
+    CopyDiagnostics,
 }
 
 /// What the views of one frame ask for, in order.

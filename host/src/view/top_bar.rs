@@ -257,7 +257,7 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
         ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
         ask(ui, true, "Save screenshot (PNG)…".into(), "", Intent::Export(Export::Screenshot));
-        ask(ui, true, "Diagnostics…".into(), "", Intent::Dialog(Some(Dialog::Diagnostics)));
+        ask(ui, true, "Copy diagnostics".into(), "", Intent::CopyDiagnostics);
     });
     ui.menu_button("Edit", |ui| {
         let name = |verb: &str, what: Option<&str>| {
