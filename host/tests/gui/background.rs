@@ -7,7 +7,6 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline::link::Request;
 use slipline::table_making;
 use slipline::workshop::{Task, Workshop};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -21,9 +20,8 @@ fn summary(bench: &Bench) -> String {
 }
 
 pub(crate) fn open_plate(bench: &mut Bench, text: String) {
-    *bench.drawer.contents.borrow_mut() = vec![(PathBuf::from("plate.toml"), Ok(text))];
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-    bench.wait(300);
+    bench.open("plate.toml", Ok(text));
+    bench.wait(200);
 }
 
 fn open_preset(bench: &mut Bench, name: &str) {

@@ -250,6 +250,13 @@ impl Bench {
         }
     }
 
+    /// Opens the file that the dialog gives: its path, and its text or why it cannot be read.
+    pub(crate) fn open(&mut self, path: &str, text: Result<String, String>) {
+        *self.drawer.contents.borrow_mut() = vec![(PathBuf::from(path), text)];
+        self.window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+        self.wait(100);
+    }
+
     /// What is known of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
         self.rig.borrow().connection.view().clone()

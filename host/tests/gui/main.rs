@@ -22,7 +22,6 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline::link::{LinkState, Request, Snapshot};
 use slipline::settings::ThemeChoice;
 use slipline_protocol::event::State;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Types into the field of this name and leaves it with Enter.
@@ -234,9 +233,7 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
         (huge, "too big"),
     ];
     for (text, reason) in cases {
-        *bench.drawer.contents.borrow_mut() = vec![(PathBuf::from("bad.toml"), text)];
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-        bench.wait(100);
+        bench.open("bad.toml", text);
         assert_eq!(bench.setup_text(), good, "{reason}");
         let notice = bench.window.state().notice().cloned().unwrap();
         assert!(
@@ -266,9 +263,7 @@ fn a_saved_setup_opens_again_with_its_tones() {
     bench.wait(50);
     assert_eq!(bench.window.state().setup().tones.len(), 1);
     let text = String::from_utf8(bytes).unwrap();
-    *bench.drawer.contents.borrow_mut() = vec![(PathBuf::from(name), Ok(text))];
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::O);
-    bench.wait(100);
+    bench.open(&name, Ok(text));
     assert_eq!(bench.window.state().setup(), &saved);
     assert!(!bench.window.state().settings().recent.is_empty());
 }

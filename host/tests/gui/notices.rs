@@ -4,16 +4,9 @@ use crate::bench::Bench;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use slipline::link::Severity;
-use std::path::PathBuf;
 
 fn save(bench: &mut Bench) {
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    bench.wait(100);
-}
-
-fn open(bench: &mut Bench, path: &str, text: &str) {
-    *bench.drawer.contents.borrow_mut() = vec![(PathBuf::from(path), Ok(text.to_owned()))];
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     bench.wait(100);
 }
 
@@ -30,12 +23,12 @@ fn a_plain_message_goes_by_itself_and_an_error_stays() {
     assert!(bench.window.query_by_label("Saved setup.toml").is_some());
     // Another message has its whole time.
     let text = bench.setup_text();
-    open(&mut bench, "x.toml", &text);
+    bench.open("x.toml", Ok(text));
     watch(&mut bench, 3);
     assert!(bench.window.query_by_label("Opened x.toml").is_some());
     watch(&mut bench, 3);
     assert!(bench.window.state().notice().is_none());
-    open(&mut bench, "bad.toml", "nonsense");
+    bench.open("bad.toml", Ok("nonsense".to_owned()));
     watch(&mut bench, 12);
     let notice = bench.window.state().notice().cloned().unwrap();
     assert!(notice.text.contains("bad.toml was not opened"), "{notice:?}");
@@ -86,8 +79,8 @@ fn the_log_tells_of_files_by_their_names_alone() {
     let mut bench = Bench::driving();
     save(&mut bench);
     let text = bench.setup_text();
-    open(&mut bench, "/home/somebody/good.toml", &text);
-    open(&mut bench, "/home/somebody/bad.toml", "nonsense");
+    bench.open("/home/somebody/good.toml", Ok(text));
+    bench.open("/home/somebody/bad.toml", Ok("nonsense".to_owned()));
     let log = bench.snapshot().log;
     let has = |severity: Severity, text: &str| {
         log.iter().any(|entry| entry.severity == severity && entry.text.starts_with(text))
@@ -107,7 +100,7 @@ fn ask_too_much(bench: &mut Bench) {
         tone.level = 1.0;
         tone.position_m = 0.2;
     }
-    open(bench, "loud.toml", &slipline::setup_file::write(&setup));
+    bench.open("loud.toml", Ok(slipline::setup_file::write(&setup)));
     bench.wait(300);
 }
 
