@@ -1,5 +1,6 @@
 //! Files on disk: written whole or not at all, and read no further than they may be long.
 
+use crate::ending::on_ending;
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::File;
@@ -64,7 +65,7 @@ fn begin(part: &Path) -> bool {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
         // Without a handler Ctrl-C still ends the program; only the part is left.
-        let _ = ctrlc::set_handler(|| {
+        let _ = on_ending(|| {
             // Held to the end, so that no other part is begun.
             let parts = parts();
             for part in parts.iter() {

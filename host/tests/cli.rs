@@ -415,34 +415,81 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+/// A long recording over a file that is there, ended by a signal once it is being written.
+#[cfg(unix)]
+struct Recording {
+    folder: PathBuf,
+    child: std::process::Child,
+}
+
+#[cfg(unix)]
+impl Recording {
+    /// Begins it by these words of a shell before the command itself.
+    fn begun(name: &str, shell: &str) -> Self {
+        let folder = file(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        let wav = folder.join("long.wav");
+        std::fs::write(&wav, "mine").unwrap();
+        let arguments = "record --plate membrane --boundary 120mm --seconds 600s --force --wav";
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{shell} exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_slipline")]);
+        let child = command.args(arguments.split(' ')).arg(wav).spawn().unwrap();
+        let recording = Self { folder, child };
+        let begun = std::time::Instant::now();
+        while recording.files() < 2 && begun.elapsed().as_secs() < 60 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        assert_eq!(recording.files(), 2, "it is being written beside the old one");
+        recording
+    }
+
+    fn files(&self) -> usize {
+        std::fs::read_dir(&self.folder).unwrap().count()
+    }
+
+    fn signal(&self, signal: &str) {
+        let told = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
+        assert!(told.success());
+    }
+
+    /// It ends, and the old file is there alone.
+    fn ends(mut self) {
+        assert_eq!(self.child.wait().unwrap().code(), Some(130));
+        assert_eq!(self.files(), 1);
+        assert_eq!(std::fs::read(self.folder.join("long.wav")).unwrap(), b"mine");
+        std::fs::remove_dir_all(self.folder).unwrap();
+    }
+}
+
+/// Whether Linux says that a process ignores SIGHUP.
+#[cfg(unix)]
+fn ignores_hangup(process: &str) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 1 == 1)
+}
+
 #[cfg(unix)]
 #[test]
 fn whoever_ends_it_leaves_no_half_written_file_and_keeps_the_old_one() {
     for signal in ["-INT", "-TERM", "-HUP"] {
-        ends_whole(signal);
+        // Tests that were begun with nohup cannot give their children a SIGHUP back.
+        if signal != "-HUP" || !ignores_hangup("self") {
+            let recording = Recording::begun("interrupted", "");
+            recording.signal(signal);
+            recording.ends();
+        }
     }
 }
 
-fn ends_whole(signal: &str) {
-    let folder = file("interrupted");
-    std::fs::create_dir_all(&folder).unwrap();
-    let wav = folder.join("long.wav");
-    std::fs::write(&wav, "mine").unwrap();
-    let arguments = "record --plate membrane --boundary 120mm --seconds 600s --force --wav";
-    let mut child =
-        Command::new(env!("CARGO_BIN_EXE_slipline")).args(arguments.split(' ')).arg(&wav).spawn().unwrap();
-    let entries = || std::fs::read_dir(&folder).unwrap().count();
-    let begun = std::time::Instant::now();
-    while entries() < 2 && begun.elapsed().as_secs() < 60 {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    assert_eq!(entries(), 2, "it is being written beside the old one");
-    let told = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
-    assert!(told.success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert_eq!(entries(), 1);
-    assert_eq!(std::fs::read(&wav).unwrap(), b"mine");
-    std::fs::remove_dir_all(folder).unwrap();
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_that_is_ignored_from_the_start_stays_ignored() {
+    let recording = Recording::begun("outliving", "trap '' HUP;");
+    assert!(ignores_hangup(&recording.child.id().to_string()));
+    recording.signal("-HUP");
+    recording.signal("-TERM");
+    recording.ends();
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::device::Device;
 use super::{DriveArguments, Failure, argument, output};
+use crate::ending::on_ending;
 use crate::link::{DriveRequest, LinkState, Request};
 use crate::quantity::{show_frequency, show_place};
 use serde_json::json;
@@ -66,7 +67,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
 fn hold(device: &Device, duration_s: Option<f64>) -> Result<f64, Failure> {
     let (interrupted, interruption) = channel();
     let stop = device.handle();
-    ctrlc::set_handler(move || {
+    on_ending(move || {
         // At once, before anything is waited for.
         stop.send(Request::Stop);
         let _ = interrupted.send(());
