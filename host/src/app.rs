@@ -22,10 +22,10 @@ pub use notices::Notice;
 pub use window::run;
 
 use crate::designer::{Designed, Draft};
-use crate::edit::History;
 use crate::export;
 use crate::figures::plate::Subject;
 use crate::files::{FileJob, Files};
+use crate::history::History;
 use crate::link::worker::Worker;
 use crate::link::{Port, PortInfo, Request, Snapshot, Ticket};
 use crate::live::{self, Live};

@@ -27,6 +27,7 @@ pub mod export;
 pub mod figures;
 #[cfg(feature = "gui")]
 pub mod files;
+pub mod history;
 pub mod link;
 #[cfg(feature = "gui")]
 pub mod live;
