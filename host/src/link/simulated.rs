@@ -7,18 +7,20 @@
 //! It has no thread and no clock: nothing happens but by a call, so everything it does can be repeated exactly. Faults
 //! of the hardware are injected at the edges, where they would come from.
 
-use std::collections::VecDeque;
-use std::future::{Future, poll_fn};
-use std::pin::Pin;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::task::{Context, Poll, Waker};
+mod edges;
 
+pub use edges::MemoryFlash;
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Waker};
+
+use edges::Edge;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};
 use slipline_app::mailbox::{Crossing, Pulses};
-use slipline_app::ports::{DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, Mute, System, Underrun};
-use slipline_app::store::SLOT_BYTES;
 use slipline_app::thermal::Heat;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing};
 use slipline_protocol::event::ResetCause;
@@ -59,25 +61,6 @@ impl Default for Options {
     }
 }
 
-/// Two slots of flash in memory; erased bytes are `0xff`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MemoryFlash {
-    /// The bytes of slots A and B.
-    pub slots: [Vec<u8>; 2],
-}
-
-impl Default for MemoryFlash {
-    fn default() -> Self {
-        Self { slots: [vec![0xff; SLOT_BYTES], vec![0xff; SLOT_BYTES]] }
-    }
-}
-
-impl MemoryFlash {
-    fn word(&mut self, slot: FlashSlot, offset: usize) -> Result<&mut [u8], FlashError> {
-        self.slots[slot as usize].get_mut(offset..offset + FLASH_WORD).ok_or(FlashError)
-    }
-}
-
 /// One block as it leaves for the DAC.
 #[derive(Clone, Copy, Debug)]
 pub struct SentBlock<'a> {
@@ -87,126 +70,6 @@ pub struct SentBlock<'a> {
     pub codes: &'a [u16; BLOCK],
     /// Whether the amplifier is muted meanwhile.
     pub muted: bool,
-}
-
-/// Everything outside the application.
-struct Edges {
-    to_device: VecDeque<u8>,
-    from_device: Vec<u8>,
-    transmit_stalled: bool,
-    room: bool,
-    sent: Option<[u16; BLOCK]>,
-    underrun: bool,
-    muted: bool,
-    flash: MemoryFlash,
-    in_bootloader: bool,
-}
-
-#[derive(Clone)]
-struct Edge(Arc<Mutex<Edges>>);
-
-impl Edge {
-    fn lock(&self) -> MutexGuard<'_, Edges> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl embedded_io_async::ErrorType for Edge {
-    type Error = std::convert::Infallible;
-}
-
-impl embedded_io_async::Read for Edge {
-    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Self::Error> {
-        poll_fn(|_| {
-            let queue = &mut self.lock().to_device;
-            if queue.is_empty() {
-                return Poll::Pending;
-            }
-            let count = buffer.len().min(queue.len());
-            for (to, from) in buffer.iter_mut().zip(queue.drain(..count)) {
-                *to = from;
-            }
-            Poll::Ready(Ok(count))
-        })
-        .await
-    }
-}
-
-impl embedded_io_async::Write for Edge {
-    async fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
-        poll_fn(|_| {
-            let mut edges = self.lock();
-            if edges.transmit_stalled {
-                return Poll::Pending;
-            }
-            edges.from_device.extend_from_slice(bytes);
-            Poll::Ready(Ok(bytes.len()))
-        })
-        .await
-    }
-
-    async fn flush(&mut self) -> Result<(), Self::Error> {
-        Ok(())
-    }
-}
-
-impl DacStream for Edge {
-    async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
-        poll_fn(|_| {
-            let mut edges = self.lock();
-            if !std::mem::take(&mut edges.room) {
-                return Poll::Pending;
-            }
-            edges.sent = Some(*codes);
-            Poll::Ready(if std::mem::take(&mut edges.underrun) { Err(Underrun) } else { Ok(()) })
-        })
-        .await
-    }
-}
-
-impl Mute for Edge {
-    fn set_muted(&mut self, muted: bool) {
-        self.lock().muted = muted;
-    }
-}
-
-impl FlashPages for Edge {
-    fn slot_len(&self) -> usize {
-        self.lock().flash.slots[0].len()
-    }
-
-    fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
-        self.lock().flash.slots[slot as usize].fill(0xff);
-        Ok(())
-    }
-
-    fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
-        // Programming can only clear bits.
-        for (to, from) in self.lock().flash.word(slot, offset)?.iter_mut().zip(word) {
-            *to &= from;
-        }
-        Ok(())
-    }
-
-    fn read(
-        &mut self,
-        slot: FlashSlot,
-        offset: usize,
-        word: &mut [u8; FLASH_WORD],
-    ) -> Result<(), FlashError> {
-        word.copy_from_slice(self.lock().flash.word(slot, offset)?);
-        Ok(())
-    }
-}
-
-impl System for Edge {
-    fn has_bootloader(&self) -> bool {
-        true
-    }
-
-    fn enter_bootloader(&mut self) {
-        self.lock().in_bootloader = true;
-    }
 }
 
 /// The device application in memory, in virtual time.
@@ -235,17 +98,7 @@ impl SimulatedDevice {
     }
 
     fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
-        let edge = Edge(Arc::new(Mutex::new(Edges {
-            to_device: VecDeque::new(),
-            from_device: Vec::new(),
-            transmit_stalled: false,
-            room: false,
-            sent: None,
-            underrun: false,
-            muted: true,
-            flash: options.flash.clone(),
-            in_bootloader: false,
-        })));
+        let edge = Edge::new(options.flash.clone());
         let crossing = Shared::default();
         let device = Device {
             board: "simulated",
