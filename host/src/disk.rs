@@ -109,11 +109,12 @@ pub(crate) fn said(error: &impl Display) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use std::io::Write as _;
 
-    fn folder(name: &str) -> PathBuf {
+    /// An empty folder of a test's own.
+    pub(crate) fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         folder

@@ -168,12 +168,7 @@ fn read_text(path: &Path) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn folder(name: &str) -> PathBuf {
-        let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        folder
-    }
+    use crate::disk::tests::folder;
 
     #[test]
     fn a_file_that_is_there_is_replaced_only_when_that_was_said() {
