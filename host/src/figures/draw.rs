@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 use thiserror::Error;
 
 /// The name the embedded font is registered under.
-pub(super) const FONT: &str = "slipline-figures";
+const FONT: &str = "slipline-figures";
 
 /// Colours that stay apart for colour-blind readers (Okabe and Ito), by a curve's hue.
 pub(super) const HUES: [RGBColor; 6] = [
@@ -60,11 +60,19 @@ pub(super) fn picture(figure: &Figure) -> Result<Vec<u8>, DrawError> {
 }
 
 /// Makes the embedded font known to the canvas: pictures look alike on every machine, with no font installed.
-pub(super) fn embed_font() -> Result<(), DrawError> {
+fn embed_font() -> Result<(), DrawError> {
     static READY: OnceLock<bool> = OnceLock::new();
     let ready = *READY
         .get_or_init(|| register_font(FONT, FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok());
     if ready { Ok(()) } else { Err(DrawError::Canvas("the embedded font cannot be read".to_owned())) }
+}
+
+/// The embedded font, this many dots of the canvas high. There is no other way to it, so nothing can be measured or
+/// put before the canvas knows it.
+#[cfg(feature = "gui")]
+pub(super) fn embedded_font(dots: i32) -> Result<FontDesc<'static>, DrawError> {
+    embed_font()?;
+    Ok((FONT, dots).into_font())
 }
 
 /// Pixels of the finished picture on the canvas.

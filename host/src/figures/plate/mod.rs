@@ -57,9 +57,9 @@ pub fn work(subject: &Subject, task: &Task) -> Option<Result<Vec<u8>, String>> {
 /// The figure as a PNG file of 300 dots per inch.
 ///
 /// # Errors
-/// [`DrawError`] when the canvas or the encoder refuses.
+/// [`DrawError`] when the font, the canvas or the encoder refuses.
 pub fn png(subject: &Subject) -> Result<Vec<u8>, DrawError> {
-    let page = Page::new(subject);
+    let page = Page::new(subject)?;
     paper::print(page.size(), |paper| {
         let figure = Figure { subject, page: &page, paper };
         figure.heading()?;
@@ -101,7 +101,7 @@ impl Figure<'_, '_> {
         } else {
             (format!("−{full}"), format!("+{full}"))
         };
-        let right = page.right - paper::text_width(&high, TEXT) - 4.0;
+        let right = page.right - paper::text_width(&high, TEXT)? - 4.0;
         let bar = (right - 90.0, right);
         let cells = ((bar.1 - bar.0) / CELL) as usize;
         for i in 0..cells {
@@ -256,7 +256,7 @@ impl Figure<'_, '_> {
         // A number that would lie on the one before stands over it.
         let mut taken = [f64::NEG_INFINITY; 2];
         for (x, text) in marks {
-            let half = 0.5 * paper::text_width(&text, TEXT);
+            let half = 0.5 * paper::text_width(&text, TEXT)?;
             let middle = x.clamp(page.left + half, (page.right - half).max(page.left + half));
             let level = usize::from(taken[0] > middle - half);
             taken[level] = middle + half + 2.0;
@@ -274,7 +274,7 @@ impl Figure<'_, '_> {
         let mut entry = |text: &str, draw: &dyn Fn(f64) -> Result<(), DrawError>| -> Result<(), DrawError> {
             draw(x)?;
             paper.text(text, (x + 20.0, y), Anchor::Left, TEXT, BLACK)?;
-            x += 20.0 + paper::text_width(text, TEXT) + 16.0;
+            x += 20.0 + paper::text_width(text, TEXT)? + 16.0;
             Ok(())
         };
         let sample = |x: f64| [(x, y), (x + 16.0, y)];

@@ -1,5 +1,6 @@
 //! Where the parts of the figure stand, in points from the left and the top, and the words under it.
 
+use super::DrawError;
 use super::Subject;
 use super::paper::{LINE, TEXT, text_width};
 use crate::model::{BoundaryMode, Setup};
@@ -42,7 +43,7 @@ pub(super) struct Page {
 }
 
 impl Page {
-    pub(super) fn new(subject: &Subject) -> Self {
+    pub(super) fn new(subject: &Subject) -> Result<Self, DrawError> {
         let plate = &subject.setup.plate;
         let (left, right) = (MARGIN.0, WIDTH - MARGIN.1);
         let along = (right - left) / plate.length_m();
@@ -54,8 +55,8 @@ impl Page {
         let top = colours + 24.0;
         let high = top + room + 10.0;
         let envelope = (high, high + ENVELOPE);
-        let caption = lines(&caption(&subject.setup, subject.full_peak_m), right - left);
-        Self {
+        let caption = lines(&caption(&subject.setup, subject.full_peak_m), right - left)?;
+        Ok(Self {
             left,
             right,
             title,
@@ -68,7 +69,7 @@ impl Page {
             length_m: plate.length_m(),
             is_to_scale,
             across,
-        }
+        })
     }
 
     /// Width and height of the whole.
@@ -112,16 +113,16 @@ fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
 }
 
 /// As many phrases in a line as fit its width in points.
-fn lines(phrases: &[String], width: f64) -> Vec<String> {
+fn lines(phrases: &[String], width: f64) -> Result<Vec<String>, DrawError> {
     let mut lines: Vec<String> = Vec::new();
     for phrase in phrases {
         match lines.last_mut() {
-            Some(line) if text_width(&format!("{line}  {phrase}"), TEXT) <= width => {
+            Some(line) if text_width(&format!("{line}  {phrase}"), TEXT)? <= width => {
                 line.push_str("  ");
                 line.push_str(phrase);
             }
             _ => lines.push(phrase.clone()),
         }
     }
-    lines
+    Ok(lines)
 }

@@ -1,6 +1,6 @@
 //! A sheet of paper measured in points (1/72 inch), on which lines, text and colours are put.
 
-use super::super::draw::{DrawError, FONT, embed_font, refused};
+use super::super::draw::{DrawError, embedded_font, refused};
 use super::super::png_file::{self, Shades};
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -35,10 +35,9 @@ fn at((x, y): Place) -> (i32, i32) {
 }
 
 /// How wide a text is, in points.
-pub(super) fn text_width(text: &str, size: f64) -> f64 {
-    let font = (FONT, f64::from(dots(size))).into_font();
-    let wide = font.box_size(text).map_or(0, |size| size.0);
-    f64::from(wide) / f64::from(dots(72.0)) * 72.0
+pub(super) fn text_width(text: &str, size: f64) -> Result<f64, DrawError> {
+    let (wide, _) = embedded_font(dots(size))?.box_size(text).map_err(refused)?;
+    Ok(f64::from(wide) / f64::from(dots(72.0)) * 72.0)
 }
 
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
@@ -51,7 +50,6 @@ pub(super) fn print(
     (width, height): Place,
     draw: impl FnOnce(&Paper<'_>) -> Result<(), DrawError>,
 ) -> Result<Vec<u8>, DrawError> {
-    embed_font()?;
     let whole = |points: f64| (dots(points).unsigned_abs() / OVERSAMPLING).max(1) * OVERSAMPLING;
     let (width, height) = (whole(width), whole(height));
     let mut rgb = vec![255; (width * height * 3) as usize];
@@ -91,13 +89,13 @@ impl Paper<'_> {
             Anchor::Right => HPos::Right,
             Anchor::Centre => HPos::Center,
         };
-        let style = (FONT, f64::from(dots(size))).into_font().color(&ink).pos(Pos::new(side, VPos::Center));
+        let style = embedded_font(dots(size))?.color(&ink).pos(Pos::new(side, VPos::Center));
         self.0.draw_text(text, &style, at(place)).map_err(refused)
     }
 
     /// Puts a text that reads upwards, its middle at the place.
     pub(super) fn upward(&self, text: &str, place: Place) -> Result<(), DrawError> {
-        let font = (FONT, f64::from(dots(TEXT))).into_font().transform(FontTransform::Rotate270);
+        let font = embedded_font(dots(TEXT))?.transform(FontTransform::Rotate270);
         let style = font.color(&BLACK).pos(Pos::new(HPos::Center, VPos::Center));
         self.0.draw_text(text, &style, at(place)).map_err(refused)
     }

@@ -39,7 +39,7 @@ fn the_boundary_goes_through_plate_and_envelope_at_print_size() {
     let mut subject = subject("membrane");
     for place_m in [0.12, 0.21] {
         subject.setup.tones[0].position_m = place_m;
-        let page = Page::new(&subject);
+        let page = Page::new(&subject).unwrap();
         let (width, height, pixels, dots) = drawn(&subject);
         assert!((f64::from(width) / f64::from(dots) - 0.170).abs() < 2e-4 && dots == 11811);
         let is_dark = |x: u32, y: u32| pixels[(y * width + x) as usize].iter().all(|&channel| channel < 110);
@@ -60,13 +60,13 @@ fn the_plate_is_coloured_where_it_moves_and_the_envelope_has_its_line() {
     let rest = Subject { sounding: None, ..driven.clone() };
     let count = |subject: &Subject, (from, to): (f64, f64), is_it: fn(&[u8; 3]) -> bool| {
         let (width, _, pixels, _) = drawn(subject);
-        let page = Page::new(subject);
+        let page = Page::new(subject).unwrap();
         (px(from)..px(to))
             .flat_map(|y| (px(page.left)..px(page.right)).map(move |x| (y * width + x) as usize))
             .filter(|&i| is_it(&pixels[i]))
             .count()
     };
-    let page = Page::new(&driven);
+    let page = Page::new(&driven).unwrap();
     let orange: fn(&[u8; 3]) -> bool = |p| p[0] > p[2].saturating_add(60);
     assert!(count(&driven, page.plate, orange) > 1000);
     assert_eq!(count(&rest, page.plate, orange), 0);
@@ -88,7 +88,7 @@ fn sixteen_tones_and_every_preset_can_be_drawn() {
     subject.setup.boundary = BoundaryMode::FeltEdge { threshold_m: 1e-6 };
     let tones: Vec<SteadyTone> = steady_tones(&subject.setup, 1e-4);
     subject.predicted = Picture::solve(&subject.setup.plate, &tones);
-    let page = Page::new(&subject);
+    let page = Page::new(&subject).unwrap();
     let caption = page.caption.join(" ");
     assert!(page.caption.len() > 4 && caption.contains("16: boundary"), "{:?}", page.caption);
     assert!(caption.contains("1.00 µm is just felt"), "{caption}");
