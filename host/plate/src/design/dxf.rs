@@ -10,11 +10,14 @@ impl Drawing {
     /// The drawing as a DXF R12 file in millimetres.
     pub fn to_dxf(&self) -> String {
         let mut file = Groups::default();
-        // R12 has no field for the unit: the comment tells the reader.
+        // For those who read the file as text.
         file.put(999, format_args!("{}; units: millimetres", ascii(&self.title)));
         let [left, bottom, right, top] = self.extents_mm();
         file.section("HEADER");
         file.put(9, "$ACADVER").put(1, "AC1009");
+        // Younger than R12, but the only words for a unit that programs read: without them a part may come in as inches.
+        file.put(9, "$INSUNITS").put(70, 4);
+        file.put(9, "$MEASUREMENT").put(70, 1);
         file.put(9, "$EXTMIN").point(10, [left, bottom]);
         file.put(9, "$EXTMAX").point(10, [right, top]);
         file.put(0, "ENDSEC");

@@ -336,7 +336,13 @@ fn dxf_cut_extents(dxf: &str) -> [f64; 4] {
     assert!(dxf.is_ascii() && lines.len().is_multiple_of(2), "pairs of lines");
     let pairs: Vec<(i32, &str)> =
         lines.chunks(2).map(|pair| (pair[0].trim().parse().expect("a group code"), pair[1])).collect();
-    assert!(pairs.windows(2).any(|w| w[0] == (9, "$ACADVER") && w[1] == (1, "AC1009")), "release 12");
+    for (name, value) in [("$ACADVER", (1, "AC1009")), ("$INSUNITS", (70, "4")), ("$MEASUREMENT", (70, "1"))]
+    {
+        assert!(
+            pairs.windows(2).any(|w| w[0] == (9, name) && w[1] == value),
+            "{name}: release 12, millimetres"
+        );
+    }
     assert_eq!(pairs.last(), Some(&(0, "EOF")));
     let (mut extents, mut sections, mut open) = (NOTHING, 0, false);
     let starts: Vec<usize> = (0..pairs.len()).filter(|&i| pairs[i].0 == 0).collect();
