@@ -507,6 +507,14 @@ fn red_lights_end_a_check_with_3_and_are_counted() {
         let red = if arguments.contains(&"--json") { "\"colour\":\"red\"" } else { "red    " };
         assert_eq!(text.matches(red).count(), if code == 3 { 4 } else { 0 }, "{text}");
     }
+    let lines = String::from_utf8(slipline(&["check", "--plate", "membrane"]).stdout).unwrap();
+    assert!(lines.starts_with("green      edge slope "), "{lines}");
+    assert!(lines.contains("\nunchecked  actuator band "), "{lines}");
+    let report = json(&["check", "--plate", "membrane"]);
+    assert_eq!(
+        (&report["lights"][10]["name"], &report["lights"][10]["colour"]),
+        (&"actuator band".into(), &"unchecked".into())
+    );
     assert!(failure(&["check", "--plate", "nope"], 2).contains("nope"));
     let help = String::from_utf8(slipline(&["--help"]).stdout).unwrap();
     assert!(help.contains("Exit code: 0 done; 1 could not be done; 2 bad usage"), "{help}");

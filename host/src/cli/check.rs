@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
     };
     output::print(as_json, &value, |out| {
         for light in &report.lights {
-            writeln!(out, "{:<5}  {:<16}  {}", light.colour.name(), light.name, light.sentence)?;
+            writeln!(out, "{:<9}  {:<16}  {}", light.colour.name(), light.name, light.sentence)?;
         }
         Ok(())
     })?;

@@ -232,10 +232,10 @@ fn band_end(end: &slipline_plate::design::BandEnd) -> String {
     )
 }
 
-/// The lights that are not green.
+/// The lights that are amber or red.
 fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
-    let not_green = report.lights.iter().filter(|light| light.colour != Colour::Green);
-    not_green.map(|light| format!("{}: {}", light.colour.name(), light.sentence))
+    let worries = report.lights.iter().filter(|light| light.colour > Colour::Green);
+    worries.map(|light| format!("{}: {}", light.colour.name(), light.sentence))
 }
 
 /// What is written into the folder.

@@ -13,16 +13,20 @@ const MARK: f32 = 4.5;
 
 fn ink(colour: Colour, palette: &Palette) -> Color32 {
     match colour {
+        Colour::Unchecked => palette.weak,
         Colour::Green => palette.good,
         Colour::Amber => palette.warn,
         Colour::Red => palette.wrong,
     }
 }
 
-/// The mark of a colour: a dot, a triangle, a square. The shape tells it to those who cannot tell the colours.
+/// The mark of a colour: a ring, a dot, a triangle, a square. The shape tells it to those who cannot tell the colours.
 fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette) {
     let fill = ink(colour, palette);
     match colour {
+        Colour::Unchecked => {
+            painter.circle_stroke(centre, MARK - 0.75, Stroke::new(1.5, fill));
+        }
         Colour::Green => {
             painter.circle_filled(centre, MARK, fill);
         }

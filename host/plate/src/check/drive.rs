@@ -76,7 +76,7 @@ pub(super) fn actuator_light(site: &Site<'_>) -> Finding {
         let sentence =
             "The plate file names no actuator: whether one reaches this frequency was not checked."
                 .to_owned();
-        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence);
+        return site.judged(name, None, "dB", Colour::Unchecked, 0.0, sentence);
     };
     let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
     let loss_db = -gain_db;

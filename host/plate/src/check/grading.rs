@@ -51,7 +51,8 @@ impl Site<'_> {
 /// The sentence that belongs to the colour.
 pub(super) fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
     match colour {
-        Colour::Green => green,
+        // What was not checked has no measure, so no colour of one.
+        Colour::Green | Colour::Unchecked => green,
         Colour::Amber => amber,
         Colour::Red => red,
     }

@@ -2,9 +2,11 @@
 
 use serde::{Serialize, Serializer};
 
-/// Colour of a light.
+/// Colour of a light, from the calmest to the worst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Colour {
+    /// What it takes to judge is not known; no reason to worry, and none not to.
+    Unchecked,
     /// Nothing to mind.
     Green,
     /// It works, with the reservation the sentence names.
@@ -18,6 +20,7 @@ impl Colour {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Unchecked => "unchecked",
             Self::Green => "green",
             Self::Amber => "amber",
             Self::Red => "red",
@@ -62,7 +65,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// The worst colour of all lights.
+    /// The worst colour of all lights that could be judged.
     pub fn worst(&self) -> Colour {
         self.lights.iter().map(|light| light.colour).max().unwrap_or(Colour::Green)
     }

@@ -102,17 +102,17 @@ pub(super) fn beat_light(site: &Site<'_>) -> Finding {
             }
         }
     }
-    let colour = if nearest < BEAT_HZ { Colour::Amber } else { Colour::Green };
-    let sentence = match colour {
-        Colour::Green if nearest.is_infinite() => {
-            "No two ultrasonic tones sound together: nothing beats.".to_owned()
-        }
-        Colour::Green => {
-            format!("The ultrasonic tones are {nearest:.0} Hz apart: their beat is too fast to feel.")
-        }
-        Colour::Amber | Colour::Red => format!(
+    let (colour, sentence) = if nearest < BEAT_HZ {
+        let sentence = format!(
             "Two ultrasonic tones are {nearest:.0} Hz apart and beat at a rate skin feels: move them apart, or use it on purpose."
-        ),
+        );
+        (Colour::Amber, sentence)
+    } else if nearest.is_infinite() {
+        (Colour::Green, "No two ultrasonic tones sound together: nothing beats.".to_owned())
+    } else {
+        let sentence =
+            format!("The ultrasonic tones are {nearest:.0} Hz apart: their beat is too fast to feel.");
+        (Colour::Green, sentence)
     };
     site.judged("beat", Some(nearest), "Hz", colour, -nearest, sentence)
 }
