@@ -143,6 +143,8 @@ pub(super) fn ghost_light(site: &Site<'_>) -> Finding {
         .filter_map(|mode| site.plate.ghost_boundary_m(site.frequency_hz, mode).map(|x| (mode, x)))
         .collect();
     let nearest = ghosts.first().map_or(f64::NAN, |ghost| ghost.1);
+    // How the drive is spread over the width is not known, so a mode that enters is never green: a point on the centre
+    // line drives every odd mode alike, an even drive still mode m with 1/m.
     let colour = match (ghosts.is_empty(), off_centre) {
         (true, _) => Colour::Green,
         (false, false) => Colour::Amber,
@@ -160,7 +162,7 @@ pub(super) fn ghost_light(site: &Site<'_>) -> Finding {
         pick(colour, [
             "No higher width mode enters the plate: this boundary is the only one.".to_owned(),
             format!(
-                "Higher width modes have boundaries of their own at {listed}: drive the whole width evenly to keep them weak."
+                "Higher width modes have boundaries of their own at {listed}: a drive spread over the width like the wave, most on the centre line and nothing at the edges, leaves them out; an even one gives mode 3 a third of the wanted mode."
             ),
             format!(
                 "A drive beside the centre line makes further boundaries at {listed}: move it to the centre line or use a shorter span."
