@@ -7,6 +7,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline::link::Request;
 use slipline::table_making;
 use slipline::workshop::{Task, Workshop};
+use slipline_plate::Model;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -70,6 +71,25 @@ fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
     assert_eq!(words(&bench, "actuator band: unchecked"), 1);
     assert_eq!(summary(&bench), format!("Validity: {amber} amber"));
     assert!(bench.window.query_by_label_contains("names no actuator").is_some());
+}
+
+#[test]
+fn the_panel_has_what_the_thin_plate_light_asks_for() {
+    let mut bench = Bench::driving();
+    open_preset(&mut bench, "al-bending");
+    bench.window.get_by_label(&summary(&bench)).click();
+    bench.wait(100);
+    assert!(bench.window.query_by_label("thin plate: amber").is_some());
+    open_page(&mut bench, "This plate");
+    bench.window.get_by_role_and_label(Role::CheckBox, "Thin plate").click_accesskit();
+    bench.wait(1500);
+    let plate = Arc::clone(&bench.window.state().setup().plate);
+    let Model::BendingSupported(bending) = &plate.spec().model else { panic!("{:?}", plate.spec().model) };
+    assert!(bending.thick_plate);
+    assert_eq!(plate.name(), "al-bending (changed)");
+    bench.window.get_by_role_and_label(Role::Button, "Validity").click();
+    bench.wait(100);
+    assert!(bench.window.query_by_label("thin plate: green").is_some());
 }
 
 #[test]

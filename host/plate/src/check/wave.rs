@@ -116,10 +116,10 @@ pub(super) fn thin_plate_light(site: &Site<'_>) -> Finding {
         pick(colour, [
             format!("The plate is thin for this wave: the thin-plate wavenumber is {percent:.1} % too small."),
             format!(
-                "The thin-plate wavenumber is {percent:.1} % too small here: set thick_plate = true to place the boundary better."
+                "The thin-plate wavenumber is {percent:.1} % too small here: take it as a thick plate (thick_plate = true) to place the boundary better."
             ),
             format!(
-                "The thin-plate wavenumber is {percent:.1} % too small: the plate is thick for this wave, set thick_plate = true."
+                "The thin-plate wavenumber is {percent:.1} % too small: this is a thick plate for the wave, take it as one (thick_plate = true)."
             ),
         ]),
     )

@@ -159,11 +159,31 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
                 b.density_kg_per_m3 = v;
             });
             of(ui, &caption::THICKNESS, bending.thickness_m, |b, v| b.thickness_m = v);
+            thin_plate(ui, numbers, bending);
         }
     }
     numbers.number(ui, &caption::LOSS_FACTOR, spec.loss_factor, |spec, value| {
         spec.loss_factor = value;
     });
+}
+
+/// Whether shear and rotary inertia are left out. The box can be pressed where the plate stands either way.
+fn thin_plate(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, bending: &Bending) {
+    let mut thin = !bending.thick_plate;
+    let mut spec = numbers.plate.spec().clone();
+    if let Model::BendingSupported(bending) | Model::BendingClamped(bending) = &mut spec.model {
+        bending.thick_plate = thin;
+    }
+    let other = Plate::new(renamed(spec, numbers.plate)).map_err(|error| error.told(&Panel::Plate));
+    let check = ui.add_enabled(other.is_ok(), egui::Checkbox::new(&mut thin, "Thin plate"));
+    match other {
+        Ok(plate) => {
+            if check.on_hover_text("Leave out shear and rotary inertia").changed() {
+                numbers.intents.push(Intent::Edit(Edit::Plate(Arc::new(plate))));
+            }
+        }
+        Err(reason) => drop(check.on_disabled_hover_text(reason)),
+    }
 }
 
 fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
