@@ -33,7 +33,7 @@ pub struct DesignArguments {
     /// From the driven end to the narrow end, such as 300mm; 5mm to 10m.
     #[arg(long, value_name = "L", value_parser = argument::length(range::LENGTH), allow_hyphen_values = true)]
     length: f64,
-    /// A plate in bending: how its edges are held, on a knife edge (the default) or between the halves of a frame.
+    /// A plate in bending: how its edges are held, on a lip that may turn (the default) or tight between the frames.
     #[arg(long)]
     edge: Option<EdgeArgument>,
     /// A stretched membrane of this wave speed, such as 12m/s; 0.1 to 20000.
@@ -66,7 +66,7 @@ pub struct DesignArguments {
     /// The plate's name, 1 to 80 characters.
     #[arg(long, value_parser = name, default_value = "designed")]
     name: String,
-    /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder.
+    /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder; they say how to mount them.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -150,6 +150,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         "mode_free_travel_m": designed.mode_free_travel_m(),
         "damper": designed.damper,
         "tension_n_per_m": designed.tension_n_per_m,
+        "mounting": designed.mounting.sentence(),
         "lights": lights.as_ref().ok(),
         "not_checked": lights.as_ref().err(),
         "files": files,
@@ -219,6 +220,7 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
     if let Some(tension) = designed.tension_n_per_m {
         lines.push(("tension", format!("{} of width", show_si(tension, "N/m"))));
     }
+    lines.push(("mounting", designed.mounting.sentence().to_owned()));
     lines
 }
 

@@ -90,4 +90,5 @@ fn figures(ui: &mut egui::Ui, design: &Design) {
     if let Some(tension) = design.tension_n_per_m {
         row(ui, "Tension", format!("{tension:.1} N/m"));
     }
+    ui.label(RichText::new(design.mounting.sentence()).small().color(theme::palette(ui).weak));
 }

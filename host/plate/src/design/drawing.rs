@@ -43,6 +43,13 @@ pub enum Shape {
         /// What it says.
         text: String,
     },
+    /// A line of text.
+    Note {
+        /// Left end of its foot.
+        at: [f64; 2],
+        /// What it says.
+        text: String,
+    },
 }
 
 impl Shape {
@@ -50,7 +57,7 @@ impl Shape {
     pub fn layer(&self) -> Layer {
         match self {
             Self::Outline { .. } | Self::Hole { .. } => Layer::Cut,
-            Self::Dimension { .. } => Layer::Dimension,
+            Self::Dimension { .. } | Self::Note { .. } => Layer::Dimension,
         }
     }
 }
@@ -66,6 +73,10 @@ pub struct Drawing {
 
 /// Height of the dimension text, mm.
 pub(super) const TEXT_HEIGHT_MM: f64 = 4.0;
+/// Width of a letter, in its height: what a common typeface needs on the average, and some more.
+const LETTER_WIDTH: f64 = 0.6;
+/// Most letters in a line of a note.
+const NOTE_LETTERS: usize = 70;
 /// Half the length of the tick at a dimension line's end, mm.
 pub(super) const TICK_MM: f64 = 1.5;
 
@@ -77,7 +88,7 @@ impl Drawing {
             match shape {
                 Shape::Outline { points } => points.iter().for_each(|&point| grow(&mut extents, point, 0.0)),
                 Shape::Hole { centre, diameter } => grow(&mut extents, *centre, 0.5 * diameter),
-                Shape::Dimension { .. } => {}
+                Shape::Dimension { .. } | Shape::Note { .. } => {}
             }
         }
         extents
@@ -87,9 +98,17 @@ impl Drawing {
     pub(super) fn extents_mm(&self) -> [f64; 4] {
         let mut extents = self.cut_extents_mm();
         for shape in &self.shapes {
-            if let Shape::Dimension { from, to, .. } = shape {
-                grow(&mut extents, *from, 2.5 * TEXT_HEIGHT_MM);
-                grow(&mut extents, *to, 2.5 * TEXT_HEIGHT_MM);
+            match shape {
+                Shape::Dimension { from, to, .. } => {
+                    grow(&mut extents, *from, 2.5 * TEXT_HEIGHT_MM);
+                    grow(&mut extents, *to, 2.5 * TEXT_HEIGHT_MM);
+                }
+                Shape::Note { at: [x, z], text } => {
+                    grow(&mut extents, [*x, *z], TEXT_HEIGHT_MM);
+                    let end = x + LETTER_WIDTH * TEXT_HEIGHT_MM * text.chars().count() as f64;
+                    grow(&mut extents, [end, *z], TEXT_HEIGHT_MM);
+                }
+                Shape::Outline { .. } | Shape::Hole { .. } => {}
             }
         }
         extents
@@ -101,6 +120,21 @@ fn grow(extents: &mut [f64; 4], [x, z]: [f64; 2], radius: f64) {
     extents[1] = extents[1].min(z - radius);
     extents[2] = extents[2].max(x + radius);
     extents[3] = extents[3].max(z + radius);
+}
+
+/// A note in lines that end between words.
+pub(super) fn wrapped(text: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.len() + 1 + word.len() <= NOTE_LETTERS => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Where a dimension's text stands (its middle) and whether it runs upward.

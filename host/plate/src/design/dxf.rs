@@ -101,6 +101,13 @@ fn draw(file: &mut Groups, shape: &Shape) {
                 .point(11, place)
                 .put(31, "0.0");
         }
+        Shape::Note { at, text } => {
+            file.entity("TEXT", layer)
+                .point(10, *at)
+                .put(30, "0.0")
+                .put(40, TEXT_HEIGHT_MM)
+                .put(1, ascii(text));
+        }
     }
 }
 

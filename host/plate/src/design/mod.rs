@@ -11,6 +11,7 @@ mod damper;
 mod drawing;
 mod dxf;
 mod material;
+mod mounting;
 mod outline;
 mod request;
 mod svg;
@@ -29,6 +30,7 @@ use std::f64::consts::TAU;
 pub use damper::Damper;
 pub use drawing::{Drawing, Layer, Shape};
 pub use material::{Material, material_names};
+pub use mounting::Mounting;
 pub use request::{Edge, Request, Wave};
 
 /// What the plate does at one end of its band.
@@ -71,7 +73,8 @@ pub struct Design {
     /// Tension of a membrane, N per metre of width; `None` for a plate that needs none.
     pub tension_n_per_m: Option<f64>,
     rim_m: f64,
-    edges_free_to_turn: bool,
+    /// How the frame holds the sheet.
+    pub mounting: Mounting,
 }
 
 /// Designs the plate.
@@ -129,7 +132,11 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
             Wave::Bending { .. } | Wave::ShearHorizontal => None,
         },
         rim_m: request.rim_m,
-        edges_free_to_turn: matches!(request.wave, Wave::Bending { edge: Edge::Supported, .. }),
+        mounting: match request.wave {
+            Wave::Bending { edge: Edge::Supported, .. } => Mounting::Lip,
+            Wave::Bending { edge: Edge::Clamped, .. } | Wave::ShearHorizontal => Mounting::Gripped,
+            Wave::Membrane { .. } => Mounting::Stretched,
+        },
         plate,
     })
 }
@@ -143,12 +150,12 @@ impl Design {
 
     /// The sheet to cut.
     pub fn plate_drawing(&self) -> Drawing {
-        outline::plate(&self.plate, self.rim_m, self.edges_free_to_turn)
+        outline::plate(&self.plate, self.rim_m, self.mounting)
     }
 
-    /// The frame to cut, twice where the edges are clamped.
+    /// The frame to cut, twice.
     pub fn frame_drawing(&self) -> Drawing {
-        outline::frame(&self.plate, self.rim_m)
+        outline::frame(&self.plate, self.rim_m, self.mounting)
     }
 }
 

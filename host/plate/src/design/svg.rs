@@ -66,6 +66,14 @@ fn draw(text: &mut String, shape: &Shape) {
                 escaped(label)
             );
         }
+        Shape::Note { at: [x, z], text: line } => {
+            let _ = writeln!(
+                text,
+                "    <text x=\"{x:.3}\" y=\"{:.3}\" font-family=\"sans-serif\" font-size=\"{TEXT_HEIGHT_MM}\" fill=\"#0000ff\" stroke=\"none\">{}</text>",
+                -z,
+                escaped(line)
+            );
+        }
     }
 }
 
