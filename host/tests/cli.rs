@@ -166,6 +166,44 @@ fn simulate_lists_several_tones_and_runs_on_another_plate() {
 }
 
 #[test]
+fn a_plate_that_a_tones_frequency_cannot_enter_is_named_with_few_digits() {
+    let message = failure(
+        &["simulate", "--plate", "membrane", "--actual-plate", "al-bending", "--boundary", "120mm"],
+        2,
+    );
+    assert!(
+        message.contains("frequency = 104.453 Hz cannot enter the plate \"al-bending\": must be above"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_design_ends_with_0_though_lights_are_red_and_its_help_says_so() {
+    let designed = json(&[
+        "design",
+        "--material",
+        "acrylic",
+        "--thickness",
+        "2mm",
+        "--band",
+        "2kHz..8kHz",
+        "--length",
+        "1m",
+    ]);
+    let lights = designed["lights"]["lights"].as_array().unwrap();
+    assert!(lights.iter().any(|light| light["colour"] == "red"), "{lights:?}");
+    assert!(designed["mounting"].as_str().unwrap().contains("Cut the frame twice"));
+    let help = String::from_utf8(slipline(&["design", "--help"]).stdout).unwrap();
+    assert!(
+        help.split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+            .contains("0 designed, also where lights are red"),
+        "{help}"
+    );
+}
+
+#[test]
 fn no_table_leaves_the_gains_out() {
     let with = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm"]);
     let without = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm", "--no-table"]);

@@ -57,7 +57,7 @@ pub fn respond_coupled(
         return Err(RespondError::Modes { modes, low: 1, high: COUPLED_MODES_MAX });
     }
     if plate.turning_point_m(frequency_hz).is_none() {
-        return Err(RespondError::CannotEnter { frequency_hz, cut_off_hz: plate.cut_off_hz() });
+        return Err(RespondError::cannot_enter(plate, frequency_hz));
     }
     if matches!(plate.spec().model, Model::BendingClamped(_)) {
         return Ok(None);

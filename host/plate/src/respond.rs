@@ -1,6 +1,6 @@
 //! The amplitude over x at one frequency or many: the frequency-domain solver's front.
 
-use crate::numeral::{at_least, typed};
+use crate::numeral::{at_least, at_most, typed};
 use crate::numerov::{self, Grid};
 use crate::peak::{self, Peak};
 use crate::plate::Plate;
@@ -22,10 +22,12 @@ pub enum Equation {
 pub enum RespondError {
     /// The frequency is below the cut-off at the driven end: nothing runs.
     #[error(
-        "frequency = {} Hz cannot enter the plate: must be above {} Hz, the cut-off at its wide end",
-        typed(*.frequency_hz), typed(at_least(*.cut_off_hz, 5))
+        "frequency = {} Hz cannot enter the plate {plate:?}: must be above {} Hz, the cut-off at its wide end",
+        typed(at_most(*.frequency_hz, 6)), typed(at_least(*.cut_off_hz, 5))
     )]
     CannotEnter {
+        /// Name of the plate: a table made for one may be played on another.
+        plate: String,
         /// The frequency that was asked for, Hz.
         frequency_hz: f64,
         /// Lowest frequency that enters, Hz.
@@ -61,6 +63,12 @@ pub enum RespondError {
         /// Most.
         high: usize,
     },
+}
+
+impl RespondError {
+    pub(crate) fn cannot_enter(plate: &Plate, frequency_hz: f64) -> Self {
+        Self::CannotEnter { plate: plate.name().to_owned(), frequency_hz, cut_off_hz: plate.cut_off_hz() }
+    }
 }
 
 /// Fewest points of a response.
@@ -144,16 +152,17 @@ fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondE
         return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
     }
     let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
+    let cannot_enter = || RespondError::cannot_enter(plate, frequency_hz);
     let low = FREQUENCY.low.min(cut_off_hz);
     if !(frequency_hz >= low && frequency_hz <= high) {
         return Err(if frequency_hz < low && frequency_hz > 0.0 {
-            RespondError::CannotEnter { frequency_hz, cut_off_hz }
+            cannot_enter()
         } else {
             RespondError::Frequency { frequency_hz, low: cut_off_hz, high }
         });
     }
     if plate.turning_point_m(frequency_hz).is_none() {
-        return Err(RespondError::CannotEnter { frequency_hz, cut_off_hz });
+        return Err(cannot_enter());
     }
     Ok(())
 }

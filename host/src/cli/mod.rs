@@ -42,6 +42,7 @@ const DRIVE_S: f64 = 600.0;
 const EXIT_CODES: &str = "\
 Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line says how many; 1 and 2 as ever, see slipline --help.";
+const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; 1 and 2 as ever, see slipline --help.";
 
 /// Drag the boundary on a tapered plate. With no command, the app opens.
 #[derive(Debug, Parser)]
@@ -84,6 +85,7 @@ pub enum Command {
     #[command(after_help = CHECK_EXIT_CODES)]
     Check(CheckArguments),
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
+    #[command(after_help = DESIGN_EXIT_CODES)]
     Design(DesignArguments),
     /// Draw the paper's figures, as printed and corrected, as PNG and CSV.
     Figures(FiguresArguments),

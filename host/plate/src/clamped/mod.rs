@@ -67,7 +67,7 @@ fn solve(
     let (Some(turning_point_m), Some(kappa)) =
         (plate.turning_point_m(frequency_hz), plate.kappa_per_m(frequency_hz))
     else {
-        return Err(RespondError::CannotEnter { frequency_hz, cut_off_hz });
+        return Err(RespondError::cannot_enter(plate, frequency_hz));
     };
     let wavenumber_squared = plate.spec().model.wavenumber_squared(TAU * frequency_hz);
     let wavelengths = plate.length_m() * wavenumber_squared.sqrt() / TAU;

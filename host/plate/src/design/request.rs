@@ -2,6 +2,7 @@
 
 use super::Material;
 use crate::model::{Bending, Model};
+use crate::numeral::rounded;
 use serde::Serialize;
 
 /// How the sheet carries the wave.
@@ -125,12 +126,16 @@ impl Request {
             Wave::Bending { edge: Edge::Supported, .. } => "bending, supported edges",
             Wave::Bending { edge: Edge::Clamped, .. } => "bending, clamped edges",
         };
+        let hertz = |hertz: f64| match hertz {
+            1e3.. => format!("{} kHz", rounded(hertz * 1e-3, 3)),
+            _ => format!("{} Hz", rounded(hertz, 3)),
+        };
         format!(
-            "Designed: {} {:.3} mm, {wave}, boundary from {:.1} to {:.1} Hz",
+            "Designed: {} {} mm, {wave}, boundary from {} to {}",
             self.material.name,
-            self.thickness_m * 1e3,
-            self.band_hz.0,
-            self.band_hz.1
+            rounded(self.thickness_m * 1e3, 4),
+            hertz(self.band_hz.0),
+            hertz(self.band_hz.1)
         )
     }
 }

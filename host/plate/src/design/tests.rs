@@ -269,6 +269,21 @@ fn the_cut_files_say_how_the_parts_are_put_together() {
 }
 
 #[test]
+fn the_description_is_written_as_a_person_writes_it() {
+    let described = |request: &Request| design(request).expect("possible").plate.spec().description.clone();
+    assert_eq!(
+        described(&aluminium()),
+        "Designed: aluminium 2 mm, bending, supported edges, boundary from 20 kHz to 40 kHz"
+    );
+    let text = described(&membrane());
+    assert!(text.ends_with("0.5 mm, stretched, boundary from 80 Hz to 220 Hz"), "{text}");
+    let mut request = aluminium();
+    request.thickness_m = 2.0 / 3.0 * 1e-3;
+    request.band_hz.0 = 1e5 / 3.0;
+    assert!(described(&request).contains("0.6667 mm") && described(&request).contains("33.333 kHz"));
+}
+
+#[test]
 fn names_with_markup_do_not_break_the_files() {
     let mut request = membrane();
     request.name = "a<b>&\"c\" \u{e9}".to_owned();
