@@ -2,6 +2,10 @@
 //! them.
 
 use crate::quantity::{self, QuantityError};
+use slipline_plate::numeral::significant;
+
+/// Digits that count of a number in a field: more than anyone measures, fewer than a change of units leaves behind.
+pub const FIELD_DIGITS: usize = 7;
 
 /// One field of a panel.
 #[derive(Debug)]
@@ -38,6 +42,13 @@ impl Unit {
             Self::Times(name, size) => (name, size),
             Self::Pure => ("", 1.0),
         }
+    }
+
+    /// A number of the library's as it stands in the field: with so many digits that count.
+    #[must_use]
+    pub fn written(self, value: f64, digits: usize) -> String {
+        let (name, size) = self.shown(value);
+        format!("{} {name}", significant(value / size, digits)).trim_end().to_owned()
     }
 
     /// A number as it is typed into the field, in the library's unit.
@@ -151,5 +162,26 @@ impl Panel {
     pub fn caption(self, key: &str) -> Option<&'static Caption> {
         let own = if self == Self::Designer { &DESIGNER[..] } else { &[] };
         own.iter().chain(&PLATE).find(|caption| caption.keys.contains(&key)).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_of_any_size_reads_back_from_its_field() {
+        for (caption, value, text) in [
+            (&AT_FULL_SCALE, 1e-9, "0.000001 mm"),
+            (&LENGTH, 0.34, "340 mm"),
+            (&TAPER_RATE, 4.62, "4.62 1/m"),
+            (&YOUNGS_MODULUS, 70e9, "70 GPa"),
+            (&BAND_LOW, 28_500.0, "28.5 kHz"),
+            (&LOSS_FACTOR, 0.0, "0"),
+        ] {
+            assert_eq!(caption.unit.written(value, FIELD_DIGITS), text, "{}", caption.name);
+            let read = caption.unit.read(text).unwrap();
+            assert!((read - value).abs() <= 1e-12 * value, "{}: {read}", caption.name);
+        }
     }
 }

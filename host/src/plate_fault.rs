@@ -3,7 +3,11 @@
 
 use crate::caption::{Panel, Unit};
 use slipline_plate::Notation;
+use slipline_plate::numeral::significant;
 use slipline_plate::range::Range;
+
+/// Digits that count: as many as the library's own ranges have.
+const DIGITS: usize = 5;
 
 /// The points of a sampled taper stand in its file alone: no panel can show a number of theirs.
 fn is_point(field: &str) -> bool {
@@ -34,7 +38,7 @@ impl Notation for Panel {
         // One unit for both ends.
         let largest = if range.high.is_finite() { range.high } else { range.low };
         let (unit, size) = unit_of(*self, field).shown(largest);
-        format!("{} {unit}", range.in_words(|end| number(end / size))).trim_end().to_owned()
+        format!("{} {unit}", range.in_words(|end| significant(end / size, DIGITS))).trim_end().to_owned()
     }
 
     fn length(&self, metres: f64) -> String {
@@ -48,23 +52,7 @@ impl Notation for Panel {
 
 /// A value of the library's with the panels' unit.
 fn written(value: f64, unit: Unit) -> String {
-    let (name, size) = unit.shown(value);
-    format!("{} {name}", number(value / size)).trim_end().to_owned()
-}
-
-/// A number as a person types it: five digits that count, as many as the library's own ranges have, no exponent where
-/// none is needed.
-fn number(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value.is_finite() { "0".to_owned() } else { "no number".to_owned() };
-    }
-    let decade = value.abs().log10().floor();
-    if !(-9.0..9.0).contains(&decade) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (4.0 - decade).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if value.is_finite() { unit.written(value, DIGITS) } else { "no number".to_owned() }
 }
 
 #[cfg(test)]

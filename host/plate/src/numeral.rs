@@ -34,6 +34,19 @@ pub fn rounded(value: f64, decimals: usize) -> String {
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
+/// A number with so many digits that count (1 to 15), no row of zeros behind them, and an exponent only where it would
+/// take nine more zeros: `7`, `0.000001`, `28.312`, `9.000e12`.
+pub fn significant(value: f64, digits: usize) -> String {
+    let decade = value.abs().log10().floor();
+    if value == 0.0 || !value.is_finite() {
+        return rounded(value, 0);
+    }
+    if !(-9.0..9.0).contains(&decade) {
+        return format!("{value:.3e}");
+    }
+    rounded(value, (digits as f64 - 1.0 - decade).clamp(0.0, 12.0) as usize)
+}
+
 /// The least number of so many digits (1 to 15) that is not below `value`.
 pub fn at_least(value: f64, digits: usize) -> f64 {
     -at_most(-value, digits)
@@ -97,6 +110,22 @@ mod tests {
             (f64::NAN, 2, "NaN"),
         ] {
             assert_eq!(rounded(value, decimals), wanted);
+        }
+    }
+
+    #[test]
+    fn as_many_digits_count_as_are_asked_for() {
+        for (value, wanted) in [
+            (7.0, "7"),
+            (28.31234567, "28.312"),
+            (-0.5, "-0.5"),
+            (1e-6, "0.000001"),
+            (123_456.7, "123457"),
+            (9e12, "9.000e12"),
+            (-0.0, "0"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(significant(value, 5), wanted);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The form of the designer: the fields of a draft, and the reason of a misfit at the field it names. The fields and
 //! their words are those of `slipline design`.
 
-use crate::caption::{self, Caption};
+use crate::caption::{self, Caption, FIELD_DIGITS, Unit};
 use crate::designer::{Draft, Kind, Misfit, Stretch};
 use crate::quantity::{self, Measure, show_range};
 use crate::view::field::{Field, Fields, labelled};
@@ -44,12 +44,7 @@ fn text_of<E: ToString>(error: E) -> String {
 }
 
 fn millimetres(metres: f64) -> String {
-    let text = format!("{:.4}", metres * 1e3);
-    format!("{} mm", text.trim_end_matches('0').trim_end_matches('.'))
-}
-
-fn hertz(frequency_hz: f64) -> String {
-    if frequency_hz >= 1e3 { format!("{} kHz", frequency_hz / 1e3) } else { format!("{frequency_hz} Hz") }
+    Unit::Millimetre.written(metres, FIELD_DIGITS)
 }
 
 fn lengths(allowed: Range) -> String {
@@ -200,13 +195,13 @@ impl<'a> Form<'a> {
         let draft = self.draft;
         let low = Entry {
             caption: &caption::BAND_LOW,
-            value: hertz(draft.band_hz.0),
+            value: Unit::Hertz.written(draft.band_hz.0, FIELD_DIGITS),
             hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
         };
         self.entry(ui, &low, |draft, text| frequency(text).map(|value| draft.band_hz.0 = value));
         let high = Entry {
             caption: &caption::BAND_HIGH,
-            value: hertz(draft.band_hz.1),
+            value: Unit::Hertz.written(draft.band_hz.1, FIELD_DIGITS),
             hint: format!(
                 "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
             ),

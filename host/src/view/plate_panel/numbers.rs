@@ -1,6 +1,6 @@
 //! The numbers of the plate on the screen, each a field that makes a new plate.
 
-use crate::caption::{self, Caption, Panel};
+use crate::caption::{self, Caption, FIELD_DIGITS, Panel};
 use crate::edit::Edit;
 use crate::view::field::{Field, labelled, row};
 use crate::view::intent::{Intent, Intents};
@@ -38,8 +38,7 @@ impl Numbers<'_, '_> {
         set: impl FnOnce(&mut PlateSpec, f64),
     ) {
         labelled(ui, caption.name, |ui| {
-            let (unit, size) = caption.unit.shown(value);
-            let text = format!("{} {unit}", trimmed(value / size)).trim_end().to_owned();
+            let text = caption.unit.written(value, FIELD_DIGITS);
             let field = Field {
                 name: caption.name,
                 value: &text,
@@ -68,11 +67,6 @@ fn renamed(mut spec: PlateSpec, before: &Plate) -> PlateSpec {
         spec.name = spec.name.chars().take(room).chain(MARK.chars()).collect();
     }
     spec
-}
-
-fn trimmed(value: f64) -> String {
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn shape(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
