@@ -96,6 +96,8 @@ pub struct App {
     history: History,
     settings: Settings,
     pilot: Pilot,
+    /// The latest connection that was asked for.
+    connect_sent: Option<Ticket>,
     /// The latest drive that was sent, until it is known why it was refused.
     drive_sent: Option<Ticket>,
     /// The slot of the tone that keys and fields are for.
@@ -134,6 +136,7 @@ impl App {
             history: History::default(),
             settings,
             pilot: Pilot::default(),
+            connect_sent: None,
             drive_sent: None,
             selected,
             grab: None,

@@ -9,7 +9,7 @@ use crate::picture::SteadyTone;
 use crate::settings::Settings;
 use crate::table_making::TableMade;
 use slipline_protocol::command::Drive;
-use slipline_protocol::event::State;
+use slipline_protocol::event::{Fault, Faults, State};
 use std::sync::Arc;
 
 /// Something to ask of the device.
@@ -104,7 +104,9 @@ impl Pilot {
             return acts;
         }
         let state = now.status.map(|status| status.state);
-        if matches!(state, Some(State::Fault | State::SafeMode)) {
+        // One that stands when the user presses Drive is being cleared: what was asked for then still holds.
+        let is_cleared = goes_on(before) && goes_on(now);
+        if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
             self.rest();
         }
         if !now.is_connected() {
@@ -140,6 +142,17 @@ impl Pilot {
         }
         acts
     }
+}
+
+/// Whether Drive clears the fault by itself: the drive time's alone, on a simulated device, where it can do no harm. A
+/// real device needs the user's leave for both steps.
+#[must_use]
+pub fn goes_on(snapshot: &Snapshot) -> bool {
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    let stood = Faults::NONE.with(Fault::DriveTime);
+    is_simulated
+        && snapshot.is_connected()
+        && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
 }
 
 /// Whether the device has the table of the plate on the screen.

@@ -176,7 +176,7 @@ impl Fault {
             Self::EmergencyStop => "emergency stop",
             Self::Underrun => "the DAC ran out of samples",
             Self::Overheat => "the actuator is too hot",
-            Self::DriveTime => "driven too long with no command",
+            Self::DriveTime => "10 minutes without a command",
             Self::Watchdog => "the watchdog reset the device",
             Self::Crash => "the firmware crashed",
             Self::BrownOut => "the supply voltage dipped",
@@ -303,4 +303,16 @@ pub struct Digest {
     pub count: u32,
     /// CRC-32 of the codes, each as two bytes, little-endian; `None` while the window is not over.
     pub crc: Option<u32>,
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn the_drive_time_is_told_as_long_as_it_is() {
+        let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
+        assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
+    }
 }

@@ -5,14 +5,21 @@ use super::{App, TableJob, TableMade, TableState};
 use crate::edit;
 use crate::link::{Port, Request, Snapshot, Ticket};
 use crate::pilot;
+use slipline_protocol::event::Fault;
 use std::sync::Arc;
+
+/// A reason as a message of its own.
+fn sentence(reason: &str) -> String {
+    let mut letters = reason.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
 
 impl App {
     pub(super) fn connect(&mut self, port: Port) {
         // The port that was asked for is remembered even if it is not there today.
         self.settings.port = Some(port.to_string());
         self.pilot.connecting(&port);
-        self.parts.link.send(Request::Connect(port));
+        self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
     }
 
     pub(super) fn look_at_link(&mut self) {
@@ -26,13 +33,21 @@ impl App {
             return;
         }
         self.settings.auto_reconnect = self.snapshot.auto_reconnect;
+        if self.snapshot.is_connected() {
+            self.notices.connected();
+        }
         let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
         if let Some((ticket, reason)) = self.snapshot.last_refusal.clone()
             && told != Some(ticket)
             && !self.goes_by_rest(ticket)
         {
-            self.notices.refuse(format!("Refused: {reason}"));
+            if self.connect_sent == Some(ticket) {
+                self.notices.miss(sentence(&reason));
+            } else {
+                self.notices.refuse(format!("Refused: {reason}"));
+            }
         }
+        self.tell_of_drive_time(&before);
         self.ask_for_table();
         self.let_pilot_act(&before);
         self.hear();
@@ -43,8 +58,27 @@ impl App {
         self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
     }
 
+    /// Tells that the device has stopped because nobody asked anything of it, and what to do.
+    fn tell_of_drive_time(&mut self, before: &Snapshot) {
+        let has = |snapshot: &Snapshot| {
+            snapshot.status.is_some_and(|status| status.faults.contains(Fault::DriveTime))
+        };
+        if has(before) || !has(&self.snapshot) {
+            return;
+        }
+        let next = if pilot::goes_on(&self.snapshot) {
+            "Press Drive to go on."
+        } else {
+            "Press Clear fault, then arm and drive it again."
+        };
+        self.notices.refuse(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
+    }
+
     /// The user wants the plate driven: the tones are sent now, or once the device holds their table.
     pub(super) fn start(&mut self) {
+        if pilot::goes_on(&self.snapshot) {
+            self.parts.link.send(Request::ClearFaults);
+        }
         let made = self.screen_table().cloned();
         if self.pilot.start(&self.snapshot, made.as_deref()) {
             self.send_drive();

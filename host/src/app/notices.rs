@@ -1,4 +1,5 @@
-//! The messages that stand: the device's refusal, as long as it holds, and beside it what was told last.
+//! The messages that stand: why the device does not do what was asked, as long as that holds, and beside it what was
+//! told last.
 
 /// A message to the user.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,8 +15,10 @@ pub struct Notice {
 /// The messages that stand.
 #[derive(Default)]
 pub(super) struct Notices {
-    /// What the device refused, until it takes something newer.
+    /// What the device refused or stopped for, until it takes something newer.
     refusal: Option<Notice>,
+    /// Why there is no connection, until there is one.
+    trouble: Option<Notice>,
     latest: Option<Notice>,
     count: u64,
 }
@@ -36,9 +39,19 @@ impl Notices {
         self.latest = self.make(text, true);
     }
 
-    /// Tells that the device refused something.
+    /// Tells that the device refused something, or stopped by itself.
     pub(super) fn refuse(&mut self, text: String) {
         self.refusal = self.make(text, true);
+    }
+
+    /// Tells why there is no connection.
+    pub(super) fn miss(&mut self, text: String) {
+        self.trouble = self.make(text, true);
+    }
+
+    /// There is a connection.
+    pub(super) fn connected(&mut self) {
+        self.trouble = None;
     }
 
     /// The device has taken something newer than what it refused.
@@ -48,15 +61,15 @@ impl Notices {
 
     /// Takes away the message of this number.
     pub(super) fn dismiss(&mut self, number: u64) {
-        for standing in [&mut self.refusal, &mut self.latest] {
+        for standing in [&mut self.refusal, &mut self.trouble, &mut self.latest] {
             if standing.as_ref().is_some_and(|notice| notice.number == number) {
                 *standing = None;
             }
         }
     }
 
-    /// The messages, the refusal first.
+    /// The messages, the latest thing told last.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Notice> {
-        self.refusal.iter().chain(&self.latest)
+        self.refusal.iter().chain(&self.trouble).chain(&self.latest)
     }
 }

@@ -6,6 +6,7 @@ use crate::ending::on_ending;
 use crate::link::{DriveRequest, LinkState, Request};
 use crate::quantity::{show_frequency, show_place};
 use serde_json::json;
+use slipline_protocol::event::Fault;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -42,7 +43,10 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             }
             match duration_s {
                 Some(seconds) => writeln!(out, "Driving for {seconds} s."),
-                None => writeln!(out, "Driving until Ctrl-C."),
+                None => {
+                    let most = Fault::DriveTime.text();
+                    writeln!(out, "Driving until Ctrl-C; the device stops by itself after {most}.")
+                }
             }
         })?;
     }

@@ -137,7 +137,7 @@ pub struct DriveArguments {
     plate: PlateArgument,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive, up to 600s; without it, until Ctrl-C.
+    /// How long to drive, up to 600s; without it, until Ctrl-C, or 10 minutes: then the device stops by itself.
     #[arg(long = "for", value_name = "TIME", value_parser = argument::seconds(0.0, DRIVE_S), allow_hyphen_values = true)]
     duration: Option<f64>,
     /// How long the change takes, 5ms to 10s.

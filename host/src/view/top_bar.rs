@@ -3,7 +3,8 @@
 use super::aligned::{self, Width};
 use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, theme};
-use crate::link::{LinkState, Request};
+use crate::link::{LinkState, Port, Request};
+use crate::pilot;
 use crate::settings::{ThemeChoice, WavePicture};
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
 use slipline_protocol::event::State;
@@ -135,8 +136,8 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
 }
 
 /// What can be asked of the device in a state: the word, what it does, what is asked. Arming is explicit on a real
-/// device; the simulated one is armed by itself.
-fn offers(state: State, is_simulated: bool) -> Vec<(&'static str, &'static str, Vec<Intent>)> {
+/// device; the simulated one is armed by itself, and `goes_on` if Drive clears its fault.
+fn offers(state: State, is_simulated: bool, goes_on: bool) -> Vec<(&'static str, &'static str, Vec<Intent>)> {
     let drive = ("Drive", "Sound the tones of the setup (Ctrl+Enter)", vec![Intent::Start]);
     let disarm = ("Disarm", "Ramp to silence and mute the amplifier", vec![Intent::Disarm]);
     let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
@@ -147,6 +148,7 @@ fn offers(state: State, is_simulated: bool) -> Vec<(&'static str, &'static str, 
         vec![Intent::Request(Request::ClearFaults)],
     );
     match (state, is_simulated) {
+        (State::Fault, true) if goes_on => vec![drive],
         (State::Idle, false) => vec![arm],
         (State::Idle | State::Armed, true) => vec![drive],
         (State::Armed, false) => vec![drive, disarm],
@@ -158,10 +160,17 @@ fn offers(state: State, is_simulated: bool) -> Vec<(&'static str, &'static str, 
 
 fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let snapshot = scene.snapshot;
+    if snapshot.link == LinkState::Disconnected {
+        let port = snapshot.port.clone().unwrap_or(Port::Simulated);
+        let help = format!("Open {port}, the port chosen last");
+        if ui.button("Connect").on_hover_text(help).clicked() {
+            intents.push(Intent::Connect(port));
+        }
+    }
     let Some(status) = snapshot.status.filter(|_| snapshot.is_connected()) else { return };
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
-    for (name, help, asked) in offers(status.state, is_simulated) {
+    for (name, help, asked) in offers(status.state, is_simulated, pilot::goes_on(snapshot)) {
         if ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked() {
             intents.extend(asked);
         }

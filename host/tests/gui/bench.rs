@@ -257,6 +257,11 @@ impl Bench {
         self.wait(100);
     }
 
+    /// Lets time pass, in milliseconds, with nobody looking at the window.
+    pub(crate) fn pass(&mut self, ms: u64) {
+        self.rig.borrow_mut().advance(Duration::from_millis(ms));
+    }
+
     /// What is known of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
         self.rig.borrow().connection.view().clone()

@@ -3,6 +3,7 @@
 
 mod background;
 mod bench;
+mod drive_time;
 mod exports;
 mod focus;
 mod heard;
