@@ -99,6 +99,12 @@ pub(crate) fn read_text(path: &Path, most: usize) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }
 
+/// What is to be told of a path whose folder is not there.
+pub(crate) fn missing_folder(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())?;
+    Some(format!("there is no folder {}", folder.display()))
+}
+
 /// What the system says, without its number and as the end of a sentence.
 pub(crate) fn said(error: &impl Display) -> String {
     let mut sentence = error.to_string().split(" (os error").next().unwrap_or_default().to_owned();

@@ -139,7 +139,7 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
     if !may_replace && path.exists() {
         return FileEvent::Exists(path, save);
     }
-    let result = write(&path, &save.bytes).map_err(|error| said(&error));
+    let result = write(&path, &save.bytes);
     FileEvent::Saved(path, result)
 }
 
@@ -147,17 +147,18 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
 fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
     let result = match files.iter().find(|(name, _)| folder.join(name).exists()) {
         Some((name, _)) => Err(format!("{name} is there already: choose another folder")),
-        None => write_all(&folder, files).map_err(|error| said(&error)),
+        None => write_all(&folder, files),
     };
     FileEvent::Saved(folder, result)
 }
 
-fn write_all(folder: &Path, files: &[(String, String)]) -> io::Result<()> {
+fn write_all(folder: &Path, files: &[(String, String)]) -> Result<(), String> {
     files.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
 }
 
-fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     disk::write(path, |out| out.write_all(bytes))
+        .map_err(|error: io::Error| disk::missing_folder(path).unwrap_or_else(|| said(&error)))
 }
 
 /// The text of a file, or a sentence that says why it cannot be read.
@@ -190,9 +191,10 @@ mod tests {
         assert_eq!(kept(), "b");
         let missing = folder.join("missing");
         let files = vec![("x.svg".to_owned(), "<svg/>".to_owned())];
+        let told = format!("there is no folder {}", missing.display());
         assert!(matches!(
             perform(FileJob::SaveInto(missing, files.clone())),
-            Some(FileEvent::Saved(_, Err(_)))
+            Some(FileEvent::Saved(_, Err(reason))) if reason == told
         ));
         assert!(matches!(
             perform(FileJob::SaveInto(folder.clone(), files)),

@@ -32,14 +32,10 @@ impl Destination {
                 "{name} exists: write --force to replace it, or name another file"
             ))),
             Ok(_) => Ok(Self(path.to_owned())),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                match path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-                    Some(folder) => {
-                        Err(Failure::Failed(format!("{name}: there is no folder {}", folder.display())))
-                    }
-                    None => Ok(Self(path.to_owned())),
-                }
-            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => match disk::missing_folder(path) {
+                Some(told) => Err(Failure::Failed(format!("{name}: {told}"))),
+                None => Ok(Self(path.to_owned())),
+            },
             Err(error) => Err(failed(path, &error)),
         }
     }
