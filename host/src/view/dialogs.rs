@@ -32,7 +32,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         view.typed_path = None;
         return;
     };
-    let response = egui::Modal::new(egui::Id::unique("dialog")).show(ui.ctx(), |ui| {
+    let frame = egui::Frame::popup(ui.style()).inner_margin(16);
+    let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(if *dialog == Dialog::Diagnostics { 620.0 } else { 460.0 });
         match dialog {
             Dialog::Shortcuts => shortcuts(ui),

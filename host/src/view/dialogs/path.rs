@@ -48,7 +48,6 @@ pub(super) fn show(
     ui.add_space(10.0);
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     ui.horizontal(|ui| {
-        let is_cancelled = ui.button("Cancel").clicked();
         let verb = if is_replacing { "Replace" } else { question.verb };
         let button = egui::Button::new(RichText::new(verb).strong());
         let is_pressed = ui.add_enabled(!typed.text.trim().is_empty(), button).clicked();
@@ -56,7 +55,7 @@ pub(super) fn show(
         if is_pressed || (is_entered && !is_replacing && !typed.text.trim().is_empty()) {
             intents.push(Intent::Path(typed.text.trim().to_owned(), is_replacing));
         }
-        is_cancelled
+        ui.button("Cancel").clicked()
     })
     .inner
 }
