@@ -23,7 +23,7 @@ const LEAST_HEADING: f32 = 34.0;
 /// Room for the button at the end and the space before it, in points.
 const COPY: f32 = 60.0;
 /// A filter with less room than this is left out, in points.
-const LEAST_FILTER: f32 = 30.0;
+const LEAST_FILTER: f32 = 46.0;
 
 const LEVELS: [(Severity, &str); 4] = [
     (Severity::Detail, "all"),
@@ -46,7 +46,7 @@ pub(crate) fn line(entry: &LogEntry) -> String {
 
 /// Width of the menu of levels in a row with this room: a narrow one leaves some of it to the filter.
 fn level_width(room: f32) -> f32 {
-    if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 74.0) }
+    if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
 }
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
@@ -66,9 +66,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let width = room - rest.points() - 2.0 * ui.spacing().item_spacing.x;
         // A filter that is set stays in sight: lines are missing because of it.
         if width >= LEAST_FILTER || !log.filter.is_empty() {
-            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("filter");
+            // A word that a narrow field has room for.
+            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("find");
             ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64)).widget_info(|| {
-                let mut info = egui::WidgetInfo::text_edit(true, "", "", "filter");
+                let mut info = egui::WidgetInfo::text_edit(true, "", "", "find");
                 info.label = Some("Filter the log".to_owned());
                 info
             });
@@ -89,6 +90,13 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         }
         rest.note(ui, copy.rect.right() - response.response.rect.left());
     });
+    // One column for the times: the longest is the latest one's.
+    let seconds = |entry: &LogEntry| format!("{:.2}", entry.time.as_secs_f64());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let times = shown.last().map_or(0.0, |latest| {
+        let widest = "0".repeat(seconds(latest).len());
+        ui.painter().layout_no_wrap(widest, font, palette.weak).size().x
+    });
     let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
     ui.spacing_mut().item_spacing.y = 1.0;
     ui.spacing_mut().interact_size.y = height;
@@ -102,8 +110,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Severity::Error => palette.wrong,
             };
             ui.horizontal(|ui| {
-                let seconds = format!("{:7.2}", entry.time.as_secs_f64());
-                ui.label(RichText::new(seconds).small().color(palette.weak));
+                let column = egui::vec2(times, ui.spacing().interact_size.y);
+                let right = egui::Layout::right_to_left(egui::Align::Center);
+                ui.allocate_ui_with_layout(column, right, |ui| {
+                    ui.label(RichText::new(seconds(entry)).small().color(palette.weak));
+                });
                 let text = RichText::new(&entry.text).small().color(colour);
                 ui.add(egui::Label::new(text).truncate()).on_hover_text(&entry.text);
             });
