@@ -8,14 +8,8 @@ use eframe::egui::{self, Rect, UiBuilder, pos2};
 pub(super) const HEIGHT: f32 = 194.0;
 
 /// Shares of the width; the gaps between them hold a line each.
-const SHARES: [f32; 4] = [0.28, 0.28, 0.18, LOG_SHARE];
-const LOG_SHARE: f32 = 0.26;
+const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
 const GAP: f32 = 21.0;
-
-/// Width of the log in a window of this width, in points.
-pub(super) fn log_width(window: f32) -> f32 {
-    LOG_SHARE * (window - 28.0 - GAP * (SHARES.len() - 1) as f32)
-}
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();

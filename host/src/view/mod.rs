@@ -156,7 +156,6 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
     });
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
-    notices::show(ui, scene, view, &mut intents);
     dialogs::show(ui, scene, view, &mut intents);
     intents
 }

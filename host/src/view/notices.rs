@@ -1,9 +1,9 @@
-//! Messages to the user. They lie over the log, which tells the same: they cover nothing that is needed.
+//! Messages to the user. They stand at the bottom of the panel at the side, which gives them room: they cover nothing.
 
 use super::intent::{Intent, Intents};
-use super::{Scene, ViewState, bottom, theme};
+use super::{Scene, ViewState, theme};
 use crate::app::Notice;
-use eframe::egui::{self, Align2, RichText, Sense, vec2};
+use eframe::egui::{self, RichText, Sense};
 use std::time::Duration;
 
 /// Since when messages stand: their numbers, and the window's time in seconds.
@@ -12,7 +12,7 @@ pub(crate) type Since = Vec<(u64, f64)>;
 /// How long a message stands that tells of nothing wrong, in seconds.
 const NOTICE_S: f64 = 5.0;
 
-pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let now_s = ui.input(|input| input.time);
     view.notices.retain(|(number, _)| scene.notices.iter().any(|notice| notice.number == *number));
     let mut shown: Vec<&Notice> = Vec::new();
@@ -35,8 +35,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, view: &mut ViewState, inten
     if shown.is_empty() {
         return;
     }
-    let area = egui::Area::new(egui::Id::unique("notice")).anchor(Align2::RIGHT_BOTTOM, vec2(-14.0, -10.0));
-    area.sense(Sense::click()).show(ui.ctx(), |ui| {
+    let panel = egui::Panel::bottom("notices").frame(egui::Frame::NONE).resizable(false);
+    panel.show_separator_line(false).show(ui, |ui| {
         for notice in shown {
             if message(ui, notice) {
                 intents.push(Intent::DismissNotice(notice.number));
@@ -50,8 +50,9 @@ fn message(ui: &mut egui::Ui, notice: &Notice) -> bool {
     let palette = theme::palette(ui);
     let colour = if notice.is_error { palette.bad } else { palette.accent };
     let frame = egui::Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, colour));
-    let width = (bottom::log_width(ui.ctx().content_rect().width()) - frame.total_margin().sum().x).max(40.0);
+    let width = (ui.available_width() - frame.total_margin().sum().x).max(40.0);
     frame
+        .shadow(egui::Shadow::NONE)
         .show(ui, |ui| {
             ui.set_width(width);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {

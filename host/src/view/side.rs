@@ -1,7 +1,7 @@
 //! The panel at the right: one of boundary, tones, plate, device at a time.
 
 use super::intent::Intents;
-use super::{Scene, ViewState, boundary, device, plate_panel, tones};
+use super::{Scene, ViewState, boundary, device, notices, plate_panel, tones};
 use eframe::egui::{self, ScrollArea};
 
 /// Width of the panel, in points.
@@ -32,6 +32,7 @@ const TABS: [(Tab, &str, &str); 4] = [
 ];
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    notices::show(ui, scene, view, intents);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 2.0;
