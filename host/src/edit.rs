@@ -58,6 +58,8 @@ pub enum Edit {
     Plate(Arc<Plate>),
     /// Take a whole setup, such as one read from a file.
     Replace(Box<Setup>),
+    /// Begin anew with this setup.
+    New(Box<Setup>),
 }
 
 /// Why a change is not made. The setup is as it was.
@@ -99,6 +101,7 @@ impl Edit {
             Self::Boundary(_) => "boundary mode",
             Self::Plate(_) => "plate",
             Self::Replace(_) => "open setup",
+            Self::New(_) => "new setup",
         }
     }
 
@@ -173,7 +176,7 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             }
             next.plate = Arc::clone(plate);
         }
-        Edit::Replace(ref setup) => next = (**setup).clone(),
+        Edit::Replace(ref setup) | Edit::New(ref setup) => next = (**setup).clone(),
     }
     Ok(next)
 }

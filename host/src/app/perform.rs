@@ -49,7 +49,7 @@ impl App {
                 }
                 Intent::New => {
                     if let Some(setup) = first_setup() {
-                        self.edit(&Edit::Replace(Box::new(setup)));
+                        self.edit(&Edit::New(Box::new(setup)));
                     }
                 }
                 Intent::OpenDialog => self.parts.files.begin(FileJob::Choose),
