@@ -79,7 +79,7 @@ fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -
             tone.slot + 1,
             setup.plate.frequency_for_boundary_hz(tone.position_m),
             tone.position_m,
-            drawn_boundary_m(setup, tone, full_peak_m),
+            drawn_boundary_m(setup, tone, Some(full_peak_m)),
             tone.level,
             tone.phase_turns
         ));

@@ -155,11 +155,13 @@ pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) ->
 }
 
 /// Where the boundary of a setup's tone is drawn, in metres: where it shows, or its turning point where nothing of it
-/// is felt; `full_peak_m` is the table's peak at level 1.
+/// is felt, or not known to be; `full_peak_m` is the table's peak at level 1.
 #[must_use]
-pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> f64 {
-    let steady = SteadyTone::of(setup, tone, full_peak_m);
-    shown_boundary_m(&setup.plate, &steady, setup.boundary).unwrap_or(tone.position_m)
+pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> f64 {
+    full_peak_m
+        .map(|full_peak_m| SteadyTone::of(setup, tone, full_peak_m))
+        .and_then(|steady| shown_boundary_m(&setup.plate, &steady, setup.boundary))
+        .unwrap_or(tone.position_m)
 }
 
 /// The unit in which a displacement of this size is written, and its size in metres.

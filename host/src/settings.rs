@@ -68,6 +68,8 @@ pub struct Settings {
     pub theme: ThemeChoice,
     /// What the wave is drawn from.
     pub wave: WavePicture,
+    /// Whether the plate is coloured by how far it moves at most, not by where it is now.
+    pub show_amplitude: bool,
     /// The port used last, as its name is written on the command line.
     pub port: Option<String>,
     /// Whether a lost device is looked for.
@@ -92,6 +94,7 @@ impl Default for Settings {
         Self {
             theme: ThemeChoice::System,
             wave: WavePicture::Automatic,
+            show_amplitude: false,
             port: None,
             auto_reconnect: true,
             auto_upload: false,
@@ -141,6 +144,7 @@ mod tests {
         Settings {
             theme: ThemeChoice::Dark,
             wave: WavePicture::Sheet,
+            show_amplitude: true,
             port: Some("unix:/run/it.sock".to_owned()),
             auto_reconnect: false,
             auto_upload: true,

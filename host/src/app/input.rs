@@ -100,9 +100,11 @@ impl App {
     fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
         let Some(tone) = self.setup.tone(grab.slot) else { return };
         let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
-        let peak_m = tone.level * self.setup.master() * self.full_peak_m();
         let plate = &self.setup.plate;
-        let position_m = turning_point_for(plate, shown_m, peak_m, self.setup.boundary)
+        let position_m = self
+            .full_peak_m()
+            .map(|full_peak_m| tone.level * self.setup.master() * full_peak_m)
+            .and_then(|peak_m| turning_point_for(plate, shown_m, peak_m, self.setup.boundary))
             .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
         self.settings.has_dragged = true;
         self.edit(&Edit::Move { slot: grab.slot, position_m });

@@ -108,6 +108,7 @@ impl App {
                 }
                 Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
+                Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
                 Intent::CopyDiagnostics => {
@@ -137,14 +138,15 @@ impl App {
     fn export(&mut self, ctx: &egui::Context, what: Export) {
         match what {
             Export::Figure => {
+                let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
                 let subject = Subject {
                     setup: self.setup.clone(),
                     predicted: self.predicted.clone(),
                     sounding: self.heard_on_screen().cloned(),
                     sheet: self.shown_sheet().cloned(),
                     measured: self.current_measured().cloned(),
-                    full_peak_m: self.full_peak_m(),
-                    is_largest: self.view.show_amplitude,
+                    full_peak_m,
+                    is_largest: self.settings.show_amplitude,
                     wave_time_s: self.hearing.wave_time_s,
                 };
                 self.parts.figures.ask(subject);
@@ -159,7 +161,8 @@ impl App {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
             }
             Export::Envelope => {
-                let (measured, full_peak_m) = (self.current_measured(), self.full_peak_m());
+                let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
+                let measured = self.current_measured();
                 let text = export::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
@@ -177,6 +180,12 @@ impl App {
                 self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
             }
         }
+    }
+
+    fn fail_unknown(&mut self) {
+        let text =
+            "The plate's table is not made yet, so its heights are not known: connect, and wait for it";
+        self.fail(text.to_owned());
     }
 
     pub(super) fn file_event(&mut self, event: FileEvent) {

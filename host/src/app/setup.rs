@@ -4,6 +4,8 @@ use super::App;
 use crate::edit::{self, Edit};
 use crate::model::Setup;
 use crate::picture::{Picture, steady_tones};
+use crate::quantity::show_place;
+use crate::ticks;
 use std::sync::Arc;
 
 impl App {
@@ -12,8 +14,12 @@ impl App {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
-                if matches!(edit, Edit::Add { .. }) {
-                    make_fit(&mut next);
+                if let Edit::Add { position_m } = *edit {
+                    let told = [moved_into_span(&next, position_m), make_fit(&mut next)];
+                    let told: Vec<String> = told.into_iter().flatten().collect();
+                    if !told.is_empty() {
+                        self.notices.tell(told.join(" "));
+                    }
                 }
                 self.history.note(&self.setup, edit, self.gesture);
                 self.take(next);
@@ -43,26 +49,36 @@ impl App {
         self.predict();
     }
 
-    /// The peak at level 1 and full master, in metres.
-    pub(super) fn full_peak_m(&self) -> f64 {
-        self.table.made().map_or_else(
-            // Until the table is made: what the drive alone would give.
-            || self.setup.plate.spec().full_scale_m,
-            |made| made.drive_table.peak_at_full_scale_m,
-        )
+    /// The peak at level 1 and full master, in metres; `None` until the plate's table is made.
+    pub(super) fn full_peak_m(&self) -> Option<f64> {
+        self.screen_table().map(|made| made.drive_table.peak_at_full_scale_m)
     }
 
     /// Solves for what the setup would sound.
     pub(super) fn predict(&mut self) {
-        let tones = steady_tones(&self.setup, self.full_peak_m());
+        // Of a height that is not known yet the shape is drawn all the same.
+        let tones = steady_tones(&self.setup, self.full_peak_m().unwrap_or(1.0));
         self.predicted = Picture::solve(&self.setup.plate, &tones);
     }
 }
 
 /// Lowers the master until the tones fit the DAC wherever on the plate they are dragged: a place's gain is 1 at most.
-fn make_fit(setup: &mut Setup) {
+/// Returns what is to be told of it, if the master was lowered.
+fn make_fit(setup: &mut Setup) -> Option<String> {
     let sum = setup.tones.iter().map(|tone| tone.level).sum::<f64>() * setup.master();
-    if sum > 1.0 {
-        setup.master_db = setup.fitting_master_db(sum);
+    if sum <= 1.0 {
+        return None;
     }
+    setup.master_db = setup.fitting_master_db(sum);
+    let (count, master) = (setup.tones.len(), ticks::label(setup.master_db, 0.1));
+    Some(format!("Master lowered to {master} dB, so that {count} tones fit."))
+}
+
+/// What is to be told of the tone that was added, if it was asked for beyond the span, in metres.
+fn moved_into_span(setup: &Setup, asked_m: f64) -> Option<String> {
+    let tone = setup.tones.last().filter(|tone| tone.position_m != asked_m)?;
+    let (start, end) = setup.plate.span_m();
+    let (number, place) = (tone.slot + 1, show_place(tone.position_m));
+    let (start, end) = (show_place(start), show_place(end));
+    Some(format!("Tone {number} is at {place}: the span is {start} to {end}."))
 }

@@ -57,6 +57,16 @@ impl Axis {
         Rangef::new(self.left, self.screen_from_place(self.length_m))
     }
 
+    /// What of the plate's extent on the screen lies before and behind a span, in metres.
+    #[must_use]
+    pub fn beyond(&self, (start, end): (f64, f64)) -> [Rangef; 2] {
+        let screen = self.screen();
+        [
+            Rangef::new(screen.min, self.screen_from_place(start)),
+            Rangef::new(self.screen_from_place(end), screen.max),
+        ]
+    }
+
     /// The part of `rect` over the plate.
     #[must_use]
     pub fn over_plate(&self, rect: Rect) -> Rect {

@@ -1,6 +1,7 @@
 //! How far the plate moves at each x: predicted by the solver, and as the simulated plate did.
 
 use super::axis::Axis;
+use super::field::UNKNOWN;
 use super::{Scene, theme};
 use crate::model::BoundaryMode;
 use crate::picture::{POINTS, displacement_unit, envelope_top_m};
@@ -24,16 +25,17 @@ impl Height {
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let predicted = scene.predicted;
-    let top_m = envelope_top_m(predicted, scene.full_peak_m);
+    let is_known = scene.full_peak_m.is_some();
+    let top_m = envelope_top_m(predicted, scene.full_peak_m.unwrap_or(1.0));
     let height = Height { rect, top_m };
-    scale(ui, axis, &height);
+    scale(ui, axis, &height, is_known);
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
     let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
     let line = |values: &[f64]| -> Vec<Pos2> {
         values.iter().enumerate().map(|(i, &metres)| pos2(place(i), height.screen(metres))).collect()
     };
     let is_sounding = scene.sounding.is_some();
-    let ink = palette.accent;
+    let ink = if is_known { palette.accent } else { palette.weak };
     let bound = line(&predicted.bound_m);
     let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
     painter.add(area(&bound, rect.bottom(), fill));
@@ -46,7 +48,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
         painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
-    if let Some(measured) = scene.measured {
+    if let Some(measured) = scene.measured.filter(|_| is_known) {
         for (x_m, metres) in measured.points().step_by(2) {
             let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
             painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
@@ -54,6 +56,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     }
     edge(ui, scene, axis, &height);
     if let BoundaryMode::FeltEdge { threshold_m } = scene.setup.boundary
+        && is_known
         && threshold_m < top_m
     {
         let y = height.screen(threshold_m);
@@ -62,7 +65,6 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let place = pos2(axis.screen().max - 4.0, y - 2.0);
         painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.warn);
     }
-    legend(ui, scene, axis, rect);
 }
 
 fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
@@ -78,10 +80,16 @@ fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
     Shape::mesh(mesh)
 }
 
-fn scale(ui: &egui::Ui, axis: &Axis, height: &Height) {
+fn scale(ui: &egui::Ui, axis: &Axis, height: &Height, is_known: bool) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let font = FontId::proportional(11.5);
+    painter.hline(axis.screen(), height.rect.bottom() + 0.5, Stroke::new(1.0, palette.line));
+    if !is_known {
+        let place = pos2(axis.screen().min - 8.0, height.rect.center().y);
+        painter.text(place, Align2::RIGHT_CENTER, UNKNOWN, font, palette.weak);
+        return;
+    }
     let (unit, unit_m) = displacement_unit(height.top_m);
     let top = height.top_m / unit_m;
     let ticks = Ticks::between(0.0, top, top / 3.5);
@@ -96,7 +104,6 @@ fn scale(ui: &egui::Ui, axis: &Axis, height: &Height) {
     let left = Rangef::new(height.rect.left(), axis.screen().min);
     let place = pos2(left.min, height.rect.top() - 1.0);
     painter.text(place, Align2::LEFT_TOP, unit, font, palette.weak);
-    painter.hline(axis.screen(), height.rect.bottom() + 0.5, Stroke::new(1.0, palette.line));
 }
 
 /// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.
@@ -123,9 +130,11 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     }
 }
 
-fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+/// What the lines and points are, in a box: what runs through the envelope must not run through the words.
+pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
+    let box_behind = painter.add(Shape::Noop);
     let font = FontId::proportional(11.5);
     let mut right = axis.screen().max - 6.0;
     let y = rect.top() + 11.0;
@@ -149,4 +158,6 @@ fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     entry(what, &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
     });
+    let behind = Rect::from_min_max(pos2(right + 8.0, y - 9.0), pos2(axis.screen().max, y + 9.0));
+    painter.set(box_behind, Shape::rect_filled(behind, 4.0, palette.well.gamma_multiply(0.9)));
 }

@@ -28,11 +28,34 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Shows the field. What is typed goes through `take` on Enter or when the field is left.
+    /// Shows the field, and under it why what was typed is not taken. What is typed goes through `take` on Enter or
+    /// when the field is left.
     pub(super) fn show<T>(
         self,
         ui: &mut egui::Ui,
         fields: &mut Fields,
+        take: impl FnOnce(&str) -> Result<T, String>,
+    ) -> Option<T> {
+        ui.vertical(|ui| {
+            let mut reason = None;
+            let taken = self.show_apart(ui, fields, &mut reason, take);
+            if let Some(reason) = reason {
+                // As wide as the field and no wider: a reason must not move what stands beside it.
+                ui.set_max_width(ui.min_rect().width());
+                let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
+                ui.add(egui::Label::new(text).wrap());
+            }
+            taken
+        })
+        .inner
+    }
+
+    /// The same, with the reason left to be shown where the caller has room for it.
+    pub(super) fn show_apart<T>(
+        self,
+        ui: &mut egui::Ui,
+        fields: &mut Fields,
+        reason: &mut Option<String>,
         take: impl FnOnce(&str) -> Result<T, String>,
     ) -> Option<T> {
         let id = ui.scope_id().with(("field", self.name));
@@ -87,11 +110,8 @@ impl Field<'_> {
                 let over = self.value.to_owned();
                 fields.texts.insert(id, Typing { text, error: error.clone(), over });
             }
-            if let Some(error) = error {
-                // As wide as the field and no wider: a reason must not move what stands beside it.
-                ui.set_max_width(response.rect.width());
-                let text = RichText::new(error).small().color(theme::palette(ui).wrong);
-                ui.add(egui::Label::new(text).wrap());
+            if error.is_some() {
+                *reason = error;
             }
             taken
         })
@@ -110,6 +130,9 @@ pub(super) fn labelled<R>(ui: &mut egui::Ui, name: &str, add: impl FnOnce(&mut e
     })
     .inner
 }
+
+/// Stands for a value that is not known.
+pub(super) const UNKNOWN: &str = "–";
 
 /// Height of a line of a table of values, in points.
 const ROW: f32 = 17.0;

@@ -141,6 +141,8 @@ pub enum Intent {
     DismissNotice(u64),
     /// Look for ports again.
     RefreshPorts,
+    /// Colour the plate by how far it moves at most, or by where it is now.
+    ShowAmplitude(bool),
     /// Draw the wave moving, or standing.
     Animate(bool),
     /// Put text on the clipboard.

@@ -1,47 +1,49 @@
 //! How loud, how much room is left, how warm, and how good the link is.
 
-use super::{Scene, field::row, theme};
+use super::field::{UNKNOWN, row};
+use super::{Scene, theme};
 use crate::ticks;
 use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
+use theme::Palette;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
-    ui.spacing_mut().item_spacing.y = 2.0;
-    theme::heading(ui, "Output");
-    let status = scene.snapshot.status.unwrap_or_default();
-    let sum = f32::from(status.sum_per_mille) / 1000.0;
-    let level = if sum > 0.0 { decibel(20.0 * sum.log10()) } else { "silent".to_owned() };
+    ui.spacing_mut().item_spacing.y = 1.0;
+    // As high as the headings beside it, which have buttons.
+    ui.horizontal(|ui| theme::heading(ui, "Output"));
     let warn_from = |limit: f32, value: f32| if value >= limit { palette.warn } else { palette.accent };
-    meter(ui, "Level", sum, &level, warn_from(0.95, sum), "The device's sum of tones, against full scale");
-    let headroom = if sum > 0.0 { decibel(-20.0 * sum.min(1.0).log10()) } else { "all".to_owned() };
-    let room = (1.0 - sum).clamp(0.0, 1.0);
-    meter(ui, "Headroom", room, &headroom, palette.good, "What is left before the DAC would clip");
-    let heat = f32::from(status.heat_per_mille) / 1000.0;
-    let text = format!("{:.0} %", heat * 100.0);
-    meter(
-        ui,
-        "Temperature",
-        heat,
-        &text,
-        warn_from(0.8, heat),
-        "The coil's computed warming, against its limit",
-    );
-    let foldback = if status.state == slipline_protocol::event::State::default() && status.now == 0 {
-        1000
-    } else {
-        status.foldback_per_mille
+    // Without a device nothing is known of it.
+    let status = scene.snapshot.status;
+    let meter = |ui: &mut egui::Ui, name: &str, known: Option<Meter>, help: &str| {
+        meter(ui, name, known.unwrap_or_else(|| Meter::unknown(palette)), help);
     };
-    ui.add_space(2.0);
-    let clips = status.counters.clips;
-    count(ui, "Clipped samples", clips);
-    count(ui, "Underruns", status.counters.underruns);
-    count(ui, "Retries", scene.snapshot.counters.retries);
-    let crc = status.counters.crc_errors.saturating_add(scene.snapshot.decoder.damaged);
-    count(ui, "CRC errors", crc);
-    if foldback < 1000 {
-        let text = RichText::new(format!("{:.0} %", f32::from(foldback) / 10.0)).color(palette.warn);
-        row(ui, "Held back (heat)", text);
-    }
+    let sum = status.map(|status| f32::from(status.sum_per_mille) / 1000.0);
+    let level = sum.map(|sum| {
+        let text = if sum > 0.0 { decibel(20.0 * sum.log10()) } else { "silent".to_owned() };
+        Meter { share: sum, text, colour: warn_from(0.95, sum) }
+    });
+    meter(ui, "Level", level, "The device's sum of tones, against full scale");
+    let room = sum.map(|sum| {
+        let text = if sum > 0.0 { decibel(-20.0 * sum.min(1.0).log10()) } else { "all".to_owned() };
+        Meter { share: 1.0 - sum, text, colour: palette.good }
+    });
+    meter(ui, "Headroom", room, "What is left before the DAC would clip");
+    let load = status.map(|status| {
+        let heat = f32::from(status.heat_per_mille) / 1000.0;
+        let held = f32::from(status.foldback_per_mille) / 10.0;
+        // Before its first block a device has not said what it holds back.
+        let is_held = status.now > 0 && status.foldback_per_mille < 1000;
+        let held = if is_held { format!(", held to {held:.0} %") } else { String::new() };
+        Meter { share: heat, text: format!("{:.0} %{held}", heat * 100.0), colour: warn_from(0.8, heat) }
+    });
+    meter(ui, "Thermal load", load, "The coil's computed warming, against its limit");
+    ui.add_space(1.0);
+    let counters = status.map(|status| status.counters);
+    count(ui, "Clipped samples", counters.map(|counters| counters.clips));
+    count(ui, "Underruns", counters.map(|counters| counters.underruns));
+    count(ui, "Retries", status.map(|_| scene.snapshot.counters.retries));
+    let here = scene.snapshot.decoder.damaged;
+    count(ui, "CRC errors", counters.map(|counters| counters.crc_errors.saturating_add(here)));
 }
 
 /// A level in dB; never `-0.0`.
@@ -49,16 +51,31 @@ pub(super) fn decibel(value: f32) -> String {
     format!("{} dB", ticks::label(f64::from(value), 0.1))
 }
 
-fn count(ui: &mut egui::Ui, name: &str, value: u32) {
+fn count(ui: &mut egui::Ui, name: &str, value: Option<u32>) {
     let palette = theme::palette(ui);
-    let colour = if value > 0 { palette.warn } else { palette.text };
-    row(ui, name, RichText::new(value.to_string()).color(colour));
+    let colour = if value.unwrap_or(0) > 0 { palette.warn } else { palette.text };
+    let value = value.map_or(UNKNOWN.to_owned(), |value| value.to_string());
+    row(ui, name, RichText::new(value).color(colour));
 }
 
-fn meter(ui: &mut egui::Ui, name: &str, share: f32, text: &str, colour: Color32, help: &str) {
+/// What a meter shows.
+struct Meter {
+    share: f32,
+    text: String,
+    colour: Color32,
+}
+
+impl Meter {
+    fn unknown(palette: &Palette) -> Self {
+        Self { share: 0.0, text: UNKNOWN.to_owned(), colour: palette.line }
+    }
+}
+
+fn meter(ui: &mut egui::Ui, name: &str, meter: Meter, help: &str) {
     let palette = theme::palette(ui);
-    row(ui, name, text);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 6.0), Sense::hover());
+    let Meter { share, text, colour } = meter;
+    row(ui, name, text.as_str());
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 5.0), Sense::hover());
     let radius = CornerRadius::same(3);
     ui.painter().rect_filled(rect, radius, palette.line);
     let filled = Rect::from_min_size(rect.min, vec2(rect.width() * share.clamp(0.0, 1.0), rect.height()));

@@ -57,12 +57,12 @@ pub struct Scene<'a> {
     pub snapshot: &'a Snapshot,
     /// Whether the user wants the plate driven.
     pub drive_wanted: bool,
-    /// The plate under the setup's tones.
+    /// The plate under the setup's tones; of unit height while `full_peak_m` is not known.
     pub predicted: &'a Picture,
     /// The plate under the tones that the device has acknowledged and sounds.
     pub sounding: Option<&'a Picture>,
-    /// The peak at level 1 in metres.
-    pub full_peak_m: f64,
+    /// The peak at level 1 in metres; `None` until the table for the plate is made.
+    pub full_peak_m: Option<f64>,
     /// The table for the setup's plate.
     pub table: &'a TableState,
     /// The mirror's samples.
@@ -95,7 +95,6 @@ pub struct ViewState {
     pub(crate) tab: side::Tab,
     pub(crate) plate_page: plate_panel::Page,
     pub(crate) fields: field::Fields,
-    pub(crate) show_amplitude: bool,
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
     pub(crate) focused_handle: Option<egui::Id>,

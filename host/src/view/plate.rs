@@ -1,6 +1,8 @@
 //! The plate from above, to scale, with its wave.
 
 use super::axis::Axis;
+use super::field::UNKNOWN;
+use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme, validity};
 use crate::picture::full_colour_m;
 use crate::quantity::show_length;
@@ -21,12 +23,17 @@ const COLUMN: f32 = 3.0;
 /// The narrowest line above the plate that has room for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
 
+/// Room that the plate's name has at least, before the words beside it, in points.
+const NAME: f32 = 110.0;
+
 /// The line above the plate: what is drawn, how slow, the validity lights' summary, and the colour scale.
-pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
+pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal_centered(|ui| {
-        let look =
-            Scale { show_amplitude: view.show_amplitude, is_wide: ui.available_width() >= ROOM_FOR_SCALE };
+        let look = Scale {
+            show_amplitude: scene.settings.show_amplitude,
+            is_wide: ui.available_width() >= ROOM_FOR_SCALE,
+        };
         let right = validity::chip_width(ui, scene)
             + ["Wave", "Amplitude"].iter().map(|name| button_width(ui, name)).sum::<f32>()
             + look.size(ui, scene).x
@@ -36,16 +43,13 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) 
         let left = vec2((ui.available_width() - right).max(60.0), ui.available_height());
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(left.x);
-            let text = egui::RichText::new(drawn(scene, view)).color(palette.weak);
-            let room = left.x
-                - ui.painter()
-                    .layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak)
-                    .size()
-                    .x
-                - GAP;
+            let text = egui::RichText::new(drawn(scene)).color(palette.weak);
+            let width =
+                ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
+            let room = (left.x - width.size().x - GAP).max(NAME);
             let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
             ui.scope(|ui| {
-                ui.set_max_width(room.max(40.0));
+                ui.set_max_width(room.min(left.x));
                 ui.add(egui::Label::new(name).truncate());
             });
             let shown = ui.add(egui::Label::new(text).truncate());
@@ -56,13 +60,13 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) 
         if validity::chip(ui, scene) {
             view.open_validity();
         }
-        let wave = ui.selectable_label(!view.show_amplitude, "Wave");
+        let wave = ui.selectable_label(!scene.settings.show_amplitude, "Wave");
         if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
-            view.show_amplitude = false;
+            intents.push(Intent::ShowAmplitude(false));
         }
-        let amplitude = ui.selectable_label(view.show_amplitude, "Amplitude");
+        let amplitude = ui.selectable_label(scene.settings.show_amplitude, "Amplitude");
         if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
-            view.show_amplitude = true;
+            intents.push(Intent::ShowAmplitude(true));
         }
         look.show(ui, scene);
     });
@@ -75,13 +79,13 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
 }
 
 /// What the plate's colours are, and how slow.
-fn drawn(scene: &Scene<'_>, view: &ViewState) -> String {
+fn drawn(scene: &Scene<'_>) -> String {
     let Some(picture) = scene.sounding else {
         let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
     };
     let source = if scene.sheet.is_some() { "2-D sheet" } else { "modal lines" };
-    if view.show_amplitude {
+    if scene.settings.show_amplitude {
         return format!("{source}, largest");
     }
     let paused = if scene.settings.animate { "" } else { ", paused" };
@@ -102,10 +106,14 @@ impl Scale {
 
     /// The words at its ends.
     fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
-        let full = show_length(full_colour_m(scene.sounding, scene.full_peak_m));
+        let full = scene.full_peak_m.map_or_else(
+            || UNKNOWN.to_owned(),
+            |full_peak_m| show_length(full_colour_m(scene.sounding, full_peak_m)),
+        );
         let ends = match (self.show_amplitude, self.is_wide) {
             (true, true) => ["0".to_owned(), full],
             (true, false) => [String::new(), full],
+            (false, _) if scene.full_peak_m.is_none() => [String::new(), full],
             (false, true) => [format!("−{full}"), format!("+{full}")],
             (false, false) => [String::new(), format!("±{full}")],
         };
@@ -146,8 +154,9 @@ impl Scale {
 }
 
 /// Shows the plate in `rect`, its ends at the axis' ends.
-pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis: &Axis, rect: Rect) {
+pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
+    let show_amplitude = scene.settings.show_amplitude;
     let plate = &scene.setup.plate;
     let screen = axis.screen();
     let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
@@ -163,7 +172,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, show_amplitude: bool, axis:
     });
     let across: Vec<Row> =
         (0..ROWS).map(|row| surface.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
-    let full_m = full_colour_m(scene.sounding, scene.full_peak_m);
+    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
     let mut mesh = Mesh::default();
     mesh.reserve_vertices((columns + 1) * ROWS);
     mesh.reserve_triangles(columns * (ROWS - 1) * 2);

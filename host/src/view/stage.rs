@@ -17,8 +17,8 @@ const MARGIN: (f32, f32) = (58.0, 22.0);
 const TITLE: f32 = 26.0;
 const LABEL: f32 = 26.0;
 const STRIP: f32 = 30.0;
-const SCALE: f32 = 30.0;
-const GAP: f32 = 10.0;
+const SCALE: f32 = 34.0;
+const GAP: f32 = 8.0;
 
 /// Where the three views lie.
 struct Layout {
@@ -60,40 +60,50 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let plate = &scene.setup.plate;
     let layout = Layout::new(area, plate.length_m(), plate.half_width_m(0.0), ui.pixels_per_point());
     ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
-        plate::title(ui, scene, view);
+        plate::title(ui, scene, view, intents);
     });
-    grid(ui, &layout);
-    plate::show(ui, scene, view.show_amplitude, &layout.axis, layout.plate);
+    grid(ui, scene, &layout);
+    plate::show(ui, scene, &layout.axis, layout.plate);
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     strip::show(ui, scene, &layout.axis, layout.strip);
-    place_scale(ui, &layout);
-    hint(ui, scene, &layout);
+    place_scale(ui, scene, &layout);
     // The selected tone last, so that it lies on top and is taken first.
     let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
     order.sort_by_key(|&slot| slot == scene.selected);
     for slot in order {
         handle(ui, scene, &layout, slot, view, intents);
     }
+    // Over the lines of the tones.
+    hint(ui, scene, &layout);
+    envelope::legend(ui, scene, &layout.axis, layout.envelope);
     add_by_double_click(ui, scene, &layout, intents);
 }
 
 /// Faint lines at the same places in all views.
-fn grid(ui: &egui::Ui, layout: &Layout) {
+fn grid(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
-    painter.rect_filled(layout.axis.over_plate(layout.envelope), CornerRadius::same(3), palette.well);
+    let over = layout.axis.over_plate(layout.envelope);
+    painter.rect_filled(over, CornerRadius::same(3), palette.well);
+    for beyond in layout.axis.beyond(scene.setup.plate.span_m()) {
+        painter.rect_filled(Rect::from_x_y_ranges(beyond, over.y_range()), 0.0, palette.beyond());
+    }
     for x_mm in layout.axis.ticks_mm(90.0).places {
         let x = layout.axis.line_from_place(x_mm * 1e-3);
         painter.vline(x, layout.envelope.y_range(), Stroke::new(1.0, palette.grid));
     }
 }
 
-fn place_scale(ui: &egui::Ui, layout: &Layout) {
+fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let font = FontId::proportional(11.5);
     let top = layout.scale.top() + 3.0;
     painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
+    // Where a boundary can be put.
+    let (start, end) = scene.setup.plate.span_m();
+    let span = Rangef::new(layout.axis.screen_from_place(start), layout.axis.screen_from_place(end));
+    painter.hline(span, top, Stroke::new(2.0, palette.weak));
     let ticks = layout.axis.ticks_mm(90.0);
     for &x_mm in &ticks.places {
         let x = layout.axis.line_from_place(x_mm * 1e-3);
@@ -102,7 +112,9 @@ fn place_scale(ui: &egui::Ui, layout: &Layout) {
         painter.text(place, Align2::CENTER_TOP, ticks.label(x_mm), font.clone(), palette.weak);
     }
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
-    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
+    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font.clone(), palette.weak);
+    let below = pos2(layout.axis.screen().max, layout.scale.bottom() + 2.0);
+    painter.text(below, Align2::RIGHT_BOTTOM, strip::words(scene), font, palette.weak);
 }
 
 /// What the hint says, in as many words as there is room for.
@@ -192,18 +204,30 @@ fn handle(
     paint_line(ui, layout, x, look);
     if is_selected {
         let edge_m = setup.plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN);
-        let label = format!(
+        let mut label = format!(
             "{}   {}   edge {:.0} mm",
             show_place(shown_m),
             show_frequency(frequency_hz),
             edge_m * 1e3
         );
+        if is_held || response.has_focus() {
+            label.push_str(end_of_span(setup.plate.span_m(), tone.position_m));
+        }
         paint_label(ui, layout, x, &label);
     } else {
         let palette = theme::palette(ui);
-        let place = pos2(x, layout.label.bottom() - 2.0);
+        let place = pos2(x, layout.plate.center().y);
         let number = (slot + 1).to_string();
-        ui.painter().text(place, Align2::CENTER_BOTTOM, number, FontId::proportional(11.5), palette.weak);
+        ui.painter().text(place, Align2::CENTER_CENTER, number, FontId::proportional(11.5), palette.text);
+    }
+}
+
+/// What is said of a boundary that goes no further, after where it is.
+fn end_of_span((start, end): (f64, f64), position_m: f64) -> &'static str {
+    match position_m {
+        x_m if x_m <= start => "   the span begins here",
+        x_m if x_m >= end => "   the span ends here",
+        _ => "",
     }
 }
 
@@ -245,7 +269,7 @@ fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
     painter.vline(x, rows, Stroke::new(width + 3.0, halo));
     painter.vline(x, rows, Stroke::new(width, ink));
     let centre = pos2(x, layout.plate.center().y);
-    let radius = if look.is_selected { 0.5 * HANDLE + 1.0 } else { 7.0 };
+    let radius = if look.is_selected { 0.5 * HANDLE + 1.0 } else { 9.0 };
     let radius = if look.is_hot { radius + 1.5 } else { radius };
     painter.circle(centre, radius, palette.panel, Stroke::new(width, ink));
     if look.is_selected {

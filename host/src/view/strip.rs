@@ -27,8 +27,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     // What is not driven is not felt: as faint as the envelope then is.
     let share = if scene.sounding.is_some() { 1.0 } else { AT_REST };
     let columns = (over.width() / 2.0).ceil() as usize;
-    let is_slippery =
-        scene.predicted.tones.iter().any(|wave| wave.tone.frequency_hz >= super::boundary::SLIPPERY_FROM_HZ);
+    // Of a height that is not known nothing can be told.
+    let columns = if scene.full_peak_m.is_some() { columns } else { 0 };
     for i in 0..columns {
         let x = over.left() + 2.0 * i as f32;
         let place = axis.place_from_screen(x + 1.0);
@@ -40,13 +40,15 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     painter.rect_stroke(over, 3.0, Stroke::new(1.0, palette.line), StrokeKind::Outside);
     let small = FontId::proportional(11.5);
     let label = pos2(over.left() - 8.0, over.center().y);
-    painter.text(label, Align2::RIGHT_CENTER, "felt", small.clone(), palette.weak);
-    let text =
-        if is_slippery { "how slippery, illustrative" } else { "how strong the vibration, illustrative" };
-    let galley = painter.layout_no_wrap(text.to_owned(), small, palette.text);
-    let pad = vec2(7.0, 2.0);
-    let anchor = pos2(over.right() - 6.0, over.center().y);
-    let chip = Align2::RIGHT_CENTER.anchor_size(anchor, galley.size() + 2.0 * pad);
-    painter.rect_filled(chip, 4.0, palette.panel.gamma_multiply(0.88));
-    painter.galley(chip.min + pad, galley, palette.text);
+    painter.text(label, Align2::RIGHT_CENTER, "felt", small, palette.weak);
+}
+
+/// What the strip stands for; said beside it, because words on it would hide where the edge is.
+pub(super) fn words(scene: &Scene<'_>) -> &'static str {
+    let mut waves = scene.predicted.tones.iter();
+    if waves.any(|wave| wave.tone.frequency_hz >= super::boundary::SLIPPERY_FROM_HZ) {
+        "felt: how slippery, illustrative"
+    } else {
+        "felt: how strong the vibration, illustrative"
+    }
 }

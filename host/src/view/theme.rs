@@ -81,6 +81,14 @@ const DARK: Palette = Palette {
     on_colour: Color32::WHITE,
 };
 
+impl Palette {
+    /// Over what of a picture cannot be reached.
+    #[must_use]
+    pub fn beyond(&self) -> Color32 {
+        self.line.gamma_multiply(0.45)
+    }
+}
+
 /// The palette in use.
 #[must_use]
 pub fn palette(ui: &egui::Ui) -> &'static Palette {

@@ -53,7 +53,7 @@ fn a_tone_that_is_added_can_be_dragged_anywhere() {
     for place in ["80 mm", "103 mm", "150 mm", "200 mm", "280 mm"] {
         type_into(&mut bench, "Position of tone 2", place);
         bench.wait(200);
-        assert!(bench.window.state().notice().is_none(), "{place}");
+        assert!(bench.window.state().notice().is_none_or(|notice| !notice.is_error), "{place}");
         assert_heard(&bench);
     }
 }

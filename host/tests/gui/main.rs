@@ -14,8 +14,10 @@ mod plots;
 mod reasons;
 mod sizes;
 mod snapshots;
+mod stage;
 mod stop;
 mod tab_order;
+mod unknown;
 
 use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};

@@ -1,7 +1,7 @@
 //! Messages: they say what was done, cover nothing that is needed, and what was done stays in the log.
 
 use crate::bench::Bench;
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable as _;
 use slipline::link::Severity;
 
@@ -69,6 +69,12 @@ fn a_message_covers_nothing_that_is_used_or_watched() {
         }
         let chip = bench.window.get_by_label_contains("Validity").rect();
         assert!(!message.intersects(chip), "{size:?}: validity");
+        let lines = bench.window.get_all_by_label_contains("simulated with firmware");
+        assert!(
+            lines
+                .chain(bench.window.get_all_by_label("Log"))
+                .all(|line| message.bottom() < line.rect().top())
+        );
         bench.window.get_by_label("Dismiss").click();
         bench.wait(100);
     }
@@ -119,6 +125,59 @@ fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
     bench.window.get_by_label("Make it fit").click();
     bench.wait(500);
     assert!(bench.window.state().notice().is_none(), "{:?}", bench.window.state().notice());
+}
+
+#[test]
+fn a_port_that_does_not_answer_is_told_until_another_one_does() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Device").click();
+    bench.wait(100);
+    bench.window.get_by_label("Disconnect").click();
+    bench.wait(500);
+    bench.plug(false);
+    let connect = |bench: &mut Bench| {
+        bench.window.get_all_by_label("Connect").next().unwrap().click();
+        bench.wait(2000);
+    };
+    connect(&mut bench);
+    let notice = bench.window.state().notice().cloned().unwrap();
+    assert!(
+        notice.is_error && notice.text == "There is no port sim: is the device plugged in?",
+        "{notice:?}"
+    );
+    save(&mut bench);
+    assert!(bench.window.query_by_label(&notice.text).is_some(), "it stands beside what is told meanwhile");
+    bench.plug(true);
+    connect(&mut bench);
+    assert!(bench.snapshot().is_connected());
+    assert!(bench.window.query_by_label(&notice.text).is_none());
+}
+
+#[test]
+fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
+    let mut bench = Bench::driving();
+    crate::add_tone(&mut bench);
+    let told = bench.window.state().notice().cloned().unwrap().text;
+    assert_eq!(told, "Master lowered to -4.1 dB, so that 2 tones fit.");
+    let line = crate::line_rect(&bench);
+    bench.window.get_by_label("Dismiss").click();
+    // Long enough for that click to be none of the two below.
+    watch(&mut bench, 1);
+    // At the wide end, where no boundary can be.
+    let at = pos2(120.0, line.top() + 0.3 * line.height());
+    bench.window.hover_at(at);
+    for pressed in [true, false, true, false] {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        bench.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        bench.window.step();
+    }
+    bench.wait(200);
+    assert_eq!(bench.window.state().setup().tones.len(), 3);
+    let told = bench.window.state().notice().cloned().unwrap().text;
+    assert!(
+        told.starts_with("Tone 3 is at 80.0 mm: the span is 80.0 mm to 280.0 mm. Master lowered"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -3,20 +3,29 @@
 use crate::background::open_plate;
 use crate::bench::Bench;
 use crate::{line_rect, type_into};
-use eframe::egui::{Key, Rect, Shape, epaint::ClippedShape, pos2, vec2};
+use eframe::egui::{FullOutput, Key, Rect, Shape, epaint::ClippedShape, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 
 /// Every word that is painted, and where.
 fn painted(bench: &Bench) -> Vec<(String, Rect)> {
+    words(bench.window.output())
+}
+
+/// Every word of a picture, and where.
+pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
     fn collect(shape: &Shape, words: &mut Vec<(String, Rect)>) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, words)),
-            Shape::Text(text) => words.push((text.galley.text().to_owned(), text.visual_bounding_rect())),
+            Shape::Text(text) => {
+                // What is cut off is not painted.
+                let rows: Vec<String> = text.galley.rows.iter().map(|row| row.text()).collect();
+                words.push((rows.join(" "), text.visual_bounding_rect()));
+            }
             _ => {}
         }
     }
     let mut words = Vec::new();
-    for ClippedShape { shape, clip_rect, .. } in &bench.window.output().shapes {
+    for ClippedShape { shape, clip_rect, .. } in &picture.shapes {
         let mut here = Vec::new();
         collect(shape, &mut here);
         words.extend(here.into_iter().filter(|(_, rect)| clip_rect.intersects(*rect)));

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, Rect, accesskit::Role};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 fn rect(bench: &Bench, role: Role, name: &str) -> Rect {
     bench.window.get_by_role_and_label(role, name).rect()
@@ -17,7 +17,12 @@ fn outside(bench: &Bench) -> [Rect; 2] {
 #[test]
 fn a_bad_place_leaves_the_frequency_where_it_is() {
     let mut bench = Bench::driving();
-    let before = (rect(&bench, Role::TextInput, "Boundary frequency"), outside(&bench));
+    let beside = |bench: &Bench| {
+        let below = bench.window.get_by_label("Peak at").rect();
+        (rect(bench, Role::TextInput, "Boundary frequency"), below, outside(bench))
+    };
+    let before = beside(&bench);
+    let panel = rect(&bench, Role::Button, "Device").right();
     for (text, reason) in [
         ("1e30", "outside"),
         ("1 Hz", "cannot enter"),
@@ -27,10 +32,14 @@ fn a_bad_place_leaves_the_frequency_where_it_is() {
         bench.wait(100);
         let field = rect(&bench, Role::TextInput, "Boundary position");
         let reason = bench.window.get_by_label_contains(reason).rect();
-        assert!(reason.left() >= field.left() && reason.right() <= field.right() + 1.0, "{text}: {reason}");
-        assert!(reason.top() >= field.bottom(), "{text}: {reason}");
-        assert_eq!((rect(&bench, Role::TextInput, "Boundary frequency"), outside(&bench)), before, "{text}");
+        assert!(reason.left() >= field.left() && reason.right() <= panel, "{text}: {reason}");
+        assert!(reason.top() >= field.bottom() && reason.bottom() <= before.1.top(), "{text}: {reason}");
+        assert_eq!(beside(&bench), before, "{text}");
     }
+    type_into(&mut bench, "Boundary position", "abc");
+    let told = bench.window.get_by_label_contains("does not begin");
+    let told = told.accesskit_node().value().or(told.accesskit_node().label()).unwrap();
+    assert!(told.ends_with("Type 80 to 280 mm, or 86.8 Hz to 218.8 Hz."), "{told}");
 }
 
 #[test]

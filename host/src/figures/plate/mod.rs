@@ -241,7 +241,7 @@ impl Figure<'_, '_> {
         let setup = &subject.setup;
         let mut marks: Vec<(f64, String)> = Vec::new();
         for tone in &setup.tones {
-            let shown_m = drawn_boundary_m(setup, tone, subject.full_peak_m);
+            let shown_m = drawn_boundary_m(setup, tone, Some(subject.full_peak_m));
             let x = page.x(shown_m);
             paper.line([(x, page.plate.0), (x, page.envelope.1)], 0.9, BLACK)?;
             let text = if setup.tones.len() > 1 {

@@ -96,7 +96,7 @@ fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
         phrases.push(format!(
             "Tone {}: boundary {}, {}, level {:.2}.",
             tone.slot + 1,
-            show_place(drawn_boundary_m(setup, tone, full_peak_m)),
+            show_place(drawn_boundary_m(setup, tone, Some(full_peak_m))),
             show_frequency(hertz),
             tone.level
         ));
