@@ -1,0 +1,170 @@
+//! What the subcommands answer, as JSON and in files.
+
+use super::{file, json, number};
+use serde_json::Value;
+
+#[test]
+fn presets_are_named_and_described() {
+    let presets = json(&["presets"]);
+    let presets = presets.as_array().unwrap();
+    assert!(presets.len() >= 5);
+    for preset in presets {
+        assert!(!preset["name"].as_str().unwrap().is_empty());
+        assert!(preset["description"].as_str().unwrap().len() > 20);
+    }
+    assert_eq!(presets[0]["name"], "membrane");
+}
+
+#[test]
+fn the_simulated_plate_heads_the_ports() {
+    let ports = json(&["ports"]);
+    assert_eq!(ports[0]["port"], "sim");
+    assert_eq!(ports[0]["is_ours"], true);
+}
+
+#[test]
+fn info_tells_who_the_simulated_device_is() {
+    let info = json(&["info", "--port", "sim"]);
+    assert_eq!(info["simulated"], true);
+    assert_eq!(number(&info, "sample_rate_hz"), 400_000.0);
+    assert_eq!(number(&info, "tones"), 16.0);
+    assert_eq!(info["protocol"], "1.0");
+}
+
+#[test]
+fn respond_gives_the_amplitude_over_x_and_the_turning_point() {
+    // The rubber rig: x0 = 39.5 and 101.7 mm at 30 and 40 Hz.
+    for (frequency, turning_point_m) in [("30Hz", 0.0395), ("40Hz", 0.1017)] {
+        let response = json(&["respond", "--plate", "paper-rubber", "--freq", frequency, "--points", "500"]);
+        assert_eq!(response["position_m"].as_array().unwrap().len(), 500);
+        let amplitude = response["amplitude"].as_array().unwrap();
+        assert_eq!(amplitude.len(), 500);
+        assert!((number(&response, "turning_point_m") - turning_point_m).abs() < 1e-4);
+        assert!(number(&response, "edge_width_m") > 0.01);
+        // Driven by displacement: the end moves as the drive does.
+        assert!((number(&amplitude[0], "re").hypot(number(&amplitude[0], "im")) - 1.0).abs() < 1e-6);
+    }
+    let paper = json(&["respond", "--plate", "al-bending", "--freq", "40kHz", "--paper-mode"]);
+    let ours = json(&["respond", "--plate", "al-bending", "--freq", "40kHz"]);
+    assert_ne!(paper["amplitude"][100], ours["amplitude"][100]);
+    assert!((number(&ours, "peak_position_m") - number(&ours, "turning_point_m")).abs() < 0.02);
+}
+
+#[test]
+fn table_gives_span_and_knots_and_writes_them() {
+    let path = file("table.json");
+    let arguments =
+        ["table", "--plate", "membrane", "--sample-rate", "200kHz", "--out", path.to_str().unwrap()];
+    let table = json(&arguments);
+    assert_eq!(serde_json::from_slice::<Value>(&std::fs::read(&path).unwrap()).unwrap(), table);
+    std::fs::remove_file(path).unwrap();
+    assert!((number(&table, "span_start_m") - 0.08).abs() < 1e-9);
+    assert!((number(&table, "span_end_m") - 0.28).abs() < 1e-9);
+    let knots = table["knots"].as_array().unwrap();
+    assert_eq!(knots.len(), 1025);
+    let frequencies: Vec<f64> = knots.iter().map(|knot| number(knot, "frequency_hz")).collect();
+    assert!(frequencies.windows(2).all(|pair| pair[1] > pair[0]));
+    assert!(knots.iter().all(|knot| (0.0..=1.0).contains(&number(knot, "gain"))));
+    assert!(number(&table, "sensitivity_db_per_percent") < 1.0);
+}
+
+#[test]
+fn simulate_reports_what_was_commanded_and_what_was_measured() {
+    let (csv, png) = (file("envelope.csv"), file("envelope.png"));
+    let run = json(&[
+        "simulate",
+        "--plate",
+        "membrane",
+        "--boundary",
+        "120mm",
+        "--csv",
+        csv.to_str().unwrap(),
+        "--png",
+        png.to_str().unwrap(),
+    ]);
+    assert!((number(&run, "turning_point_m") - 0.12).abs() < 1e-4);
+    assert!((number(&run, "frequency_hz") - 104.0).abs() < 1.0);
+    assert_eq!(run["peak_present"], true);
+    assert_eq!(number(&run, "clipped_samples"), 0.0);
+    let off_m = number(&run, "measured_peak_position_m") - number(&run, "peak_position_m");
+    assert!(off_m.abs() < number(&run, "edge_width_m") / 20.0);
+    assert!(number(&run, "measured_peak_amplitude_m") > 1e-6);
+    assert!(run.get("tones").is_none());
+
+    let text = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(text.lines().next(), Some("position_m,predicted_rms_m,measured_rms_m,measured_maximum_m"));
+    assert_eq!(text.lines().count(), 514);
+    assert_eq!(&std::fs::read(&png).unwrap()[1..4], b"PNG");
+    for path in [csv, png] {
+        std::fs::remove_file(path).unwrap();
+    }
+}
+
+#[test]
+fn simulate_lists_several_tones_and_runs_on_another_plate() {
+    let run = json(&[
+        "simulate",
+        "--plate",
+        "membrane",
+        "--tone",
+        "100mm:0,3",
+        "--tone",
+        "220mm:0.3",
+        "--tone",
+        "160mm:0.2",
+    ]);
+    let tones = run["tones"].as_array().unwrap();
+    assert_eq!(tones.len(), 3);
+    assert_eq!(tones[0]["frequency_hz"], run["frequency_hz"]);
+    for (tone, boundary_m) in tones.iter().zip([0.1, 0.22, 0.16]) {
+        assert!((number(tone, "turning_point_m") - boundary_m).abs() < 1e-4);
+        let off_m = number(tone, "measured_peak_position_m") - number(tone, "peak_position_m");
+        assert!(off_m.abs() < number(tone, "edge_width_m") / 20.0);
+    }
+
+    // A membrane under a tenth more tension than the table thinks.
+    let toml = slipline_plate::preset("membrane").unwrap().with_wave_speed(1.05).unwrap().to_toml();
+    let path = file("tense.toml");
+    std::fs::write(&path, toml).unwrap();
+    let tense = path.to_str().unwrap();
+    let run = json(&["simulate", "--plate", "membrane", "--actual-plate", tense, "--boundary", "160mm"]);
+    std::fs::remove_file(&path).unwrap();
+    assert!((number(&run, "commanded_boundary_m") - 0.16).abs() < 1e-9);
+    // ln(1.05) / d = 10.6 mm nearer.
+    assert!((number(&run, "turning_point_m") - 0.1494).abs() < 1e-4);
+    assert!(number(&run, "sensitivity_db") > 0.1);
+}
+
+#[test]
+fn no_table_leaves_the_gains_out() {
+    let with = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm"]);
+    let without = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm", "--no-table"]);
+    assert!(number(&without, "measured_peak_amplitude_m") > number(&with, "measured_peak_amplitude_m"));
+}
+
+#[test]
+fn drive_and_verify_work_on_the_simulated_device() {
+    let driven =
+        json(&["drive", "--port", "sim", "--plate", "membrane", "--boundary", "126Hz", "--for", "200ms"]);
+    assert!((number(&driven["tones"][0], "frequency_hz") - 126.0).abs() < 0.1);
+    assert!(number(&driven, "stopped_at_samples") > number(&driven, "at_samples"));
+    let verified = json(&["verify", "--port", "sim", "--window", "30ms"]);
+    assert_eq!(verified["equal"], true);
+    assert_eq!(verified["windows"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn record_writes_the_codes_of_the_drive() {
+    let path = file("drive.wav");
+    let wav = path.to_str().unwrap();
+    json(&["record", "--plate", "membrane", "--boundary", "120mm", "--seconds", "100ms", "--wav", wav]);
+    let mut reader = hound::WavReader::open(&path).unwrap();
+    assert_eq!(reader.spec().sample_rate, 400_000);
+    let samples: Vec<i16> = reader.samples().map(Result::unwrap).collect();
+    std::fs::remove_file(path).unwrap();
+    assert_eq!(samples.len(), 40_000);
+    // 104.5 Hz for 0.1 s: ten periods, so about twenty passages through zero.
+    let passages = samples.windows(2).filter(|pair| (pair[0] < 0) != (pair[1] < 0)).count();
+    assert!((19..=23).contains(&passages), "{passages}");
+    assert!(samples.iter().any(|sample| sample.abs() > 1000));
+}

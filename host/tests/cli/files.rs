@@ -1,0 +1,123 @@
+//! Files that are there already, and being told to end while one is written.
+
+use super::{design, failure, file, slipline};
+#[cfg(unix)]
+use std::path::PathBuf;
+#[cfg(unix)]
+use std::process::Command;
+
+#[test]
+fn a_file_that_is_there_is_replaced_only_when_asked() {
+    let folder = file("kept");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let (json, csv, png, wav, own) = (path("t.json"), path("e.csv"), path("e.png"), path("d.wav"), path(""));
+    let simulate = ["simulate", "--plate", "membrane", "--boundary", "120mm"];
+    let record = ["record", "--plate", "membrane", "--boundary", "120mm", "--seconds", "1ms", "--wav", &wav];
+    let commands: [(Vec<&str>, &str); 4] = [
+        (vec!["table", "--plate", "membrane", "--knots", "5", "--out", &json], "t.json"),
+        ([&simulate[..], &["--csv", &csv]].concat(), "e.csv"),
+        ([&simulate[..], &["--png", &png]].concat(), "e.png"),
+        (record.to_vec(), "d.wav"),
+    ];
+    for (arguments, name) in &commands {
+        std::fs::write(folder.join(name), "mine").unwrap();
+        let message = failure(arguments, 2);
+        assert!(message.contains(name) && message.contains("--force"), "{message}");
+        assert_eq!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
+        let output = slipline(&[&arguments[..], &["--force"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{name}");
+        assert_ne!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
+    }
+    // A folder's own files are kept alike, all or none of them.
+    std::fs::write(folder.join("plate.toml"), "mine").unwrap();
+    let output = design(&["--out", &own]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("holds plate.toml already") && message.contains("--force"), "{message}");
+    assert!(!folder.join("frame.dxf").exists());
+    assert_eq!(design(&["--out", &own, "--force"]).status.code(), Some(0));
+    assert!(std::fs::read_to_string(folder.join("plate.toml")).unwrap().starts_with("name"));
+    std::fs::write(folder.join("fig03.csv"), "mine").unwrap();
+    assert!(failure(&["figures", "--out", &own], 2).contains("holds fig03.csv already"));
+    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A long recording over a file that is there, ended by a signal once it is being written.
+#[cfg(unix)]
+struct Recording {
+    folder: PathBuf,
+    child: std::process::Child,
+}
+
+#[cfg(unix)]
+impl Recording {
+    /// Begins it by these words of a shell before the command itself.
+    fn begun(name: &str, shell: &str) -> Self {
+        let folder = file(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        let wav = folder.join("long.wav");
+        std::fs::write(&wav, "mine").unwrap();
+        let arguments = "record --plate membrane --boundary 120mm --seconds 600s --force --wav";
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{shell} exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_slipline")]);
+        let child = command.args(arguments.split(' ')).arg(wav).spawn().unwrap();
+        let recording = Self { folder, child };
+        let begun = std::time::Instant::now();
+        while recording.files() < 2 && begun.elapsed().as_secs() < 60 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        assert_eq!(recording.files(), 2, "it is being written beside the old one");
+        recording
+    }
+
+    fn files(&self) -> usize {
+        std::fs::read_dir(&self.folder).unwrap().count()
+    }
+
+    fn signal(&self, signal: &str) {
+        let told = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
+        assert!(told.success());
+    }
+
+    /// It ends, and the old file is there alone.
+    fn ends(mut self) {
+        assert_eq!(self.child.wait().unwrap().code(), Some(130));
+        assert_eq!(self.files(), 1);
+        assert_eq!(std::fs::read(self.folder.join("long.wav")).unwrap(), b"mine");
+        std::fs::remove_dir_all(self.folder).unwrap();
+    }
+}
+
+/// Whether Linux says that a process ignores SIGHUP.
+#[cfg(unix)]
+fn ignores_hangup(process: &str) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 1 == 1)
+}
+
+#[cfg(unix)]
+#[test]
+fn whoever_ends_it_leaves_no_half_written_file_and_keeps_the_old_one() {
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        // Tests that were begun with nohup cannot give their children a SIGHUP back.
+        if signal != "-HUP" || !ignores_hangup("self") {
+            let recording = Recording::begun("interrupted", "");
+            recording.signal(signal);
+            recording.ends();
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_that_is_ignored_from_the_start_stays_ignored() {
+    let recording = Recording::begun("outliving", "trap '' HUP;");
+    assert!(ignores_hangup(&recording.child.id().to_string()));
+    recording.signal("-HUP");
+    recording.signal("-TERM");
+    recording.ends();
+}

@@ -1,0 +1,57 @@
+//! Red lights and the exit code: a check says them, a design only tells of them.
+
+use super::{failure, json, slipline};
+
+#[test]
+fn red_lights_end_a_check_with_3_and_are_counted() {
+    for (arguments, code, last) in [
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 4 of 13 lights are red\n"),
+        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 4 of 13 lights are red\n"),
+        (&["check", "--plate", "membrane"], 0, ""),
+        (&["check", "--plate", "membrane", "--boundary", "120mm"], 0, ""),
+    ] {
+        let output = slipline(arguments);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), last, "{arguments:?}");
+        let text = String::from_utf8(output.stdout).unwrap();
+        let red = if arguments.contains(&"--json") { "\"colour\":\"red\"" } else { "red    " };
+        assert_eq!(text.matches(red).count(), if code == 3 { 4 } else { 0 }, "{text}");
+    }
+    let lines = String::from_utf8(slipline(&["check", "--plate", "membrane"]).stdout).unwrap();
+    assert!(lines.starts_with("green      edge slope "), "{lines}");
+    assert!(lines.contains("\nunchecked  actuator band "), "{lines}");
+    let report = json(&["check", "--plate", "membrane"]);
+    assert_eq!(
+        (&report["lights"][10]["name"], &report["lights"][10]["colour"]),
+        (&"actuator band".into(), &"unchecked".into())
+    );
+    assert!(failure(&["check", "--plate", "nope"], 2).contains("nope"));
+    let help = String::from_utf8(slipline(&["--help"]).stdout).unwrap();
+    assert!(help.contains("Exit code: 0 done; 1 could not be done; 2 bad usage"), "{help}");
+}
+
+#[test]
+fn a_design_ends_with_0_though_lights_are_red_and_its_help_says_so() {
+    let designed = json(&[
+        "design",
+        "--material",
+        "acrylic",
+        "--thickness",
+        "2mm",
+        "--band",
+        "2kHz..8kHz",
+        "--length",
+        "1m",
+    ]);
+    let lights = designed["lights"]["lights"].as_array().unwrap();
+    assert!(lights.iter().any(|light| light["colour"] == "red"), "{lights:?}");
+    assert!(designed["mounting"].as_str().unwrap().contains("Cut the frame twice"));
+    let help = String::from_utf8(slipline(&["design", "--help"]).stdout).unwrap();
+    assert!(
+        help.split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+            .contains("0 designed, also where lights are red"),
+        "{help}"
+    );
+}

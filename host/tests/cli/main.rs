@@ -1,0 +1,45 @@
+//! The command line as other programs use it: JSON fields, exit codes, and what it says of bad input.
+
+mod answers;
+mod files;
+mod lights;
+mod refusals;
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn slipline(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_slipline")).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = slipline(&[arguments, &["--json"]].concat());
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{arguments:?}: {error}"))
+}
+
+/// The message of a command that must fail with this code.
+fn failure(arguments: &[&str], code: i32) -> String {
+    let output = slipline(arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    assert!(!message.contains("panicked"), "{arguments:?}: {message}");
+    message
+}
+
+fn number(value: &Value, field: &str) -> f64 {
+    value[field].as_f64().unwrap_or_else(|| panic!("{field} is {:?}", value[field]))
+}
+
+/// A file of this test's own.
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{}-{name}", std::process::id()))
+}
+
+/// A design of the aluminium plate of the examples, with more options.
+fn design(more: &[&str]) -> Output {
+    let aluminium = "design --material aluminium --thickness 2mm --band 20kHz..40kHz --length 300mm";
+    slipline(&aluminium.split(' ').chain(more.iter().copied()).collect::<Vec<_>>())
+}

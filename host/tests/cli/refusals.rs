@@ -1,0 +1,186 @@
+//! What is refused, with which exit code and in which words.
+
+use super::{design, failure, file, slipline};
+
+#[test]
+fn a_plate_that_a_tones_frequency_cannot_enter_is_named_with_few_digits() {
+    let message = failure(
+        &["simulate", "--plate", "membrane", "--actual-plate", "al-bending", "--boundary", "120mm"],
+        2,
+    );
+    assert!(
+        message.contains("frequency = 104.453 Hz cannot enter the plate \"al-bending\": must be above"),
+        "{message}"
+    );
+}
+
+#[test]
+fn bad_usage_ends_with_2_and_names_field_and_range() {
+    for (arguments, words) in [
+        (&["simulate", "--plate", "membrane"][..], &["--boundary"][..]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "900mm"],
+            &["'900mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "nan"],
+            &["'nan' for '--boundary'", "80 to 280 mm, or 86.83 to 218.7 Hz"],
+        ),
+        (&["simulate", "--plate", "membrane", "--boundary", "5kHz"], &["86.83 to 218.7 Hz"]),
+        (&["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "1.2"], &["level", "0 to 1"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--seconds", "9999s"],
+            &["'9999s' for '--seconds", "10 ms to 600 s"],
+        ),
+        (&["simulate", "--plate", "membrane", "--tone", "90mm"], &["90mm:0.5"]),
+        (
+            &["respond", "--plate", "membrane", "--freq", "2Hz"],
+            &["'2Hz' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
+        (&["respond", "--plate", "membrane", "--freq", "120Hz", "--points", "1"], &["points"]),
+        (&["respond", "--plate", "membrane", "--freq", "12 parsec"], &["Hz, kHz or MHz"]),
+        (&["table", "--plate", "membrane", "--knots", "1026"], &["1025"]),
+        (
+            &["table", "--plate", "al-bending", "--sample-rate", "20kHz"],
+            &["--sample-rate", "88.66 kHz to 100 MHz"],
+        ),
+        (&["table", "--plate", "no-such-plate"], &["no-such-plate", "membrane"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "1e400mm"],
+            &["'1e400mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "-5mm"],
+            &["'-5mm' for '--boundary'", "80 to 280 mm"],
+        ),
+        (&["simulate", "--plate", "membrane", "--tone", "9mm:0.5"], &["'9mm' for '--tone'", "80 to 280 mm"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "nan"],
+            &["--level", "nan", "0 to 1"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "-1"],
+            &["--level", "-1", "0 to 1"],
+        ),
+        (&["drive", "--port", "sim", "--plate", "membrane", "--for", "-1s"], &["--for", "-1s", "0 to 600 s"]),
+        (
+            &["drive", "--port", "sim", "--plate", "membrane", "--glide", "1e400s"],
+            &["--glide", "5 ms to 10 s"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "0Hz"],
+            &["'0Hz' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "nan"],
+            &["'nan' for '--freq'", "60.01 Hz to 1.052 kHz"],
+        ),
+        (&["table", "--plate", "membrane", "--knots", "-1"], &["--knots", "whole number, 2 to 1025"]),
+        (&["table", "--plate", "mebrane"], &["did you mean membrane?"]),
+        (&["verify", "--port", "sim", "--window", "9s"], &["'9s' for '--window'", "10 ms to 2.621 s"]),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--csv", "x", "--png", "./x"],
+            &["--csv", "--png"],
+        ),
+        (&["info", "--port", "unix:"], &["unix:PATH"]),
+        (&["info"], &["--port"]),
+        (&["frobnicate"], &["frobnicate"]),
+        (&["verify", "--port", "sim", "--tones", "17"], &["1 to 16"]),
+    ] {
+        let message = failure(arguments, 2);
+        for word in words {
+            assert!(message.contains(word), "{arguments:?} does not say {word:?}: {message}");
+        }
+    }
+}
+
+#[test]
+fn tones_that_add_up_to_too_much_are_bad_usage_in_the_devices_words() {
+    let tones = ["--plate", "membrane", "--boundary", "120mm", "--tone", "200mm:1"];
+    let wav = file("loud.wav");
+    for command in [
+        &["drive", "--port", "sim", "--for", "100ms"][..],
+        &["simulate"],
+        &["simulate", "--no-table"],
+        &["record", "--seconds", "10ms", "--wav", wav.to_str().unwrap()],
+    ] {
+        let message = failure(&[command, &tones].concat(), 2);
+        assert!(message.contains("% of full scale; lower their levels"), "{command:?}: {message}");
+    }
+    assert!(!wav.exists());
+}
+
+#[test]
+fn what_cannot_be_done_ends_with_1_and_says_why() {
+    let message = failure(&["info", "--port", "no-such-port"], 1);
+    assert!(message.contains("no-such-port"), "{message}");
+    let arguments =
+        ["record", "--plate", "membrane", "--boundary", "120mm", "--wav", "no/such/folder/drive.wav"];
+    assert!(failure(&arguments, 1).contains("no/such/folder/drive.wav"));
+}
+
+#[test]
+fn a_hostile_plate_file_is_refused_with_its_name_and_the_reason() {
+    //
+    let good = slipline_plate::preset("membrane").unwrap().to_toml();
+    let with = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        good.replacen(from, to, 1).into_bytes()
+    };
+    let cases: [(&str, Vec<u8>, &[&str]); 12] = [
+        ("huge", vec![b'#'; 3 << 20], &["too big", "1048576"]),
+        ("text", with("length_m = ", "length_m = \"long\" # "), &["line 3", "length_m", "0.005 to 10 m"]),
+        ("overflow", with("loss_factor = ", "loss_factor = 1e999 # "), &["line", "1e999", "0 to 0.5"]),
+        ("section", with("[taper]", "[tapper]"), &["did you mean [taper]?"]),
+        ("binary", vec![0xff, 0xfe, 0, 1], &["UTF-8"]),
+        ("empty", Vec::new(), &["name is missing", "1 to 80"]),
+        ("nan", with("length_m = ", "length_m = nan # "), &["length_m"]),
+        ("infinite", with("loss_factor = ", "loss_factor = inf # "), &["loss_factor"]),
+        ("negative", with("half_width_m = ", "half_width_m = -1.0 # "), &["half_width_m"]),
+        ("unknown", with("length_m = ", "colour = \"red\"\nlength_m = "), &["colour", "line"]),
+        ("nested", "[".repeat(100_000).into_bytes(), &["line 1"]),
+        ("broken", with("length_m = ", "length_m == "), &["line"]),
+    ];
+    for (name, bytes, words) in cases {
+        let path = file(&format!("{name}.toml"));
+        std::fs::write(&path, bytes).unwrap();
+        let message = failure(&["table", "--plate", path.to_str().unwrap()], 2);
+        std::fs::remove_file(&path).unwrap();
+        for word in words.iter().chain([&name]) {
+            assert!(message.contains(word), "{name} does not say {word:?}: {message}");
+        }
+    }
+    assert!(failure(&["table", "--plate", env!("CARGO_TARGET_TMPDIR")], 2).contains("directory"));
+}
+
+#[test]
+fn what_a_design_is_asked_for_is_refused_by_its_option_and_in_its_unit() {
+    for (more, words) in [
+        (&["--start-margin", "400mm"][..], &["'400mm' for '--start-margin'", "300 µm to 270 mm"][..]),
+        (&["--tension", "-5N/m"], &["'-5N/m' for '--tension'", "0.054 to 2.16e9 N/m"]),
+        (&["--wave-speed", "1e9m/s"], &["--wave-speed", "0.1 to 20000 m/s"]),
+        (&["--rim", "0"], &["--rim", "10 to 500 mm"]),
+        (&["--loss", "nan"], &["--loss", "nan", "0 to 0.5"]),
+        (&["--full-scale", "1m"], &["--full-scale", "1 nm to 100 mm"]),
+        (&["--name", ""], &["--name", "1 to 80 characters"]),
+    ] {
+        let output = design(more);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {message}");
+        for word in words {
+            assert!(message.contains(word), "{more:?} does not say {word:?}: {message}");
+        }
+    }
+}
+
+#[test]
+fn small_values_of_a_design_keep_their_digits() {
+    let thin = "design --material latex --thickness 1um --band 80Hz..220Hz --length 30cm --tension 0.02N/m";
+    let output = slipline(&thin.split(' ').collect::<Vec<_>>());
+    let text = String::from_utf8(output.stdout).unwrap();
+    for wanted in
+        ["R = 58.73 µN s/m matches", "20.00 mN/m of width", "9.400 mm at the narrow end", "up to 0.0466\n"]
+    {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+}
