@@ -17,8 +17,6 @@ mod perform;
 mod setup;
 mod window;
 
-pub use background::{Background, DesignState, Waiting};
-pub use notices::Notice;
 pub use window::run;
 
 use crate::designer::{Designed, Draft};
@@ -32,13 +30,14 @@ use crate::live::{self, Live};
 use crate::model::Setup;
 use crate::picture::Picture;
 use crate::pilot::Pilot;
+use crate::scene::{Notice, Scene};
 use crate::settings::{Settings, ThemeChoice};
 use crate::sheet;
 pub use crate::table_making::{TableJob, TableMade, TableState};
 use crate::trial::{self, Measured};
 use crate::validity::{self, Verdict};
 use crate::view::intent::{Dialog, Grab};
-use crate::view::{self, Scene, ViewState, theme};
+use crate::view::{self, ViewState, theme};
 use crate::workshop::Workshop;
 use eframe::egui;
 use hearing::Hearing;
@@ -113,7 +112,7 @@ pub struct App {
     /// The wave that the setup would make on its plate.
     predicted: Picture,
     hearing: Hearing,
-    background: Background,
+    background: background::Work,
     notices: Notices,
     dialog: Option<Dialog>,
     /// The job that waits for a path to be typed.
@@ -147,7 +146,7 @@ impl App {
             table_asked: None,
             predicted: Picture::default(),
             hearing: Hearing::default(),
-            background: Background::default(),
+            background: background::Work::default(),
             notices: Notices::default(),
             dialog: None,
             asked: None,
@@ -203,7 +202,7 @@ impl App {
             None => {}
         }
         if let Ok(image) = self.screenshots.1.try_recv() {
-            match export::png(&image) {
+            match screenshot_png(&image) {
                 Ok(bytes) => self.save("screenshot.png", "Picture", "png", bytes),
                 Err(error) => self.fail(format!("The screenshot could not be made: {error}")),
             }
@@ -229,7 +228,7 @@ impl App {
             table: &self.table,
             live: &self.hearing.live,
             measured: self.current_measured(),
-            background: &self.background,
+            background: &self.background.shown,
             sheet: self.shown_sheet(),
             waiting: self.background.waiting(&self.parts),
             settings: &self.settings,
@@ -243,6 +242,12 @@ impl App {
         self.view = view;
         self.perform(&ui.ctx().clone(), intents);
     }
+}
+
+fn screenshot_png(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+    let [width, height] = image.size.map(|pixels| pixels as u32);
+    let rgba: Vec<[u8; 4]> = image.pixels.iter().map(egui::Color32::to_srgba_unmultiplied).collect();
+    export::png((width, height), &rgba)
 }
 
 fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {

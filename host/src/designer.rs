@@ -1,7 +1,6 @@
 //! The plate designer in the app: what is wanted, and the plate that came of it. The rules are those of
 //! `slipline design`.
 
-use crate::caption::Panel;
 use crate::workshop::Task;
 use slipline_plate::PlateError;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
@@ -129,28 +128,13 @@ impl Draft {
     }
 }
 
-/// Why no plate came of a draft.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Misfit {
-    /// The field of the library's request that is out of range.
-    pub field: String,
-    /// What is wrong and what is allowed, in the words of the form.
-    pub reason: String,
-}
-
-impl From<PlateError> for Misfit {
-    fn from(error: PlateError) -> Self {
-        Self { field: error.field().to_owned(), reason: error.told(&Panel::Designer) }
-    }
-}
-
 /// What came of a draft.
 #[derive(Clone, Debug)]
 pub struct Designed {
     /// The draft.
     pub draft: Draft,
     /// The plate, or why there is none.
-    pub result: Result<Arc<Design>, Misfit>,
+    pub result: Result<Arc<Design>, PlateError>,
 }
 
 /// Designs the plate; `None` when the task was over before.
@@ -160,7 +144,7 @@ pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
         return None;
     }
     let designed = draft.request().and_then(|request| design(&request));
-    Some(Designed { draft, result: designed.map(Arc::new).map_err(Misfit::from) })
+    Some(Designed { draft, result: designed.map(Arc::new) })
 }
 
 /// The cut files of plate and frame: their names and texts.
@@ -205,15 +189,15 @@ mod tests {
 
     #[test]
     fn a_bad_value_is_named_by_its_field() {
-        let misfit = |change: fn(&mut Draft)| {
+        let refusal = |change: fn(&mut Draft)| {
             let mut draft = Draft::default();
             change(&mut draft);
             work(draft, &Task::default()).unwrap().result.unwrap_err()
         };
-        assert_eq!(misfit(|draft| draft.thickness_m = 5.0).field, "thickness_m");
-        assert_eq!(misfit(|draft| draft.band_hz.1 = 20e3).field, "band high");
-        assert_eq!(misfit(|draft| draft.loss_factor = Some(f64::NAN)).field, "material.loss_factor");
-        assert_eq!(misfit(|draft| draft.start_margin_m = Some(1.0)).field, "start_margin_m");
-        assert!(misfit(|draft| draft.length_m = 0.01).reason.contains("longer"));
+        assert_eq!(refusal(|draft| draft.thickness_m = 5.0).field(), "thickness_m");
+        assert_eq!(refusal(|draft| draft.band_hz.1 = 20e3).field(), "band high");
+        assert_eq!(refusal(|draft| draft.loss_factor = Some(f64::NAN)).field(), "material.loss_factor");
+        assert_eq!(refusal(|draft| draft.start_margin_m = Some(1.0)).field(), "start_margin_m");
+        assert!(refusal(|draft| draft.length_m = 0.01).to_string().contains("longer"));
     }
 }

@@ -77,7 +77,7 @@ pub fn text(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
     page.title("setup");
     page.text(&setup_file::write(setup));
     page.title("log");
-    let log: Vec<String> = snapshot.log.iter().map(crate::view::log_line).collect();
+    let log: Vec<String> = snapshot.log.iter().map(ToString::to_string).collect();
     page.text(&log.join("\n"));
     page.0
 }

@@ -4,24 +4,23 @@ use crate::live::Live;
 use crate::model::{BoundaryMode, Setup};
 use crate::picture::{POINTS, Picture, drawn_boundary_m};
 use crate::trial::Measured;
-use eframe::egui::ColorImage;
 use std::fmt::Write as _;
 
 /// Codes of a waveform as CSV, at most: 0.16 s at 400 kS/s.
 const CSV_CODES: usize = 1 << 16;
 
-/// A picture as PNG.
+/// A picture as PNG: red, green, blue and opacity of `width` x `height` pixels, row by row from the top left, colours
+/// not multiplied by the opacity.
 ///
 /// # Errors
-/// What the encoder says; a picture of no size is one such case.
-pub fn png(image: &ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+/// What the encoder says: a picture of no size and pixels of another number are such cases.
+pub fn png((width, height): (u32, u32), rgba: &[[u8; 4]]) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, image.size[0] as u32, image.size[1] as u32);
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header()?;
-    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied()).collect();
-    writer.write_image_data(&pixels)?;
+    writer.write_image_data(rgba.as_flattened())?;
     writer.finish()?;
     Ok(bytes)
 }

@@ -14,6 +14,8 @@ pub mod caption;
 pub mod chain;
 pub mod cli;
 #[cfg(feature = "gui")]
+pub mod colour_map;
+#[cfg(feature = "gui")]
 pub mod designer;
 pub mod device_table;
 #[cfg(feature = "gui")]
@@ -40,6 +42,8 @@ pub mod pilot;
 #[cfg(feature = "gui")]
 pub mod plate_fault;
 pub mod quantity;
+#[cfg(feature = "gui")]
+pub mod scene;
 #[cfg(feature = "gui")]
 pub mod settings;
 pub mod setup_file;

@@ -6,7 +6,6 @@
 use crate::device_table::DeviceTable;
 use crate::link::{Change, LinkState, Port, Snapshot};
 use crate::picture::SteadyTone;
-use crate::settings::Settings;
 use crate::table_making::TableMade;
 use slipline_protocol::command::Drive;
 use slipline_protocol::event::{Fault, Faults, State};
@@ -86,13 +85,14 @@ impl Pilot {
         self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
-    /// Looks at what has changed on the link; `made` is the table for the plate on the screen.
+    /// Looks at what has changed on the link; `made` is the table for the plate on the screen;
+    /// `is_uploading_wanted` whether a real device gets a new table without being asked.
     pub fn look(
         &mut self,
         before: &Snapshot,
         now: &Snapshot,
         made: Option<&TableMade>,
-        settings: &Settings,
+        is_uploading_wanted: bool,
     ) -> Vec<Act> {
         let mut acts = Vec::new();
         let is_lost =
@@ -121,7 +121,7 @@ impl Pilot {
         if let Some(made) = made {
             let crc = made.device_table.crc();
             // A table the device holds from before is only recognised: that asks nothing of the user.
-            let is_wanted = is_simulated || settings.auto_upload || is_held;
+            let is_wanted = is_simulated || is_uploading_wanted || is_held;
             let is_known = is_held && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
                 self.sent_table = Some(crc);

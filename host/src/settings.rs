@@ -1,5 +1,6 @@
 //! What the app remembers between runs besides the setup.
 
+use crate::sheet::WavePicture;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -26,33 +27,6 @@ impl ThemeChoice {
             Self::Light => "Light",
             Self::Dark => "Dark",
             Self::System => "As the system",
-        }
-    }
-}
-
-/// What the wave on the plate is drawn from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum WavePicture {
-    /// The 2-D sheet where it runs live, else the modal lines.
-    #[default]
-    Automatic,
-    /// The modal lines.
-    Lines,
-    /// The 2-D sheet wherever it is possible at all.
-    Sheet,
-}
-
-impl WavePicture {
-    /// Every choice, in the order of the menu.
-    pub const ALL: [Self; 3] = [Self::Automatic, Self::Lines, Self::Sheet];
-
-    /// Its name in the menu.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Automatic => "Wave: automatic",
-            Self::Lines => "Wave: modal lines",
-            Self::Sheet => "Wave: 2-D sheet if possible",
         }
     }
 }

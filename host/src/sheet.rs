@@ -9,7 +9,7 @@
 
 mod source;
 
-pub use source::{Source, source};
+pub use source::{Source, WavePicture, source};
 
 use crate::device_table::DeviceTable;
 use crate::mirror::Mirror;

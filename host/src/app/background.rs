@@ -1,13 +1,14 @@
 //! What takes longer than a frame: the validity lights, the designer, the 2-D sheet; how far each is, and giving it up.
 
 use super::{App, Parts};
-use crate::designer::{Designed, Draft};
+use crate::designer::Draft;
 use crate::edit::Edit;
-use crate::sheet::{self, Frame, Source};
+use crate::scene::{Background, DesignState, Waiting};
+use crate::sheet::{self, Frame, Source, WavePicture};
 use crate::surface::slow_factor;
 use crate::table_making::{TableMade, TableState};
 use crate::trial;
-use crate::validity::{self, Verdict};
+use crate::validity;
 use eframe::egui;
 use slipline_plate::Plate;
 use slipline_plate::check::Conditions;
@@ -21,43 +22,13 @@ const BAR: Duration = Duration::from_millis(100);
 /// The sample rate that is supposed until a device tells its own, in Hz.
 const USUAL_RATE_HZ: f64 = 400e3;
 
-/// Where the designer stands.
-#[derive(Clone, Debug, Default)]
-pub enum DesignState {
-    /// Nobody has opened it.
-    #[default]
-    Closed,
-    /// It is being designed.
-    Making,
-    /// A plate, or the reason why there is none.
-    Ready(Arc<Designed>),
-    /// It was given up.
-    Cancelled,
-}
-
-/// Work that is waited for, as a bar shows it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waiting {
-    /// What is being done.
-    pub what: &'static str,
-    /// How much of it is done, 0..=1.
-    pub share: f32,
-}
-
 /// What the app keeps of its background work.
 #[derive(Default)]
-pub struct Background {
-    /// The lights, of the plate and boundary they name.
-    pub verdict: Option<Verdict>,
-    asked: Option<validity::Job>,
-    /// What is wanted of the designer.
-    pub draft: Draft,
-    /// What came of it.
-    pub design: DesignState,
-    /// What the wave is drawn from.
-    pub source: Option<Source>,
+pub(super) struct Work {
+    /// What the views show of it.
+    pub(super) shown: Background,
     /// For which plate, rate and wish that was decided.
-    decided: Option<(Arc<Plate>, f64, crate::settings::WavePicture)>,
+    decided: Option<(Arc<Plate>, f64, WavePicture)>,
     frame: Option<Frame>,
     driven: Option<trial::Job>,
     /// Plate time that has passed in slow motion, in seconds.
@@ -69,18 +40,12 @@ pub struct Background {
     is_long: bool,
 }
 
-impl Background {
+impl Work {
     /// Notes the table that was made last: it comes back when another's making is given up.
     pub(super) fn keep(&mut self, table: &TableState) {
         if let Some(made) = table.made() {
             self.kept = Some(Arc::clone(made));
         }
-    }
-
-    /// Whether the lights are those of the plate and boundary on the screen.
-    #[must_use]
-    pub fn is_checked(&self) -> bool {
-        self.verdict.as_ref().map(|verdict| &verdict.job) == self.asked.as_ref()
     }
 
     /// The work that is waited for, once it has taken longer than people like to wait.
@@ -137,7 +102,7 @@ impl App {
         if is_decided {
             return;
         }
-        self.background.source = Some(sheet::source(plate, rate_hz, wish));
+        self.background.shown.source = Some(sheet::source(plate, rate_hz, wish));
         self.background.decided = Some((Arc::clone(plate), rate_hz, wish));
         if let Some(job) = self.background.driven.take() {
             self.run_sheet(job);
@@ -158,8 +123,8 @@ impl App {
                 other_boundaries_m: others.map(|other| other.position_m).collect(),
             },
         };
-        if self.background.asked.as_ref() != Some(&job) {
-            self.background.asked = Some(job.clone());
+        if self.background.shown.asked.as_ref() != Some(&job) {
+            self.background.shown.asked = Some(job.clone());
             self.parts.checks.ask(job);
         }
     }
@@ -168,7 +133,8 @@ impl App {
     pub(super) fn run_sheet(&mut self, drive: trial::Job) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
-        if self.background.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate) {
+        if self.background.shown.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate)
+        {
             self.parts.sheets.ask(sheet::Job { drive, time_s: self.background.plate_time_s });
         }
     }
@@ -191,18 +157,18 @@ impl App {
     /// The sheet, if the wave of the plate on the screen is drawn from it.
     pub(super) fn shown_sheet(&self) -> Option<&Frame> {
         let frame =
-            self.background.frame.as_ref().filter(|_| self.background.source == Some(Source::Sheet))?;
+            self.background.frame.as_ref().filter(|_| self.background.shown.source == Some(Source::Sheet))?;
         frame.plate.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate)).then_some(frame)
     }
 
     pub(super) fn take_background(&mut self) {
         if let Some(verdict) = self.parts.checks.take() {
-            self.background.verdict = Some(verdict);
+            self.background.shown.verdict = Some(verdict);
         }
         if let Some(designed) = self.parts.designs.take()
-            && designed.draft == self.background.draft
+            && designed.draft == self.background.shown.draft
         {
-            self.background.design = DesignState::Ready(Arc::new(designed));
+            self.background.shown.design = DesignState::Ready(Arc::new(designed));
         }
         if let Some(frame) = self.parts.sheets.take() {
             self.background.frame = Some(frame);
@@ -211,8 +177,8 @@ impl App {
 
     /// Has the plate of a draft designed.
     pub(super) fn design(&mut self, draft: Draft) {
-        self.background.draft = draft.clone();
-        self.background.design = DesignState::Making;
+        self.background.shown.draft = draft.clone();
+        self.background.shown.design = DesignState::Making;
         self.parts.designs.ask(draft);
     }
 
@@ -232,11 +198,11 @@ impl App {
             }
             Some("design") => {
                 self.parts.designs.cancel();
-                self.background.design = DesignState::Cancelled;
+                self.background.shown.design = DesignState::Cancelled;
             }
             Some("sheet") => {
                 self.parts.sheets.cancel();
-                self.background.source = Some(Source::Lines(Some("the sheet was given up".to_owned())));
+                self.background.shown.source = Some(Source::Lines(Some("the sheet was given up".to_owned())));
             }
             Some(_) => self.parts.checks.cancel(),
             None => {}

@@ -87,7 +87,7 @@ impl App {
 
     fn let_pilot_act(&mut self, before: &Snapshot) {
         let made = self.screen_table().cloned();
-        for act in self.pilot.look(before, &self.snapshot, made.as_deref(), &self.settings) {
+        for act in self.pilot.look(before, &self.snapshot, made.as_deref(), self.settings.auto_upload) {
             match act {
                 pilot::Act::Upload(table) => {
                     self.parts.link.send(Request::Upload(table));

@@ -1,16 +1,7 @@
 //! The messages that stand: why the device does not do what was asked, as long as that holds, and beside it what was
 //! told last.
 
-/// A message to the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// What it says.
-    pub text: String,
-    /// Whether something went wrong.
-    pub is_error: bool,
-    /// Rises with every message: the same words again are another message.
-    pub number: u64,
-}
+use crate::scene::Notice;
 
 /// The messages that stand.
 #[derive(Default)]

@@ -1,6 +1,6 @@
 //! Carrying out what the views ask for.
 
-use super::{App, DesignState, first_setup, set_theme};
+use super::{App, first_setup, set_theme};
 use crate::designer::cut_files;
 use crate::diagnostics;
 use crate::edit::Edit;
@@ -8,6 +8,7 @@ use crate::export;
 use crate::figures::plate::Subject;
 use crate::files::{FileEvent, FileJob, Save};
 use crate::link::{Request, Severity};
+use crate::scene::DesignState;
 use crate::setup_file::{self, Opened};
 use crate::view::intent::{Confirm, Dialog, Export, Intent, Intents};
 use eframe::egui;
@@ -122,7 +123,7 @@ impl App {
 
     /// The plate that was designed for the present draft.
     fn designed(&self) -> Option<Arc<Design>> {
-        let DesignState::Ready(designed) = &self.background.design else { return None };
+        let DesignState::Ready(designed) = &self.background.shown.design else { return None };
         designed.result.as_ref().ok().cloned()
     }
 

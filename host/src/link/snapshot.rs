@@ -8,6 +8,7 @@ use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
+use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -121,6 +122,19 @@ pub struct LogEntry {
     pub time: Duration,
     /// What.
     pub text: String,
+}
+
+impl fmt::Display for LogEntry {
+    /// One line: the time in seconds, the severity, the text.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let level = match self.severity {
+            Severity::Detail => "detail",
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        };
+        write!(f, "{:9.3} {level:7} {}", self.time.as_secs_f64(), self.text)
+    }
 }
 
 /// Lines the log keeps.

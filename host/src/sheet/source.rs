@@ -1,7 +1,7 @@
 //! What the wave is drawn from: the sheet where its cost allows, else the modal lines.
 
 use super::grid;
-use crate::settings::WavePicture;
+use serde::{Deserialize, Serialize};
 use slipline_plate::{Plate, SheetError};
 
 /// Cell updates per second of plate time up to which a sheet is shown without being asked for: few enough that one
@@ -9,6 +9,33 @@ use slipline_plate::{Plate, SheetError};
 const BUDGET: f64 = 5e8;
 /// The most with which one can be asked for: it settles within some tens of seconds on one core.
 const BUDGET_ON_REQUEST: f64 = 5e10;
+
+/// What the user wants the wave on the plate to be drawn from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum WavePicture {
+    /// The 2-D sheet where it runs live, else the modal lines.
+    #[default]
+    Automatic,
+    /// The modal lines.
+    Lines,
+    /// The 2-D sheet wherever it is possible at all.
+    Sheet,
+}
+
+impl WavePicture {
+    /// Every choice, in the order of the menu.
+    pub const ALL: [Self; 3] = [Self::Automatic, Self::Lines, Self::Sheet];
+
+    /// Its name in the menu.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Automatic => "Wave: automatic",
+            Self::Lines => "Wave: modal lines",
+            Self::Sheet => "Wave: 2-D sheet if possible",
+        }
+    }
+}
 
 /// What the wave is drawn from.
 #[derive(Clone, Debug, PartialEq)]

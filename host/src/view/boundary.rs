@@ -10,9 +10,7 @@ use crate::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_
 use crate::ticks;
 use eframe::egui::{self, RichText, Slider, text::LayoutJob};
 use slipline_plate::Plate;
-
-/// From 20 kHz on a finger feels slipperiness; below, vibration.
-pub(super) const SLIPPERY_FROM_HZ: f64 = 20_000.0;
+use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;

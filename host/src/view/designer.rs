@@ -5,8 +5,9 @@ mod form;
 use super::field::row;
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme};
-use crate::app::DesignState;
+use crate::caption::Panel;
 use crate::quantity::{show_frequency, show_length, show_place};
+use crate::scene::DesignState;
 use eframe::egui::{self, RichText};
 use form::Form;
 use slipline_plate::design::Design;
@@ -20,8 +21,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         DesignState::Ready(designed) => Some(&designed.result),
         _ => None,
     };
-    let misfit = result.and_then(|result| result.as_ref().err());
-    let form::Shown { change, is_told } = Form::new(&background.draft, misfit, &mut view.fields).show(ui);
+    let refusal = result.and_then(|result| result.as_ref().err());
+    let form::Shown { change, is_told } = Form::new(&background.draft, refusal, &mut view.fields).show(ui);
     if let Some(draft) = change {
         intents.push(Intent::Design(Box::new(draft)));
     }
@@ -45,8 +46,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 ui.add_space(4.0);
                 SAVE.into_iter().for_each(|save| button(ui, save, intents));
             }
-            Err(misfit) => {
-                let text = if is_told { "None: see the field above." } else { misfit.reason.as_str() };
+            Err(refusal) => {
+                let text = if is_told {
+                    "None: see the field above.".to_owned()
+                } else {
+                    refusal.told(&Panel::Designer)
+                };
                 ui.label(RichText::new(text).small().color(palette.wrong));
             }
         },

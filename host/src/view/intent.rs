@@ -4,7 +4,8 @@ use super::axis::Axis;
 use crate::designer::Draft;
 use crate::edit::Edit;
 use crate::link::Request;
-use crate::settings::{ThemeChoice, WavePicture};
+use crate::settings::ThemeChoice;
+use crate::sheet::WavePicture;
 use std::path::PathBuf;
 
 /// What was grabbed with the pointer, so that every later move of the pointer is a move of the tone.

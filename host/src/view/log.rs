@@ -32,18 +32,6 @@ const LEVELS: [(Severity, &str); 4] = [
     (Severity::Error, "errors"),
 ];
 
-/// One line as it is copied and saved.
-#[must_use]
-pub(crate) fn line(entry: &LogEntry) -> String {
-    let level = match entry.severity {
-        Severity::Detail => "detail",
-        Severity::Info => "info",
-        Severity::Warning => "warning",
-        Severity::Error => "error",
-    };
-    format!("{:9.3} {level:7} {}", entry.time.as_secs_f64(), entry.text)
-}
-
 /// Width of the menu of levels in a row with this room: a narrow one leaves some of it to the filter.
 fn level_width(room: f32) -> f32 {
     if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
@@ -85,7 +73,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
         let copy = ui.small_button("Copy").on_hover_text("Copy the lines shown");
         if copy.clicked() {
-            let text: Vec<String> = shown.iter().map(|entry| line(entry)).collect();
+            let text: Vec<String> = shown.iter().map(ToString::to_string).collect();
             intents.push(Intent::Copy(text.join("\n")));
         }
         rest.note(ui, copy.rect.right() - response.response.rect.left());

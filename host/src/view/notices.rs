@@ -2,7 +2,7 @@
 
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme};
-use crate::app::Notice;
+use crate::scene::Notice;
 use eframe::egui::{self, RichText, Sense};
 use std::time::Duration;
 

@@ -87,7 +87,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
 }
 
 fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    use crate::app::TableState;
+    use crate::table_making::TableState;
     let palette = theme::palette(ui);
     match scene.table {
         TableState::Waiting => row(ui, "Table", "made once a device tells its rate"),

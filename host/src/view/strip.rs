@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::{Scene, theme};
 use eframe::egui::{self, Align2, FontId, Rect, Stroke, StrokeKind, pos2, vec2};
-use slipline_plate::sensation::{Sensation, felt};
+use slipline_plate::sensation::{SLIPPERY_FROM_HZ, Sensation, felt};
 
 /// A vibration this far above the threshold of feeling gets the full colour, in dB.
 const STRONG_DB: f64 = 50.0;
@@ -46,7 +46,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
 /// What the strip stands for; said beside it, because words on it would hide where the edge is.
 pub(super) fn words(scene: &Scene<'_>) -> &'static str {
     let mut waves = scene.predicted.tones.iter();
-    if waves.any(|wave| wave.tone.frequency_hz >= super::boundary::SLIPPERY_FROM_HZ) {
+    if waves.any(|wave| wave.tone.frequency_hz >= SLIPPERY_FROM_HZ) {
         "felt: how slippery, illustrative"
     } else {
         "felt: how strong the vibration, illustrative"

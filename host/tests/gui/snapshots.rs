@@ -42,12 +42,17 @@ fn read(path: &PathBuf) -> ColorImage {
     ColorImage::new([info.width as usize, info.height as usize], pixels)
 }
 
+fn png(seen: &ColorImage) -> Vec<u8> {
+    let rgba: Vec<[u8; 4]> = seen.pixels.iter().map(Color32::to_srgba_unmultiplied).collect();
+    export::png((seen.size[0] as u32, seen.size[1] as u32), &rgba).unwrap()
+}
+
 fn compare(name: &str, seen: &ColorImage) {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/gui/snapshots");
     let path = folder.join(format!("{name}.png"));
     if std::env::var_os("SLIPLINE_BLESS").is_some() {
         std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(&path, export::png(seen).unwrap()).unwrap();
+        std::fs::write(&path, png(seen)).unwrap();
         return;
     }
     let right = read(&path);
@@ -58,7 +63,7 @@ fn compare(name: &str, seen: &ColorImage) {
     let off = right.pixels.iter().zip(&seen.pixels).filter(is_off).count();
     if off * 1000 > seen.pixels.len() * MOST_PER_MILLE {
         let actual = std::env::temp_dir().join(format!("slipline-{name}.png"));
-        std::fs::write(&actual, export::png(seen).unwrap()).unwrap();
+        std::fs::write(&actual, png(seen)).unwrap();
         panic!("{off} of {} pixels differ: look at {}", seen.pixels.len(), actual.display());
     }
 }

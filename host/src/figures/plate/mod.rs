@@ -5,6 +5,7 @@ mod page;
 mod paper;
 
 use super::draw::{DrawError, HUES};
+use crate::colour_map;
 use crate::model::{BoundaryMode, Setup};
 use crate::picture::{POINTS, Picture, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m};
 use crate::quantity::{show_frequency, show_length, show_place};
@@ -12,7 +13,6 @@ use crate::sheet::Frame;
 use crate::surface::{Row, Surface, Wave};
 use crate::ticks::Ticks;
 use crate::trial::Measured;
-use crate::view::theme;
 use crate::workshop::Task;
 use page::Page;
 use paper::{Anchor, CELL, LINE, Paper, Place, TEXT, TITLE};
@@ -116,12 +116,12 @@ impl Figure<'_, '_> {
 
     /// The colour of a displacement, of full colour.
     fn colour(&self, value: f64) -> RGBColor {
-        let colour = if self.subject.is_largest {
-            theme::sequential(value.abs() as f32, false)
+        let [red, green, blue] = if self.subject.is_largest {
+            colour_map::sequential(value.abs() as f32, false)
         } else {
-            theme::diverging(value as f32, false)
+            colour_map::diverging(value as f32, false)
         };
-        RGBColor(colour.r(), colour.g(), colour.b())
+        RGBColor(red, green, blue)
     }
 
     /// The plate from above with its wave.

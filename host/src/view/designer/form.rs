@@ -1,12 +1,13 @@
-//! The form of the designer: the fields of a draft, and the reason of a misfit at the field it names. The fields and
+//! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. The fields and
 //! their words are those of `slipline design`.
 
-use crate::caption::{self, Caption, FIELD_DIGITS, Unit};
-use crate::designer::{Draft, Kind, Misfit, Stretch};
+use crate::caption::{self, Caption, FIELD_DIGITS, Panel, Unit};
+use crate::designer::{Draft, Kind, Stretch};
 use crate::quantity::{self, Measure, show_range};
 use crate::view::field::{Field, Fields, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
+use slipline_plate::PlateError;
 use slipline_plate::design::{BAND_WIDTH_MIN_PERCENT, Material, material_names};
 use slipline_plate::range::{self, Range};
 
@@ -18,7 +19,7 @@ const AUTOMATIC: &str = "auto";
 /// The fields of a draft.
 pub(super) struct Form<'a> {
     draft: &'a Draft,
-    misfit: Option<&'a Misfit>,
+    refusal: Option<&'a PlateError>,
     fields: &'a mut Fields,
     shown: Shown,
 }
@@ -28,7 +29,7 @@ pub(super) struct Form<'a> {
 pub(super) struct Shown {
     /// The draft that the user makes of it.
     pub(super) change: Option<Draft>,
-    /// Whether the reason of the misfit stands at its field.
+    /// Whether the reason of the refusal stands at its field.
     pub(super) is_told: bool,
 }
 
@@ -66,9 +67,9 @@ fn frequency(text: &str) -> Result<f64, String> {
 }
 
 impl<'a> Form<'a> {
-    /// A form of this draft; a `misfit` is why there is no plate for it.
-    pub(super) fn new(draft: &'a Draft, misfit: Option<&'a Misfit>, fields: &'a mut Fields) -> Self {
-        Self { draft, misfit, fields, shown: Shown::default() }
+    /// A form of this draft; `refusal` is why there is no plate for it.
+    pub(super) fn new(draft: &'a Draft, refusal: Option<&'a PlateError>, fields: &'a mut Fields) -> Self {
+        Self { draft, refusal, fields, shown: Shown::default() }
     }
 
     /// Shows every field.
@@ -89,7 +90,7 @@ impl<'a> Form<'a> {
         take: impl FnOnce(&mut Draft, &str) -> Result<(), String>,
     ) {
         let Entry { caption: Caption { name, keys, .. }, value, hint } = entry;
-        let reason = self.misfit.filter(|misfit| keys.contains(&misfit.field.as_str()));
+        let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
                 let field = Field { name, value, hint, width: FIELD, caption: None };
@@ -99,9 +100,10 @@ impl<'a> Form<'a> {
                     take(&mut draft, text).map(|()| draft)
                 });
                 self.shown.change = taken.or(self.shown.change.take());
-                if let Some(misfit) = reason {
+                if let Some(refusal) = reason {
                     self.shown.is_told = true;
-                    let text = RichText::new(&misfit.reason).small().color(theme::palette(ui).wrong);
+                    let text =
+                        RichText::new(refusal.told(&Panel::Designer)).small().color(theme::palette(ui).wrong);
                     ui.add(egui::Label::new(text).wrap());
                 }
             });
