@@ -11,64 +11,38 @@
 //! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
 
 #![forbid(unsafe_code)]
-pub mod airy;
-mod analytic;
-pub mod bessel;
 pub mod check;
-pub mod clamped;
-mod coupled;
 pub mod design;
-mod drive;
-mod drive_table;
-mod envelope;
-mod error;
-mod galerkin;
-mod kernel;
-mod model;
-pub mod numeral;
-mod numerov;
-mod oscillators;
+pub mod frequency;
 pub mod paper;
-mod peak;
-mod plate;
-mod plate_file;
-mod presets;
 mod progress;
-pub mod range;
-mod respond;
-mod sample_rate;
-pub mod sensation;
-mod sensitivity;
-mod sentence;
+pub mod quantity;
 pub mod sheet;
-mod suggestion;
-mod sweep;
-mod taper;
-mod time_line;
-mod turning;
+pub mod spec;
+pub mod special;
+pub mod table;
+pub mod time;
 
-pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
-pub use drive::{Actuator, DriveEnd};
-pub use drive_table::{DriveTable, KNOTS_MAX, Knot, Level, TableError};
-pub use envelope::{Envelope, PredictedEnvelope, ToneDrive, predict_envelope};
-pub use error::{Consequence, Origin, PlateError, PlateFileError};
-pub use model::{Bending, Model};
+pub use check::sensation;
+pub use frequency::{
+    COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, POINTS_MAX, POINTS_MIN, Peak,
+    RespondError, Response, clamped, respond, respond_batch, respond_coupled, respond_range,
+};
 pub use num_complex::Complex64;
-pub use peak::Peak;
-pub use plate::{BAND_RATIO_MAX, Plate, PlateSpec, WAVELENGTHS_MAX};
-pub use plate_file::PLATE_FILE_BYTES_MAX;
-pub use presets::{Preset, preset, presets};
 pub use progress::{Progress, Stopped};
-pub use respond::{
-    Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch, respond_range,
-};
-pub use sample_rate::{SampleRateError, sample_rates};
-pub use sensitivity::{
-    Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
-    sensitivity_per_percent_watched, table_sensitivity,
-};
-pub use sentence::Notation;
+pub use quantity::{nearest, numeral};
 pub use sheet::{Sheet, SheetError, SheetGrid};
-pub use suggestion::nearest;
-pub use taper::Taper;
-pub use time_line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};
+pub use spec::{
+    Actuator, BAND_RATIO_MAX, Bending, Consequence, DriveEnd, Model, Notation, Origin, PLATE_FILE_BYTES_MAX,
+    Plate, PlateError, PlateFileError, PlateSpec, Preset, SampleRateError, Taper, WAVELENGTHS_MAX, preset,
+    presets, range, sample_rates,
+};
+pub use special::{airy, bessel};
+pub use table::{
+    DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, sensitivity, sensitivity_per_percent,
+    sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
+};
+pub use time::{
+    Envelope, LINE_POINTS, LineError, PredictedEnvelope, TimeLine, ToneDrive, WIDTH_MODE_MAX,
+    predict_envelope,
+};

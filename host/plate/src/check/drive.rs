@@ -1,11 +1,13 @@
 //! Lights of the driven end, the actuator and the table's robustness.
 
+use super::checker::CheckError;
+use super::grading::{Finding, Site, colour, pick};
+use super::report::Colour;
 use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
-use super::{CheckError, Colour, Finding, Site, colour, pick};
-use crate::drive::DriveEnd;
-use crate::drive_table::{Chain, levelled};
-use crate::numeral::with_decimals;
-use crate::plate::Plate;
+use crate::quantity::numeral::with_decimals;
+use crate::spec::drive::DriveEnd;
+use crate::spec::plate::Plate;
+use crate::table::level::{Chain, levelled};
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
 ///

@@ -1,9 +1,9 @@
 //! How a number found at a boundary becomes a light.
 
-use super::Checker;
+use super::checker::Checker;
 use super::report::{Colour, Light};
 use super::thresholds::Limits;
-use crate::plate::Plate;
+use crate::spec::plate::Plate;
 
 /// A light and how bad it is within its colour, so that the worst of a span can be picked.
 pub(super) struct Finding {

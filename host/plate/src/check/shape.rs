@@ -1,9 +1,10 @@
 //! Lights that follow from the taper and the turning point alone.
 
+use super::grading::{Finding, Site, pick};
+use super::report::Colour;
 use super::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
-use super::{Colour, Finding, Site, pick};
-use crate::numeral::with_decimals;
-use crate::plate::Plate;
+use crate::quantity::numeral::with_decimals;
+use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
 /// Places between the driven end and the boundary at which the taper is looked at.

@@ -1,12 +1,14 @@
 //! Lights for what is heard: the sound level of one tone and the beat of two.
 
+use super::checker::CheckError;
+use super::grading::{Finding, Site};
+use super::report::Colour;
 use super::thresholds::{
     AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
     ULTRASOUND_DB,
 };
 use super::wave::response;
-use super::{CheckError, Colour, Finding, Site};
-use crate::respond::Response;
+use crate::frequency::respond::Response;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Density of air at 20 degrees C, kg/m^3.

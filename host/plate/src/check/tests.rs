@@ -1,7 +1,8 @@
 //! The lights on the presets, against numbers worked out by hand.
 
 use super::*;
-use crate::presets::{preset, presets};
+use crate::Plate;
+use crate::spec::presets::{preset, presets};
 use crate::{DriveEnd, Taper};
 
 fn report(name: &str, boundary_m: f64) -> Report {

@@ -1,12 +1,14 @@
 //! Lights that follow from the solved amplitude and the material.
 
+use super::checker::CheckError;
+use super::grading::{Finding, Site, colour, pick};
+use super::report::Colour;
 use super::thresholds::{LOSS, THIN_PLATE_PERCENT};
-use super::{CheckError, Colour, Finding, Site, colour, pick};
-use crate::drive_table::TableError;
-use crate::model::Model;
-use crate::numeral::with_decimals;
-use crate::plate::Plate;
-use crate::respond::{Equation, Response, respond};
+use crate::frequency::respond::{Equation, Response, respond};
+use crate::quantity::numeral::with_decimals;
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use crate::table::drive_table::TableError;
 use std::f64::consts::TAU;
 
 /// Points of the amplitude that the lights look at; the solver refines them as it needs.

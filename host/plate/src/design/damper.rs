@@ -5,8 +5,8 @@
 //! centre line whose mechanical resistance is Z takes back all that returns. Z changes with frequency and a real
 //! damper does not: the match is made where the two ends of the band are wrong by the same factor.
 
-use crate::model::Model;
-use crate::plate::Plate;
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
 use serde::Serialize;
 use std::f64::consts::TAU;
 

@@ -3,9 +3,9 @@
 //! Handbook values at room temperature; the loss factors are illustrative, because mounting and glue often lose more
 //! than the material. Measure two boundaries on the plate you built and calibrate.
 
-use crate::error::PlateError;
-use crate::range;
-use crate::suggestion::hint;
+use crate::quantity::suggestion::hint;
+use crate::spec::error::PlateError;
+use crate::spec::range;
 use serde::Serialize;
 
 /// A sheet material.

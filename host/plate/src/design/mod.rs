@@ -16,14 +16,14 @@ mod outline;
 mod request;
 mod svg;
 
-use crate::airy;
 use crate::check::{loss_integral, thresholds, wavelengths};
-use crate::drive::DriveEnd;
-use crate::error::{Consequence, Origin, PlateError};
-use crate::model::Model;
-use crate::plate::{Plate, PlateSpec};
-use crate::range::{self, Range};
-use crate::taper::Taper;
+use crate::spec::drive::DriveEnd;
+use crate::spec::error::{Consequence, Origin, PlateError};
+use crate::spec::model::Model;
+use crate::spec::plate::{Plate, PlateSpec};
+use crate::spec::range::{self, Range};
+use crate::spec::taper::Taper;
+use crate::special::airy;
 use serde::Serialize;
 use std::f64::consts::TAU;
 

@@ -7,7 +7,7 @@
 
 use super::Mounting;
 use super::drawing::{Drawing, Shape, wrapped};
-use crate::plate::Plate;
+use crate::spec::plate::Plate;
 
 /// How far a plate whose edges may turn reaches over the window, mm: several times a cutter's kerf, so that it cannot
 /// drop through, and little enough to turn freely. At 40 kHz in 2 mm of aluminium (K = 0.27 /mm) the lip's inertia

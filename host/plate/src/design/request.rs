@@ -1,8 +1,8 @@
 //! What a plate is wanted for.
 
 use super::Material;
-use crate::model::{Bending, Model};
-use crate::numeral::rounded;
+use crate::quantity::numeral::rounded;
+use crate::spec::model::{Bending, Model};
 use serde::Serialize;
 
 /// How the sheet carries the wave.

@@ -64,8 +64,8 @@ fn margins_left_open_give_the_first_peak_and_the_last_tail_their_room() {
         let room = request.length_m - designed.high.boundary_m;
         let far = plate.kappa_per_m(request.band_hz.1).expect("enters") * room;
         assert!((far - 2.172).abs() < 0.01, "{far}");
-        let first =
-            crate::respond(plate, request.band_hz.0, 1001, crate::Equation::Corrected).expect("solves");
+        let first = crate::frequency::respond(plate, request.band_hz.0, 1001, crate::Equation::Corrected)
+            .expect("solves");
         assert!(first.peak.is_some_and(|peak| peak.position_m > 0.0), "the nearest boundary has its peak");
     }
 }

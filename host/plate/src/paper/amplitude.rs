@@ -1,9 +1,11 @@
 //! Fig. 4: the amplitude in the aluminium plate at 40 kHz.
 
+use super::figure::{
+    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
+};
 use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
-use super::{Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve};
-use crate::airy;
-use crate::respond::Equation;
+use crate::frequency::respond::Equation;
+use crate::special::airy;
 
 const FREQUENCY_HZ: f64 = 40e3;
 
@@ -74,7 +76,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::summit;
+    use crate::paper::figure::summit;
 
     #[test]
     fn the_printed_turning_point_lies_before_the_drive_and_its_peak_just_behind() {

@@ -1,8 +1,10 @@
 //! Fig. 5: the turning point follows the frequency.
 
+use super::figure::{
+    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
+};
 use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
-use super::{Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve};
-use crate::respond::Equation;
+use crate::frequency::respond::Equation;
 
 const FREQUENCIES_HZ: [f64; 2] = [40e3, 20e3];
 
@@ -63,7 +65,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::summit;
+    use crate::paper::figure::summit;
 
     #[test]
     fn the_printed_boundaries_move_the_wrong_way() {

@@ -1,6 +1,6 @@
 //! A figure's numbers as CSV: comment lines with the conventions, then one row a point.
 
-use super::Figure;
+use super::figure::Figure;
 use std::fmt::Write;
 
 impl Figure {

@@ -1,6 +1,6 @@
 //! Fig. 2: the local wavenumber as the plate narrows.
 
-use super::{Figure, Mark, POINTS, Panel, Series, Stroke, ramp};
+use super::figure::{Figure, Mark, POINTS, Panel, Series, Stroke, ramp};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, TAU};
 

@@ -1,6 +1,7 @@
 //! Fig. 3: the plate's potential and the turning point, with the paper's sign and the right one.
 
-use super::{Figure, Mark, POINTS, Panel, RATE_PER_M, Series, Stroke, printed, ramp};
+use super::figure::{Figure, Mark, POINTS, Panel, RATE_PER_M, Series, Stroke, ramp};
+use super::printed;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Wave speed of the rubber sheet, m/s.

@@ -1,7 +1,7 @@
 //! The paper's formulas exactly as they are printed, for the left panels.
 
-use super::RATE_PER_M;
-use crate::airy;
+use super::figure::RATE_PER_M;
+use crate::special::airy;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Shear wave speed of aluminium, sqrt(mu/rho) with mu = 26 GPa and rho = 2700 kg/m^3, m/s.

@@ -1,9 +1,9 @@
 //! Fig. 9: the rubber plate at 30 and 40 Hz.
 
-use super::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke, magnitude, preset, solve};
-use crate::plate::{Plate, PlateSpec};
-use crate::respond::Equation;
-use crate::taper::Taper;
+use super::figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke, magnitude, preset, solve};
+use crate::frequency::respond::Equation;
+use crate::spec::plate::{Plate, PlateSpec};
+use crate::spec::taper::Taper;
 
 const FREQUENCIES_HZ: [f64; 2] = [30.0, 40.0];
 
@@ -71,7 +71,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::summit;
+    use crate::paper::figure::summit;
 
     #[test]
     fn the_corrected_turning_points_are_39_5_and_101_7_mm_a_shift_of_ln_4_thirds_over_d() {

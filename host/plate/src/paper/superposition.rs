@@ -1,8 +1,10 @@
 //! Fig. 7: two tones, two peaks.
 
+use super::figure::{
+    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
+};
 use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
-use super::{Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve};
-use crate::respond::Equation;
+use crate::frequency::respond::Equation;
 
 const FREQUENCIES_HZ: [f64; 2] = [5e3, 40e3];
 
@@ -85,7 +87,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::summit;
+    use crate::paper::figure::summit;
 
     #[test]
     fn the_printed_peaks_are_450_mm_apart_in_the_wrong_order() {

@@ -3,7 +3,7 @@
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::intake::Pace;
 use super::outline::Outline;
-use crate::plate::Plate;
+use crate::spec::plate::Plate;
 
 /// Courant number of the step (1 is the limit of stability).
 const COURANT: f64 = 0.99;
@@ -73,7 +73,7 @@ impl SheetGrid {
 mod tests {
     use super::super::Sheet;
     use super::*;
-    use crate::presets::preset;
+    use crate::spec::presets::preset;
 
     #[test]
     fn the_cost_told_is_the_cost_of_the_sheet_that_is_built() {

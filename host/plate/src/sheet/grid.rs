@@ -1,7 +1,7 @@
 //! The grid of a sheet as it is asked for: how fine, how driven, what is recorded, and what is refused.
 
-use crate::plate::Plate;
-use crate::sample_rate::SAMPLE_RATE_MAX_HZ;
+use crate::spec::plate::Plate;
+use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! From DAC codes to the driven column: the step rate, the actuator, and what the end holds.
 
-use crate::drive::{Actuator, DriveEnd};
-use crate::plate::Plate;
+use crate::spec::drive::{Actuator, DriveEnd};
+use crate::spec::plate::Plate;
 use std::f64::consts::PI;
 
 /// How many codes and steps go together, so that steps stay on the sample clock.

@@ -32,7 +32,7 @@ pub use cost::Cost;
 pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
 pub use lattice::Lattice;
 
-use crate::plate::Plate;
+use crate::spec::plate::Plate;
 use cost::Layout;
 use intake::{EndLaw, Intake};
 use outline::Outline;

@@ -6,7 +6,7 @@
 //! scheme is stable up to the Courant number of a uniform grid, whatever the outline; its error stays second order
 //! (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
-use crate::plate::Plate;
+use crate::spec::plate::Plate;
 use std::ops::RangeInclusive;
 
 /// Decay exponents between the last turning point and the end of the grid: what is cut off returns as e^-12.

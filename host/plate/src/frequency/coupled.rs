@@ -1,0 +1,203 @@
+//! Several width modes that pass energy to each other: how good the one-mode equation is.
+//!
+//! u(x, z) = sum g_n(x) phi_n, phi_n = W^(-1/2) cos(q_n z/W) with q_n = pi/2, 3 pi/2, .. solves
+//! u_xx + u_zz + K^2 u = 0 with u = 0 on the edges when
+//!
+//! g'' + 2 A g' + B g + (K^2 - q^2/W^2) g = 0, A = (W'/W) a, B = (W'/W)' a - (W'/W)^2 d,
+//!
+//! a_mn = <phi_m, d phi_n/d ln W>, d_mn = <d phi_m/d ln W, d phi_n/d ln W>: nothing is neglected but the modes left
+//! out. The one-mode equation drops a and d. Supported bending obeys the same equation with K = kb, as far as its
+//! evanescent partner wave may be left out.
+
+use crate::frequency::numerov::{EndLaw, end_law};
+use crate::frequency::respond::{POINTS_MIN, RespondError};
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Most modes that are coupled.
+pub const COUPLED_MODES_MAX: usize = 8;
+/// Most points of a coupled solution (its work goes with the cube of the modes).
+pub const COUPLED_POINTS_MAX: usize = 20_001;
+
+/// Steady amplitudes of several coupled width modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoupledResponse {
+    /// Positions, metres: uniform from 0 to the plate's end.
+    pub position_m: Vec<f64>,
+    /// Amplitude of each mode (1, 3, 5, ..) on the centre line, relative to the drive.
+    pub modes: Vec<Vec<Complex64>>,
+}
+
+impl CoupledResponse {
+    /// Displacement on the centre line, where every symmetric mode counts with its full amplitude.
+    pub fn centre_line(&self) -> Vec<Complex64> {
+        (0..self.position_m.len()).map(|i| self.modes.iter().map(|mode| mode[i]).sum()).collect()
+    }
+}
+
+/// Solves for the first `modes` symmetric width modes together; the drive has the shape of the first.
+///
+/// Second order in the spacing of `points`. Returns `None` for clamped edges, whose modes are not cosines.
+///
+/// # Errors
+/// [`RespondError`] when the frequency cannot enter, or when `points` or the range of `modes` (1 to 8) is left.
+pub fn respond_coupled(
+    plate: &Plate,
+    frequency_hz: f64,
+    points: usize,
+    modes: usize,
+) -> Result<Option<CoupledResponse>, RespondError> {
+    if !(POINTS_MIN..=COUPLED_POINTS_MAX).contains(&points) {
+        return Err(RespondError::Points { points, low: POINTS_MIN, high: COUPLED_POINTS_MAX });
+    }
+    if !(1..=COUPLED_MODES_MAX).contains(&modes) {
+        return Err(RespondError::Modes { modes, low: 1, high: COUPLED_MODES_MAX });
+    }
+    if plate.turning_point_m(frequency_hz).is_none() {
+        return Err(RespondError::cannot_enter(plate, frequency_hz));
+    }
+    if matches!(plate.spec().model, Model::BendingClamped(_)) {
+        return Ok(None);
+    }
+    Ok(Some(solve(plate, frequency_hz, points, modes)))
+}
+
+fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> CoupledResponse {
+    let step = plate.length_m() / (points - 1) as f64;
+    let (a, d) = coupling(modes);
+    let axial =
+        plate.spec().model.wavenumber_squared(TAU * frequency_hz) * Complex64::new(1.0, plate.wave_loss());
+    let number: Vec<f64> = (0..modes).map(|n| PI * (n as f64 + 0.5)).collect();
+    let complex = |matrix: &DMatrix<f64>, scale: f64| matrix.map(|value| Complex64::from(value * scale));
+    // Rows of g[i-1] low + g[i] middle + g[i+1] high = 0 at one place.
+    let rows = |i: usize| {
+        let log = plate.width.at(i as f64 * step);
+        let identity = DMatrix::<Complex64>::identity(modes, modes);
+        let slope = complex(&a, log.slope * step);
+        let mut middle =
+            complex(&a, log.curvature * step * step) - complex(&d, log.slope * log.slope * step * step);
+        for n in 0..modes {
+            let barrier = (number[n] * (-log.value).exp()).powi(2);
+            middle[(n, n)] += (axial - barrier) * (step * step) - 2.0;
+        }
+        (&identity - &slope, middle, identity + slope)
+    };
+    // From the end toward the drive: g[i] = R[i] g[i-1], with the tail beyond the last place decaying mode by mode.
+    let last = points - 1;
+    let end = plate.width.at(plate.length_m());
+    let mut ratio = DMatrix::<Complex64>::zeros(modes, modes);
+    for n in 0..modes {
+        let decay = ((number[n] * (-end.value).exp()).powi(2) - axial).sqrt();
+        ratio[(n, n)] = (-decay * step).exp();
+    }
+    let mut ratios = vec![ratio.clone(); points];
+    for i in (1..=last).rev() {
+        let (low, middle, high) = rows(i);
+        let matrix = middle + high * &ratio;
+        ratio = matrix.lu().solve(&(-low)).unwrap_or_else(|| DMatrix::zeros(modes, modes));
+        ratios[i] = ratio.clone();
+    }
+    // The driven end: the first mode as the plate's drive end says, the others held still.
+    let root = |i: usize| (0.5 * (plate.width.at(0.0).value - plate.width.at(i as f64 * step).value)).exp();
+    let mut start = DVector::<Complex64>::zeros(modes);
+    start[0] = Complex64::ONE;
+    let (first, second) = (&ratios[1] * &start, &ratios[2] * (&ratios[1] * &start));
+    let f = [Complex64::ONE, first[0] * root(1), second[0] * root(2)];
+    let scale = match end_law(plate, frequency_hz) {
+        EndLaw::Value => Complex64::ONE,
+        EndLaw::Mixed { a, b } => b / ((-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step) + a * f[0]),
+    };
+    let mut g = start * scale;
+    let mut fields = vec![Vec::with_capacity(points); modes];
+    for (i, ratio) in ratios.iter().enumerate() {
+        if i > 0 {
+            g = ratio * g;
+        }
+        for (field, value) in fields.iter_mut().zip(g.iter()) {
+            field.push(value * root(i));
+        }
+    }
+    CoupledResponse { position_m: (0..points).map(|i| i as f64 * step).collect(), modes: fields }
+}
+
+/// a and d by Simpson's rule over -1..1 (smooth integrands: 2000 intervals are exact to rounding).
+fn coupling(modes: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let intervals = 2000;
+    let mut a = DMatrix::zeros(modes, modes);
+    let mut d = DMatrix::zeros(modes, modes);
+    for i in 0..=intervals {
+        let zeta = -1.0 + 2.0 * f64::from(i) / f64::from(intervals);
+        let simpson = if i == 0 || i == intervals { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        let weight = simpson * 2.0 / f64::from(intervals) / 3.0;
+        let value = |n: usize| (PI * (n as f64 + 0.5) * zeta).cos();
+        let change = |n: usize| {
+            let q = PI * (n as f64 + 0.5);
+            -0.5 * value(n) + q * zeta * (q * zeta).sin()
+        };
+        for m in 0..modes {
+            for n in 0..modes {
+                a[(m, n)] += weight * value(m) * change(n);
+                d[(m, n)] += weight * change(m) * change(n);
+            }
+        }
+    }
+    (a, d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frequency::respond::{Equation, respond};
+    use crate::spec::presets::preset;
+
+    #[test]
+    fn the_coupling_of_different_modes_is_antisymmetric_and_of_a_mode_with_itself_none() {
+        let (a, _) = coupling(6);
+        for m in 0..6 {
+            for n in 0..6 {
+                assert!((a[(m, n)] + a[(n, m)]).abs() < 1e-6, "{m} {n}");
+            }
+        }
+        assert!(a[(0, 1)].abs() > 0.1);
+    }
+
+    #[test]
+    fn six_coupled_modes_confirm_the_gain_of_the_one_mode_equation_and_not_the_papers() {
+        let plate = preset("al-bending-displacement").expect("a preset");
+        for frequency in [22e3, 31e3, 40e3] {
+            let top = |field: &[Complex64]| field.iter().map(|f| f.norm()).fold(0.0, f64::max);
+            let six = respond_coupled(&plate, frequency, 6001, 6).expect("enters").expect("cosines");
+            let one = respond(&plate, frequency, 6001, Equation::Corrected).expect("enters");
+            let paper = respond(&plate, frequency, 6001, Equation::Paper).expect("enters");
+            let (six, one, paper) = (top(&six.modes[0]), top(&one.amplitude), top(&paper.amplitude));
+            assert!((six / one - 1.0).abs() < 0.005, "{frequency}: {six} coupled, {one} alone");
+            assert!(paper / six < 0.65, "{frequency}: {paper} by the paper's equation, {six} coupled");
+        }
+    }
+
+    #[test]
+    fn a_drive_of_the_first_shape_leaves_the_higher_modes_faint() {
+        let plate = preset("membrane").expect("a preset");
+        let response = respond_coupled(&plate, 150.0, 2001, 4).expect("enters").expect("cosines");
+        let top = |field: &[Complex64]| field.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        assert!(top(&response.modes[1]) < 0.1 * top(&response.modes[0]), "{}", top(&response.modes[1]));
+        assert!(top(&response.modes[1]) > 1e-4 * top(&response.modes[0]), "they are coupled");
+        assert_eq!(response.centre_line().len(), 2001);
+    }
+
+    #[test]
+    fn what_cannot_be_coupled_is_refused_or_left_out() {
+        let plate = preset("membrane").expect("a preset");
+        assert!(matches!(respond_coupled(&plate, 150.0, 2001, 0), Err(RespondError::Modes { .. })));
+        assert!(matches!(respond_coupled(&plate, 150.0, 2, 3), Err(RespondError::Points { .. })));
+        assert!(matches!(respond_coupled(&plate, 20.0, 2001, 3), Err(RespondError::CannotEnter { .. })));
+        let mut spec = preset("al-bending").expect("a preset").spec().clone();
+        spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+        spec.span_end_m = 0.25;
+        let clamped = Plate::new(spec).expect("a valid plate");
+        assert_eq!(respond_coupled(&clamped, 30e3, 501, 3), Ok(None));
+    }
+}

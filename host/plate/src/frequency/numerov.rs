@@ -1,0 +1,269 @@
+//! The amplitude equation on a grid, fourth order.
+//!
+//! With g = sqrt(W) f the equation f'' + (W'/W) f' + k^2 f = 0 becomes g'' + Q g = 0 with
+//! Q = k^2 - (sqrt W)''/sqrt W (the paper's equation is g = f, Q = k^2). Numerov's scheme for y = (1 + h^2 Q/12) g is
+//! `y[i-1] = U[i] y[i] - y[i+1]`, U = 12/(1 + h^2 Q/12) - 10, with an error of h^4.
+//!
+//! It is run from far behind the turning point, where only the decaying solution fits, toward the driven end: in
+//! that direction the wanted solution grows and the recursion is stable, with no division and no matrix. The
+//! driven end then fixes the scale, with a derivative that is fourth order too.
+
+use crate::frequency::respond::Equation;
+use crate::frequency::sweep::{LANES, Sweep};
+use crate::spec::drive::DriveEnd;
+use crate::spec::plate::{Guide, Plate};
+use num_complex::Complex64;
+use pulp::Arch;
+
+/// Most points a refined grid has: a plate that would need more has a tail too steep to be seen.
+const GRID_POINTS_MAX: usize = 400_000;
+/// Decay exponents beyond which the tail is set to zero (e^-60 is below anything that is shown).
+const TAIL_EXPONENTS: f64 = 60.0;
+/// Decay exponents that the taper is continued beyond the plate's end, so that the end condition cannot be seen.
+const BEYOND_EXPONENTS: f64 = 14.0;
+
+/// The frequency-independent part of the problem: one plate, one width mode, one equation, one grid.
+#[derive(Debug, Clone)]
+pub(crate) struct Grid {
+    step_m: f64,
+    /// Points on the plate (from 0 to its end).
+    on_plate: usize,
+    /// a (q/W)^2 + (sqrt W)''/sqrt W at -1, 0, 1, .. : index i + 1. Goes on beyond the plate's end.
+    barrier: Vec<f64>,
+    /// Whether the barrier rises from place to place, as it does on most plates.
+    is_rising: bool,
+    /// 1/sqrt(W/W0) on the plate (1 for the paper's equation).
+    scale: Vec<f64>,
+    /// (sqrt W)'/sqrt W at 0 (0 for the paper's equation).
+    root_slope: f64,
+    mode: u32,
+}
+
+impl Grid {
+    pub(crate) fn new(
+        plate: &Plate,
+        mode: u32,
+        equation: Equation,
+        points: usize,
+        refinement: usize,
+    ) -> Self {
+        let guide = plate.guide(mode);
+        let on_plate = (points - 1) * refinement + 1;
+        let step_m = plate.length_m() / (on_plate - 1) as f64;
+        let barrier_at = |x: f64| match equation {
+            Equation::Corrected => guide.width_term(x) + plate.width.at(x).root_curvature(),
+            Equation::Paper => guide.width_term(x),
+        };
+        let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
+        barrier.push(barrier_at(-step_m));
+        barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
+        // The wave that turns at the plate's end is the one that decays slowest there.
+        let end_term = guide.width_term(plate.length_m());
+        let (mut exponents, mut i) = (0.0, on_plate);
+        while exponents < BEYOND_EXPONENTS && barrier.len() < 4 * on_plate + 64 {
+            let x = i as f64 * step_m;
+            if x > 0.98 * plate.width.reach_m() {
+                break;
+            }
+            exponents += (guide.width_term(x) - end_term).max(0.0).sqrt() * step_m;
+            barrier.push(barrier_at(x));
+            i += 1;
+        }
+        let log_width = plate.width.at(0.0);
+        let (scale, root_slope) = match equation {
+            Equation::Corrected => (
+                (0..on_plate)
+                    .map(|i| (0.5 * (log_width.value - plate.width.at(i as f64 * step_m).value)).exp())
+                    .collect(),
+                0.5 * log_width.slope,
+            ),
+            Equation::Paper => (vec![1.0; on_plate], 0.0),
+        };
+        let is_rising = barrier.is_sorted();
+        Self { step_m, on_plate, barrier, is_rising, scale, root_slope, mode }
+    }
+}
+
+/// How much finer than `step_m` the grid must be for an error of about 1e-9 at `frequency_hz`.
+pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize {
+    let guide = plate.guide(1);
+    let wavenumber = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(0.0);
+    // Numerov's phase error is (kh)^4/480 per radian; the deepest tail on the plate counts by its own exponent.
+    let phase = guide.phase_to(plate.length_m(), frequency_hz).max(1.0);
+    let tail = (guide.width_term(plate.length_m()) - guide.axial_squared(frequency_hz)).max(0.0).sqrt();
+    let steepest = wavenumber.max(kappa).max(0.5 * tail);
+    let wanted = (480.0 * 1e-9 / phase).sqrt().sqrt() / steepest.max(1e-9);
+    let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
+    (step_m / wanted).ceil().clamp(1.0, most) as usize
+}
+
+/// f'(0) + a f(0) = b of the driven end at `frequency_hz`, or a prescribed f(0).
+pub(crate) enum EndLaw {
+    Value,
+    Mixed { a: Complex64, b: Complex64 },
+}
+
+/// The driven end's law for a drive of 1.
+pub(crate) fn end_law(plate: &Plate, frequency_hz: f64) -> EndLaw {
+    let guide = plate.guide(1);
+    let k0 = |frequency_hz: f64| guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    match plate.spec().drive_end {
+        DriveEnd::Displacement => EndLaw::Value,
+        DriveEnd::Force { at_frequency_hz } => {
+            EndLaw::Mixed { a: Complex64::ZERO, b: Complex64::new(-k0(at_frequency_hz), 0.0) }
+        }
+        DriveEnd::Resistance { ratio, at_frequency_hz } => {
+            // r k0 = (R/T) omega with R/T constant.
+            let a = Complex64::new(0.0, ratio * k0(at_frequency_hz) * frequency_hz / at_frequency_hz);
+            EndLaw::Mixed { a, b: 2.0 * a }
+        }
+    }
+}
+
+/// a K^2 (1 + j eta), eta = [`Plate::wave_loss`].
+pub(crate) fn lossy_axial_squared(plate: &Plate, guide: &Guide<'_>, frequency_hz: f64) -> Complex64 {
+    guide.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
+}
+
+/// f on the grid's points on the plate.
+pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Complex64> {
+    let guide = plate.guide(grid.mode);
+    let axial = lossy_axial_squared(plate, &guide, frequency_hz);
+    let h2 = grid.step_m * grid.step_m / 12.0;
+    let q = |i: usize| axial - grid.barrier[i];
+    let start = tail_start(grid, axial.re);
+    // Index i of `grid.barrier` is grid point i - 1; `y` uses the same index.
+    let mut y = vec![Complex64::ZERO; grid.barrier.len()];
+    let decay = (-q(start)).sqrt() * grid.step_m;
+    y[start] = Complex64::new(1e-30, 0.0);
+    let mut next = y[start] * (-decay).exp();
+    for i in (1..=start).rev() {
+        let u = 12.0 / (1.0 + h2 * q(i)) - 10.0;
+        let before = u * y[i] - next;
+        next = y[i];
+        y[i - 1] = before;
+    }
+    // From y to g, then the driven end's derivative, fourth order (Numerov's own: g''' = -(Q g)').
+    for (i, value) in y.iter_mut().enumerate().take(start + 1) {
+        *value /= 1.0 + h2 * q(i);
+    }
+    let side = |i: usize| y[i] * (1.0 + 2.0 * h2 * q(i));
+    let slope = (side(2) - side(0)) / (2.0 * grid.step_m);
+    let gain = end_gain(grid, plate, frequency_hz, y[1], slope);
+    y[1..=grid.on_plate].iter().zip(&grid.scale).map(|(g, scale)| g * gain * *scale).collect()
+}
+
+/// The factor that makes g and g' at 0 obey the driven end.
+pub(crate) fn end_gain(
+    grid: &Grid,
+    plate: &Plate,
+    frequency_hz: f64,
+    g: Complex64,
+    slope: Complex64,
+) -> Complex64 {
+    // f = g/sqrt(W/W0): f(0) = g, f'(0) = g' - (sqrt W)'/sqrt W g.
+    match end_law(plate, frequency_hz) {
+        EndLaw::Value => 1.0 / g,
+        EndLaw::Mixed { a, b } => b / (slope + (a - grid.root_slope) * g),
+    }
+}
+
+/// Where the sweep may begin: so far behind the turning point that the rest is below e^-60.
+fn tail_start(grid: &Grid, axial: f64) -> usize {
+    let last = grid.barrier.len() - 1;
+    let mut exponents = 0.0;
+    // Roots only where there is a tail: they would take as long as the sweep.
+    let turn = if grid.is_rising { grid.barrier.partition_point(|&barrier| barrier <= axial) } else { 1 };
+    for i in turn.max(1)..last {
+        exponents += (grid.barrier[i] - axial).max(0.0).sqrt() * grid.step_m;
+        if exponents > TAIL_EXPONENTS {
+            return i;
+        }
+    }
+    last
+}
+
+/// Places whose eight values are taken apart together: 8 KiB, so that they stay in the first-level cache.
+const STRETCH: usize = 64;
+
+/// [`solve`] for many frequencies, eight at a time; `visit` gets the number of the frequency and its field.
+pub(crate) fn solve_each(
+    grid: &Grid,
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    mut visit: impl FnMut(usize, &[Complex64]),
+) {
+    let arch = Arch::new();
+    let guide = plate.guide(grid.mode);
+    let h2 = grid.step_m * grid.step_m / 12.0;
+    let barrier: Vec<f64> = grid.barrier.iter().map(|barrier| barrier * h2).collect();
+    let mut g_re = vec![[0.0; LANES]; barrier.len()];
+    let mut g_im = vec![[0.0; LANES]; barrier.len()];
+    let mut fields = vec![vec![Complex64::ZERO; grid.on_plate]; LANES];
+    for (group, frequencies) in frequencies_hz.chunks(LANES).enumerate() {
+        // A last group that is not full repeats its last frequency.
+        let frequency: [f64; LANES] =
+            std::array::from_fn(|lane| frequencies[lane.min(frequencies.len() - 1)]);
+        let axial = frequency.map(|frequency_hz| lossy_axial_squared(plate, &guide, frequency_hz));
+        let start = axial.map(|axial| tail_start(grid, axial.re));
+        let ratio: [Complex64; LANES] = std::array::from_fn(|lane| {
+            let q = axial[lane] - grid.barrier[start[lane]];
+            (-(-q).sqrt() * grid.step_m).exp()
+        });
+        let ends = arch.dispatch(Sweep {
+            barrier: &barrier,
+            axial_re: axial.map(|axial| 1.0 + h2 * axial.re),
+            axial_im: axial.map(|axial| h2 * axial.im),
+            start,
+            ratio_re: ratio.map(|ratio| ratio.re),
+            ratio_im: ratio.map(|ratio| ratio.im),
+            g_re: &mut g_re,
+            g_im: &mut g_im,
+        });
+        let gains: [Complex64; LANES] = std::array::from_fn(|lane| {
+            let g = Complex64::new(ends.g_re[lane], ends.g_im[lane]);
+            let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
+            end_gain(grid, plate, frequency[lane], g, difference / (2.0 * grid.step_m))
+        });
+        // A stretch of places at a time: all lanes read the same cache lines.
+        for from in (0..grid.on_plate).step_by(STRETCH) {
+            let to = (from + STRETCH).min(grid.on_plate);
+            for ((lane, field), gain) in fields.iter_mut().enumerate().zip(gains) {
+                let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&grid.scale[from..to]);
+                for (f, ((re, im), scale)) in field[from..to].iter_mut().zip(rows) {
+                    *f = Complex64::new(re[lane], im[lane]) * gain * *scale;
+                }
+            }
+        }
+        for (lane, field) in fields.iter().enumerate().take(frequencies.len()) {
+            visit(group * LANES + lane, field);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::presets::presets;
+
+    #[test]
+    fn eight_frequencies_at_once_are_the_same_as_one_at_a_time() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let (low, high) = plate.band_hz();
+            let grid = Grid::new(&plate, 1, Equation::Corrected, 301, 2);
+            // Eleven frequencies: one whole group and a part of one, far apart in their tails.
+            let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();
+            let mut seen = 0;
+            solve_each(&grid, &plate, &frequencies, |number, field| {
+                assert_eq!(number, seen);
+                seen += 1;
+                for (a, b) in field.iter().zip(solve(&grid, &plate, frequencies[number])) {
+                    assert!((a - b).norm() < 1e-9 * b.norm().max(1e-3), "{} {number}", preset.name);
+                }
+            });
+            assert_eq!(seen, 11);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The amplitude over x at one frequency or many: the frequency-domain solver's front.
+
+use crate::frequency::numerov::{self, Grid};
+use crate::frequency::peak::{self, Peak};
+use crate::quantity::numeral::{at_least, at_most, typed};
+use crate::spec::plate::Plate;
+use crate::spec::range::{FREQUENCY, Range};
+use num_complex::Complex64;
+use thiserror::Error;
+
+/// Which amplitude equation is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Equation {
+    /// f'' + (W'/W) f' + k^2 f = 0: what follows from the wave equation.
+    Corrected,
+    /// f'' + k^2 f = 0: the paper's, which loses the (W'/W) f' term.
+    Paper,
+}
+
+/// Why a plate did not answer.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RespondError {
+    /// The frequency is below the cut-off at the driven end: nothing runs.
+    #[error(
+        "frequency = {} Hz cannot enter the plate {plate:?}: must be above {} Hz, the cut-off at its wide end",
+        typed(at_most(*.frequency_hz, 6)), typed(at_least(*.cut_off_hz, 5))
+    )]
+    CannotEnter {
+        /// Name of the plate: a table made for one may be played on another.
+        plate: String,
+        /// The frequency that was asked for, Hz.
+        frequency_hz: f64,
+        /// Lowest frequency that enters, Hz.
+        cut_off_hz: f64,
+    },
+    /// The frequency is absurd.
+    #[error("frequency = {} Hz: must be {} for this plate", typed(*.frequency_hz), Range::new(*.low, *.high, "Hz"))]
+    Frequency {
+        /// The frequency that was asked for, Hz.
+        frequency_hz: f64,
+        /// Lowest allowed, Hz.
+        low: f64,
+        /// Highest allowed, Hz.
+        high: f64,
+    },
+    /// The number of points is not usable.
+    #[error("points = {points}: must be {low} to {high}")]
+    Points {
+        /// The number that was asked for.
+        points: usize,
+        /// Fewest.
+        low: usize,
+        /// Most.
+        high: usize,
+    },
+    /// The number of width modes is not usable.
+    #[error("modes = {modes}: must be {low} to {high}")]
+    Modes {
+        /// The number that was asked for.
+        modes: usize,
+        /// Fewest.
+        low: usize,
+        /// Most.
+        high: usize,
+    },
+}
+
+impl RespondError {
+    pub(crate) fn cannot_enter(plate: &Plate, frequency_hz: f64) -> Self {
+        Self::CannotEnter { plate: plate.name().to_owned(), frequency_hz, cut_off_hz: plate.cut_off_hz() }
+    }
+}
+
+/// Fewest points of a response.
+pub const POINTS_MIN: usize = 8;
+/// Most points of a response.
+pub const POINTS_MAX: usize = 200_001;
+
+/// Steady amplitude over the plate at one frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Positions, metres: uniform from 0 to the plate's length.
+    pub position_m: Vec<f64>,
+    /// Complex amplitude at each position relative to the drive; the displacement is Re(f e^(-j omega t)).
+    pub amplitude: Vec<Complex64>,
+    /// Turning point x0, metres; beyond the plate's end if the wave reaches it.
+    pub turning_point_m: f64,
+    /// Distance from the peak to a tenth of it, metres (2.729/kappa).
+    pub edge_width_m: f64,
+    /// The turning-point peak; `None` where loss or a near driven end leaves none.
+    pub peak: Option<Peak>,
+    /// |f| at the turning point (what a table levels where there is no peak).
+    pub amplitude_at_turning_point: f64,
+}
+
+/// Solves the amplitude equation at `frequency_hz` on `points` uniform points from 0 to the plate's end.
+///
+/// The solver's own grid is as much finer as an error of about 1e-9 needs.
+///
+/// # Errors
+/// [`RespondError`] when the frequency cannot enter, or the frequency or `points` is out of range.
+pub fn respond(
+    plate: &Plate,
+    frequency_hz: f64,
+    points: usize,
+    equation: Equation,
+) -> Result<Response, RespondError> {
+    check(plate, frequency_hz, points)?;
+    let step = plate.length_m() / (points - 1) as f64;
+    let refinement = numerov::refinement(plate, frequency_hz, step);
+    let grid = Grid::new(plate, 1, equation, points, refinement);
+    let fine = numerov::solve(&grid, plate, frequency_hz);
+    Ok(describe(plate, frequency_hz, points, refinement, &fine))
+}
+
+/// Solves the equation at many frequencies on the given grid of `points`, without refinement.
+///
+/// Returns one row per frequency. Fourth order: at 2000 points the error is about 1e-7 for 30 wavelengths.
+///
+/// # Errors
+/// As [`respond`], for the first frequency that is refused.
+pub fn respond_batch(
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    points: usize,
+    equation: Equation,
+) -> Result<Vec<Vec<Complex64>>, RespondError> {
+    for &frequency_hz in frequencies_hz {
+        check(plate, frequency_hz, points)?;
+    }
+    let grid = Grid::new(plate, 1, equation, points, 1);
+    let mut rows = Vec::with_capacity(frequencies_hz.len());
+    numerov::solve_each(&grid, plate, frequencies_hz, |_, field| rows.push(field.to_vec()));
+    Ok(rows)
+}
+
+/// The frequencies that [`respond`] answers for, Hz: from the cut-off at the wide end to four times the highest boundary
+/// frequency, which keeps the number of wavelengths, and so the work, bounded.
+pub fn respond_range(plate: &Plate) -> Range {
+    // At the cut-off itself nothing runs yet.
+    Range::new(
+        plate.cut_off_hz() * (1.0 + 1e-9),
+        plate.frequency_for_boundary_hz(plate.length_m()) * 4.0,
+        "Hz",
+    )
+}
+
+fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondError> {
+    if !(POINTS_MIN..=POINTS_MAX).contains(&points) {
+        return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
+    }
+    let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
+    let cannot_enter = || RespondError::cannot_enter(plate, frequency_hz);
+    let low = FREQUENCY.low.min(cut_off_hz);
+    if !(frequency_hz >= low && frequency_hz <= high) {
+        return Err(if frequency_hz < low && frequency_hz > 0.0 {
+            cannot_enter()
+        } else {
+            RespondError::Frequency { frequency_hz, low: cut_off_hz, high }
+        });
+    }
+    if plate.turning_point_m(frequency_hz).is_none() {
+        return Err(cannot_enter());
+    }
+    Ok(())
+}
+
+fn describe(
+    plate: &Plate,
+    frequency_hz: f64,
+    points: usize,
+    refinement: usize,
+    fine: &[Complex64],
+) -> Response {
+    let step = plate.length_m() / ((points - 1) * refinement) as f64;
+    let turning_point_m = plate.turning_point_m(frequency_hz).unwrap_or(0.0);
+    let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
+    Response {
+        frequency_hz,
+        position_m: (0..points).map(|i| (i * refinement) as f64 * step).collect(),
+        amplitude: fine.iter().copied().step_by(refinement).collect(),
+        turning_point_m,
+        edge_width_m: crate::special::airy::EDGE_WIDTH / kappa,
+        peak: peak::find(fine, step, turning_point_m, kappa),
+        amplitude_at_turning_point: peak::amplitude_at(fine, step, turning_point_m),
+    }
+}

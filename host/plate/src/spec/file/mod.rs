@@ -1,0 +1,189 @@
+//! Plates as TOML text. `PLATES.md` beside this crate lists every field with its unit and range.
+
+mod fields;
+mod text;
+mod written;
+
+use crate::spec::drive::{Actuator, DriveEnd};
+use crate::spec::error::{Origin, PlateError, PlateFileError};
+use crate::spec::model::{Bending, Model};
+use crate::spec::plate::{Plate, PlateSpec};
+use crate::spec::range::{self, Range};
+use crate::spec::taper::Taper;
+use text::{Given, Text};
+
+/// Largest plate file that is read, bytes.
+pub const PLATE_FILE_BYTES_MAX: usize = 1 << 20;
+
+impl Plate {
+    /// Reads a plate from TOML text.
+    ///
+    /// # Errors
+    /// [`PlateFileError`]: too big, not TOML (with the line), or a field that is missing, unknown, of another type or
+    /// out of range (with the line where it stands, and what is allowed). Nothing outside panics this.
+    pub fn from_toml(text: &str) -> Result<Self, PlateFileError> {
+        if text.len() > PLATE_FILE_BYTES_MAX {
+            return Err(PlateFileError::TooBig { bytes: text.len(), limit: PLATE_FILE_BYTES_MAX });
+        }
+        let text = Text::parse(text)?;
+        read(&text).map_err(|error| {
+            let line = text.line_of(error.field());
+            PlateFileError::Plate { line, error }
+        })
+    }
+}
+
+fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
+    // The strangers first: a mistyped name is better told as such than as a field that is missing.
+    let given = text.section(&fields::PLATE)?;
+    let sections =
+        [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::ACTUATOR].map(|law| text.section(law));
+    let [taper, model, drive, actuator] = sections;
+    let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
+        return Err(first_missing(text));
+    };
+    if ["name", "length_m", "loss_factor"].iter().any(|name| !plate.has(name)) {
+        return Err(first_missing(text));
+    }
+    let mut spec = PlateSpec {
+        name: plate.text("name")?.unwrap_or_default(),
+        description: plate.text("description")?.unwrap_or_default(),
+        taper: taper_of(&taper)?,
+        length_m: plate.need("length_m")?,
+        model: model_of(&model)?,
+        loss_factor: plate.need("loss_factor")?,
+        wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
+        drive_end: drive_of(&drive)?,
+        actuator: actuator?.as_ref().map(actuator_of).transpose()?,
+        full_scale_m: plate.number("full_scale_m")?.unwrap_or(1e-6),
+        span_start_m: 0.0,
+        span_end_m: 0.0,
+    };
+    let span = (plate.number("span_start_m")?, plate.number("span_end_m")?);
+    let band = (plate.number("band_start_hz")?, plate.number("band_end_hz")?);
+    match (span, band) {
+        ((Some(start_m), Some(end_m)), (None, None)) => {
+            spec.span_start_m = start_m;
+            spec.span_end_m = end_m;
+            Plate::new(spec)
+        }
+        ((None, None), (Some(low_hz), Some(high_hz))) => plate_for_band(spec, low_hz, high_hz),
+        ((Some(_), None), _) => Err(plate.missing("span_end_m")),
+        ((None, Some(_)), _) => Err(plate.missing("span_start_m")),
+        ((None, None), (Some(_), None)) => Err(plate.missing("band_end_hz")),
+        ((None, None), (None, Some(_))) => Err(plate.missing("band_start_hz")),
+        ((None, None), (None, None)) => Err(first_missing(text)),
+        ((Some(_), Some(_)), (low, _)) => Err(PlateError::Unexpected {
+            field: if low.is_some() { "band_start_hz" } else { "band_end_hz" }.to_owned(),
+            reason: "the span is given by span_start_m and span_end_m already".to_owned(),
+        }),
+    }
+}
+
+/// The first that every plate needs and this one has not, and the names of the others.
+fn first_missing(text: &Text<'_>) -> PlateError {
+    const SPAN: &str = "span_start_m";
+    let has = |name: &str| {
+        let instead = ["span_end_m", "band_start_hz", "band_end_hz"];
+        text.has(name) || (name == SPAN && instead.iter().any(|name| text.has(name)))
+    };
+    let mut absent = ["name", "length_m", "loss_factor", SPAN, "taper", "model", "drive"]
+        .into_iter()
+        .filter(|name| !has(name));
+    let first = absent.next().unwrap_or_default();
+    let section = fields::SECTIONS.iter().find(|law| law.name == first);
+    let told = match (section, fields::PLATE.field(first)) {
+        (Some(law), _) if !first.is_empty() => {
+            format!("{}, a section [{first}] with its {}", law.meaning, law.kind_field)
+        }
+        (_, Some(field)) if first == SPAN => {
+            format!(
+                "{}; a plate has span_start_m and span_end_m, or band_start_hz and band_end_hz",
+                field.meaning
+            )
+        }
+        (_, Some(field)) => format!("{}, {}", field.meaning, fields::PLATE.allowed(field)),
+        (_, None) => String::new(),
+    };
+    let others: Vec<String> = absent
+        .map(|name| match name {
+            "taper" | "model" | "drive" => format!("[{name}]"),
+            SPAN => "span_start_m, span_end_m".to_owned(),
+            _ => name.to_owned(),
+        })
+        .collect();
+    let others =
+        if others.is_empty() { String::new() } else { format!("; missing too: {}", others.join(", ")) };
+    PlateError::Missing { field: first.to_owned(), needed: format!("{told}{others}") }
+}
+
+/// A plate whose span is given by the frequencies of its ends.
+fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plate, PlateError> {
+    // A plate with its widest span answers where the two frequencies turn.
+    spec.span_start_m = range::span_start(spec.length_m).low;
+    spec.span_end_m = 3.0 * spec.span_start_m;
+    let probe = Plate::new(spec.clone())?;
+    let lowest = probe.frequency_for_boundary_hz(spec.span_start_m);
+    let highest = probe.frequency_for_boundary_hz(spec.length_m);
+    let check = |field: &str, value: f64, low: f64| {
+        if value > low && value <= highest {
+            return Ok(());
+        }
+        Err(Range::new(low, highest, "Hz").refuse(field, value, Some(Origin::Turning)))
+    };
+    check("band_start_hz", low_hz, lowest)?;
+    check("band_end_hz", high_hz, low_hz)?;
+    spec.span_start_m = probe.turning_point_m(low_hz).unwrap_or(0.0);
+    spec.span_end_m = probe.turning_point_m(high_hz).unwrap_or(0.0).min(spec.length_m);
+    Plate::new(spec)
+}
+
+fn taper_of(given: &Given<'_>) -> Result<Taper, PlateError> {
+    Ok(match given.kind {
+        "exponential" => Taper::Exponential {
+            half_width_m: given.need("half_width_m")?,
+            rate_per_m: given.need("rate_per_m")?,
+        },
+        "linear" => Taper::Linear {
+            half_width_m: given.need("half_width_m")?,
+            end_half_width_m: given.need("end_half_width_m")?,
+        },
+        _ => Taper::Sampled { points: given.points("points")? },
+    })
+}
+
+fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
+    let bending = || {
+        Ok(Bending {
+            youngs_modulus_pa: given.need("youngs_modulus_pa")?,
+            poisson_ratio: given.need("poisson_ratio")?,
+            density_kg_per_m3: given.need("density_kg_per_m3")?,
+            thickness_m: given.need("thickness_m")?,
+            thick_plate: given.flag("thick_plate")?,
+        })
+    };
+    Ok(match given.kind {
+        "membrane" => Model::Membrane { wave_speed_m_per_s: given.need("wave_speed_m_per_s")? },
+        "shear-horizontal" => Model::ShearHorizontal {
+            shear_modulus_pa: given.need("shear_modulus_pa")?,
+            density_kg_per_m3: given.need("density_kg_per_m3")?,
+        },
+        "bending-supported" => Model::BendingSupported(bending()?),
+        _ => Model::BendingClamped(bending()?),
+    })
+}
+
+fn drive_of(given: &Given<'_>) -> Result<DriveEnd, PlateError> {
+    Ok(match given.kind {
+        "displacement" => DriveEnd::Displacement,
+        "force" => DriveEnd::Force { at_frequency_hz: given.need("at_frequency_hz")? },
+        _ => DriveEnd::Resistance {
+            ratio: given.need("ratio")?,
+            at_frequency_hz: given.need("at_frequency_hz")?,
+        },
+    })
+}
+
+fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {
+    Ok(Actuator { resonance_hz: given.need("resonance_hz")?, quality: given.need("quality")? })
+}

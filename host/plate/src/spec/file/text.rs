@@ -1,0 +1,299 @@
+//! A plate's TOML text, field by field, each with the line where it stands.
+
+use super::fields::{Due, Field, SECTIONS, Section};
+use crate::quantity::suggestion::{hint, nearest};
+use crate::spec::error::{PlateError, PlateFileError};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The most characters of a file's own words that a message quotes: a hostile file may hold very long ones.
+const QUOTED: usize = 40;
+
+/// The parsed text.
+pub(super) struct Text<'t> {
+    text: &'t str,
+    root: DeTable<'t>,
+}
+
+/// One section of it whose keys all belong there.
+pub(super) struct Given<'a> {
+    text: &'a str,
+    law: &'static Section,
+    table: &'a DeTable<'a>,
+    /// Which kind it is; empty where there are none.
+    pub(super) kind: &'static str,
+}
+
+impl<'t> Text<'t> {
+    pub(super) fn parse(text: &'t str) -> Result<Self, PlateFileError> {
+        match DeTable::parse(text) {
+            Ok(root) => Ok(Self { text, root: root.into_inner() }),
+            Err(fault) => {
+                let line = fault.span().map_or(1, |span| line_at(text, span.start));
+                Err(PlateFileError::Syntax {
+                    line,
+                    message: syntax_message(text, line, fault.message().trim()),
+                })
+            }
+        }
+    }
+
+    /// Line of the field (or, if it is not there, of its section's header), from 1.
+    pub(super) fn line_of(&self, field: &str) -> Option<usize> {
+        // `taper.points[2][0]` is a field, `[tapper]` a section.
+        let field = field.strip_prefix('[').map_or(field, |section| section.trim_end_matches(']'));
+        let (path, indices) = field.split_once('[').unwrap_or((field, ""));
+        let mut table = &self.root;
+        let mut found: Option<Range<usize>> = None;
+        for name in path.split('.') {
+            let Some((key, value)) = entry(table, name) else { break };
+            found = Some(key.span());
+            match value.get_ref() {
+                DeValue::Table(inner) => table = inner,
+                DeValue::Array(points) => {
+                    let index = indices.split(']').next().and_then(|index| index.parse::<usize>().ok());
+                    if let Some(point) = index.and_then(|index| points.get(index)) {
+                        found = Some(point.span());
+                    }
+                    break;
+                }
+                _ => break,
+            }
+        }
+        found.map(|span| line_at(self.text, span.start))
+    }
+
+    /// Whether there is anything of that name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        entry(&self.root, name).is_some()
+    }
+
+    /// A section (or the plate's own fields) as it was given, or nothing. What does not belong there is refused.
+    pub(super) fn section(&self, law: &'static Section) -> Result<Option<Given<'_>>, PlateError> {
+        let table = if law.name.is_empty() {
+            &self.root
+        } else {
+            let Some((_, value)) = entry(&self.root, law.name) else { return Ok(None) };
+            let DeValue::Table(table) = value.get_ref() else {
+                return Err(mistaken(
+                    law.name,
+                    quoted(self.text, value.span()),
+                    format!("a section [{}]", law.name),
+                ));
+            };
+            table
+        };
+        let mut given = Given { text: self.text, law, table, kind: "" };
+        given.refuse_strangers(|_| true)?;
+        if let Some(&(kind, fields)) = given.find_kind()? {
+            given.kind = kind;
+            given.refuse_strangers(|name| name == law.kind_field || fields.contains(&name))?;
+        }
+        Ok(Some(given))
+    }
+}
+
+impl<'a> Given<'a> {
+    /// Refuses the first key, from above, that is no field of this section or not of its kind.
+    fn refuse_strangers(&self, has: impl Fn(&str) -> bool) -> Result<(), PlateError> {
+        let is_section = |name: &str| {
+            self.law.name.is_empty()
+                && SECTIONS.iter().any(|section| section.name == name && !name.is_empty())
+        };
+        let stranger = self
+            .table
+            .iter()
+            .filter(|(key, _)| {
+                let name = key.get_ref().as_ref();
+                !is_section(name) && (self.law.field(name).is_none() || !has(name))
+            })
+            .min_by_key(|(key, _)| key.span().start);
+        let Some((key, value)) = stranger else { return Ok(()) };
+        let name: String = key.get_ref().chars().take(QUOTED).collect();
+        if self.law.field(&name).is_some() {
+            let (kind, fields) = self.find_kind()?.copied().unwrap_or_default();
+            let has = if fields.is_empty() { "no other field".to_owned() } else { fields.join(", ") };
+            let reason = format!("\"{kind}\" has {has}");
+            return Err(PlateError::Unexpected { field: self.law.path(&name), reason });
+        }
+        if value.get_ref().is_table() {
+            let sections = || SECTIONS.iter().map(|section| section.name).filter(|name| !name.is_empty());
+            let reason = nearest(&name, sections()).map_or_else(
+                || "the sections of a plate are [taper], [model], [drive] and [actuator]".to_owned(),
+                |near| format!("did you mean [{near}]?"),
+            );
+            return Err(PlateError::Unexpected { field: format!("[{}]", self.law.path(&name)), reason });
+        }
+        let names = || self.law.fields.iter().map(|field| field.name);
+        let home = SECTIONS.iter().find(|section| section.field(&name).is_some());
+        let reason = match (home, nearest(&name, names())) {
+            (Some(home), _) if home.name.is_empty() => {
+                "it is the plate's own: write it above the first [section]".to_owned()
+            }
+            (Some(home), _) => format!("it is a field of [{}]", home.name),
+            (None, Some(near)) => format!("did you mean {near}?"),
+            (None, None) => format!("the fields here are {}", names().collect::<Vec<_>>().join(", ")),
+        };
+        Err(PlateError::Unexpected { field: self.law.path(&name), reason })
+    }
+
+    /// The kind, with its fields; nothing where the section has no kinds.
+    fn find_kind(&self) -> Result<Option<&'static (&'static str, &'static [&'static str])>, PlateError> {
+        let law = self.law;
+        if law.kinds.is_empty() {
+            return Ok(None);
+        }
+        let field = law.path(law.kind_field);
+        let Some((_, value)) = entry(self.table, law.kind_field) else {
+            return Err(PlateError::Missing { field, needed: format!("{}, {}", law.meaning, law.one_of()) });
+        };
+        let word = value.get_ref().as_str().unwrap_or_default();
+        match law.kinds.iter().find(|(kind, _)| *kind == word) {
+            Some(found) => Ok(Some(found)),
+            None => {
+                let meant = hint(word, law.kinds.iter().map(|(kind, _)| *kind));
+                let allowed = format!("{}{meant}", law.one_of());
+                Err(mistaken(&field, quoted(self.text, value.span()), allowed))
+            }
+        }
+    }
+
+    fn value(&self, name: &str) -> Option<(&'static Field, &'a Spanned<DeValue<'a>>)> {
+        let field = self.law.field(name)?;
+        entry(self.table, name).map(|(_, value)| (field, value))
+    }
+
+    /// Whether the field was given.
+    pub(super) fn has(&self, name: &str) -> bool {
+        entry(self.table, name).is_some()
+    }
+
+    /// A field that was not given.
+    pub(super) fn missing(&self, name: &str) -> PlateError {
+        let told = self
+            .law
+            .field(name)
+            .map_or_else(String::new, |field| format!("{}, {}", field.meaning, self.law.allowed(field)));
+        let needed = if self.kind.is_empty() { told } else { format!("\"{}\" needs it: {told}", self.kind) };
+        PlateError::Missing { field: self.law.path(name), needed }
+    }
+
+    fn read<T>(
+        &self,
+        name: &str,
+        take: impl FnOnce(&'a DeValue<'a>) -> Option<T>,
+    ) -> Result<Option<T>, PlateError> {
+        let Some((field, value)) = self.value(name) else { return Ok(None) };
+        take(value.get_ref()).map(Some).ok_or_else(|| {
+            let found = quoted(self.text, value.span());
+            mistaken(&self.law.path(name), found, self.law.allowed(field).into_owned())
+        })
+    }
+
+    /// A number that may be left out.
+    pub(super) fn number(&self, name: &str) -> Result<Option<f64>, PlateError> {
+        self.read(name, as_number)
+    }
+
+    /// A number.
+    pub(super) fn need(&self, name: &str) -> Result<f64, PlateError> {
+        self.number(name)?.ok_or_else(|| self.missing(name))
+    }
+
+    /// A text that may be left out.
+    pub(super) fn text(&self, name: &str) -> Result<Option<String>, PlateError> {
+        self.read(name, |value| value.as_str().map(str::to_owned))
+    }
+
+    /// true or false; false if it is left out.
+    pub(super) fn flag(&self, name: &str) -> Result<bool, PlateError> {
+        Ok(self.read(name, DeValue::as_bool)?.unwrap_or(false))
+    }
+
+    /// Pairs of numbers.
+    pub(super) fn points(&self, name: &str) -> Result<Vec<[f64; 2]>, PlateError> {
+        let points = self.read(name, DeValue::as_array)?.ok_or_else(|| self.missing(name))?;
+        points
+            .iter()
+            .enumerate()
+            .map(|(index, point)| {
+                let numbers = point.get_ref().as_array().filter(|pair| pair.len() == 2);
+                let number = |place: usize| numbers.and_then(|pair| as_number(pair.get(place)?.get_ref()));
+                number(0).zip(number(1)).map(|(place, width)| [place, width]).ok_or_else(|| {
+                    let field = format!("{}[{index}]", self.law.path(name));
+                    let allowed = "a pair [place, half-width] of numbers, in m".to_owned();
+                    mistaken(&field, quoted(self.text, point.span()), allowed)
+                })
+            })
+            .collect()
+    }
+}
+
+fn entry<'m, 't>(
+    table: &'m DeTable<'t>,
+    name: &str,
+) -> Option<(&'m Spanned<std::borrow::Cow<'t, str>>, &'m Spanned<DeValue<'t>>)> {
+    table.iter().find(|(key, _)| key.get_ref() == name)
+}
+
+/// A number, whole or not; one too large to be told from infinity is none.
+fn as_number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => {
+            let number: f64 = float.as_str().parse().ok()?;
+            (!number.is_infinite() || float.as_str().contains("inf")).then_some(number)
+        }
+        DeValue::Integer(integer) if integer.radix() == 10 => {
+            integer.as_str().parse().ok().filter(|number: &f64| number.is_finite())
+        }
+        DeValue::Integer(integer) => {
+            u64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|number| number as f64)
+        }
+        _ => None,
+    }
+}
+
+/// The beginning of what stands there, on one line.
+fn quoted(text: &str, span: Range<usize>) -> String {
+    let given = text.get(span).unwrap_or_default();
+    let first = given.lines().next().unwrap_or_default();
+    let beginning: String = first.chars().take(QUOTED).filter(|letter| !letter.is_control()).collect();
+    if beginning.len() == given.len() { beginning } else { format!("{beginning}…") }
+}
+
+fn mistaken(field: &str, value: String, allowed: String) -> PlateError {
+    PlateError::UnknownKind { field: field.to_owned(), value, allowed }
+}
+
+/// Line of byte `offset`, from 1.
+fn line_at(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
+}
+
+/// The parser's sentence, led by the field on the line it speaks of, and by what the field has to be where its value
+/// cannot be read.
+fn syntax_message(text: &str, line: usize, sentence: &str) -> String {
+    let header = |line: &str| Some(line.trim().strip_prefix('[')?.split(']').next()?.trim().to_owned());
+    let section = text.lines().take(line).filter_map(header).last().unwrap_or_default();
+    let here = text.lines().nth(line - 1).unwrap_or_default();
+    let known = here.split_once('=').and_then(|(key, _)| {
+        let law = *SECTIONS.iter().find(|law| law.name == section)?;
+        law.field(key.trim()).map(|field| (law, field))
+    });
+    match known {
+        Some((law, field)) if DeTable::parse(here).is_err() => {
+            let value = here.split_once('=').map_or("", |(_, value)| value).trim();
+            let value = quoted(value, 0..value.len());
+            let point = if matches!(field.due, Due::Number(_) | Due::NumberThat(_)) {
+                " with a decimal point and no unit"
+            } else {
+                ""
+            };
+            let allowed = law.allowed(field).replacen("a number", &format!("a number{point}"), 1);
+            format!("{} = {value}: must be {allowed} ({sentence})", law.path(field.name))
+        }
+        Some((law, field)) => format!("{}: {sentence}", law.path(field.name)),
+        None => sentence.to_owned(),
+    }
+}

@@ -1,0 +1,158 @@
+//! A plate written as TOML text.
+
+use crate::spec::drive::DriveEnd;
+use crate::spec::model::{Bending, Model};
+use crate::spec::plate::Plate;
+use crate::spec::taper::Taper;
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct PlateText {
+    name: String,
+    description: String,
+    length_m: f64,
+    loss_factor: f64,
+    wave_speed_tolerance: f64,
+    full_scale_m: f64,
+    span_start_m: f64,
+    span_end_m: f64,
+    taper: TaperText,
+    model: ModelText,
+    drive: DriveText,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    actuator: Option<ActuatorText>,
+}
+
+#[derive(Serialize, Default)]
+struct TaperText {
+    kind: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_width_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end_half_width_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Serialize, Default)]
+struct ModelText {
+    kind: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wave_speed_m_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shear_modulus_pa: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    youngs_modulus_pa: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    poisson_ratio: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    density_kg_per_m3: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thickness_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thick_plate: Option<bool>,
+}
+
+#[derive(Serialize, Default)]
+struct DriveText {
+    end: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ratio: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    at_frequency_hz: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct ActuatorText {
+    resonance_hz: f64,
+    quality: f64,
+}
+
+impl Plate {
+    /// The plate as TOML text that [`Plate::from_toml`] reads back to the same plate.
+    pub fn to_toml(&self) -> String {
+        let spec = self.spec();
+        let text = PlateText {
+            name: spec.name.clone(),
+            description: spec.description.clone(),
+            length_m: spec.length_m,
+            loss_factor: spec.loss_factor,
+            wave_speed_tolerance: spec.wave_speed_tolerance,
+            full_scale_m: spec.full_scale_m,
+            span_start_m: spec.span_start_m,
+            span_end_m: spec.span_end_m,
+            taper: taper_text(&spec.taper),
+            model: model_text(&spec.model),
+            drive: drive_text(spec.drive_end),
+            actuator: spec.actuator.map(|actuator| ActuatorText {
+                resonance_hz: actuator.resonance_hz,
+                quality: actuator.quality,
+            }),
+        };
+        // Plain numbers, words and one list of pairs: the writer has nothing to refuse.
+        toml::to_string(&text).unwrap_or_default()
+    }
+}
+
+fn taper_text(taper: &Taper) -> TaperText {
+    match taper {
+        Taper::Exponential { half_width_m, rate_per_m } => TaperText {
+            kind: "exponential".to_owned(),
+            half_width_m: Some(*half_width_m),
+            rate_per_m: Some(*rate_per_m),
+            ..TaperText::default()
+        },
+        Taper::Linear { half_width_m, end_half_width_m } => TaperText {
+            kind: "linear".to_owned(),
+            half_width_m: Some(*half_width_m),
+            end_half_width_m: Some(*end_half_width_m),
+            ..TaperText::default()
+        },
+        Taper::Sampled { points } => {
+            TaperText { kind: "sampled".to_owned(), points: Some(points.clone()), ..TaperText::default() }
+        }
+    }
+}
+
+fn model_text(model: &Model) -> ModelText {
+    let bending_text = |kind: &str, bending: &Bending| ModelText {
+        kind: kind.to_owned(),
+        youngs_modulus_pa: Some(bending.youngs_modulus_pa),
+        poisson_ratio: Some(bending.poisson_ratio),
+        density_kg_per_m3: Some(bending.density_kg_per_m3),
+        thickness_m: Some(bending.thickness_m),
+        thick_plate: Some(bending.thick_plate),
+        ..ModelText::default()
+    };
+    match model {
+        Model::Membrane { wave_speed_m_per_s } => ModelText {
+            kind: "membrane".to_owned(),
+            wave_speed_m_per_s: Some(*wave_speed_m_per_s),
+            ..ModelText::default()
+        },
+        Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => ModelText {
+            kind: "shear-horizontal".to_owned(),
+            shear_modulus_pa: Some(*shear_modulus_pa),
+            density_kg_per_m3: Some(*density_kg_per_m3),
+            ..ModelText::default()
+        },
+        Model::BendingSupported(bending) => bending_text("bending-supported", bending),
+        Model::BendingClamped(bending) => bending_text("bending-clamped", bending),
+    }
+}
+
+fn drive_text(end: DriveEnd) -> DriveText {
+    match end {
+        DriveEnd::Displacement => DriveText { end: "displacement".to_owned(), ..DriveText::default() },
+        DriveEnd::Force { at_frequency_hz } => {
+            DriveText { end: "force".to_owned(), ratio: None, at_frequency_hz: Some(at_frequency_hz) }
+        }
+        DriveEnd::Resistance { ratio, at_frequency_hz } => DriveText {
+            end: "resistance".to_owned(),
+            ratio: Some(ratio),
+            at_frequency_hz: Some(at_frequency_hz),
+        },
+    }
+}

@@ -1,0 +1,202 @@
+//! What kind of wave the plate carries: the material, the edge and the local wavenumber.
+//!
+//! Every model is the amplitude equation f'' + (W'/W) f' + k^2 f = 0 with k^2 = a (K^2 - (q/W)^2):
+//!
+//! | model | a | q (first width mode) | K |
+//! |---|---|---|---|
+//! | stretched membrane, SH wave, fixed edges | 1 | pi/2 | omega/V |
+//! | thin plate in bending, simply supported edges | 1 | pi/2 | sqrt(omega) (rho h/D)^(1/4) |
+//! | thin plate in bending, clamped edges | 1.817 | 2.36502 | the same |
+
+use crate::spec::error::PlateError;
+use crate::spec::range;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Material, edge and wave of a plate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Model {
+    /// A stretched membrane between fixed edges.
+    Membrane {
+        /// Wave speed sqrt(tension stress/density), m/s (0.1 to 20 000).
+        wave_speed_m_per_s: f64,
+    },
+    /// The shear-horizontal wave of the paper, fixed edges: V = sqrt(mu/rho).
+    ShearHorizontal {
+        /// Shear modulus mu, Pa (100 to 1e12).
+        shear_modulus_pa: f64,
+        /// Density rho, kg/m^3 (1 to 30 000).
+        density_kg_per_m3: f64,
+    },
+    /// A plate in bending, edges simply supported.
+    BendingSupported(Bending),
+    /// A plate in bending, edges clamped.
+    BendingClamped(Bending),
+}
+
+/// An elastic plate in bending.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bending {
+    /// Young's modulus E, Pa (1000 to 1e13).
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio nu (0 to 0.499).
+    pub poisson_ratio: f64,
+    /// Density rho, kg/m^3 (1 to 30 000).
+    pub density_kg_per_m3: f64,
+    /// Thickness h, metres (1e-6 to 0.1).
+    pub thickness_m: f64,
+    /// Whether shear and rotary inertia are included (Mindlin, kappa^2 = pi^2/12) or not (Kirchhoff).
+    pub thick_plate: bool,
+}
+
+impl Bending {
+    /// Bending stiffness D = E h^3/(12 (1 - nu^2)), N m.
+    pub fn stiffness_n_m(&self) -> f64 {
+        self.youngs_modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson_ratio.powi(2)))
+    }
+
+    /// sqrt(D/(rho h)), m^2/s: omega = this times kb^2 in a thin plate.
+    pub fn spread_m2_per_s(&self) -> f64 {
+        (self.stiffness_n_m() / (self.density_kg_per_m3 * self.thickness_m)).sqrt()
+    }
+
+    /// The free plate's squared flexural wavenumber kb^2 at angular frequency `omega`, 1/m^2.
+    ///
+    /// Thin: omega/sqrt(D/rho h). Thick: the lower branch of Mindlin's relation,
+    /// kb^2 = (omega^2/2)(1/cs^2 + 1/cp^2) + sqrt((omega^4/4)(1/cs^2 - 1/cp^2)^2 + omega^2 rho h/D)
+    /// with cs^2 = kappa^2 G/rho and cp^2 = E/(rho (1 - nu^2)).
+    pub fn wavenumber_squared(&self, omega: f64) -> f64 {
+        let thin = omega / self.spread_m2_per_s();
+        if !self.thick_plate {
+            return thin;
+        }
+        let (shear, stretch) = self.thick_speeds_squared();
+        let square = omega * omega;
+        let half_difference = 0.5 * square * (1.0 / shear - 1.0 / stretch);
+        0.5 * square * (1.0 / shear + 1.0 / stretch) + (half_difference.powi(2) + thin * thin).sqrt()
+    }
+
+    /// The angular frequency at which the free plate's wavenumber squared is `wavenumber_squared`, rad/s.
+    pub fn angular_frequency(&self, wavenumber_squared: f64) -> f64 {
+        let spread = self.spread_m2_per_s();
+        if !self.thick_plate {
+            return spread * wavenumber_squared;
+        }
+        // Mindlin: (k^2 - w^2/cs^2)(k^2 - w^2/cp^2) = w^2/spread^2, a quadratic in w^2; the lower root is A0.
+        let (shear, stretch) = self.thick_speeds_squared();
+        let k2 = wavenumber_squared;
+        let a = 1.0 / (shear * stretch);
+        let b = k2 / shear + k2 / stretch + 1.0 / (spread * spread);
+        let c = k2 * k2;
+        (2.0 * c / (b + (b * b - 4.0 * a * c).max(0.0).sqrt())).sqrt()
+    }
+
+    fn thick_speeds_squared(&self) -> (f64, f64) {
+        let shear_modulus = self.youngs_modulus_pa / (2.0 * (1.0 + self.poisson_ratio));
+        let correction = PI * PI / 12.0;
+        (
+            correction * shear_modulus / self.density_kg_per_m3,
+            self.youngs_modulus_pa / (self.density_kg_per_m3 * (1.0 - self.poisson_ratio.powi(2))),
+        )
+    }
+
+    fn validate(&self) -> Result<(), PlateError> {
+        range::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
+        range::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
+        range::DENSITY.check("model.density_kg_per_m3", self.density_kg_per_m3)?;
+        range::THICKNESS.check("model.thickness_m", self.thickness_m)
+    }
+}
+
+/// Clamped edges: k^2 = 1.817 (kb^2 - (2.36502/W)^2) near the cut-off of the first width mode.
+const CLAMPED_FIRST: (f64, f64) = (1.817, 2.365_020_37);
+
+impl Model {
+    pub(crate) fn validate(&self) -> Result<(), PlateError> {
+        match self {
+            Self::Membrane { wave_speed_m_per_s } => {
+                range::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)
+            }
+            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
+                range::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
+                range::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)
+            }
+            Self::BendingSupported(bending) | Self::BendingClamped(bending) => bending.validate(),
+        }
+    }
+
+    /// The bending plate behind the model, if it is one.
+    pub fn bending(&self) -> Option<&Bending> {
+        match self {
+            Self::BendingSupported(bending) | Self::BendingClamped(bending) => Some(bending),
+            _ => None,
+        }
+    }
+
+    /// Wave speed of the membrane or the shear wave, m/s; `None` for bending, whose speed depends on frequency.
+    pub fn wave_speed_m_per_s(&self) -> Option<f64> {
+        match self {
+            Self::Membrane { wave_speed_m_per_s } => Some(*wave_speed_m_per_s),
+            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
+                Some((shear_modulus_pa / density_kg_per_m3).sqrt())
+            }
+            _ => None,
+        }
+    }
+
+    /// K^2 (or kb^2) without loss at angular frequency `omega`, 1/m^2.
+    pub fn wavenumber_squared(&self, omega: f64) -> f64 {
+        match (self.bending(), self.wave_speed_m_per_s()) {
+            (Some(bending), _) => bending.wavenumber_squared(omega),
+            (None, Some(speed)) => (omega / speed).powi(2),
+            (None, None) => f64::NAN,
+        }
+    }
+
+    /// The inverse of [`Model::wavenumber_squared`], rad/s.
+    pub fn angular_frequency(&self, wavenumber_squared: f64) -> f64 {
+        match (self.bending(), self.wave_speed_m_per_s()) {
+            (Some(bending), _) => bending.angular_frequency(wavenumber_squared),
+            (None, Some(speed)) => speed * wavenumber_squared.max(0.0).sqrt(),
+            (None, None) => f64::NAN,
+        }
+    }
+
+    /// q of width mode `mode` (1 = the first): the mode is cut off where K = q/W.
+    pub fn width_number(&self, mode: u32) -> f64 {
+        let mode = mode.max(1);
+        match self {
+            Self::BendingClamped(_) => clamped_root(mode),
+            _ => FRAC_PI_2 * f64::from(mode),
+        }
+    }
+
+    /// a of width mode `mode`: k^2 = a (K^2 - (q/W)^2). 1 but for clamped edges.
+    pub fn width_slope(&self, mode: u32) -> f64 {
+        match self {
+            Self::BendingClamped(_) if mode <= 1 => CLAMPED_FIRST.0,
+            Self::BendingClamped(_) => {
+                // First-order perturbation of the clamped beam's mode: a = bL/(s (s bL - 2)) with bL = 2 q and
+                // s = (cosh bL - cos bL)/(sinh bL - sin bL).
+                let length = 2.0 * clamped_root(mode);
+                let s = (length.cosh() - length.cos()) / (length.sinh() - length.sin());
+                length / (s * (s * length - 2.0))
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+/// Half of the m-th root of cos(bL) cosh(bL) = 1.
+fn clamped_root(mode: u32) -> f64 {
+    if mode <= 1 {
+        return CLAMPED_FIRST.1;
+    }
+    // Beyond the first root the asymptote (2m + 1) pi/4 is good to 1e-3 and Newton's rule finishes it.
+    let mut root = (2.0 * f64::from(mode) + 1.0) * PI / 2.0;
+    for _ in 0..4 {
+        // cos(b) - 1/cosh(b) = 0
+        let slope = -root.sin() + root.tanh() / root.cosh();
+        root -= (root.cos() - 1.0 / root.cosh()) / slope;
+    }
+    0.5 * root
+}

@@ -1,0 +1,243 @@
+//! A plate: taper, material and edge, loss, drive end, and the span its boundary is dragged over.
+//!
+//! [`PlateSpec`] is what a user edits; [`Plate`] is a specification that has been validated, so that nothing
+//! behind it has to be asked twice.
+
+use crate::spec::drive::{Actuator, DriveEnd};
+use crate::spec::error::{Consequence, Origin, PlateError};
+use crate::spec::model::Model;
+use crate::spec::range::{self, Range};
+use crate::spec::taper::{Taper, WidthLaw};
+use std::f64::consts::TAU;
+
+/// Most wavelengths a plate may hold between the driven end and the boundary; keeps every computation bounded.
+pub const WAVELENGTHS_MAX: f64 = 60.0;
+/// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
+pub const BAND_RATIO_MAX: f64 = 64.0;
+
+/// The description of a plate, before validation. Lengths in metres, frequencies in hertz.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlateSpec {
+    /// Short name, 1 to 80 characters.
+    pub name: String,
+    /// One line that says what the plate is, at most 400 characters.
+    pub description: String,
+    /// How the half-width narrows.
+    pub taper: Taper,
+    /// Length L from the driven end to the narrow end, metres (0.005 to 10).
+    pub length_m: f64,
+    /// Material, edge and wave.
+    pub model: Model,
+    /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
+    pub loss_factor: f64,
+    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled over every speed
+    /// within it, not for the nominal speed alone. Useful with a matched drive end, whose ripple is small.
+    pub wave_speed_tolerance: f64,
+    /// What is held at x = 0.
+    pub drive_end: DriveEnd,
+    /// The actuator's resonance, if it matters.
+    pub actuator: Option<Actuator>,
+    /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1); illustrative until it was measured.
+    pub full_scale_m: f64,
+    /// Nearest turning point that is offered, metres (above 0).
+    pub span_start_m: f64,
+    /// Farthest turning point that is offered, metres (at most L).
+    pub span_end_m: f64,
+}
+
+/// A validated plate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plate {
+    spec: PlateSpec,
+    pub(crate) width: WidthLaw,
+}
+
+impl Plate {
+    /// Validates a specification.
+    ///
+    /// # Errors
+    /// [`PlateError`] names the first field that is out of range and the range that is allowed.
+    pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
+        range::NAME.check_text("name", &spec.name)?;
+        range::DESCRIPTION.check_text("description", &spec.description)?;
+        range::LENGTH.check("length_m", spec.length_m)?;
+        spec.taper.validate(spec.length_m)?;
+        spec.model.validate()?;
+        range::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
+        range::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
+        spec.drive_end.validate()?;
+        if let Some(actuator) = &spec.actuator {
+            actuator.validate()?;
+        }
+        range::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
+        range::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
+        let shortest = spec.span_start_m + 1e-3 * spec.length_m;
+        Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
+
+        let width = WidthLaw::new(&spec.taper, spec.length_m);
+        let plate = Self { spec, width };
+        plate.validate_band()?;
+        Ok(plate)
+    }
+
+    fn validate_band(&self) -> Result<(), PlateError> {
+        let (low, high) = self.band_hz();
+        let allowed = range::FREQUENCY;
+        let at_start = |it| Err(PlateError::unfit("span_start_m", self.spec.span_start_m, it));
+        let at_end = |it| Err(PlateError::unfit("span_end_m", self.spec.span_end_m, it));
+        if low.is_nan() || low < allowed.low {
+            return at_start(Consequence::Frequency(low));
+        }
+        if high.is_nan() || high > allowed.high {
+            return at_end(Consequence::Frequency(high));
+        }
+        if high > low * BAND_RATIO_MAX {
+            return at_start(Consequence::BandRatio(low, high));
+        }
+        let wavelengths = self.guide(1).phase_to(self.spec.span_end_m, high) / TAU;
+        if wavelengths.is_nan() || wavelengths > WAVELENGTHS_MAX {
+            return at_end(Consequence::Wavelengths(wavelengths));
+        }
+        if let Some(frequency_hz) = self.spec.drive_end.at_frequency_hz() {
+            let entering = Range { low: self.cut_off_hz() * 1.0001, ..allowed };
+            entering.check_from(Origin::Entry, "drive.at_frequency_hz", frequency_hz)?;
+        }
+        Ok(())
+    }
+
+    /// The specification this plate was made from.
+    pub fn spec(&self) -> &PlateSpec {
+        &self.spec
+    }
+
+    /// Short name.
+    pub fn name(&self) -> &str {
+        &self.spec.name
+    }
+
+    /// Length, metres.
+    pub fn length_m(&self) -> f64 {
+        self.spec.length_m
+    }
+
+    /// Half-width at `x`, metres.
+    pub fn half_width_m(&self, x: f64) -> f64 {
+        self.width.at(x).value.exp()
+    }
+
+    /// W'/W at `x`, 1/m (negative: the plate narrows).
+    pub fn narrowing_per_m(&self, x: f64) -> f64 {
+        self.width.at(x).slope
+    }
+
+    /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta): the material's loss factor, but half of it in bending,
+    /// where K^2 goes with the root of the modulus.
+    pub fn wave_loss(&self) -> f64 {
+        match self.spec.model {
+            Model::BendingSupported(_) | Model::BendingClamped(_) => 0.5 * self.spec.loss_factor,
+            Model::Membrane { .. } | Model::ShearHorizontal { .. } => self.spec.loss_factor,
+        }
+    }
+
+    /// Nearest and farthest turning point that are offered, metres.
+    pub fn span_m(&self) -> (f64, f64) {
+        (self.spec.span_start_m, self.spec.span_end_m)
+    }
+
+    /// Frequencies of the two ends of the span, Hz.
+    pub fn band_hz(&self) -> (f64, f64) {
+        (
+            self.frequency_for_boundary_hz(self.spec.span_start_m),
+            self.frequency_for_boundary_hz(self.spec.span_end_m),
+        )
+    }
+
+    /// The same plate with every wave `factor` times as fast at equal frequency (0.5 to 2).
+    ///
+    /// # Errors
+    /// [`PlateError`] when the material leaves its allowed range.
+    pub fn with_wave_speed(&self, factor: f64) -> Result<Self, PlateError> {
+        Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
+        let mut spec = self.spec.clone();
+        match &mut spec.model {
+            Model::Membrane { wave_speed_m_per_s } => *wave_speed_m_per_s *= factor,
+            Model::ShearHorizontal { shear_modulus_pa, .. } => *shear_modulus_pa *= factor * factor,
+            // The phase speed omega/kb goes with the fourth root of the stiffness.
+            Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+                bending.youngs_modulus_pa *= factor.powi(4);
+            }
+        }
+        Self::new(spec)
+    }
+
+    /// The wave of one width mode in this plate.
+    pub(crate) fn guide(&self, mode: u32) -> Guide<'_> {
+        Guide {
+            plate: self,
+            number: self.spec.model.width_number(mode),
+            slope: self.spec.model.width_slope(mode),
+        }
+    }
+}
+
+/// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Guide<'a> {
+    pub(crate) plate: &'a Plate,
+    /// q.
+    pub(crate) number: f64,
+    /// a.
+    pub(crate) slope: f64,
+}
+
+impl Guide<'_> {
+    /// a K^2 without loss, 1/m^2.
+    pub(crate) fn axial_squared(&self, frequency_hz: f64) -> f64 {
+        self.slope * self.plate.spec.model.wavenumber_squared(TAU * frequency_hz)
+    }
+
+    /// a (q/W)^2, 1/m^2: what the width takes from `axial_squared`.
+    pub(crate) fn width_term(&self, x: f64) -> f64 {
+        self.slope * (self.number * (-self.plate.width.at(x).value).exp()).powi(2)
+    }
+
+    /// Local k^2 without loss, 1/m^2; negative beyond the turning point.
+    pub(crate) fn wavenumber_squared(&self, x: f64, frequency_hz: f64) -> f64 {
+        self.axial_squared(frequency_hz) - self.width_term(x)
+    }
+
+    /// Frequency whose wave turns at `x`, Hz.
+    pub(crate) fn cut_off_hz(&self, x: f64) -> f64 {
+        let turning = (self.number * (-self.plate.width.at(x).value).exp()).powi(2);
+        self.plate.spec.model.angular_frequency(turning) / TAU
+    }
+
+    /// The turning point of the continued taper, metres; negative when the wave cannot enter.
+    pub(crate) fn turning_point_m(&self, frequency_hz: f64) -> f64 {
+        let wavenumber = self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).sqrt();
+        self.plate.width.place_of((self.number / wavenumber).ln())
+    }
+
+    /// -d(k^2)/dx at `x`, 1/m^3.
+    pub(crate) fn fall(&self, x: f64) -> f64 {
+        -2.0 * self.width_term(x) * self.plate.width.at(x).slope
+    }
+
+    /// Phase from the driven end to `x` (or to the turning point if that is nearer), radians.
+    pub(crate) fn phase_to(&self, x: f64, frequency_hz: f64) -> f64 {
+        let end = x.min(self.turning_point_m(frequency_hz));
+        if end <= 0.0 {
+            return 0.0;
+        }
+        // k has a square-root zero at the turning point: substitute x = end (1 - u^2) and use the midpoint rule.
+        let steps = 400;
+        let total: f64 = (0..steps)
+            .map(|i| {
+                let u = (f64::from(i) + 0.5) / f64::from(steps);
+                let place = end * (1.0 - u * u);
+                2.0 * u * self.wavenumber_squared(place, frequency_hz).max(0.0).sqrt()
+            })
+            .sum();
+        total * end / f64::from(steps)
+    }
+}

@@ -1,0 +1,46 @@
+//! The plates that come with Slipline, as the plate files under `presets/`.
+
+use crate::spec::plate::Plate;
+
+/// A plate that comes with Slipline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Preset {
+    /// The name it is chosen by.
+    pub name: &'static str,
+    /// The plate file.
+    pub toml: &'static str,
+}
+
+impl Preset {
+    /// The plate. `None` only if the preset's own file were wrong, which a test excludes.
+    pub fn plate(&self) -> Option<Plate> {
+        Plate::from_toml(self.toml).ok()
+    }
+
+    /// The one-line description in the preset's file.
+    pub fn description(&self) -> String {
+        self.plate().map(|plate| plate.spec().description.clone()).unwrap_or_default()
+    }
+}
+
+const PRESETS: [Preset; 6] = [
+    Preset { name: "membrane", toml: include_str!("../../presets/membrane.toml") },
+    Preset { name: "al-bending", toml: include_str!("../../presets/al-bending.toml") },
+    Preset {
+        name: "al-bending-displacement",
+        toml: include_str!("../../presets/al-bending-displacement.toml"),
+    },
+    Preset { name: "paper-rubber", toml: include_str!("../../presets/paper-rubber.toml") },
+    Preset { name: "paper-as-printed", toml: include_str!("../../presets/paper-as-printed.toml") },
+    Preset { name: "al-sh", toml: include_str!("../../presets/al-sh.toml") },
+];
+
+/// Every preset; the first is the one to start with.
+pub fn presets() -> &'static [Preset] {
+    &PRESETS
+}
+
+/// The preset plate of that name.
+pub fn preset(name: &str) -> Option<Plate> {
+    PRESETS.iter().find(|preset| preset.name == name).and_then(Preset::plate)
+}

@@ -1,0 +1,222 @@
+//! How the half-width of the plate narrows along x.
+//!
+//! The plate spans z = -W..+W. Beyond the plate's end the law is continued (the frame goes on), so that the tail
+//! of the wave decays as it would in a longer plate.
+
+use crate::spec::error::{Origin, PlateError};
+use crate::spec::range::{self, Range};
+
+/// The law of the half-width W(x); x = 0 is the driven, wide end.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Taper {
+    /// W = W0 e^(-d x): every boundary is linear in the logarithm of the frequency.
+    Exponential {
+        /// Half-width W0 at the driven end, metres (1e-5 to 10).
+        half_width_m: f64,
+        /// Rate d, 1/m (0.01 to 1000).
+        rate_per_m: f64,
+    },
+    /// W falls in a straight line from x = 0 to the plate's end.
+    Linear {
+        /// Half-width at the driven end, metres (1e-5 to 10).
+        half_width_m: f64,
+        /// Half-width at the narrow end, metres (1e-5 to 10, below `half_width_m`).
+        end_half_width_m: f64,
+    },
+    /// Measured or drawn points, joined by a monotone curve of ln W (which is exact for an exponential taper).
+    Sampled {
+        /// `[position_m, half_width_m]`, 2 to 10 000 of them, positions rising from 0, half-widths falling.
+        points: Vec<[f64; 2]>,
+    },
+}
+
+impl Taper {
+    /// Refuses a taper that does not narrow or is absurd in size, on a plate of the given length.
+    pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
+        match self {
+            Self::Exponential { half_width_m, rate_per_m } => {
+                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                range::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
+                let end = half_width_m * (-rate_per_m * length_m).exp();
+                let narrowest = range::HALF_WIDTH.low;
+                if end < narrowest {
+                    let steepest = Range::at_most((half_width_m / narrowest).ln() / length_m, "1/m");
+                    let origin = Some(Origin::EndHalfWidth(end));
+                    return Err(steepest.refuse("taper.rate_per_m", *rate_per_m, origin));
+                }
+                Ok(())
+            }
+            Self::Linear { half_width_m, end_half_width_m } => {
+                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                let end = Range { high: 0.999 * half_width_m, ..range::HALF_WIDTH };
+                end.check("taper.end_half_width_m", *end_half_width_m)
+            }
+            Self::Sampled { points } => validate_points(points, length_m),
+        }
+    }
+}
+
+fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError> {
+    if !range::TAPER_POINTS.contains(points.len()) {
+        return Err(range::TAPER_POINTS.refuse("taper.points", points.len()));
+    }
+    for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
+        range::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
+        range::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;
+        if let Some([before_m, wider_m]) = index.checked_sub(1).map(|before| points[before])
+            && (position_m - before_m < 1e-6 || half_width_m >= wider_m)
+        {
+            return Err(PlateError::NotNarrowing { index, position_m, half_width_m });
+        }
+    }
+    let (first, last) = (points[0][0], points[points.len() - 1][0]);
+    Range::new(0.0, 0.0, "m").check_from(Origin::DrivenEnd, "taper.points[0][0]", first)?;
+    if last < length_m * (1.0 - 1e-9) {
+        let field = format!("taper.points[{}][0]", points.len() - 1);
+        return Err(Range::at_least(length_m, "m").refuse(&field, last, Some(Origin::Length(length_m))));
+    }
+    Ok(())
+}
+
+/// ln W and its first two derivatives at one place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LogWidth {
+    /// ln W, W in metres.
+    pub(crate) value: f64,
+    /// W'/W, 1/m.
+    pub(crate) slope: f64,
+    /// (ln W)'', 1/m^2.
+    pub(crate) curvature: f64,
+}
+
+impl LogWidth {
+    /// (sqrt W)''/sqrt W, the term that g = sqrt(W) f adds to k^2 with a minus sign.
+    pub(crate) fn root_curvature(self) -> f64 {
+        0.5 * self.curvature + 0.25 * self.slope * self.slope
+    }
+}
+
+/// The taper prepared for evaluation: sampled points carry their slopes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum WidthLaw {
+    Exponential { log_width: f64, rate_per_m: f64 },
+    Linear { half_width_m: f64, fall: f64 },
+    Curve { position: Vec<f64>, value: Vec<f64>, slope: Vec<f64> },
+}
+
+impl WidthLaw {
+    pub(crate) fn new(taper: &Taper, length_m: f64) -> Self {
+        match taper {
+            Taper::Exponential { half_width_m, rate_per_m } => {
+                Self::Exponential { log_width: half_width_m.ln(), rate_per_m: *rate_per_m }
+            }
+            Taper::Linear { half_width_m, end_half_width_m } => Self::Linear {
+                half_width_m: *half_width_m,
+                fall: (half_width_m - end_half_width_m) / length_m,
+            },
+            Taper::Sampled { points } => {
+                let position: Vec<f64> = points.iter().map(|point| point[0]).collect();
+                let value: Vec<f64> = points.iter().map(|point| point[1].ln()).collect();
+                let slope = monotone_slopes(&position, &value);
+                Self::Curve { position, value, slope }
+            }
+        }
+    }
+
+    /// Where the continued law still has a width: a linear taper ends where its edges meet.
+    pub(crate) fn reach_m(&self) -> f64 {
+        match self {
+            Self::Linear { half_width_m, fall } => half_width_m / fall,
+            _ => f64::INFINITY,
+        }
+    }
+
+    pub(crate) fn at(&self, x: f64) -> LogWidth {
+        match self {
+            Self::Exponential { log_width, rate_per_m } => {
+                LogWidth { value: log_width - rate_per_m * x, slope: -rate_per_m, curvature: 0.0 }
+            }
+            Self::Linear { half_width_m, fall } => {
+                // Held off zero so that a caller beyond the tip gets a very narrow plate and not a NaN.
+                let width = (half_width_m - fall * x).max(half_width_m * 1e-9);
+                let slope = -fall / width;
+                LogWidth { value: width.ln(), slope, curvature: -slope * slope }
+            }
+            Self::Curve { position, value, slope } => curve_at(position, value, slope, x),
+        }
+    }
+
+    /// The place where ln W has fallen to `target`; the law is continued on both sides.
+    pub(crate) fn place_of(&self, target: f64) -> f64 {
+        match self {
+            Self::Exponential { log_width, rate_per_m } => (log_width - target) / rate_per_m,
+            Self::Linear { half_width_m, fall } => (half_width_m - target.exp()) / fall,
+            Self::Curve { position, value, slope } => {
+                let last = position.len() - 1;
+                if target >= value[0] {
+                    return position[0] + (target - value[0]) / slope[0].min(-1e-9);
+                }
+                if target <= value[last] {
+                    return position[last] + (target - value[last]) / slope[last].min(-1e-9);
+                }
+                let (mut low, mut high) = (position[0], position[last]);
+                for _ in 0..80 {
+                    let middle = 0.5 * (low + high);
+                    if self.at(middle).value > target { low = middle } else { high = middle }
+                }
+                0.5 * (low + high)
+            }
+        }
+    }
+}
+
+/// Slopes of the monotone cubic through the points (Fritsch and Butland's weighted harmonic mean).
+fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
+    let count = position.len();
+    let step: Vec<f64> = position.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let secant: Vec<f64> = value.windows(2).zip(&step).map(|(pair, h)| (pair[1] - pair[0]) / h).collect();
+    let mut slope = vec![0.0; count];
+    for i in 1..count - 1 {
+        let (before, after) = (2.0 * step[i] + step[i - 1], step[i] + 2.0 * step[i - 1]);
+        slope[i] = (before + after) / (before / secant[i - 1] + after / secant[i]);
+    }
+    // One-sided three-point ends, kept falling and no steeper than monotonicity allows.
+    let end = |near: f64, far: f64, h0: f64, h1: f64| {
+        let raw = ((2.0 * h0 + h1) * near - h0 * far) / (h0 + h1);
+        raw.clamp(3.0 * near, 0.1 * near)
+    };
+    if count == 2 {
+        slope[0] = secant[0];
+        slope[1] = secant[0];
+    } else {
+        slope[0] = end(secant[0], secant[1], step[0], step[1]);
+        slope[count - 1] = end(secant[count - 2], secant[count - 3], step[count - 2], step[count - 3]);
+    }
+    slope
+}
+
+fn curve_at(position: &[f64], value: &[f64], slope: &[f64], x: f64) -> LogWidth {
+    let last = position.len() - 1;
+    if x <= position[0] || x >= position[last] {
+        // Continued as an exponential taper with the end's slope.
+        let end = if x <= position[0] { 0 } else { last };
+        return LogWidth {
+            value: value[end] + slope[end] * (x - position[end]),
+            slope: slope[end],
+            curvature: 0.0,
+        };
+    }
+    let right = position.partition_point(|&place| place <= x).clamp(1, last);
+    let left = right - 1;
+    let h = position[right] - position[left];
+    let t = (x - position[left]) / h;
+    let rise = value[right] - value[left];
+    // Hermite cubic written in powers of t.
+    let (a, b) = (h * slope[left], h * slope[right]);
+    let (c2, c3) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
+    LogWidth {
+        value: value[left] + t * (a + t * (c2 + t * c3)),
+        slope: (a + t * (2.0 * c2 + 3.0 * t * c3)) / h,
+        curvature: (2.0 * c2 + 6.0 * t * c3) / (h * h),
+    }
+}

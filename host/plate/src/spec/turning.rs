@@ -1,0 +1,79 @@
+//! Where a frequency turns, how wide its edge is, and which frequency puts the boundary at a place.
+//!
+//! Near the turning point x0 the amplitude is an Airy function, Ai(kappa (x - x0)) with kappa^3 = -d(k^2)/dx at x0
+//! (2 d K^2 for the exponential taper). Its peak lies 1.018793/kappa before x0 and it falls to a tenth of the peak
+//! 1.7098/kappa beyond it.
+
+use crate::spec::plate::Plate;
+use crate::special::airy;
+
+impl Plate {
+    /// Lowest frequency that enters the plate at all, Hz (its wave turns at x = 0).
+    pub fn cut_off_hz(&self) -> f64 {
+        self.guide(1).cut_off_hz(0.0)
+    }
+
+    /// The frequency whose turning point is `x`, Hz.
+    pub fn frequency_for_boundary_hz(&self, x: f64) -> f64 {
+        self.guide(1).cut_off_hz(x)
+    }
+
+    /// The turning point of `frequency_hz`, metres; `None` if the wave cannot enter.
+    ///
+    /// The taper is thought to go on beyond the plate's end, so a value above [`Plate::length_m`] means that the
+    /// wave reaches the end of the plate.
+    pub fn turning_point_m(&self, frequency_hz: f64) -> Option<f64> {
+        self.ghost_boundary_m(frequency_hz, 1)
+    }
+
+    /// The turning point of width mode `mode` (1 = the wanted one), metres; `None` if that mode cannot enter.
+    ///
+    /// A drive on the centre line excites m = 3, 5, ..; an off-centre one m = 2, 3, ..
+    pub fn ghost_boundary_m(&self, frequency_hz: f64, mode: u32) -> Option<f64> {
+        let place = self.guide(mode).turning_point_m(frequency_hz);
+        (place.is_finite() && place > 0.0).then_some(place)
+    }
+
+    /// kappa of the Airy form at the turning point, 1/m.
+    pub fn kappa_per_m(&self, frequency_hz: f64) -> Option<f64> {
+        self.turning_point_m(frequency_hz).map(|x0| self.guide(1).fall(x0).cbrt())
+    }
+
+    /// Distance from the peak to a tenth of it, metres (2.729/kappa).
+    pub fn edge_width_m(&self, frequency_hz: f64) -> Option<f64> {
+        self.kappa_per_m(frequency_hz).map(|kappa| airy::EDGE_WIDTH / kappa)
+    }
+
+    /// Where the Airy form puts the peak, metres: x0 - 1.018793/kappa. Negative if it would lie before the drive.
+    pub fn airy_peak_m(&self, frequency_hz: f64) -> Option<f64> {
+        let x0 = self.turning_point_m(frequency_hz)?;
+        Some(x0 - airy::PEAK_OFFSET / self.kappa_per_m(frequency_hz)?)
+    }
+
+    /// Where the amplitude has fallen to the threshold of feeling, metres: the second boundary a user may drag.
+    ///
+    /// `threshold_to_peak` = a_th/a_peak. `None` when the wave cannot enter or the threshold is not in 1e-6..1.
+    pub fn threshold_boundary_m(&self, frequency_hz: f64, threshold_to_peak: f64) -> Option<f64> {
+        let x0 = self.turning_point_m(frequency_hz)?;
+        Some(x0 + airy::place_of_level(threshold_to_peak)? / self.kappa_per_m(frequency_hz)?)
+    }
+
+    /// The frequency whose threshold boundary is `x`, Hz: the inverse of [`Plate::threshold_boundary_m`].
+    ///
+    /// `None` when no frequency that enters the plate has its threshold there.
+    pub fn frequency_for_threshold_hz(&self, x: f64, threshold_to_peak: f64) -> Option<f64> {
+        let (mut low, mut high) =
+            (self.cut_off_hz() * 1.000_001, self.frequency_for_boundary_hz(self.length_m() * 1.5));
+        if self.threshold_boundary_m(low, threshold_to_peak)? > x {
+            return None;
+        }
+        for _ in 0..80 {
+            let middle = (low * high).sqrt();
+            match self.threshold_boundary_m(middle, threshold_to_peak) {
+                Some(place) if place > x => high = middle,
+                _ => low = middle,
+            }
+        }
+        Some((low * high).sqrt())
+    }
+}

@@ -1,0 +1,199 @@
+//! The turning-point table: for each place of the boundary, the frequency and the gain that put it there at equal
+//! level.
+//!
+//! The gain is the inverse of everything between the DAC code and the plate's peak: the zero-order hold's droop
+//! sinc(f/fs), the actuator, the driven end and the plate with its resonances. The device interpolates step and
+//! gain linearly between knots, so the table is made for that: knots are moved onto the plate's resonances (by
+//! less than a knot), gains share the error between a knot and the middle of its neighbours, and what is left
+//! between the knots is measured and reported.
+
+use super::knots::{onto_resonances, rising, share_error};
+use super::level::{Chain, amid, chains, other_speeds};
+use crate::progress::{Progress, Stopped};
+use crate::spec::plate::Plate;
+use crate::spec::sample_rate::SampleRateError;
+use thiserror::Error;
+
+/// Most knots of a table.
+pub const KNOTS_MAX: usize = 1025;
+
+/// Why a table could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TableError {
+    /// The sample rate cannot carry the plate's band.
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
+    /// The number of knots is not usable.
+    #[error("knots = {knots}: must be 2 to {KNOTS_MAX}")]
+    Knots {
+        /// The number that was asked for.
+        knots: usize,
+    },
+    /// The plate does not answer somewhere in its span (its amplitude is zero or not a number).
+    #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
+    Silent {
+        /// Turning point, metres.
+        position_m: f64,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// The computation was given up.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+/// One knot of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knot {
+    /// Nominal place of the boundary, metres (uniform over the span).
+    pub position_m: f64,
+    /// Frequency, Hz; strictly rising from knot to knot.
+    pub frequency_hz: f64,
+    /// Gain, above 0 and at most 1.
+    pub gain: f64,
+    /// Whether the plate shows a turning-point peak here; where loss leaves none, the level is defined by the
+    /// amplitude at the turning point (an Airy peak would be 1/0.6628 of it).
+    pub peak_present: bool,
+}
+
+/// A turning-point table for one plate at one sample rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DriveTable {
+    /// Place of the first knot, metres.
+    pub span_start_m: f64,
+    /// Place of the last knot, metres.
+    pub span_end_m: f64,
+    /// Sample rate the table was made for, Hz.
+    pub sample_rate_hz: f64,
+    /// The knots, uniform in position.
+    pub knots: Vec<Knot>,
+    /// Peak displacement at level 1 (DAC amplitude = gain), the same everywhere on the span, metres.
+    pub peak_at_full_scale_m: f64,
+    /// Largest departure of the peak from its level at the knots, between them and at the resonances, dB.
+    pub worst_error_db: f64,
+    /// Largest distance between a commanded boundary and the turning point it gets, metres.
+    pub worst_shift_m: f64,
+    /// Swing of the peak over the span without gains, dB (largest over smallest).
+    pub swing_without_gain_db: f64,
+    /// Knots without a turning-point peak.
+    pub knots_without_peak: usize,
+}
+
+impl DriveTable {
+    /// Builds the table with `knots` knots (2 to 1025) over the plate's span.
+    ///
+    /// # Errors
+    /// [`TableError`] when the rate cannot carry the band, `knots` is out of range, or the plate is silent somewhere.
+    pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
+        Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
+    }
+
+    /// [`DriveTable::build`] that tells how far it is and can be stopped: a moment for a usual plate,
+    /// many times as long for one of many wavelengths whose speed has a tolerance.
+    ///
+    /// # Errors
+    /// As [`DriveTable::build`], and [`TableError::Stopped`].
+    pub fn build_watched(
+        plate: &Plate,
+        sample_rate_hz: f64,
+        knots: usize,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, TableError> {
+        if !(2..=KNOTS_MAX).contains(&knots) {
+            return Err(TableError::Knots { knots });
+        }
+        let chain = Chain::new(plate, sample_rate_hz)?;
+        let (start, end) = plate.span_m();
+        let place = |k: f64| start + (end - start) * k / (knots - 1) as f64;
+        let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
+        // Halves: knots at even indices, middles at odd ones.
+        let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
+        let others = other_speeds(plate);
+        let others = chains(&others, sample_rate_hz);
+        // Frequencies that each stage solves, per knot: they share out the progress.
+        let speeds = 1.0 + others.len() as f64;
+        let whole = 2.0 + 2.0 * speeds + 4.0;
+        let ends = [0.0, 2.0, 2.0 + speeds, 2.0 + 2.0 * speeds, whole].map(|end| end / whole);
+        let levels = chain.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
+        let shifted = onto_resonances(&chain, &places, &halves, &levels);
+
+        let mut frequency: Vec<f64> = shifted.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
+        rising(&mut frequency);
+        let at_knots = amid(&chain, &others, &frequency, &mut progress.part(ends[1], ends[2]))?;
+        let middles: Vec<f64> = frequency.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        let between = amid(&chain, &others, &middles, &mut progress.part(ends[2], ends[3]))?;
+        let mut gain: Vec<f64> = at_knots.iter().map(|level| 1.0 / level.amplitude).collect();
+        share_error(&mut gain, &at_knots, &between);
+        let largest = gain.iter().copied().fold(0.0, f64::max);
+        gain.iter_mut().for_each(|gain| *gain /= largest);
+        let level = 1.0 / largest;
+
+        let amplitudes = at_knots.iter().chain(&levels).map(|level| level.amplitude);
+        let (low, high) =
+            amplitudes.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+        let mut table = Self {
+            span_start_m: start,
+            span_end_m: end,
+            sample_rate_hz,
+            knots: (0..knots)
+                .map(|k| Knot {
+                    position_m: places[k],
+                    frequency_hz: frequency[k],
+                    gain: gain[k],
+                    peak_present: at_knots[k].peak_present,
+                })
+                .collect(),
+            peak_at_full_scale_m: level * plate.spec().full_scale_m,
+            worst_error_db: 0.0,
+            worst_shift_m: 0.0,
+            swing_without_gain_db: 20.0 * (high / low).log10(),
+            knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
+        };
+        table.measure(plate, &chain, level, &mut progress.part(ends[3], ends[4]))?;
+        Ok(table)
+    }
+
+    /// Frequency at `position_m`, Hz, interpolated as the device does; clamped to the span.
+    pub fn frequency_hz(&self, position_m: f64) -> f64 {
+        self.between(position_m, |knot| knot.frequency_hz)
+    }
+
+    /// Gain at `position_m`, interpolated as the device does; clamped to the span.
+    pub fn gain(&self, position_m: f64) -> f64 {
+        self.between(position_m, |knot| knot.gain)
+    }
+
+    fn between(&self, position_m: f64, value: impl Fn(&Knot) -> f64) -> f64 {
+        let last = self.knots.len() - 1;
+        let at = (position_m - self.span_start_m) / (self.span_end_m - self.span_start_m) * last as f64;
+        let at = if at.is_nan() { 0.0 } else { at.clamp(0.0, last as f64) };
+        let left = (at as usize).min(last - 1);
+        let t = at - left as f64;
+        value(&self.knots[left]) * (1.0 - t) + value(&self.knots[left + 1]) * t
+    }
+
+    /// Measures the error at each knot and at three places between each pair.
+    fn measure(
+        &mut self,
+        plate: &Plate,
+        chain: &Chain<'_>,
+        level: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<(), TableError> {
+        let count = 4 * (self.knots.len() - 1) + 1;
+        let places: Vec<f64> = (0..count)
+            .map(|i| {
+                self.span_start_m + (self.span_end_m - self.span_start_m) * i as f64 / (count - 1) as f64
+            })
+            .collect();
+        let frequencies: Vec<f64> = places.iter().map(|&x| self.frequency_hz(x)).collect();
+        let levels = chain.levels(&frequencies, progress)?;
+        for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {
+            let error_db = 20.0 * (self.gain(x) * found.amplitude / level).log10();
+            self.worst_error_db = self.worst_error_db.max(error_db.abs());
+            let turning = plate.turning_point_m(frequency).unwrap_or(f64::NAN);
+            self.worst_shift_m = self.worst_shift_m.max((turning - x).abs());
+        }
+        Ok(())
+    }
+}

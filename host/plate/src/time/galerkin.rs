@@ -1,0 +1,185 @@
+//! The plate's own oscillations, to spectral accuracy.
+//!
+//! The operator A f = -(1/W) (W f')' + a (q/W)^2 f of the amplitude equation is projected on Legendre polynomials
+//! over the plate and as much of the continued taper as the tail needs. Its eigenfunctions with a free end
+//! (f'(0) = 0) answer to a force, those with a held end (f(0) = 0) to a displacement. Loss and frequency enter
+//! only through A's eigenvalues, so the functions are real and are computed once.
+
+use crate::spec::plate::Guide;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Decay exponents kept beyond the plate's end (what comes back from there is squared: e^-14).
+const BEYOND_EXPONENTS: f64 = 7.0;
+
+/// Eigenfunctions of the plate for one kind of driven end, as columns over the output places.
+pub(crate) struct Oscillations {
+    /// Eigenvalues lambda of A, 1/m^2, rising.
+    pub(crate) eigenvalue: Vec<f64>,
+    /// How the drive excites each one: phi(0) for a force, see [`held`] for a displacement.
+    pub(crate) excitation: Vec<f64>,
+    /// Value of each function at the driven end.
+    pub(crate) at_drive: Vec<f64>,
+    /// Functions at the output places: one column each.
+    pub(crate) shape: DMatrix<f64>,
+    /// What follows the drive without delay (held end only): one entry per place.
+    pub(crate) direct: DVector<f64>,
+}
+
+/// Matrices of A and of the weight W on Legendre polynomials, and the polynomials at the output places.
+struct Projection {
+    stiffness: DMatrix<f64>,
+    mass: DMatrix<f64>,
+    at_places: DMatrix<f64>,
+    at_drive: DVector<f64>,
+}
+
+/// How many polynomials carry waves up to `frequency_hz`, and how far the taper is continued.
+fn size(guide: &Guide<'_>, frequency_hz: f64) -> (usize, f64) {
+    let plate = guide.plate;
+    let length = plate.length_m();
+    let step = length / 400.0;
+    let slowest = guide.width_term(length);
+    let (mut reach, mut exponents) = (length, 0.0);
+    while exponents < BEYOND_EXPONENTS && reach < 3.0 * length && reach + step < 0.97 * plate.width.reach_m()
+    {
+        reach += step;
+        exponents += (guide.width_term(reach) - slowest).max(0.0).sqrt() * step;
+    }
+    // A polynomial basis follows a wave once there are more than pi terms per wavelength, plus a margin that grows
+    // slowly; the barrier's own steepness asks for some as well.
+    let wavenumber = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    let waves = 0.5 * wavenumber * reach;
+    let count = waves + 6.0 * waves.cbrt() + 16.0 + 2.0 * plate.narrowing_per_m(0.0).abs() * reach;
+    (count.ceil() as usize, reach)
+}
+
+fn project(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Projection {
+    let (count, reach) = size(guide, frequency_hz);
+    let width = &guide.plate.width;
+    let log_start = width.at(0.0).value;
+    let (node, weight) = gauss_legendre(2 * count + 24);
+    let mut stiffness = DMatrix::zeros(count, count);
+    let mut mass = DMatrix::zeros(count, count);
+    for (xi, weight) in node.iter().zip(&weight) {
+        let x = 0.5 * reach * (xi + 1.0);
+        let (value, slope) = legendre(*xi, count, reach);
+        let local = 0.5 * reach * weight * (width.at(x).value - log_start).exp();
+        let barrier = local * guide.width_term(x);
+        mass.ger(local, &value, &value, 1.0);
+        stiffness.ger(local, &slope, &slope, 1.0);
+        stiffness.ger(barrier, &value, &value, 1.0);
+    }
+    let mut at_places = DMatrix::zeros(places_m.len(), count);
+    for (row, x) in places_m.iter().enumerate() {
+        let (value, _) = legendre(2.0 * x / reach - 1.0, count, reach);
+        at_places.set_row(row, &value.transpose());
+    }
+    let (at_drive, _) = legendre(-1.0, count, reach);
+    Projection { stiffness, mass, at_places, at_drive }
+}
+
+/// Oscillations with a free driven end, excited by f'(0): f = -f'(0) sum phi(0) phi(x)/(lambda - a K^2).
+pub(crate) fn free(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Oscillations {
+    let projection = project(guide, frequency_hz, places_m);
+    let (eigenvalue, vector) = eigen(&projection.stiffness, &projection.mass);
+    let at_drive = vector.tr_mul(&projection.at_drive);
+    Oscillations {
+        eigenvalue,
+        excitation: at_drive.iter().map(|value| -value).collect(),
+        at_drive: at_drive.iter().copied().collect(),
+        shape: &projection.at_places * vector,
+        direct: DVector::zeros(places_m.len()),
+    }
+}
+
+/// Oscillations with a held driven end, excited by f(0) = s.
+///
+/// With f = s (1 + h), h(0) = 0: h = -sum phi (m + (k - lambda m)/(lambda - a K^2)), where k and m are the
+/// projections of A 1 and 1. The m part follows at once (`direct`), the rest rings.
+pub(crate) fn held(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Oscillations {
+    let projection = project(guide, frequency_hz, places_m);
+    let count = projection.at_drive.len();
+    // Columns P[n]/P[n](0) - P[n-1]/P[n-1](0), each of which vanishes at the driven end.
+    let mut basis = DMatrix::zeros(count, count - 1);
+    for n in 1..count {
+        basis[(n, n - 1)] = 1.0 / projection.at_drive[n];
+        basis[(n - 1, n - 1)] = -1.0 / projection.at_drive[n - 1];
+    }
+    let stiffness = basis.transpose() * &projection.stiffness * &basis;
+    let mass = basis.transpose() * &projection.mass * &basis;
+    let (eigenvalue, vector) = eigen(&stiffness, &mass);
+    let vector = basis * vector;
+    let mut lift = DVector::zeros(count);
+    lift[0] = 1.0 / projection.at_drive[0];
+    let m = vector.tr_mul(&(&projection.mass * &lift));
+    let k = vector.tr_mul(&(&projection.stiffness * &lift));
+    let shape = &projection.at_places * &vector;
+    let direct = &projection.at_places * &lift - &shape * &m;
+    Oscillations {
+        excitation: (0..eigenvalue.len()).map(|n| eigenvalue[n] * m[n] - k[n]).collect(),
+        at_drive: vec![0.0; eigenvalue.len()],
+        eigenvalue,
+        shape,
+        direct,
+    }
+}
+
+/// Generalised symmetric eigenproblem: eigenvalues rising, vectors normalised to the mass.
+fn eigen(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    let count = mass.nrows();
+    // The weight is positive, so the mass matrix has a root; a failure would mean a width of zero.
+    let Some(root) = mass.clone().cholesky() else {
+        return (Vec::new(), DMatrix::zeros(count, 0));
+    };
+    let lower = root.l();
+    let mut half = stiffness.clone();
+    lower.solve_lower_triangular_mut(&mut half);
+    let mut whole = half.transpose();
+    lower.solve_lower_triangular_mut(&mut whole);
+    let symmetric = (&whole + whole.transpose()) * 0.5;
+    let solved = SymmetricEigen::new(symmetric);
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| solved.eigenvalues[a].total_cmp(&solved.eigenvalues[b]));
+    let sorted = DMatrix::from_fn(count, count, |row, column| solved.eigenvectors[(row, order[column])]);
+    let mut vector = sorted;
+    lower.tr_solve_lower_triangular_mut(&mut vector);
+    (order.iter().map(|&n| solved.eigenvalues[n]).collect(), vector)
+}
+
+/// Legendre polynomials of order 0..count at `xi`, normalised on an interval of length `reach`, and their x slopes.
+fn legendre(xi: f64, count: usize, reach: f64) -> (DVector<f64>, DVector<f64>) {
+    let mut value = DVector::zeros(count);
+    let mut slope = DVector::zeros(count);
+    let (mut before, mut now, mut slope_before, mut slope_now) = (0.0, 1.0, 0.0, 0.0);
+    for n in 0..count {
+        let order = n as f64;
+        let scale = ((2.0 * order + 1.0) / reach).sqrt();
+        value[n] = scale * now;
+        slope[n] = scale * slope_now * 2.0 / reach;
+        let next = ((2.0 * order + 1.0) * xi * now - order * before) / (order + 1.0);
+        let slope_next = slope_before + (2.0 * order + 1.0) * now;
+        (before, now, slope_before, slope_now) = (now, next, slope_now, slope_next);
+    }
+    (value, slope)
+}
+
+/// Nodes and weights of Gauss and Legendre's rule on -1..1.
+fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
+    let n = count as f64;
+    (0..count)
+        .map(|i| {
+            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+            let mut derivative = 1.0;
+            for _ in 0..8 {
+                let (mut before, mut now) = (0.0, 1.0);
+                for k in 0..count {
+                    let k = k as f64;
+                    (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
+                }
+                derivative = n * (x * now - before) / (x * x - 1.0);
+                x -= now / derivative;
+            }
+            (-x, 2.0 / ((1.0 - x * x) * derivative * derivative))
+        })
+        .unzip()
+}

@@ -1,0 +1,93 @@
+//! The steps of the oscillators, integrated exactly for a drive that is a spline.
+
+use crate::time::analytic::{BSPLINE, Plan};
+use crate::time::kernel::Oscillators;
+use crate::time::oscillators::Bank;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The steps of every oscillator.
+pub(super) fn prepare(bank: &Bank, plan: &Plan) -> Oscillators {
+    let mut oscillators = Oscillators {
+        re: vec![0.0; bank.pole.len()],
+        im: vec![0.0; bank.pole.len()],
+        ..Oscillators::default()
+    };
+    for pole in &bank.pole {
+        let (advance, inject) = integrate(*pole, plan.centre_hz, 1.0 / plan.rate_hz());
+        oscillators.advance_re.push(advance.re);
+        oscillators.advance_im.push(advance.im);
+        for (k, inject) in inject.into_iter().enumerate() {
+            oscillators.inject_re[k].push(inject.re);
+            oscillators.inject_im[k].push(inject.im);
+        }
+    }
+    oscillators
+}
+
+/// Exact step of z' = -j (p - centre) z + j u with u the quintic spline of six coefficients.
+fn integrate(pole: Complex64, centre_hz: f64, step_s: f64) -> (Complex64, [Complex64; 6]) {
+    let z = Complex64::new(0.0, -1.0) * (pole - TAU * centre_hz) * step_s;
+    // moment[i] = integral over the step of e^(z (1 - t)) t^i, which is i! phi_{i+1}(z).
+    let phi = phi_functions(z);
+    let mut factorial = 1.0;
+    let mut moment = [Complex64::ZERO; 6];
+    for (i, moment) in moment.iter_mut().enumerate() {
+        if i > 0 {
+            factorial *= i as f64;
+        }
+        *moment = phi[i + 1] * factorial;
+    }
+    let mut inject = [Complex64::ZERO; 6];
+    for (inject, piece) in inject.iter_mut().zip(&BSPLINE) {
+        let sum: Complex64 = piece.iter().zip(&moment).map(|(c, m)| m * *c).sum();
+        *inject = Complex64::new(0.0, step_s / 120.0) * sum;
+    }
+    (phi[0], inject)
+}
+
+/// phi_0 = e^z, phi_{k+1} = (phi_k - 1/k!)/z.
+fn phi_functions(z: Complex64) -> [Complex64; 7] {
+    let mut phi = [Complex64::ZERO; 7];
+    if z.norm() > 4.0 {
+        phi[0] = z.exp();
+        let mut factorial = 1.0;
+        for k in 0..6 {
+            if k > 0 {
+                factorial *= k as f64;
+            }
+            phi[k + 1] = (phi[k] - 1.0 / factorial) / z;
+        }
+        return phi;
+    }
+    // phi_6 by its series (1/(n + 6)!), the others upward from it, which is stable for small z.
+    let mut term = Complex64::from(1.0 / 720.0);
+    let mut sum = term;
+    for n in 1..40 {
+        term *= z / (n + 6) as f64;
+        sum += term;
+    }
+    phi[6] = sum;
+    let mut factorial = 120.0;
+    for k in (0..6).rev() {
+        phi[k] = phi[k + 1] * z + 1.0 / factorial;
+        factorial /= (k as f64).max(1.0);
+    }
+    phi
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phi_functions_agree_where_the_two_ways_meet() {
+        for angle in [0.1_f64, 1.5, 3.0, -1.4] {
+            let direction = Complex64::cis(angle);
+            let (below, above) = (phi_functions(direction * 3.999_999), phi_functions(direction * 4.000_001));
+            for (a, b) in below.iter().zip(above) {
+                assert!((a - b).norm() < 1e-4 * a.norm().max(1e-3), "{angle}");
+            }
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! The plate in time: one width mode, driven by DAC codes at the device's sample rate.
+//!
+//! ```text
+//! codes -> band filter, decimation (analytic) -> oscillators, integrated exactly -> field over x -> envelope
+//! ```
+//! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
+
+use super::integration::prepare;
+use crate::spec::plate::Plate;
+use crate::spec::sample_rate::{self, SampleRateError};
+use crate::time::analytic::{Drive, Plan};
+use crate::time::envelope::Envelope;
+use crate::time::kernel::{self, Oscillators};
+use crate::time::oscillators::{self, Bank, Input};
+use num_complex::Complex64;
+use pulp::Arch;
+use std::f64::consts::TAU;
+use thiserror::Error;
+
+/// Fewest and most places of a line.
+pub const LINE_POINTS: (usize, usize) = (16, 4096);
+/// Oscillators further from the middle of the band than this many half bands follow the drive at once.
+const REACH: f64 = 3.5;
+/// Highest width mode of a line.
+pub const WIDTH_MODE_MAX: u32 = 9;
+
+/// Why a line could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LineError {
+    /// The sample rate cannot carry the plate's band.
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
+    /// The number of places is not usable.
+    #[error("points = {points}: must be {low} to {high}")]
+    Points {
+        /// The number that was asked for.
+        points: usize,
+        /// Fewest.
+        low: usize,
+        /// Most.
+        high: usize,
+    },
+    /// There is no such width mode.
+    #[error("width mode = {mode}: must be 1 to {high}")]
+    Mode {
+        /// The mode that was asked for.
+        mode: u32,
+        /// Highest mode.
+        high: u32,
+    },
+}
+
+/// One width mode of a plate, running.
+pub struct TimeLine {
+    arch: Arch,
+    drive: Drive,
+    plan: Plan,
+    position_m: Vec<f64>,
+    oscillators: Oscillators,
+    /// The last six spline coefficients, oldest first.
+    coefficient: [Complex64; 6],
+    /// Field in metres per signal (see [`kernel::tiles`]): the drive, its change, its bend, and each oscillator.
+    shape: Vec<f32>,
+    signal: Vec<[f32; 2]>,
+    /// Field over whole tiles of places.
+    field_re: Vec<f32>,
+    field_im: Vec<f32>,
+    envelope: Envelope,
+    steps: u64,
+    /// The field is evaluated at every `stride`-th step, still twice as often as the band can change it.
+    stride: u64,
+    field_step: u64,
+    settle_s: f64,
+}
+
+impl TimeLine {
+    /// Prepares `points` places (16 to 4096, uniform from 0 to the plate's end) of width mode `mode` (1 = the first).
+    ///
+    /// # Errors
+    /// [`LineError`] names what is out of range.
+    pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
+        sample_rate::check(plate, sample_rate_hz)?;
+        let (low_hz, high_hz) = plate.band_hz();
+        if !(LINE_POINTS.0..=LINE_POINTS.1).contains(&points) {
+            return Err(LineError::Points { points, low: LINE_POINTS.0, high: LINE_POINTS.1 });
+        }
+        if !(1..=WIDTH_MODE_MAX).contains(&mode) {
+            return Err(LineError::Mode { mode, high: WIDTH_MODE_MAX });
+        }
+        let plan = Plan::new(sample_rate_hz, low_hz, high_hz);
+        let position_m: Vec<f64> =
+            (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();
+        let bank = oscillators::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
+        let settle_s = settle_time(&bank, low_hz, high_hz);
+        let (bank, quick) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
+        let scale = plate.spec().full_scale_m;
+        let shape = kernel::tiles(points, 3 + bank.pole.len(), |row, signal| {
+            let value =
+                if signal < 3 { quick.shape[(row, signal)] } else { bank.shape[(row, signal - 3)] } * scale;
+            [value.re as f32, value.im as f32]
+        });
+        let covered = points.div_ceil(kernel::TILE) * kernel::TILE;
+        Ok(Self {
+            arch: Arch::new(),
+            drive: Drive::new(plan, bank.input == Input::DriveRate),
+            plan,
+            oscillators: prepare(&bank, &plan),
+            coefficient: [Complex64::ZERO; 6],
+            shape,
+            signal: vec![[0.0; 2]; 3 + bank.pole.len()],
+            field_re: vec![0.0; covered],
+            field_im: vec![0.0; covered],
+            envelope: Envelope::new(points),
+            position_m,
+            steps: 0,
+            stride: ((plan.rate_hz() / (2.5 * plan.half_band_hz)) as u64).max(1),
+            field_step: 0,
+            settle_s,
+        })
+    }
+
+    /// Takes DAC codes as parts of full scale (-1 to 1; not a number counts as 0) and moves the plate on.
+    pub fn push(&mut self, codes: &[f32]) {
+        for code in codes {
+            let code = if code.is_finite() { f64::from(*code) } else { 0.0 };
+            if let Some(coefficient) = self.drive.push(code) {
+                self.step(coefficient);
+            }
+        }
+    }
+
+    /// Takes raw codes of a DAC of `bits` bits (mid-scale = rest).
+    pub fn push_codes(&mut self, codes: &[u16], bits: u32) {
+        let half = f64::from(1_u32 << (bits.clamp(1, 16) - 1));
+        for code in codes {
+            if let Some(coefficient) = self.drive.push((f64::from(*code) - half) / half) {
+                self.step(coefficient);
+            }
+        }
+    }
+
+    fn step(&mut self, coefficient: Complex64) {
+        self.coefficient.rotate_left(1);
+        self.coefficient[5] = coefficient;
+        self.arch.dispatch(kernel::Step {
+            oscillators: &mut self.oscillators,
+            coefficient_re: self.coefficient.map(|c| c.re),
+            coefficient_im: self.coefficient.map(|c| c.im),
+        });
+        self.steps += 1;
+        if self.steps.is_multiple_of(self.stride) {
+            self.update_field();
+            let points = self.position_m.len();
+            self.envelope.add(&self.field_re[..points], &self.field_im[..points]);
+        }
+    }
+
+    fn update_field(&mut self) {
+        // The drive at the step's end, where only five pieces are not zero, and its derivatives: what goes as
+        // e^(-j (omega - centre) t) turns (omega - centre) into j d/dt.
+        let c = &self.coefficient;
+        let rate = self.plan.rate_hz();
+        let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
+        let slope = (c[5] - c[1] + (c[4] - c[2]) * 10.0) * (rate / 24.0);
+        let bend = (c[1] + c[5] + (c[2] + c[4]) * 2.0 - c[3] * 6.0) * (rate * rate / 6.0);
+        let quick = [drive, slope * Complex64::I, -bend];
+        for (signal, value) in self.signal.iter_mut().zip(quick) {
+            *signal = [value.re as f32, value.im as f32];
+        }
+        let states = self.oscillators.re.iter().zip(&self.oscillators.im);
+        for (signal, (re, im)) in self.signal[3..].iter_mut().zip(states) {
+            *signal = [*re as f32, *im as f32];
+        }
+        self.arch.dispatch(kernel::Field {
+            shape: &self.shape,
+            signal: &self.signal,
+            re: &mut self.field_re,
+            im: &mut self.field_im,
+        });
+        self.field_step = self.steps;
+    }
+
+    /// Places, metres.
+    pub fn positions_m(&self) -> &[f64] {
+        &self.position_m
+    }
+
+    /// Writes the displacement at the latest step of the field, metres, as far as `out` reaches.
+    pub fn field_m(&self, out: &mut [f32]) {
+        let carrier = self.carrier();
+        let (re, im) = (carrier.re as f32, carrier.im as f32);
+        for ((out, a), b) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
+            *out = a * re - b * im;
+        }
+    }
+
+    /// Writes the analytic displacement at the latest step of the field, metres, as far as `out` reaches: its real
+    /// part is [`TimeLine::field_m`], and a tone of frequency f turns in it as e^(-j 2 pi f t), with nothing at -f.
+    ///
+    /// A new field comes every `1/step_rate_hz()` seconds.
+    pub fn analytic_m(&self, out: &mut [Complex64]) {
+        let carrier = self.carrier();
+        for ((out, re), im) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
+            *out = Complex64::new(f64::from(*re), f64::from(*im)) * carrier;
+        }
+    }
+
+    /// What the band's middle has turned to at the latest step of the field.
+    fn carrier(&self) -> Complex64 {
+        Complex64::cis(-TAU * (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract())
+    }
+
+    /// Maximum and RMS since the last [`TimeLine::reset_envelope`].
+    pub fn envelope(&self) -> &Envelope {
+        &self.envelope
+    }
+
+    /// Starts the envelope anew, for instance once the plate has settled.
+    pub fn reset_envelope(&mut self) {
+        self.envelope.reset();
+    }
+
+    /// Puts the plate to rest and starts the envelope anew.
+    pub fn rest(&mut self) {
+        self.oscillators.re.fill(0.0);
+        self.oscillators.im.fill(0.0);
+        self.coefficient = [Complex64::ZERO; 6];
+        self.field_re.fill(0.0);
+        self.field_im.fill(0.0);
+        self.drive.rest();
+        self.envelope.reset();
+    }
+
+    /// Time after which a change has died down to a thousandth in the band, seconds (including the filter's delay).
+    pub fn settle_time_s(&self) -> f64 {
+        self.settle_s + 2.0 * self.latency_s()
+    }
+
+    /// Time from a code to its effect in the field, seconds: the delay of the band filter.
+    pub fn latency_s(&self) -> f64 {
+        self.drive.delay_s() + 3.0 / self.plan.rate_hz()
+    }
+
+    /// Rate at which the field is updated, Hz.
+    pub fn step_rate_hz(&self) -> f64 {
+        self.plan.rate_hz() / self.stride as f64
+    }
+}
+
+/// ln(1000) over the slowest decay of an oscillator in the band; at most ten seconds for a plate without loss.
+fn settle_time(bank: &Bank, low_hz: f64, high_hz: f64) -> f64 {
+    let slowest = bank
+        .pole
+        .iter()
+        .filter(|pole| pole.re > 0.8 * TAU * low_hz && pole.re < 1.2 * TAU * high_hz)
+        .map(|pole| -pole.im)
+        .fold(f64::INFINITY, f64::min);
+    if slowest.is_finite() { (6.9 / slowest.max(0.69)).max(4.0 / low_hz) } else { 4.0 / low_hz }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frequency::respond::{Equation, respond};
+    use crate::spec::presets::presets;
+
+    #[test]
+    fn a_settled_tone_of_codes_has_the_frequency_domain_amplitude_and_peak() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let rate = 400e3;
+            let (low, high) = plate.band_hz();
+            let mut line = TimeLine::new(&plate, rate, 257, 1).expect("a preset fits 400 kS/s");
+            for frequency in [low * 1.05, (low * high).sqrt(), high] {
+                line.rest();
+                let settle = (line.settle_time_s() * rate) as usize;
+                let measure = (rate * (20.0 / frequency)) as usize;
+                let tone = |n: usize| (TAU * frequency * n as f64 / rate).cos() as f32;
+                let codes: Vec<f32> = (0..settle).map(tone).collect();
+                line.push(&codes);
+                line.reset_envelope();
+                let codes: Vec<f32> = (settle..settle + measure).map(tone).collect();
+                line.push(&codes);
+                let exact = respond(&plate, frequency, 257, Equation::Corrected).expect("in band");
+                let turn = std::f64::consts::PI * frequency / rate;
+                let scale = plate.spec().full_scale_m * turn.sin() / turn;
+                let top = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+                let worst = line
+                    .envelope()
+                    .maximum_m()
+                    .iter()
+                    .zip(&exact.amplitude)
+                    .map(|(found, f)| (f64::from(*found) / scale - f.norm()).abs() / top)
+                    .fold(0.0, f64::max);
+                let found = line.envelope().peak(&plate, frequency);
+                assert!(worst < 5e-3, "{} {frequency} Hz: {worst}", preset.name);
+                if let (Some(found), Some(exact_peak)) = (found, exact.peak) {
+                    let off = (found.position_m - exact_peak.position_m).abs();
+                    assert!(off < exact.edge_width_m / 50.0, "{} {frequency} Hz: {off} m", preset.name);
+                }
+                assert_eq!(found.is_some(), exact.peak.is_some(), "{} {frequency} Hz", preset.name);
+            }
+        }
+    }
+}

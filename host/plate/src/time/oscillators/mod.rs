@@ -1,0 +1,234 @@
+//! The plate, its driven end and its actuator as a bank of independent complex oscillators.
+//!
+//! z' = -j p z + b u, field = sum of shape z + what follows the drive at once. The time convention is e^(-j omega t)
+//! with omega > 0 only (an analytic signal), so hysteretic loss, which has no real time-domain form, is exact in
+//! bending and exact at each resonance for a membrane.
+
+mod coupling;
+
+use crate::spec::drive::DriveEnd;
+use crate::spec::model::{Bending, Model};
+use crate::spec::plate::{Guide, Plate};
+use crate::time::galerkin;
+use coupling::{Uncoupled, couple};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+const J: Complex64 = Complex64::new(0.0, 1.0);
+
+/// What the oscillators are driven by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Input {
+    /// The drive itself.
+    Drive,
+    /// The drive's time derivative.
+    DriveRate,
+}
+
+/// Independent oscillators and what they do to the plate.
+pub(crate) struct Bank {
+    pub(crate) input: Input,
+    /// Complex angular frequencies p, rad/s; the imaginary part is not positive.
+    pub(crate) pole: Vec<Complex64>,
+    /// Field per oscillator: places x poles, for z = u/(p - omega).
+    pub(crate) shape: DMatrix<Complex64>,
+    /// Field that follows the input at once: one entry per place.
+    pub(crate) direct: DVector<Complex64>,
+}
+
+/// Oscillators far from the band, summed up: their answer as a quadratic in omega about the band's middle.
+pub(crate) struct Quick {
+    /// Field per unit of the input, of (omega - centre) times it, and of its square: one column each.
+    pub(crate) shape: DMatrix<Complex64>,
+}
+
+/// 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue as residues c/(p - omega).
+struct Terms {
+    own: Vec<(Complex64, Complex64)>,
+    /// Residue at the far pole that all eigenvalues share, for what `own` leaves over.
+    shared: Complex64,
+}
+
+/// The far pole that carries what a thick plate's own poles leave over.
+fn shared_pole(centre: f64) -> Complex64 {
+    Complex64::new(-2.0 * centre, -0.5 * centre)
+}
+
+/// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
+pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> Bank {
+    let guide = plate.guide(mode);
+    let resistance = resistance_over_tension(plate);
+    let osc = match plate.spec().drive_end {
+        DriveEnd::Displacement => galerkin::held(&guide, top_hz, places_m),
+        DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => galerkin::free(&guide, top_hz, places_m),
+    };
+    let centre = TAU * centre_hz;
+    let mut pole = Vec::new();
+    let mut owner = Vec::new();
+    let mut weight = Vec::new();
+    let mut shared = Vec::new();
+    for (n, &eigenvalue) in osc.eigenvalue.iter().enumerate() {
+        let terms = terms(&guide, eigenvalue, centre);
+        for (p, c) in terms.own {
+            pole.push(p);
+            owner.push(n);
+            weight.push(c * osc.excitation[n]);
+        }
+        shared.push(terms.shared * osc.excitation[n]);
+    }
+    let mut shape =
+        DMatrix::from_fn(places_m.len(), pole.len(), |row, i| weight[i] * osc.shape[(row, owner[i])]);
+    let mut at_drive: Vec<Complex64> = (0..pole.len()).map(|i| weight[i] * osc.at_drive[owner[i]]).collect();
+    if shared.iter().any(|residue| *residue != Complex64::ZERO) {
+        let column = osc.shape.map(Complex64::from) * DVector::from_column_slice(&shared);
+        let last = shape.ncols();
+        shape = shape.insert_column(last, Complex64::ZERO);
+        shape.set_column(last, &column);
+        at_drive.push(shared.iter().zip(&osc.at_drive).map(|(residue, value)| residue * value).sum());
+        pole.push(shared_pole(centre));
+    }
+    let direct = osc.direct.map(Complex64::from);
+    let scale = match plate.spec().drive_end {
+        DriveEnd::Force { at_frequency_hz } => {
+            -plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt()
+        }
+        _ => 1.0,
+    };
+    couple(&Uncoupled { pole, shape, direct, at_drive, scale }, resistance, plate.spec().actuator)
+}
+
+/// R/T of the source's resistance, s/m; `None` for the other driven ends.
+fn resistance_over_tension(plate: &Plate) -> Option<f64> {
+    match plate.spec().drive_end {
+        DriveEnd::Resistance { ratio, at_frequency_hz } => {
+            let k0 = plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt();
+            Some(ratio * k0 / (TAU * at_frequency_hz))
+        }
+        _ => None,
+    }
+}
+
+fn terms(guide: &Guide<'_>, eigenvalue: f64, centre: f64) -> Terms {
+    let lossy = Complex64::new(1.0, guide.plate.wave_loss()) * guide.slope;
+    let alone = |own| Terms { own, shared: Complex64::ZERO };
+    match &guide.plate.spec().model {
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) if bending.thick_plate => {
+            thick(bending, eigenvalue, lossy, centre)
+        }
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+            // a K^2 = omega lossy/spread: one pole, exact.
+            let rate = bending.spread_m2_per_s() / lossy;
+            alone(vec![(eigenvalue * rate, rate)])
+        }
+        model @ (Model::Membrane { .. } | Model::ShearHorizontal { .. }) => {
+            let speed = model.wave_speed_m_per_s().unwrap_or(f64::NAN);
+            let square = speed * speed / lossy;
+            let p = (eigenvalue * square).sqrt();
+            let c = square / (2.0 * p);
+            // The partner at -p would grow; its mirror image -p* does not, and agrees with it in mid-band.
+            let mirror = -p.conj();
+            alone(vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))])
+        }
+    }
+}
+
+/// Mindlin's dispersion: one pole, and a residue at the shared far pole for what the first leaves over in mid-band.
+fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Terms {
+    let wanted = eigenvalue / lossy;
+    // The branch is smooth and the loss small: the pole and its slope by differences along the real axis.
+    let h = 1e-4 * wanted.re;
+    let real = |k2: f64| bending.angular_frequency(k2);
+    let first = (real(wanted.re + h) - real(wanted.re - h)) / (2.0 * h);
+    let second = (real(wanted.re + h) - 2.0 * real(wanted.re) + real(wanted.re - h)) / (h * h);
+    let aside = wanted - wanted.re;
+    let pole = real(wanted.re) + first * aside + 0.5 * second * aside * aside;
+    let residue = (first + second * aside) / lossy;
+    let left_over = |omega: f64| {
+        1.0 / (eigenvalue - lossy * bending.wavenumber_squared(omega)) - residue / (pole - omega)
+    };
+    // Next to the pole the difference of two large numbers is lost: take the mean of two places beside it.
+    let away = 0.05 * centre;
+    let rest = 0.5 * (left_over(centre + away) + left_over(centre - away));
+    Terms { own: vec![(pole, residue)], shared: rest * (shared_pole(centre) - centre) }
+}
+
+impl Bank {
+    /// Takes out the oscillators further than `reach_hz` from `centre_hz`; what they did follows the input at once.
+    ///
+    /// 1/(p - omega) = sum (omega - centre)^k/(p - centre)^(k + 1), cut after k = 2: with `reach_hz` 3.5 times the
+    /// half band that leaves (1/3.5)^3 of a small part, at the ends of the band.
+    pub(crate) fn condense(self, centre_hz: f64, reach_hz: f64) -> (Self, Quick) {
+        let centre = TAU * centre_hz;
+        let (near, far): (Vec<usize>, Vec<usize>) =
+            (0..self.pole.len()).partition(|&i| (self.pole[i] - centre).norm() < TAU * reach_hz);
+        let mut quick = DMatrix::zeros(self.shape.nrows(), 3);
+        quick.set_column(0, &self.direct);
+        for i in far {
+            let inverse = 1.0 / (self.pole[i] - centre);
+            let mut factor = inverse;
+            for k in 0..3 {
+                for row in 0..self.shape.nrows() {
+                    quick[(row, k)] += self.shape[(row, i)] * factor;
+                }
+                factor *= inverse;
+            }
+        }
+        let bank = Self {
+            input: self.input,
+            pole: near.iter().map(|&i| self.pole[i]).collect(),
+            shape: self.shape.select_columns(&near),
+            direct: DVector::zeros(self.shape.nrows()),
+        };
+        (bank, Quick { shape: quick })
+    }
+
+    /// Steady field at `frequency_hz` per unit of drive: what the time steps converge to.
+    #[cfg(test)]
+    pub(crate) fn steady(&self, frequency_hz: f64) -> Vec<Complex64> {
+        let omega = TAU * frequency_hz;
+        let input = match self.input {
+            Input::Drive => Complex64::ONE,
+            Input::DriveRate => -J * omega,
+        };
+        (0..self.shape.nrows())
+            .map(|row| {
+                let ringing: Complex64 =
+                    self.pole.iter().enumerate().map(|(i, p)| self.shape[(row, i)] / (p - omega)).sum();
+                (ringing + self.direct[row]) * input
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frequency::respond::{Equation, respond};
+    use crate::spec::presets::presets;
+
+    #[test]
+    fn the_bank_of_every_preset_answers_as_the_frequency_domain_solver() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let (low, high) = plate.band_hz();
+            let places: Vec<f64> = (0..65).map(|i| plate.length_m() * f64::from(i) / 64.0).collect();
+            let bank = build(&plate, 1, 1.2 * high, (low * high).sqrt(), &places);
+            assert!(bank.pole.iter().all(|p| p.im <= 0.0), "{}: an oscillation that grows", preset.name);
+            let mut worst: f64 = 0.0;
+            for i in 0..=10 {
+                let frequency = low + (high - low) * f64::from(i) / 10.0;
+                let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("in band");
+                let peak = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+                for (a, b) in exact.amplitude.iter().zip(bank.steady(frequency)) {
+                    worst = worst.max((a - b).norm() / peak);
+                }
+            }
+            assert!(
+                worst < if plate.spec().loss_factor > 0.05 { 3e-3 } else { 1e-3 },
+                "{}: {worst}",
+                preset.name
+            );
+        }
+    }
+}
