@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
-use slipline_app::mailbox::{Crossing, Stop};
+use slipline_app::mailbox::{Mailbox, Stop};
 use slipline_app::program::{plan, plan_swap};
 use slipline_app::ramp::RampShape;
 use slipline_app::slots::TableRef;
@@ -41,7 +41,7 @@ pub struct TooLate {
 /// A renderer on the host, fed with what the device has acknowledged.
 pub struct Mirror {
     timing: Timing,
-    crossing: Box<Crossing<CriticalSectionRawMutex>>,
+    mailbox: Box<Mailbox<CriticalSectionRawMutex>>,
     renderer: Renderer,
     shape: RampShape,
     table: TableRef,
@@ -58,14 +58,14 @@ impl Mirror {
     #[must_use]
     pub fn new(sample_rate_hz: u32, index: SampleIndex) -> Self {
         let timing = Timing::at(sample_rate_hz);
-        let crossing = Box::<Crossing<CriticalSectionRawMutex>>::default();
+        let mailbox = Box::<Mailbox<CriticalSectionRawMutex>>::default();
         // A mirror sounds whatever was accepted: whether it might is the device's affair.
-        crossing.arm_from(0);
+        mailbox.arm_from(0);
         let renderer = Renderer::starting_at(timing, index);
-        crossing.begin_at(renderer.index());
+        mailbox.begin_at(renderer.index());
         Self {
             timing,
-            crossing,
+            mailbox,
             renderer,
             shape: RampShape::new(),
             table: TableRef::default(),
@@ -151,7 +151,7 @@ impl Mirror {
     /// and is true again.
     pub fn silence(&mut self, index: SampleIndex) {
         let knots: Arc<[Knot]> =
-            (0..self.table.knots).map(|index| self.crossing.slots().knot(self.table.slot, index)).collect();
+            (0..self.table.knots).map(|index| self.mailbox.slots().knot(self.table.slot, index)).collect();
         let limit = self.latest_limit;
         *self = Self::new(self.timing.sample_rate_hz, index);
         self.latest_limit = limit;
@@ -172,39 +172,39 @@ impl Mirror {
                 }
             }
             while let Some((_, limit)) = self.limits.pop_front_if(|(at, _)| *at <= first) {
-                self.crossing.set_limit(limit);
+                self.mailbox.set_limit(limit);
             }
             self.has_rendered = true;
             // The mirror's host is always there.
-            self.crossing.feed();
-            self.renderer.render(&self.crossing, &mut codes);
+            self.mailbox.feed();
+            self.renderer.render(&self.mailbox, &mut codes);
             sink(first, &codes);
         }
     }
 
     fn apply(&mut self, change: Change) {
         let at = self.now();
-        let view = self.crossing.view();
+        let view = self.mailbox.view();
         let planned = match change {
             Change::Stop(stop) => {
-                self.crossing.stop(stop);
+                self.mailbox.stop(stop);
                 return;
             }
             Change::Drive(drive) => {
-                plan(&drive, at, self.table, &view.motion, self.crossing.slots(), &self.shape, &self.timing)
+                plan(&drive, at, self.table, &view.motion, self.mailbox.slots(), &self.shape, &self.timing)
             }
             Change::Table(knots) => {
                 let slot = self.table.slot.other();
                 let mut count = 0;
                 for &knot in knots.iter() {
-                    self.crossing.write_knot(slot, count, knot);
+                    self.mailbox.write_knot(slot, count, knot);
                     count += 1;
                 }
                 self.table = TableRef { slot, knots: count };
-                plan_swap(at, self.table, &view.motion, self.crossing.slots(), &self.shape, &self.timing)
+                plan_swap(at, self.table, &view.motion, self.mailbox.slots(), &self.shape, &self.timing)
             }
         };
-        let published = planned.map(|program| self.crossing.publish(program, &view));
+        let published = planned.map(|program| self.mailbox.publish(program, &view));
         self.diverged |= !matches!(published, Ok(Ok(())));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Command --execute--> Ok(Event) or Err(Refusal)
-//!            |  plan, publish, stop, arm ... --> Crossing
+//!            |  plan, publish, stop, arm ... --> Mailbox
 //!            |  upload --> the slot that does not sound
 //!            |  store  --> FlashPages
 //! tick ------+  thermal model, drive time, time-outs
@@ -26,7 +26,7 @@ use self::drive::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::orders::Stop;
 use crate::ports::{FlashPages, System};
 use crate::ramp::RampShape;
@@ -101,20 +101,20 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 
     /// Latches what the reset was, and loads the kept table. Once, before the first command.
-    pub fn start<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
+    pub fn start<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if let Some(fault) = self.boot.fault() {
-            crossing.latch(fault);
+            mailbox.latch(fault);
         }
         // Before anything can sound: a coil that may be hot is never driven at full scale.
-        crossing.set_limit(self.thermal.limit_per_mille());
+        mailbox.set_limit(self.thermal.limit_per_mille());
         if self.boot.safe_mode {
             // It may be the kept table that the last runs ended on.
             return;
         }
         let slot = self.active.slot.other();
-        let knot = |index| crossing.slots().knot(slot, index);
+        let knot = |index| mailbox.slots().knot(slot, index);
         let loaded = store::load(&mut self.flash, self.timing.sample_rate_hz, |index, knot| {
-            crossing.write_knot(slot, index, knot);
+            mailbox.write_knot(slot, index, knot);
         })
         .and_then(|header| {
             if store::is_sound(&header, knot) { Ok(header) } else { Err(StoredConfig::Damaged) }
@@ -128,24 +128,24 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             Err(other) => other,
         };
         if self.stored == StoredConfig::Damaged {
-            crossing.latch(Fault::StoreDamaged);
+            mailbox.latch(Fault::StoreDamaged);
         }
     }
 
     /// A new session: ramps to silence, disarms, and forgets what the last one had begun.
-    pub fn begin_session<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
-        crossing.disarm(Stop::Normal);
-        crossing.drop_digest();
+    pub fn begin_session<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        mailbox.disarm(Stop::Normal);
+        mailbox.drop_digest();
         self.upload = None;
         self.door.close();
         self.last_beat = None;
     }
 
     /// Feeds the dead-man if the beat is a new one.
-    pub fn keep_alive<M: RawMutex>(&mut self, keep_alive: KeepAlive, crossing: &Crossing<M>) {
+    pub fn keep_alive<M: RawMutex>(&mut self, keep_alive: KeepAlive, mailbox: &Mailbox<M>) {
         if self.last_beat.is_none_or(|last| keep_alive.beat > last) {
             self.last_beat = Some(keep_alive.beat);
-            crossing.feed();
+            mailbox.feed();
         }
     }
 
@@ -156,46 +156,46 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     pub fn execute<M: RawMutex>(
         &mut self,
         command: &Command,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) -> Result<Event, Refusal> {
         match command {
-            Command::Arm => self.arm(crossing).map(accepted),
-            Command::Disarm => Ok(accepted(crossing.disarm(Stop::Normal))),
-            Command::Drive(drive) => self.drive(drive, crossing).map(accepted),
+            Command::Arm => self.arm(mailbox).map(accepted),
+            Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
+            Command::Drive(drive) => self.drive(drive, mailbox).map(accepted),
             Command::ClearFaults => {
                 let standing =
                     if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };
-                crossing.clear_faults(standing);
-                Ok(accepted(crossing.now()))
+                mailbox.clear_faults(standing);
+                Ok(accepted(mailbox.now()))
             }
             Command::TableBegin(header) => {
                 let slot = self.active.slot.other();
-                if !crossing.slot_is_free(slot) {
+                if !mailbox.slot_is_free(slot) {
                     return Err(Refusal::Busy(Busy::TableInUse));
                 }
-                let now = crossing.now();
+                let now = mailbox.now();
                 self.upload = Some(Upload::begin(header, slot, self.timing.sample_rate_hz, now)?);
                 Ok(accepted(now))
             }
             Command::TableChunk(chunk) => {
-                let now = crossing.now();
-                self.upload.as_mut().ok_or(Refusal::NoUpload)?.take(chunk, crossing, now)?;
+                let now = mailbox.now();
+                self.upload.as_mut().ok_or(Refusal::NoUpload)?.take(chunk, mailbox, now)?;
                 Ok(accepted(now))
             }
-            Command::TableCommit => self.commit_table(crossing).map(accepted),
+            Command::TableCommit => self.commit_table(mailbox).map(accepted),
             Command::TableAbort => {
                 self.upload = None;
-                Ok(accepted(crossing.now()))
+                Ok(accepted(mailbox.now()))
             }
             Command::TableDigest => Ok(Event::Table(TableReport {
                 active: self.table.map(|table| TableHeader {
-                    crc: upload::digest(&table, self.active.slot, crossing),
+                    crc: upload::digest(&table, self.active.slot, mailbox),
                     ..table
                 }),
                 staged: self.upload.as_ref().map_or(0, Upload::received),
             })),
-            Command::DigestStart(window) => self.start_digest(*window, crossing).map(accepted),
-            Command::DigestRead => match crossing.digest() {
+            Command::DigestStart(window) => self.start_digest(*window, mailbox).map(accepted),
+            Command::DigestRead => match mailbox.digest() {
                 DigestState::None => Err(Refusal::NoDigest),
                 DigestState::Waiting(DigestWindow { from, count }) => {
                     Ok(Event::Digest(Digest { from, count, crc: None }))
@@ -204,15 +204,15 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     Ok(Event::Digest(Digest { from, count, crc: Some(crc) }))
                 }
             },
-            Command::Store => self.store(crossing).map(accepted),
-            Command::Forget => self.forget(crossing).map(accepted),
+            Command::Store => self.store(mailbox).map(accepted),
+            Command::Forget => self.forget(mailbox).map(accepted),
             Command::BootloaderToken => {
-                self.refuse_unless_leavable(crossing)?;
-                Ok(Event::BootloaderToken(self.door.give_token(&self.device.unit, crossing.now())))
+                self.refuse_unless_leavable(mailbox)?;
+                Ok(Event::BootloaderToken(self.door.give_token(&self.device.unit, mailbox.now())))
             }
             Command::BootloaderEnter(token) => {
-                self.refuse_unless_leavable(crossing)?;
-                let now = crossing.now();
+                self.refuse_unless_leavable(mailbox)?;
+                let now = mailbox.now();
                 self.door.show_token(*token, now, &self.timing)?;
                 Ok(accepted(now))
             }
@@ -226,18 +226,18 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 
     /// Control-rate work: the thermal model, the drive time, the time-outs.
-    pub fn tick<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
-        let view = crossing.view();
+    pub fn tick<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        let view = mailbox.view();
         let now = view.next;
         self.thermal.advance(now, view.report.energy, self.timing.sample_rate_hz);
-        crossing.set_limit(self.thermal.limit_per_mille());
+        mailbox.set_limit(self.thermal.limit_per_mille());
         if self.thermal.is_over() && !view.faults.set().contains(Fault::Overheat) {
-            crossing.fault(Fault::Overheat, Stop::Normal);
+            mailbox.fault(Fault::Overheat, Stop::Normal);
         }
         // A table swap that is pending is no drive.
         let sounds = view.armed && !view.report.silent;
         if sounds && now.saturating_sub(self.user_acted_at) >= self.timing.max_drive {
-            crossing.fault(Fault::DriveTime, Stop::Normal);
+            mailbox.fault(Fault::DriveTime, Stop::Normal);
         }
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {
             self.upload = None;
@@ -246,16 +246,16 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if self.door.is_passed(now, &self.timing) && !view.armed && view.is_silent() {
             self.system.enter_bootloader();
         }
-        crossing.pulse_safety();
+        mailbox.pulse_safety();
     }
 
     fn start_digest<M: RawMutex>(
         &self,
         window: DigestWindow,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         in_range(Field::DigestCount, 1, u64::from(limits::MAX_DIGEST_SAMPLES), u64::from(window.count))?;
-        crossing.start_digest(window, |next, state| {
+        mailbox.start_digest(window, |next, state| {
             let latest = next.saturating_add(self.timing.max_apply_ahead);
             in_range(Field::ApplyAt, next, latest, window.from)?;
             if matches!(state, DigestState::Waiting(_)) {
@@ -265,11 +265,11 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         })
     }
 
-    fn refuse_unless_leavable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
+    fn refuse_unless_leavable<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         if !self.system.has_bootloader() {
             return Err(Refusal::NotSupported);
         }
-        let view = crossing.view();
+        let view = mailbox.view();
         if view.armed || !view.is_silent() { Err(Refusal::Armed) } else { Ok(()) }
     }
 }

@@ -9,7 +9,7 @@
 //! ```
 //! Run by thin shells: boards, an emulated Cortex-M4, and the host's simulated device. The link's half may refuse and
 //! take time; the renderer's half may not fail, wait or branch on anything but the program and the sample index. One
-//! [`Crossing`] stands between them. There is no clock: time is the sample index.
+//! [`Mailbox`] stands between them. There is no clock: time is the sample index.
 #![no_std]
 #![deny(unsafe_code)]
 #![expect(
@@ -60,7 +60,7 @@ pub use boot::Boot;
 pub use controller::Device;
 pub use crash::CrashRecord;
 pub use link::Link;
-pub use mailbox::Crossing;
+pub use mailbox::Mailbox;
 pub use orders::Stop;
 pub use renderer::Renderer;
 /// The protocol's word for why a device was reset; a shell reads it from the hardware.

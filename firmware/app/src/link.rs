@@ -10,7 +10,7 @@ use embedded_io_async::{Read, Write};
 
 use crate::boot::Boot;
 use crate::controller::{Controller, Device};
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
 use crate::session::Session;
 
@@ -38,16 +38,16 @@ impl<F: FlashPages, S: System> Link<F, S> {
     /// is gone: it is tried again at the next tick.
     pub async fn run<M: RawMutex>(
         &mut self,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
         mut read: impl Read,
         mut write: impl Write,
     ) -> ! {
         let Self { session, controller } = self;
-        controller.start(crossing);
+        controller.start(mailbox);
         let mut inbox = [0; INBOX];
         let mut gone = false;
         loop {
-            crossing.pulse_link();
+            mailbox.pulse_link();
             let bytes = async { if gone { pending().await } else { read.read(&mut inbox).await } };
             let room = async {
                 match session.unsent() {
@@ -56,19 +56,19 @@ impl<F: FlashPages, S: System> Link<F, S> {
                 }
             };
             let work = async { if session.has_work() { ready(()).await } else { pending().await } };
-            match select4(crossing.tick(), bytes, room, work).await {
+            match select4(mailbox.tick(), bytes, room, work).await {
                 Either4::First(()) => {
                     gone = false;
-                    controller.tick(crossing);
-                    session.expire(crossing.now(), controller.timing().transmit);
+                    controller.tick(mailbox);
+                    session.expire(mailbox.now(), controller.timing().transmit);
                 }
                 Either4::Second(Ok(count)) if count > 0 => {
-                    session.receive(inbox.get(..count).unwrap_or_default(), crossing);
+                    session.receive(inbox.get(..count).unwrap_or_default(), mailbox);
                 }
                 Either4::Second(_) => gone = true,
-                Either4::Third(Ok(count)) if count > 0 => session.sent(count, crossing.now()),
-                Either4::Third(_) => session.drop_first(crossing.now()),
-                Either4::Fourth(()) => session.step(controller, crossing),
+                Either4::Third(Ok(count)) if count > 0 => session.sent(count, mailbox.now()),
+                Either4::Third(_) => session.drop_first(mailbox.now()),
+                Either4::Fourth(()) => session.step(controller, mailbox),
             }
         }
     }

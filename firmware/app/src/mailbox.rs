@@ -1,7 +1,7 @@
 //! The one thing both halves share.
 //!
 //! ```text
-//! link's half                      Crossing                      renderer's half
+//! link's half                      Mailbox                      renderer's half
 //!   publish(motion) ----------->   pending, at its start   ---->  begin_block() -> Orders, place()
 //!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
 //!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
@@ -81,20 +81,20 @@ impl Shared {
 }
 
 /// What both halves share: a `static` in a firmware, an `Arc` in a host.
-pub struct Crossing<M: RawMutex> {
+pub struct Mailbox<M: RawMutex> {
     shared: Mutex<M, Shared>,
     slots: TableSlots,
     tick: Signal<M, ()>,
     pulses: [AtomicU32; 3],
 }
 
-impl<M: RawMutex> Default for Crossing<M> {
+impl<M: RawMutex> Default for Mailbox<M> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<M: RawMutex> Crossing<M> {
+impl<M: RawMutex> Mailbox<M> {
     /// Silent, disarmed, at index 0.
     #[must_use]
     pub const fn new() -> Self {

@@ -20,7 +20,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::motion::{Outline, Placement};
 use crate::orders::{Orders, Report, Stop};
 use crate::ports::{CycleCounter, DacStream, Mute};
@@ -37,7 +37,7 @@ pub struct Renderer {
     shape: RampShape,
     bank: Bank,
     index: SampleIndex,
-    /// When the motion in force takes place; what it is stands in the crossing.
+    /// When the motion in force takes place; what it is stands in the mailbox.
     outline: Outline,
     /// Where every tone is at the next block's first sample: the motion's value there, kept because it has been
     /// computed for the block before.
@@ -117,7 +117,7 @@ impl Renderer {
     /// Renders, mutes or unmutes, and hands over, for ever.
     pub async fn run<M: RawMutex>(
         &mut self,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
         mut dac: impl DacStream,
         mut mute: impl Mute,
         mut cycles: impl CycleCounter,
@@ -125,20 +125,20 @@ impl Renderer {
         let mut codes = [code::MID_SCALE; BLOCK];
         loop {
             let before = cycles.cycles();
-            self.render(crossing, &mut codes);
+            self.render(mailbox, &mut codes);
             self.report.max_cycles = self.report.max_cycles.max(cycles.cycles().wrapping_sub(before));
             mute.set_muted(self.muted);
             if dac.write_block(&codes).await.is_err() {
-                self.underrun(crossing);
+                self.underrun(mailbox);
             }
         }
     }
 
     /// Renders the next block.
-    pub fn render<M: RawMutex>(&mut self, crossing: &Crossing<M>, codes: &mut [u16; BLOCK]) {
+    pub fn render<M: RawMutex>(&mut self, mailbox: &Mailbox<M>, codes: &mut [u16; BLOCK]) {
         if !self.begun {
             self.begun = true;
-            crossing.begin_at(self.index);
+            mailbox.begin_at(self.index);
         }
         let index = self.index;
         if self.stop_ends.is_some_and(|end| index >= end) {
@@ -146,7 +146,7 @@ impl Renderer {
         }
         let was_silent = self.outline.is_silent_from(index);
         let (stopping, dead_man) = (self.stop_ends.is_some(), self.timing.dead_man);
-        let orders = crossing.begin_block(index, |orders| {
+        let orders = mailbox.begin_block(index, |orders| {
             // The controller has seen to all this; it is looked at again because this half is the last to look.
             let allowed = orders.armed && index >= orders.ready_at;
             let sounds = orders.due.is_some_and(|due| due.sounds);
@@ -156,15 +156,15 @@ impl Renderer {
                 && (allowed || !sounds)
         });
         self.take_limit(orders.limit_per_mille, was_silent);
-        self.obey(&orders, crossing);
+        self.obey(&orders, mailbox);
 
         let next = index.saturating_add(BLOCK_SAMPLES);
-        self.move_tones(next, crossing);
+        self.move_tones(next, mailbox);
         self.bank.render(&self.tones, &mut self.samples);
         let clipped = code::codes(&self.samples, codes);
 
-        if let Some(state) = self.digester.take(crossing.digest(), index, codes) {
-            crossing.set_digest(state);
+        if let Some(state) = self.digester.take(mailbox.digest(), index, codes) {
+            mailbox.set_digest(state);
         }
         self.switch_mute(&orders);
         self.report.silent = self.outline.is_silent_from(next);
@@ -173,23 +173,23 @@ impl Renderer {
         if !self.is_quiet {
             self.report.energy = self.report.energy.wrapping_add(u64::from(code::energy(codes)));
         }
-        crossing.end_block(self.report);
+        mailbox.end_block(self.report);
         self.index = next;
         if (index / BLOCK_SAMPLES).is_multiple_of(TICK_BLOCKS) {
-            crossing.signal_tick();
+            mailbox.signal_tick();
         }
     }
 
     /// The DAC ran dry: counts it, and if anything sounds ramps to silence and latches the fault.
     ///
     /// While nothing sounds, as during an erase of the flash, a repeated mid-scale is as good as a new one.
-    pub fn underrun<M: RawMutex>(&mut self, crossing: &Crossing<M>) {
+    pub fn underrun<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         self.report.underruns = self.report.underruns.saturating_add(1);
         if self.outline.is_silent_from(self.index) {
             return;
         }
-        crossing.disarm_now(Some((Fault::Underrun, self.index)));
-        self.fade(Stop::Normal, crossing);
+        mailbox.disarm_now(Some((Fault::Underrun, self.index)));
+        self.fade(Stop::Normal, mailbox);
     }
 
     /// Takes the thermal limit over where it may change: the first one at once, then every so often. While nothing
@@ -211,22 +211,22 @@ impl Renderer {
     }
 
     /// Follows the orders: first the stops, then the dead-man, then the program.
-    fn obey<M: RawMutex>(&mut self, orders: &Orders, crossing: &Crossing<M>) {
+    fn obey<M: RawMutex>(&mut self, orders: &Orders, mailbox: &Mailbox<M>) {
         let index = self.index;
         if let Some(stop) = orders.stop {
-            self.fade(stop, crossing);
+            self.fade(stop, mailbox);
         } else if !orders.armed && self.stop_ends.is_none() {
             // The last net: whatever went wrong, who is not armed does not sound.
-            self.fade(Stop::Normal, crossing);
+            self.fade(Stop::Normal, mailbox);
         }
         if is_host_lost(orders, index, self.timing.dead_man) {
             // A host that falls silent while nothing sounds has done no harm: the device disarms, without a fault.
             let fault = orders.due.is_some() || !self.outline.is_silent_from(index);
-            crossing.disarm_now(fault.then_some((Fault::HostLost, index)));
-            self.fade(Stop::HostLost, crossing);
+            mailbox.disarm_now(fault.then_some((Fault::HostLost, index)));
+            self.fade(Stop::HostLost, mailbox);
         } else if orders.begins {
-            self.outline = crossing.outline();
-            crossing.onsets(|slot, onset| {
+            self.outline = mailbox.outline();
+            mailbox.onsets(|slot, onset| {
                 self.bank.set_phase(slot, onset.phase);
                 if let Some(tone) = self.tones.get_mut(slot) {
                     (tone.step_end, tone.amplitude_end) = (onset.step.0, 0);
@@ -236,7 +236,7 @@ impl Renderer {
     }
 
     /// Begins a ramp to silence, unless one is under way that ends sooner.
-    fn fade<M: RawMutex>(&mut self, stop: Stop, crossing: &Crossing<M>) {
+    fn fade<M: RawMutex>(&mut self, stop: Stop, mailbox: &Mailbox<M>) {
         let ramp = match stop {
             Stop::Normal => self.timing.stop_ramp,
             Stop::HostLost => self.timing.dead_man_ramp,
@@ -246,13 +246,13 @@ impl Renderer {
         if self.outline.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
             return;
         }
-        crossing.fade(&self.here, self.index, ramp);
-        self.outline = crossing.outline();
+        mailbox.fade(&self.here, self.index, ramp);
+        self.outline = mailbox.outline();
         self.stop_ends = Some(end);
     }
 
     /// Moves the bank's orders on by a block, to `next`.
-    fn move_tones<M: RawMutex>(&mut self, next: SampleIndex, crossing: &Crossing<M>) {
+    fn move_tones<M: RawMutex>(&mut self, next: SampleIndex, mailbox: &Mailbox<M>) {
         let before = self.limit;
         let (lowest, highest) = (before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW));
         // Not `clamp`, which would panic if the bounds were crossed: the renderer has no way to panic at all.
@@ -272,7 +272,7 @@ impl Renderer {
             self.is_steady = false;
             let limit = Gain(self.limit);
             let mut sum: u64 = 0;
-            crossing.place(next, &self.shape, &mut self.here);
+            mailbox.place(next, &self.shape, &mut self.here);
             for (tone, here) in self.tones.iter_mut().zip(&self.here) {
                 let amplitude_end = here.amplitude().times(limit).0;
                 *tone = ToneBlock {

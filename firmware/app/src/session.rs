@@ -21,7 +21,7 @@ use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
 
 use crate::controller::Controller;
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::orders::Stop;
 use crate::ports::{FlashPages, System};
 
@@ -89,7 +89,7 @@ impl Session {
     }
 
     /// Decodes what has come. Stops take effect at once; the rest waits for [`Session::step`].
-    pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], crossing: &Crossing<M>) {
+    pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
         for &byte in bytes {
             let found = self.decoder.push(byte, |frame| {
                 // What travels to the host is an echo of our own.
@@ -97,7 +97,7 @@ impl Session {
                     .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
             });
             if let Some(Some((header, command))) = found {
-                self.enqueue(header, command, crossing);
+                self.enqueue(header, command, mailbox);
             }
         }
     }
@@ -106,11 +106,11 @@ impl Session {
         &mut self,
         header: Header,
         command: Result<Command, Refusal>,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) {
         let stopped_at = match command {
-            Ok(Command::Stop) => Some(crossing.stop(Stop::Normal)),
-            Ok(Command::EmergencyStop) => Some(crossing.fault(Fault::EmergencyStop, Stop::Emergency)),
+            Ok(Command::Stop) => Some(mailbox.stop(Stop::Normal)),
+            Ok(Command::EmergencyStop) => Some(mailbox.fault(Fault::EmergencyStop, Stop::Emergency)),
             _ => None,
         };
         if stopped_at.is_some() {
@@ -134,12 +134,12 @@ impl Session {
     pub fn step<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
         controller: &mut Controller<F, S>,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) {
         let Some(incoming) = self.queue.pop_front() else { return };
-        let (session, event) = self.answer(&incoming, controller, crossing);
+        let (session, event) = self.answer(&incoming, controller, mailbox);
         if let Ok(reply) = event.frame(session, incoming.header.sequence) {
-            self.send(reply, crossing.now());
+            self.send(reply, mailbox.now());
         }
     }
 
@@ -148,14 +148,14 @@ impl Session {
         &mut self,
         incoming: &Incoming,
         controller: &mut Controller<F, S>,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) -> (u32, Event) {
         let Incoming { header, command, stopped_at } = incoming;
         if let Some(at) = *stopped_at {
             return (header.session, Event::Accepted(Accepted { at }));
         }
         if let Ok(Command::Hello(hello)) = command {
-            self.greet(hello, controller, crossing);
+            self.greet(hello, controller, mailbox);
             return (self.id, Event::Hello(controller.identity()));
         }
         if self.id == 0 || header.session != self.id {
@@ -163,11 +163,11 @@ impl Session {
         }
         let event = match command {
             Ok(Command::KeepAlive(keep_alive)) => {
-                controller.keep_alive(*keep_alive, crossing);
-                Event::Status(controller.status(crossing, self.counters()))
+                controller.keep_alive(*keep_alive, mailbox);
+                Event::Status(controller.status(mailbox, self.counters()))
             }
-            Ok(Command::Status) => Event::Status(controller.status(crossing, self.counters())),
-            command => self.numbered(header.sequence, command, controller, crossing),
+            Ok(Command::Status) => Event::Status(controller.status(mailbox, self.counters())),
+            command => self.numbered(header.sequence, command, controller, mailbox),
         };
         (self.id, event)
     }
@@ -177,18 +177,18 @@ impl Session {
         &mut self,
         hello: &Hello,
         controller: &mut Controller<F, S>,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) {
         if self.id != 0 && hello.nonce == self.nonce {
             self.duplicates = self.duplicates.saturating_add(1);
             return;
         }
-        controller.begin_session(crossing);
+        controller.begin_session(mailbox);
         self.sessions = self.sessions.wrapping_add(1);
         let mut crc = CRC.digest();
         crc.update(&hello.nonce);
         crc.update(&self.sessions.to_le_bytes());
-        crc.update(&crossing.now().to_le_bytes());
+        crc.update(&mailbox.now().to_le_bytes());
         let drawn = crc.finalize();
         // Neither none nor the one that has just ended.
         self.id = if drawn == 0 || drawn == self.id { drawn.wrapping_add(1).max(1) } else { drawn };
@@ -204,7 +204,7 @@ impl Session {
         sequence: u16,
         command: &Result<Command, Refusal>,
         controller: &mut Controller<F, S>,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) -> Event {
         if let Some((done, reply)) = &self.last_reply
             && *done == sequence
@@ -218,7 +218,7 @@ impl Session {
         let result = match command {
             Err(refusal) => Err(*refusal),
             Ok(command) if !self.may_drive && !is_harmless(command) => Err(Refusal::VersionMismatch),
-            Ok(command) => controller.execute(command, crossing),
+            Ok(command) => controller.execute(command, mailbox),
         };
         let event = result.unwrap_or_else(Event::Refused);
         self.expected = self.expected.wrapping_add(1);

@@ -2,7 +2,7 @@
 //!
 //! The renderer reads a slot while the controller writes the other. Knots are atomics only so that this is sound
 //! without a lock round every knot; what keeps them consistent is that a slot which a live or a pending program
-//! names is never written (see [`Crossing::slot_is_free`](crate::mailbox::Crossing::slot_is_free)).
+//! names is never written (see [`Mailbox::slot_is_free`](crate::mailbox::Mailbox::slot_is_free)).
 
 use core::sync::atomic::{AtomicU32, Ordering};
 

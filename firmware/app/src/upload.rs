@@ -9,7 +9,7 @@ use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::table;
 use slipline_protocol::units::SampleIndex;
 
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::slots::{SlotIndex, TableRef};
 
 /// An upload under way.
@@ -53,9 +53,9 @@ pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Ref
 }
 
 /// The digest of what a slot holds under a header.
-pub fn digest<M: RawMutex>(header: &TableHeader, slot: SlotIndex, crossing: &Crossing<M>) -> u32 {
+pub fn digest<M: RawMutex>(header: &TableHeader, slot: SlotIndex, mailbox: &Mailbox<M>) -> u32 {
     table::digest(header.span_start_um, header.span_end_um, header.sample_rate_hz, header.knots, |index| {
-        crossing.slots().knot(slot, index)
+        mailbox.slots().knot(slot, index)
     })
 }
 
@@ -82,7 +82,7 @@ impl Upload {
     pub fn take<M: RawMutex>(
         &mut self,
         chunk: &TableChunk,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
         now: SampleIndex,
     ) -> Result<(), Refusal> {
         let left = usize::from(self.header.knots.saturating_sub(self.received));
@@ -93,7 +93,7 @@ impl Upload {
             return Err(out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
         }
         for &knot in &chunk.knots {
-            crossing.write_knot(self.slot, self.received, knot);
+            mailbox.write_knot(self.slot, self.received, knot);
             self.received = self.received.saturating_add(1);
         }
         self.moved_at = now;
@@ -104,12 +104,12 @@ impl Upload {
     ///
     /// # Errors
     /// [`Refusal::UploadIncomplete`], [`Refusal::TableCrc`], or what [`table::validate`] finds.
-    pub fn check<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
+    pub fn check<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         if self.received < self.header.knots {
             return Err(Refusal::UploadIncomplete { received: self.received });
         }
-        table::validate(self.header.knots, |index| crossing.slots().knot(self.slot, index))?;
-        if digest(&self.header, self.slot, crossing) != self.header.crc {
+        table::validate(self.header.knots, |index| mailbox.slots().knot(self.slot, index))?;
+        if digest(&self.header, self.slot, mailbox) != self.header.crc {
             return Err(Refusal::TableCrc);
         }
         Ok(())

@@ -16,7 +16,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
 use slipline_app::ports::{DacStream, Mute, NoFlash, System, Underrun};
-use slipline_app::{Boot, Crossing, Device, Link, Renderer, Timing};
+use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing};
 
 use crate::cmsdk::{TIMER0_INTERRUPT, UART0, UART0_RECEIVE, UART1, UART1_RECEIVE, clear_timer, start_timer};
 
@@ -27,7 +27,7 @@ const BOARD_HZ: u32 = 25_000_000;
 /// 8000, exactly.
 const TICKS_PER_BLOCK: u32 = BOARD_HZ / (SAMPLE_RATE_HZ / BLOCK as u32);
 
-static CROSSING: Crossing<CriticalSectionRawMutex> = Crossing::new();
+static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
 /// Vectors of this board that nothing uses; they lend the executors their priorities.
 #[derive(Clone, Copy)]
@@ -136,7 +136,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[embassy_executor::task]
 async fn run_renderer() {
     let mut renderer = Renderer::new(Timing::at(SAMPLE_RATE_HZ));
-    renderer.run(&CROSSING, ShownDac { first: 0 }, NoAmplifier, ()).await;
+    renderer.run(&MAILBOX, ShownDac { first: 0 }, NoAmplifier, ()).await;
 }
 
 #[embassy_executor::task]
@@ -150,7 +150,7 @@ async fn run_link() {
         sample_rate_hz: SAMPLE_RATE_HZ,
     };
     let mut link = Link::new(device, Boot::cold(), NoFlash, NoBootloader);
-    link.run(&CROSSING, UartRead, UartWrite).await;
+    link.run(&MAILBOX, UartRead, UartWrite).await;
 }
 
 /// Blocks that the sample clock has asked for and that have not been written.

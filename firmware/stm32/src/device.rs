@@ -9,7 +9,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Duration, Instant, Ticker};
 use slipline_app::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::ports::{CycleCounter, Mute, System};
-use slipline_app::{Crossing, Device, Link, Renderer, Supervisor, Timing};
+use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board;
@@ -23,7 +23,7 @@ use crate::usb_link::{FromHost, ToHost, start as start_link};
 use crate::{bootloader, crash, priority, supply};
 
 /// The one thing the two halves share.
-static CROSSING: Crossing<CriticalSectionRawMutex> = Crossing::new();
+static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
 /// Runs the renderer. UART5 is unused on all three boards: its vector only lends the executor a priority.
 static RENDERER_EXECUTOR: InterruptExecutor = InterruptExecutor::new();
@@ -103,13 +103,13 @@ async fn render(dac: Dac, mute: AmplifierMute) {
     // Made by the compiler: made here it would be 10 KiB on the stack for a moment, more than anything else ever needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
-    RENDERER.take().run(&CROSSING, dac, mute, Cycles).await;
+    RENDERER.take().run(&MAILBOX, dac, mute, Cycles).await;
 }
 
 #[embassy_executor::task]
 async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
     let mut link = Link::new(identity(), boot, store, Rom);
-    link.run(&CROSSING, read, write).await;
+    link.run(&MAILBOX, read, write).await;
 }
 
 /// What the application says of this device.
@@ -151,7 +151,7 @@ async fn supervise(
     let mut is_stable = false;
     for step in 0u32.. {
         every.next().await;
-        if supervisor.may_feed(CROSSING.pulses()) {
+        if supervisor.may_feed(MAILBOX.pulses()) {
             watchdog.pet();
         }
         let lamp = standing.unwrap_or(if AmplifierMute::is_muted() { Lamp::Muted } else { Lamp::Sounding });

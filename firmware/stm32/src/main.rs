@@ -3,7 +3,7 @@
 //! ```text
 //! host ==USB or UART==> link --+                                    +--> amplifier's mute pin
 //!                              v                                    |
-//!                   slipline_app::Link (thread) --Crossing--> slipline_app::Renderer (interrupt) --> dac --> PA4
+//!                   slipline_app::Link (thread) --Mailbox--> slipline_app::Renderer (interrupt) --> dac --> PA4
 //!                              ^                                    |
 //! flash slots <--store--> ----+            watchdog <--supervisor--+ both halves' pulses
 //! ```

@@ -20,7 +20,7 @@ use edges::Edge;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};
-use slipline_app::mailbox::{Crossing, Pulses};
+use slipline_app::mailbox::{Mailbox, Pulses};
 use slipline_app::thermal::Heat;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing};
 use slipline_protocol::event::ResetCause;
@@ -31,7 +31,7 @@ const SUPERVISION_MS: u32 = 100;
 /// The watchdog resets the device when it has not been fed for so long.
 pub const WATCHDOG_MS: u32 = 4000;
 
-type Shared = Arc<Crossing<CriticalSectionRawMutex>>;
+type Shared = Arc<Mailbox<CriticalSectionRawMutex>>;
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
 
 /// How a simulated device is made.
@@ -76,7 +76,7 @@ pub struct SentBlock<'a> {
 pub struct SimulatedDevice {
     options: Options,
     edge: Edge,
-    crossing: Shared,
+    mailbox: Shared,
     link: Task,
     renderer: Task,
     link_frozen: bool,
@@ -99,7 +99,7 @@ impl SimulatedDevice {
 
     fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
         let edge = Edge::new(options.flash.clone());
-        let crossing = Shared::default();
+        let mailbox = Shared::default();
         let device = Device {
             board: "simulated",
             build: concat!("slipline ", env!("CARGO_PKG_VERSION")),
@@ -111,17 +111,17 @@ impl SimulatedDevice {
         let mut link = Link::new(device, boot, edge.clone(), edge.clone());
         let mut renderer = Renderer::starting_at(Timing::at(options.sample_rate_hz), options.first_index);
         let now = renderer.index();
-        let (link_crossing, link_edge) = (crossing.clone(), edge.clone());
-        let (renderer_crossing, renderer_edge) = (crossing.clone(), edge.clone());
+        let (link_mailbox, link_edge) = (mailbox.clone(), edge.clone());
+        let (renderer_mailbox, renderer_edge) = (mailbox.clone(), edge.clone());
         let mut device = Self {
             options,
             edge,
-            crossing,
+            mailbox,
             link: Box::pin(async move {
-                link.run(&link_crossing, link_edge.clone(), link_edge).await;
+                link.run(&link_mailbox, link_edge.clone(), link_edge).await;
             }),
             renderer: Box::pin(async move {
-                renderer.run(&renderer_crossing, renderer_edge.clone(), renderer_edge, ()).await;
+                renderer.run(&renderer_mailbox, renderer_edge.clone(), renderer_edge, ()).await;
             }),
             link_frozen: false,
             kept,
@@ -227,7 +227,7 @@ impl SimulatedDevice {
     /// The tasks' signs of life.
     #[must_use]
     pub fn pulses(&self) -> Pulses {
-        self.crossing.pulses()
+        self.mailbox.pulses()
     }
 
     /// What the flash holds.

@@ -9,7 +9,7 @@ use slipline_protocol::version::Version;
 use super::Controller;
 use crate::bank::{BLOCK, TONES};
 use crate::headroom::per_mille;
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::orders::View;
 use crate::ports::{FlashPages, System};
 
@@ -42,8 +42,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 
     /// How the device is; `counters` has the link's part.
-    pub fn status<M: RawMutex>(&self, crossing: &Crossing<M>, counters: Counters) -> Status {
-        let view = crossing.view();
+    pub fn status<M: RawMutex>(&self, mailbox: &Mailbox<M>, counters: Counters) -> Status {
+        let view = mailbox.view();
         let first = view.faults.first();
         Status {
             state: self.state(&view),

@@ -6,7 +6,7 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use crate::mailbox::{Crossing, NotPublished};
+use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::orders::View;
 use crate::ports::{FlashPages, System};
@@ -17,8 +17,8 @@ use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
 
 impl<F: FlashPages, S: System> Controller<F, S> {
-    pub(super) fn arm<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        let view = crossing.view();
+    pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+        let view = mailbox.view();
         self.refuse_if_unfit(&view)?;
         if view.armed {
             return Ok(view.ready_at.max(view.next));
@@ -28,7 +28,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
         self.user_acted_at = view.next;
-        Ok(crossing.arm())
+        Ok(mailbox.arm())
     }
 
     fn refuse_unless_armed(&self, view: &View) -> Result<(), Refusal> {
@@ -47,11 +47,11 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     pub(super) fn drive<M: RawMutex>(
         &mut self,
         drive: &Drive,
-        crossing: &Crossing<M>,
+        mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         // Before anything else, and again at each attempt: the renderer disarms by itself, at any moment.
-        self.refuse_unless_armed(&crossing.view())?;
-        let at = publish(crossing, |view, lead| {
+        self.refuse_unless_armed(&mailbox.view())?;
+        let at = publish(mailbox, |view, lead| {
             self.refuse_unless_armed(view)?;
             let earliest = view.next.max(view.ready_at);
             let at = match drive.apply {
@@ -62,7 +62,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     block_at_or_after(at)
                 }
             };
-            plan(drive, at, self.active, &view.motion, crossing.slots(), &self.shape, &self.timing)
+            plan(drive, at, self.active, &view.motion, mailbox.slots(), &self.shape, &self.timing)
         })?;
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
@@ -71,11 +71,11 @@ impl<F: FlashPages, S: System> Controller<F, S> {
 
 /// Makes a motion and hands it over, anew with a later index if the renderer was faster.
 pub(super) fn publish<M: RawMutex>(
-    crossing: &Crossing<M>,
+    mailbox: &Mailbox<M>,
     make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
     for lead in LEADS {
-        let view = crossing.view();
+        let view = mailbox.view();
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
@@ -83,7 +83,7 @@ pub(super) fn publish<M: RawMutex>(
             break;
         }
         let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
-        match crossing.publish(motion, &view) {
+        match mailbox.publish(motion, &view) {
             Ok(()) => return Ok(motion.start()),
             Err(NotPublished::Pending) => break,
             Err(NotPublished::Late) => {}

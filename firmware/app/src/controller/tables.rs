@@ -7,18 +7,15 @@ use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
 use super::drive::publish;
-use crate::mailbox::Crossing;
+use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
 use crate::program::plan_swap;
 use crate::store;
 
 impl<F: FlashPages, S: System> Controller<F, S> {
-    pub(super) fn commit_table<M: RawMutex>(
-        &mut self,
-        crossing: &Crossing<M>,
-    ) -> Result<SampleIndex, Refusal> {
+    pub(super) fn commit_table<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
         let upload = self.upload.ok_or(Refusal::NoUpload)?;
-        if let Err(refusal) = upload.check(crossing) {
+        if let Err(refusal) = upload.check(mailbox) {
             // What is missing may still come; what is wrong stays wrong.
             if !matches!(refusal, Refusal::UploadIncomplete { .. }) {
                 self.upload = None;
@@ -26,9 +23,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             return Err(refusal);
         }
         let table = upload.table();
-        let at = publish(crossing, |view, lead| {
+        let at = publish(mailbox, |view, lead| {
             let at = view.next.saturating_add(lead);
-            plan_swap(at, table, &view.motion, crossing.slots(), &self.shape, &self.timing)
+            plan_swap(at, table, &view.motion, mailbox.slots(), &self.shape, &self.timing)
         })?;
         self.table = Some(*upload.header());
         self.active = table;
@@ -36,28 +33,28 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(at)
     }
 
-    pub(super) fn store<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(crossing)?;
+    pub(super) fn store<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+        self.refuse_unless_storable(mailbox)?;
         let header = self.table.ok_or(Refusal::NoTable)?;
         let slot = self.active.slot;
-        store::save(&mut self.flash, &header, |index| crossing.slots().knot(slot, index))
+        store::save(&mut self.flash, &header, |index| mailbox.slots().knot(slot, index))
             .map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Loaded;
-        Ok(crossing.now())
+        Ok(mailbox.now())
     }
 
-    pub(super) fn forget<M: RawMutex>(&mut self, crossing: &Crossing<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(crossing)?;
+    pub(super) fn forget<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+        self.refuse_unless_storable(mailbox)?;
         store::forget(&mut self.flash).map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Empty;
-        Ok(crossing.now())
+        Ok(mailbox.now())
     }
 
     /// Erasing flash stalls the processor: only when a repeated mid-scale does no harm.
-    fn refuse_unless_storable<M: RawMutex>(&self, crossing: &Crossing<M>) -> Result<(), Refusal> {
+    fn refuse_unless_storable<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         if self.flash.slot_len() < store::SLOT_BYTES {
             return Err(Refusal::NotSupported);
         }
-        if crossing.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
+        if mailbox.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
     }
 }

@@ -59,7 +59,7 @@ std::thread_local! {
 struct Interrupted;
 
 #[expect(unsafe_code, reason = "the trait is unsafe")]
-// SAFETY: a crossing behind it is used by one thread only, and an interrupt is over before a lock is taken.
+// SAFETY: a mailbox behind it is used by one thread only, and an interrupt is over before a lock is taken.
 unsafe impl RawMutex for Interrupted {
     const INIT: Self = Self;
 
@@ -81,7 +81,7 @@ unsafe impl RawMutex for Interrupted {
 /// Both halves of the application, without a link between them and the test.
 struct Bench {
     controller: Controller<NoFlash, Rom>,
-    crossing: Rc<Crossing<Interrupted>>,
+    mailbox: Rc<Mailbox<Interrupted>>,
     renderer: Rc<RefCell<Renderer>>,
     rom: Rom,
 }
@@ -92,11 +92,11 @@ impl Bench {
         let rom = Rom::default();
         let mut bench = Self {
             controller: Controller::new(DEVICE, Boot::cold(), NoFlash, rom.clone()),
-            crossing: Rc::new(Crossing::new()),
+            mailbox: Rc::new(Mailbox::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
             rom,
         };
-        bench.controller.start(&bench.crossing);
+        bench.controller.start(&bench.mailbox);
         bench.upload();
         bench.render(TICK_BLOCKS);
         bench.accepted(&Command::Arm);
@@ -114,7 +114,7 @@ impl Bench {
     }
 
     fn execute(&mut self, command: &Command) -> Result<Event, Refusal> {
-        self.controller.execute(command, &self.crossing)
+        self.controller.execute(command, &self.mailbox)
     }
 
     fn accepted(&mut self, command: &Command) {
@@ -126,14 +126,14 @@ impl Bench {
     fn render(&mut self, blocks: u64) -> bool {
         let mut sounded = false;
         for _ in 0..blocks {
-            self.crossing.feed();
-            sounded |= render(&self.renderer, &self.crossing);
+            self.mailbox.feed();
+            sounded |= render(&self.renderer, &self.mailbox);
         }
         sounded
     }
 
     fn faults(&self) -> Faults {
-        self.crossing.view().faults.set()
+        self.mailbox.view().faults.set()
     }
 
     /// The checksum that the device tells of its table.
@@ -146,9 +146,9 @@ impl Bench {
 }
 
 /// Renders a block without a word from the host; whether it sounds.
-fn render(renderer: &RefCell<Renderer>, crossing: &Crossing<Interrupted>) -> bool {
+fn render(renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>) -> bool {
     let mut codes = [0; BLOCK];
-    renderer.borrow_mut().render(crossing, &mut codes);
+    renderer.borrow_mut().render(mailbox, &mut codes);
     codes.iter().any(|&code| code != MID_SCALE)
 }
 
@@ -166,22 +166,22 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     let ticks_of_two_minutes = 120 * u64::from(RATE) / (TICK_BLOCKS * BLOCK as u64);
     let hot = (0..ticks_of_two_minutes).find(|_| {
         bench.render(TICK_BLOCKS);
-        bench.controller.tick(&bench.crossing);
+        bench.controller.tick(&bench.mailbox);
         let is_hot = bench.faults().contains(Fault::Overheat);
         // As if no amplitude obeyed.
-        bench.crossing.set_limit(1000);
+        bench.mailbox.set_limit(1000);
         is_hot
     });
     assert!(hot.is_some(), "a full sine is over the limit within two minutes");
-    let first = bench.crossing.view().faults.first();
+    let first = bench.mailbox.view().faults.first();
     bench.render(8 * TICK_BLOCKS);
-    bench.controller.tick(&bench.crossing);
-    assert!(bench.crossing.view().is_silent() && bench.renderer.borrow().is_muted());
-    assert_eq!(bench.crossing.view().faults.first(), first);
+    bench.controller.tick(&bench.mailbox);
+    assert!(bench.mailbox.view().is_silent() && bench.renderer.borrow().is_muted());
+    assert_eq!(bench.mailbox.view().faults.first(), first);
     assert_eq!(bench.execute(&Command::ClearFaults).map(|_| bench.faults()), Ok(bench.faults()));
     assert!(bench.faults().contains(Fault::Overheat), "it is still warm");
     bench.render(1000 * TICK_BLOCKS);
-    bench.controller.tick(&bench.crossing);
+    bench.controller.tick(&bench.mailbox);
     bench.accepted(&Command::ClearFaults);
     assert_eq!(bench.faults(), Faults::NONE, "it has cooled");
 }
@@ -190,7 +190,7 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
 fn the_checksum_told_is_of_what_the_memory_holds() {
     let mut bench = Bench::armed();
     let before = bench.told_crc();
-    bench.crossing.write_knot(bench.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });
+    bench.mailbox.write_knot(bench.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });
     assert!(before.is_some());
     assert_ne!(bench.told_crc(), before);
 }
@@ -198,14 +198,14 @@ fn the_checksum_told_is_of_what_the_memory_holds() {
 #[test]
 fn a_new_session_knows_no_digest_of_the_last() {
     let mut bench = Bench::armed();
-    let window = DigestWindow { from: bench.crossing.now() + 10_000, count: 1000 };
+    let window = DigestWindow { from: bench.mailbox.now() + 10_000, count: 1000 };
     bench.accepted(&Command::DigestStart(window));
     assert_eq!(
         bench.execute(&Command::DigestStart(window)),
         Err(Refusal::Busy(Busy::DigestPending)),
         "one at a time"
     );
-    bench.controller.begin_session(&bench.crossing);
+    bench.controller.begin_session(&bench.mailbox);
     assert_eq!(bench.execute(&Command::DigestRead), Err(Refusal::NoDigest));
     bench.accepted(&Command::DigestStart(window));
 }
@@ -220,16 +220,16 @@ fn who_arms_after_the_token_was_shown_stays() {
         let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
         bench.accepted(&Command::BootloaderEnter(token));
         if takes_over {
-            bench.controller.begin_session(&bench.crossing);
+            bench.controller.begin_session(&bench.mailbox);
         }
         bench.render(1);
         bench.accepted(&Command::Arm);
         for _ in 0..100 {
             bench.render(TICK_BLOCKS);
-            bench.controller.tick(&bench.crossing);
+            bench.controller.tick(&bench.mailbox);
         }
         assert!(!*bench.rom.0.borrow());
-        assert!(bench.crossing.view().armed);
+        assert!(bench.mailbox.view().armed);
     }
 }
 
@@ -240,10 +240,10 @@ fn a_takeover_keeps_the_application_running() {
     bench.render(8);
     let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
     bench.accepted(&Command::BootloaderEnter(token));
-    bench.controller.begin_session(&bench.crossing);
+    bench.controller.begin_session(&bench.mailbox);
     for _ in 0..100 {
         bench.render(TICK_BLOCKS);
-        bench.controller.tick(&bench.crossing);
+        bench.controller.tick(&bench.mailbox);
     }
     assert!(!*bench.rom.0.borrow());
 }
@@ -255,7 +255,7 @@ fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
     let blocks = bench.controller.timing().max_drive / BLOCK as u64 + 2 * TICK_BLOCKS;
     bench.render(blocks);
     bench.upload();
-    bench.controller.tick(&bench.crossing);
+    bench.controller.tick(&bench.mailbox);
     assert_eq!(bench.faults(), Faults::NONE);
 }
 
@@ -284,8 +284,8 @@ impl FlashPages for Deadly {
 fn safe_mode_does_not_touch_the_kept_table() {
     // the last runs may have ended on it.
     let boot = Boot { safe_mode: true, ..Boot::cold() };
-    let crossing = Crossing::<Interrupted>::new();
+    let mailbox = Mailbox::<Interrupted>::new();
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
-    controller.start(&crossing);
-    assert_eq!(controller.execute(&Command::Arm, &crossing), Err(Refusal::SafeMode));
+    controller.start(&mailbox);
+    assert_eq!(controller.execute(&Command::Arm, &mailbox), Err(Refusal::SafeMode));
 }

@@ -104,14 +104,14 @@ impl Write for End<'_> {
 
 /// Runs a link while `play` drives the rest; each call of its argument lets blocks pass.
 fn play(wire: &RefCell<Wire>, script: impl FnOnce(&mut dyn FnMut(u64))) {
-    let crossing = Box::new(Crossing::<NoopRawMutex>::new());
+    let mailbox = Box::new(Mailbox::<NoopRawMutex>::new());
     let mut link = Link::new(Device::of_a_test(RATE), Boot::cold(), NoFlash, Nothing);
     let mut renderer = Renderer::new(Timing::at(RATE));
     let mut codes = [0; BLOCK];
-    let mut running = pin!(link.run(&crossing, End(wire), End(wire)));
+    let mut running = pin!(link.run(&mailbox, End(wire), End(wire)));
     let mut pass = |blocks: u64| {
         for _ in 0..blocks {
-            renderer.render(&crossing, &mut codes);
+            renderer.render(&mailbox, &mut codes);
             let poll: Poll<Infallible> =
                 running.as_mut().poll(&mut Context::from_waker(Waker::noop())).map(|never| never);
             assert!(poll.is_pending());

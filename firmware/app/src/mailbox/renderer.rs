@@ -1,4 +1,4 @@
-//! What the renderer's half does with the crossing.
+//! What the renderer's half does with the mailbox.
 
 use core::sync::atomic::Ordering;
 
@@ -7,13 +7,13 @@ use slipline_protocol::event::Fault;
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
-use super::{Crossing, Orders, Report};
+use super::{Mailbox, Orders, Report};
 use crate::digest::DigestState;
 use crate::motion::{Onset, Outline, Placement};
 use crate::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
 
-impl<M: RawMutex> Crossing<M> {
+impl<M: RawMutex> Mailbox<M> {
     /// Sets the index of the first block.
     pub fn begin_at(&self, index: SampleIndex) {
         self.shared.lock(|shared| {

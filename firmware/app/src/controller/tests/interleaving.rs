@@ -11,11 +11,11 @@ const AHEAD: u64 = 200;
 fn interrupted(
     bench: &mut Bench,
     locks: u32,
-    happens: impl FnOnce(&RefCell<Renderer>, &Crossing<Interrupted>) + 'static,
+    happens: impl FnOnce(&RefCell<Renderer>, &Mailbox<Interrupted>) + 'static,
     command: &Command,
 ) -> Result<Event, Refusal> {
-    let (renderer, crossing) = (bench.renderer.clone(), bench.crossing.clone());
-    INTERRUPT.set(Some((locks, Box::new(move || happens(&renderer, &crossing)))));
+    let (renderer, mailbox) = (bench.renderer.clone(), bench.mailbox.clone());
+    INTERRUPT.set(Some((locks, Box::new(move || happens(&renderer, &mailbox)))));
     let answer = bench.execute(command);
     INTERRUPT.take();
     answer
@@ -23,7 +23,7 @@ fn interrupted(
 
 /// A drive that begins some time later.
 fn later(bench: &Bench) -> Command {
-    full_scale(Apply::At(bench.crossing.now() + AHEAD * BLOCK as u64))
+    full_scale(Apply::At(bench.mailbox.now() + AHEAD * BLOCK as u64))
 }
 
 /// Clears what stands and arms, before the drive was to begin: whether it does.
@@ -41,23 +41,23 @@ fn a_drive_that_the_dead_man_overtakes_never_begins() {
         let mut bench = Bench::armed();
         // Up to the last block in which the device is armed.
         for _ in 0..bench.controller.timing().dead_man / BLOCK as u64 {
-            render(&bench.renderer, &bench.crossing);
+            render(&bench.renderer, &bench.mailbox);
         }
-        assert!(bench.crossing.view().armed);
-        let blocks = |renderer: &RefCell<Renderer>, crossing: &Crossing<Interrupted>| {
+        assert!(bench.mailbox.view().armed);
+        let blocks = |renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>| {
             for _ in 0..3 {
-                render(renderer, crossing);
+                render(renderer, mailbox);
             }
         };
         let drive = later(&bench);
         let answer = interrupted(&mut bench, locks, blocks, &drive);
-        if bench.crossing.view().armed {
+        if bench.mailbox.view().armed {
             // The interrupt came after the command, or not at all.
             for _ in 0..3 {
-                render(&bench.renderer, &bench.crossing);
+                render(&bench.renderer, &bench.mailbox);
             }
         }
-        assert!(!bench.crossing.view().armed);
+        assert!(!bench.mailbox.view().armed);
         assert!(!sounds_when_armed_again(&mut bench), "before lock {locks}: {answer:?}");
     }
 }
@@ -68,13 +68,13 @@ fn a_drive_that_an_underrun_overtakes_never_begins() {
         let mut bench = Bench::armed();
         bench.accepted(&full_scale(Apply::Next));
         assert!(bench.render(20));
-        let dry = |renderer: &RefCell<Renderer>, crossing: &Crossing<Interrupted>| {
-            renderer.borrow_mut().underrun(crossing);
+        let dry = |renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>| {
+            renderer.borrow_mut().underrun(mailbox);
         };
         let drive = later(&bench);
         let answer = interrupted(&mut bench, locks, dry, &drive);
-        if bench.crossing.view().armed {
-            bench.renderer.borrow_mut().underrun(&bench.crossing);
+        if bench.mailbox.view().armed {
+            bench.renderer.borrow_mut().underrun(&bench.mailbox);
         }
         assert!(bench.faults().contains(Fault::Underrun));
         assert!(!sounds_when_armed_again(&mut bench), "before lock {locks}: {answer:?}");
@@ -88,11 +88,11 @@ fn a_stop_in_the_midst_of_the_block_that_begins_a_drive_stops_it() {
         let mut bench = Bench::armed();
         bench.render(8);
         bench.accepted(&full_scale(Apply::Next));
-        let crossing = bench.crossing.clone();
+        let mailbox = bench.mailbox.clone();
         INTERRUPT.set(Some((
             locks,
             Box::new(move || {
-                crossing.fault(Fault::EmergencyStop, Stop::Emergency);
+                mailbox.fault(Fault::EmergencyStop, Stop::Emergency);
             }),
         )));
         bench.render(1);
@@ -101,7 +101,7 @@ fn a_stop_in_the_midst_of_the_block_that_begins_a_drive_stops_it() {
         }
         bench.render(100);
         assert!(
-            bench.crossing.view().is_silent() && bench.renderer.borrow().is_muted(),
+            bench.mailbox.view().is_silent() && bench.renderer.borrow().is_muted(),
             "before lock {locks}"
         );
     }
@@ -114,15 +114,15 @@ fn a_digest_is_of_its_whole_window_or_refused() {
     let crc = slipline_protocol::frame::CRC.checksum(&silence);
     for locks in 0..LOCKS {
         let mut bench = Bench::armed();
-        let window = DigestWindow { from: bench.crossing.now(), count: 2 * BLOCK as u32 };
-        let block = |renderer: &RefCell<Renderer>, crossing: &Crossing<Interrupted>| {
-            render(renderer, crossing);
+        let window = DigestWindow { from: bench.mailbox.now(), count: 2 * BLOCK as u32 };
+        let block = |renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>| {
+            render(renderer, mailbox);
         };
         let answer = interrupted(&mut bench, locks, block, &Command::DigestStart(window));
         bench.render(4);
         match answer {
             Ok(_) => {
-                assert_eq!(bench.crossing.digest(), DigestState::Done(window, crc), "before lock {locks}");
+                assert_eq!(bench.mailbox.digest(), DigestState::Done(window, crc), "before lock {locks}");
             }
             Err(refusal) => assert!(matches!(refusal, Refusal::OutOfRange { field: Field::ApplyAt, .. })),
         }
