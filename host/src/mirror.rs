@@ -12,7 +12,7 @@ use std::sync::Arc;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::mailbox::{Mailbox, Stop};
-use slipline_app::program::{plan, plan_swap};
+use slipline_app::plan::{plan, plan_swap};
 use slipline_app::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};

@@ -27,7 +27,7 @@ use crate::boot::Boot;
 use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;
 use crate::mailbox::Mailbox;
-use crate::orders::Stop;
+use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 use crate::ramp::RampShape;
 use crate::slots::TableRef;

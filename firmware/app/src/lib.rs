@@ -42,7 +42,7 @@ pub mod level;
 pub mod link;
 pub mod mailbox;
 pub mod motion;
-pub mod orders;
+pub mod plan;
 pub mod ports;
 pub mod program;
 pub mod ramp;
@@ -61,7 +61,7 @@ pub use controller::Device;
 pub use crash::CrashRecord;
 pub use link::Link;
 pub use mailbox::Mailbox;
-pub use orders::Stop;
+pub use mailbox::Stop;
 pub use renderer::Renderer;
 /// The protocol's word for why a device was reset; a shell reads it from the hardware.
 pub use slipline_protocol::event::ResetCause;

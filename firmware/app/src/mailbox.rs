@@ -14,7 +14,13 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
-mod renderer;
+mod interrupt_side;
+mod orders;
+mod pending;
+mod pulses;
+mod report;
+mod stop;
+mod view;
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -27,10 +33,16 @@ use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
+pub use self::orders::Orders;
+pub use self::pending::Pending;
+pub use self::pulses::Pulses;
+pub use self::report::Report;
+pub use self::stop::Stop;
+pub use self::view::View;
 use crate::digest::DigestState;
 use crate::faults::FaultLatch;
-use crate::motion::{Motion, MotionCell};
-pub use crate::orders::{Orders, Pending, Pulses, Report, Stop, View};
+use crate::motion::Motion;
+use crate::motion::cell::MotionCell;
 use crate::slots::{SlotIndex, TableSlots};
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
 

@@ -16,69 +16,28 @@
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
-mod cell;
-mod outline;
-mod track;
+pub(crate) mod cell;
+mod evaluation;
+pub(crate) mod outline;
+mod placement;
+mod trajectory;
 
 use slipline_protocol::limits::MAX_TONES;
-use slipline_protocol::table::Setting;
-use slipline_protocol::units::{FinePosition, Gain, PhaseStep, SampleIndex};
+use slipline_protocol::units::{Gain, SampleIndex};
 
-pub(crate) use self::cell::MotionCell;
-pub(crate) use self::outline::Outline;
-use self::track::{Course, Track, between_levels, between_positions, blend};
+use self::evaluation::place;
+use self::outline::Outline;
+pub use self::placement::{Onset, Placement};
+use self::trajectory::{SettingTrajectory, ToneTrajectory};
 use crate::program::{Program, Target};
 use crate::ramp::RampShape;
 use crate::slots::{TableRef, TableSlots};
 
-const ONE: u32 = 1 << 31;
-
-/// Where a tone is at one index.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Placement {
-    /// Its place on the table.
-    pub position: FinePosition,
-    /// Its step and gain.
-    pub setting: Setting,
-    /// Its level.
-    pub level: Gain,
-}
-
-impl Placement {
-    /// Of a tone that has never sounded.
-    pub(crate) const NOWHERE: Self = Self {
-        position: FinePosition::saturating(0),
-        setting: Setting { step: PhaseStep(0), gain: Gain(0) },
-        level: Gain(0),
-    };
-
-    /// Whether nothing is heard of it.
-    #[must_use]
-    pub const fn is_silent(&self) -> bool {
-        self.level.0 == 0
-    }
-
-    /// Its amplitude, Q1.31.
-    #[must_use]
-    pub const fn amplitude(&self) -> Gain {
-        self.setting.gain.times(self.level)
-    }
-}
-
-/// How a tone begins that starts from silence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Onset {
-    /// Its phase; 2^64 = one turn.
-    pub phase: u64,
-    /// Its step.
-    pub step: PhaseStep,
-}
-
-/// The way of all tones from one program's start to its end, and on.
+/// The trajectories of all tones from one program's start to its end. After the end the tones stay where they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Motion {
     outline: Outline,
-    tracks: [Track; MAX_TONES],
+    tones: [ToneTrajectory; MAX_TONES],
 }
 
 impl Default for Motion {
@@ -91,7 +50,7 @@ impl Motion {
     /// Silence, by no table.
     #[must_use]
     pub const fn silent() -> Self {
-        Self { outline: Outline::SILENT, tracks: [Track::SILENT; MAX_TONES] }
+        Self { outline: Outline::SILENT, tones: [ToneTrajectory::SILENT; MAX_TONES] }
     }
 
     /// The table it goes by.
@@ -127,8 +86,8 @@ impl Motion {
     /// Where the tones are going, as the targets of a program; silent slots have none.
     #[must_use]
     pub fn goals(&self) -> [Option<Target>; MAX_TONES] {
-        self.tracks.map(|track| {
-            (track.to_level.0 != 0).then_some(Target { position: track.to, level: track.to_level, phase: 0 })
+        self.tones.map(|tone| {
+            (tone.to_level.0 != 0).then_some(Target { position: tone.to, level: tone.to_level, phase: 0 })
         })
     }
 
@@ -136,7 +95,7 @@ impl Motion {
     #[must_use]
     pub fn at(&self, index: SampleIndex, slots: &TableSlots, shape: &RampShape) -> [Placement; MAX_TONES] {
         let mut all = [Placement::default(); MAX_TONES];
-        place(&self.outline, self.tracks.iter().copied(), index, slots, shape, &mut all);
+        place(&self.outline, self.tones.iter().copied(), index, slots, shape, &mut all);
         all
     }
 
@@ -146,69 +105,37 @@ impl Motion {
         let mut next = Self::silent();
         next.outline = Outline::new(program.at, program.glide, program.table);
         let outline = &mut next.outline;
-        for (((track, old), placement), target) in
-            next.tracks.iter_mut().zip(&self.tracks).zip(here).zip(&program.targets)
+        for (((tone, old), placement), target) in
+            next.tones.iter_mut().zip(&self.tones).zip(here).zip(&program.targets)
         {
-            *track = match target {
-                None => Track::fading(placement),
-                Some(target) if placement.is_silent() => Track {
+            *tone = match target {
+                None => ToneTrajectory::fading(placement),
+                Some(target) if placement.is_silent() => ToneTrajectory {
                     from: target.position,
                     to: target.position,
                     from_level: Gain(0),
                     to_level: target.level,
-                    course: Course::hold(slots.evaluate(program.table, target.position)),
+                    setting: SettingTrajectory::hold(slots.evaluate(program.table, target.position)),
                     phase: target.phase,
                 },
-                Some(target) => Track {
+                Some(target) => ToneTrajectory {
                     from: placement.position,
                     to: target.position,
                     from_level: placement.level,
                     to_level: target.level,
-                    course: if self.table() == program.table && old.course == Course::Along {
+                    setting: if self.table() == program.table && old.setting == SettingTrajectory::Along {
                         // It is on the table already: no need to look.
-                        Course::Along
+                        SettingTrajectory::Along
                     } else {
-                        Course::from(placement, slots.evaluate(program.table, placement.position))
+                        SettingTrajectory::from(placement, slots.evaluate(program.table, placement.position))
                     },
                     phase: 0,
                 },
             };
-            outline.begins_silent &= track.from_level.0 == 0;
-            outline.ends_silent &= track.to_level.0 == 0;
+            outline.begins_silent &= tone.from_level.0 == 0;
+            outline.ends_silent &= tone.to_level.0 == 0;
         }
         next
-    }
-}
-
-/// Writes where each tone is at an index to `places`.
-#[inline(always)]
-fn place(
-    outline: &Outline,
-    tracks: impl Iterator<Item = Track> + Clone,
-    index: SampleIndex,
-    slots: &TableSlots,
-    shape: &RampShape,
-    places: &mut [Placement; MAX_TONES],
-) {
-    let u = outline.share_of_time(index);
-    let s = shape.at(u);
-    let table = slots.table(outline.table);
-    // In three rounds: a processor has too few registers for all at once.
-    for (place, track) in places.iter_mut().zip(tracks.clone()) {
-        place.position = between_positions(track.from, track.to, u);
-        place.level = between_levels(track.from_level, track.to_level, s);
-    }
-    for (place, track) in places.iter_mut().zip(tracks.clone()) {
-        place.setting = match track.course {
-            Course::Hold { step, gain } => Setting { step, gain },
-            Course::Along | Course::Join { .. } => table.evaluate(place.position),
-        };
-    }
-    let left = ONE.saturating_sub(s);
-    for (place, track) in places.iter_mut().zip(tracks) {
-        if let Course::Join { step_upper, step_lower, gain } = track.course {
-            place.setting = blend(place.setting, (step_upper, step_lower), gain, left);
-        }
     }
 }
 

@@ -1,23 +1,13 @@
-//! From a drive, which a user means, to a program and the motion that the renderer plays.
+//! A change of the drive, checked and complete.
 //!
 //! ```text
 //! Drive + table + motion at the index --plan--> Program --Motion::follow--> Motion --mailbox--> samples
 //! ```
-//! [`plan`] is a pure function. The controller calls it before it accepts a drive; the host's mirror calls it with
-//! the acknowledged index and gets the same motion.
 
-use slipline_protocol::command::Drive;
-use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
-use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::{FinePosition, Gain, SampleIndex};
 
-use crate::bank::{BLOCK, MAX_STEP_CHANGE};
-use crate::headroom;
-use crate::level::{master_gain, tone_gain};
-use crate::motion::{Motion, Placement};
-use crate::ramp::RampShape;
-use crate::slots::{TableRef, TableSlots, knots_between};
-use crate::timing::Timing;
+use crate::slots::TableRef;
 
 /// Where a tone goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,129 +32,3 @@ pub struct Program {
     /// Where each slot goes; a slot with no target fades out.
     pub targets: [Option<Target>; MAX_TONES],
 }
-
-const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
-    Refusal::OutOfRange { field, min, max, got }
-}
-
-/// Makes the motion of a drive that begins at `at`, where the output moves as `motion` says.
-///
-/// The glide becomes longer than asked where the frequency would change faster than the bank's accuracy allows
-/// ([`MAX_STEP_CHANGE`] per block).
-///
-/// # Errors
-/// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for slot, master level or glide, [`Refusal::SlotTwice`],
-/// [`Refusal::Headroom`] if the worst-case sum exceeds full scale anywhere on the way.
-pub fn plan(
-    drive: &Drive,
-    at: SampleIndex,
-    table: TableRef,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-    timing: &Timing,
-) -> Result<Motion, Refusal> {
-    if table.knots == 0 {
-        return Err(Refusal::NoTable);
-    }
-    if !(MIN_MASTER_CDB..=0).contains(&drive.master.0) {
-        return Err(out_of_range(
-            Field::MasterLevel,
-            i64::from(MIN_MASTER_CDB),
-            0,
-            i64::from(drive.master.0),
-        ));
-    }
-    if !(timing.min_glide..=timing.max_glide).contains(&drive.glide) {
-        return Err(out_of_range(
-            Field::Glide,
-            i64::from(timing.min_glide),
-            i64::from(timing.max_glide),
-            i64::from(drive.glide),
-        ));
-    }
-    let master = master_gain(drive.master);
-    let mut targets = [None; MAX_TONES];
-    for tone in &drive.tones {
-        let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
-            return Err(out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, i64::from(tone.slot)));
-        };
-        if target.is_some() {
-            return Err(Refusal::SlotTwice { slot: tone.slot });
-        }
-        *target = Some(Target {
-            position: tone.position.fine(),
-            level: tone_gain(master, tone.level),
-            phase: u64::from(tone.phase.0) << 48,
-        });
-    }
-    complete(Program { at, glide: drive.glide, table, targets }, motion, slots, shape)
-}
-
-/// Makes the motion of a table swap: every tone goes on to its place and level, in the time that it still has, and
-/// glides to the new table's values.
-///
-/// # Errors
-/// [`Refusal::Headroom`] if the sum would exceed full scale by the new table.
-pub fn plan_swap(
-    at: SampleIndex,
-    table: TableRef,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-    timing: &Timing,
-) -> Result<Motion, Refusal> {
-    let left = u32::try_from(motion.end().saturating_sub(at)).unwrap_or(u32::MAX);
-    let glide = timing.table_glide.max(left);
-    complete(Program { at, glide, table, targets: motion.goals() }, motion, slots, shape)
-}
-
-/// Checks the headroom, stretches the glide, and goes on from where the tones are.
-fn complete(
-    mut program: Program,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-) -> Result<Motion, Refusal> {
-    let placements = motion.at(program.at, slots, shape);
-    headroom::check(&program, &placements, slots)?;
-    let mut needed = 0;
-    for (placement, target) in placements.iter().zip(&program.targets) {
-        if let Some(target) = target {
-            needed = needed.max(shortest_glide(&program, placement, target, slots));
-        }
-    }
-    program.glide = program.glide.max(needed);
-    Ok(motion.follow(&placements, &program, slots))
-}
-
-/// The shortest glide in samples in which no block changes a tone's step by more than [`MAX_STEP_CHANGE`].
-///
-/// On the way the step moves at most `k |dp|` per unit of glide time, with `k` the steepest interval crossed, and by
-/// `d s'(u)`, `s' <= pi/2 < 2`, while a table swap blends.
-fn shortest_glide(program: &Program, placement: &Placement, target: &Target, slots: &TableSlots) -> u32 {
-    if placement.is_silent() {
-        return 0;
-    }
-    let table = program.table;
-    let (first, last) = knots_between(table, placement.position, target.position);
-    let mut steepest = 0;
-    let mut previous = slots.knot(table.slot, first).step;
-    for index in first..=last {
-        let step = slots.knot(table.slot, index).step;
-        steepest = steepest.max(step.abs_diff(previous));
-        previous = step;
-    }
-    // Knots on the way in Q31, at most 2^41; times a step difference below 2^31: 72 bits.
-    let way = u128::from(placement.position.raw().abs_diff(target.position.raw()))
-        * u128::from(table.knots.saturating_sub(1));
-    // Now in the unit of a step, Q64: from Q32 up by 32, from the place's Q31 down by 31.
-    let glide = (way * u128::from(steepest)) << 1;
-    let here = slots.evaluate(table, placement.position).step.0;
-    let blend = u128::from(placement.setting.step.0.abs_diff(here)) * 2;
-    let samples = (glide + blend) * BLOCK as u128 / u128::from(MAX_STEP_CHANGE);
-    u32::try_from(samples).unwrap_or(u32::MAX)
-}
-
-#[cfg(test)]
-mod tests;

@@ -2,8 +2,8 @@
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
-/// Q1.31.
-const ONE: u32 = 1 << 31;
+/// 1 in Q1.31.
+pub(crate) const ONE: u32 = 1 << 31;
 /// Intervals of the shape; linear between them, the error is below 4e-5 of full scale.
 const INTERVALS: usize = 128;
 /// The shape at the intervals' ends.

@@ -22,7 +22,7 @@ use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
 
 use crate::controller::Controller;
 use crate::mailbox::Mailbox;
-use crate::orders::Stop;
+use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 
 /// Commands decoded and not done yet, at most; a host waits for each reply, so more than one is already a hurry.

@@ -1,6 +1,6 @@
 //! Whether the watchdog may be fed: only if the renderer, the link and safety have all lived since it last was.
 
-use crate::orders::Pulses;
+use crate::mailbox::Pulses;
 
 /// Compares signs of life. Ask it at least every 100 ms; the watchdog's period must be at least twice that, and longer
 /// than the longest erase of the flash.

@@ -10,7 +10,7 @@ use super::Controller;
 use crate::bank::{BLOCK, TONES};
 use crate::headroom::per_mille;
 use crate::mailbox::Mailbox;
-use crate::orders::View;
+use crate::mailbox::View;
 use crate::ports::{FlashPages, System};
 
 /// Bits of a DAC code.

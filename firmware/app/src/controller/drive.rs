@@ -6,11 +6,11 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
+use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
-use crate::orders::View;
+use crate::plan::plan;
 use crate::ports::{FlashPages, System};
-use crate::program::plan;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
 /// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.

@@ -8,8 +8,8 @@ use slipline_protocol::units::SampleIndex;
 use super::Controller;
 use super::drive::publish;
 use crate::mailbox::Mailbox;
+use crate::plan::plan_swap;
 use crate::ports::{FlashPages, System};
-use crate::program::plan_swap;
 use crate::store;
 
 impl<F: FlashPages, S: System> Controller<F, S> {

@@ -1,8 +1,8 @@
-//! When a motion takes place.
+//! The time of a motion and its table.
 
 use slipline_protocol::units::SampleIndex;
 
-use super::ONE;
+use crate::ramp::ONE;
 use crate::slots::{SlotIndex, TableRef};
 
 /// When a motion takes place, by which table, and whether it matters.

@@ -4,11 +4,13 @@ use std::boxed::Box;
 
 use proptest::prelude::*;
 use slipline_protocol::limits::MAX_KNOT_STEP;
-use slipline_protocol::table::Knot;
-use slipline_protocol::units::Position;
+use slipline_protocol::table::{Knot, Setting};
+use slipline_protocol::units::{PhaseStep, Position};
 
-use super::track::blend;
+use super::cell::MotionCell;
+use super::trajectory::blend;
 use super::*;
+use crate::ramp::ONE;
 use crate::slots::SlotIndex;
 
 const KNOTS: u16 = 65;
@@ -63,7 +65,7 @@ proptest! {
             let before = motion.at(at, &slots, &shape);
             let next = motion.follow(&before, &program(at, glide, slot, &targets), &slots);
             let after = next.at(at, &slots, &shape);
-            for ((before, after), onset) in before.iter().zip(&after).zip(next.tracks.iter().map(Track::onset)) {
+            for ((before, after), onset) in before.iter().zip(&after).zip(next.tones.iter().map(ToneTrajectory::onset)) {
                 prop_assert_eq!(before.level, after.level);
                 if before.is_silent() {
                     prop_assert!(after.is_silent());

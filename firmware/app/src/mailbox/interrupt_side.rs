@@ -9,7 +9,8 @@ use slipline_protocol::units::SampleIndex;
 
 use super::{Mailbox, Orders, Report};
 use crate::digest::DigestState;
-use crate::motion::{Onset, Outline, Placement};
+use crate::motion::outline::Outline;
+use crate::motion::{Onset, Placement};
 use crate::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
 

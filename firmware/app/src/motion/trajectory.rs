@@ -1,14 +1,15 @@
-//! One tone's way: its place, level and course, and the arithmetic on them.
+//! One tone's trajectory: its place, its level, its setting, and the arithmetic on them.
 
 use slipline_protocol::limits::MAX_KNOT_STEP;
 use slipline_protocol::table::Setting;
 use slipline_protocol::units::{FinePosition, Gain, PhaseStep};
 
-use super::{ONE, Onset, Placement};
+use super::placement::{Onset, Placement};
+use crate::ramp::ONE;
 
 /// How a tone's setting moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum SettingTrajectory {
     /// Along the table.
     Along,
     /// To the table and along it, from what it was at the start: the differences there, in units of step and of gain.
@@ -19,17 +20,17 @@ pub(super) enum Course {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Track {
+pub(super) struct ToneTrajectory {
     pub(super) from: FinePosition,
     pub(super) to: FinePosition,
     pub(super) from_level: Gain,
     pub(super) to_level: Gain,
-    pub(super) course: Course,
+    pub(super) setting: SettingTrajectory,
     /// The phase it begins with if it starts from silence.
     pub(super) phase: u64,
 }
 
-impl Course {
+impl SettingTrajectory {
     pub(super) const fn hold(setting: Setting) -> Self {
         Self::Hold { step: setting.step, gain: setting.gain }
     }
@@ -52,13 +53,13 @@ impl Course {
     }
 }
 
-impl Track {
+impl ToneTrajectory {
     pub(super) const SILENT: Self = Self {
         from: FinePosition::saturating(0),
         to: FinePosition::saturating(0),
         from_level: Gain(0),
         to_level: Gain(0),
-        course: Course::hold(Setting { step: PhaseStep(0), gain: Gain(0) }),
+        setting: SettingTrajectory::hold(Setting { step: PhaseStep(0), gain: Gain(0) }),
         phase: 0,
     };
 
@@ -69,7 +70,7 @@ impl Track {
             to: placement.position,
             from_level: placement.level,
             to_level: Gain(0),
-            course: Course::hold(placement.setting),
+            setting: SettingTrajectory::hold(placement.setting),
             phase: 0,
         }
     }
@@ -77,8 +78,8 @@ impl Track {
     /// How the tone begins if it starts from silence and is to sound.
     #[inline(always)]
     pub(super) fn onset(&self) -> Option<Onset> {
-        match self.course {
-            Course::Hold { step, .. } if self.from_level.0 == 0 && self.to_level.0 != 0 => {
+        match self.setting {
+            SettingTrajectory::Hold { step, .. } if self.from_level.0 == 0 && self.to_level.0 != 0 => {
                 Some(Onset { phase: self.phase, step })
             }
             _ => None,

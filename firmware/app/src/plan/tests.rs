@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use slipline_protocol::command::{Apply, Tone};
 use slipline_protocol::limits::MAX_KNOT_STEP;
 use slipline_protocol::table::Knot;
-use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
+use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
 use super::*;
 use crate::slots::SlotIndex;

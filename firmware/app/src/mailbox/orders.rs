@@ -1,0 +1,25 @@
+//! Thread side to interrupt side: what the renderer reads at the start of a block.
+
+use slipline_protocol::units::SampleIndex;
+
+use super::pending::Pending;
+use super::stop::Stop;
+
+/// What the renderer is told at the start of a block.
+#[derive(Clone, Copy, Debug)]
+pub struct Orders {
+    /// What is to begin with this block.
+    pub due: Option<Pending>,
+    /// Whether it does: the motion in force is the new one.
+    pub begins: bool,
+    /// A ramp to silence that begins with this block.
+    pub stop: Option<Stop>,
+    /// Whether drives are accepted.
+    pub armed: bool,
+    /// Silence is guaranteed up to this index after arming.
+    pub ready_at: SampleIndex,
+    /// When the host last said that it lives.
+    pub fed_at: SampleIndex,
+    /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
+    pub limit_per_mille: Option<u16>,
+}

@@ -1,0 +1,12 @@
+//! Counters by which the supervisor sees that the tasks run.
+
+/// Signs of life of the three tasks the supervisor watches; each wraps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pulses {
+    /// The renderer: blocks.
+    pub renderer: u32,
+    /// The link: rounds of its loop.
+    pub link: u32,
+    /// Safety: ticks.
+    pub safety: u32,
+}
