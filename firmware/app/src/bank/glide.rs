@@ -18,7 +18,7 @@
 //!
 //! Of the third order, `-(Aed/2) tau^3 + i(ad/2) tau^3` is the largest. It is replaced by the straight line that is
 //! closest to it over the sub-block, `tau^3 -> 5/8 8^2 tau`, which only changes `G1` ("straighten" and "lean" below).
-//! At [`super::MAX_STEP_CHANGE`], `e tau` reaches 0.020 and `d tau^2/2` 0.0013: the cubic of 2.7e-5 at the outermost
+//! At [`MAX_STEP_CHANGE`](super::block::MAX_STEP_CHANGE), `e tau` reaches 0.020 and `d tau^2/2` 0.0013: the cubic of 2.7e-5 at the outermost
 //! samples shrinks to 1.0e-5, which with the neglected `e^3` and `a e^2` makes 2e-5 (-94 dB) at the peak; it falls with
 //! the square of the chirp. The packed coefficients' unit of 2^-17 leaves 5e-6 (-106 dB) whatever the chirp. The
 //! tests hold the levels that add up from these: -93 dB peak and -105 dB rms at the limit, -98 and -108 dB from a
@@ -29,10 +29,10 @@
 //! swell `64(Ad/2 + ae) = A theta/4 + 8a 8e` [34]; curl `64 Ae^2/2` [37, packed at 18]. Packed corrections [17], packed
 //! words [13], their sums [30]. The sign of `tau C` and `tau S` is turned, since the dual products give `-G2`.
 
-use super::kernel::{GlideBasis, GlideSeeds};
+use super::block::{TONES, ToneBlock};
+use super::layout::{GlideBasis, GlideSeeds};
 use super::sine::{add_high, doubled, high, sine_cosine, sub_high, turned};
 use super::steady::{loudness, upper};
-use super::{TONES, ToneBlock};
 
 /// Half of the packed numbers' unit, before their lower sixteen bits are cut off.
 pub(super) const HALF_UNIT: i32 = 1 << 15;

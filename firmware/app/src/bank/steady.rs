@@ -1,24 +1,11 @@
 //! Tones that keep their frequency and amplitude over a block.
 
-use super::ToneBlock;
-use super::kernel::SteadyBasis;
+use super::block::ToneBlock;
+use super::layout::{SteadyBasis, Turn};
 use super::sine::{add_high, high, sine_cosine, sub_high, turned};
 
 /// The largest amplitude in the kernels' unit, 2^-30 of full scale: one unit short of 1, which one instruction does.
 const LOUDEST: u32 = (1 << 30) - 1;
-
-/// Turns a tone's amplitude and phase at the block's centre into those at the centres of its two halves.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub(super) struct Turn {
-    cosine: i32,
-    sine: i32,
-}
-
-impl Turn {
-    /// No turn; for a tone that has no basis yet.
-    pub(super) const NONE: Self = Self { cosine: 0, sine: 0 };
-}
 
 /// Computes the basis of one tone: `cos(w tau)` and `sin(w tau)` for `tau = 1/2, 3/2 .. 63/2`, and the turn `32 w`.
 ///

@@ -257,7 +257,8 @@ fn codes_round_to_nearest_clamp_and_count_what_they_clamp() {
 
 #[test]
 fn a_basis_is_built_once_for_each_new_step() {
-    use super::kernel::{Kernel, Portable, Survey};
+    use super::kernel::{Kernel, Survey};
+    use super::portable::Portable;
     let mut tones = [ToneBlock::steady(step(0.1), AMPLITUDE_ONE / 16); TONES];
     let (mut bank, mut out) = (Bank::new(), [0; BLOCK]);
     assert_eq!(Portable::survey(&tones, &bank.inverted_steps), Survey::Retuned);

@@ -5,21 +5,29 @@
 //! All but the conversion to codes are *naked* functions: they use the whole register file, which inline assembly may
 //! not claim. They follow the procedure call standard (r4-r11, lr and s16-s31 are saved where used, the stack stays
 //! balanced) and write no other memory than their arguments and their own frame, so an interrupt may come at any time.
-//! The comments name what the portable twin in [`super`], `steady` and `glide` calls the same thing; cycles are those
+//! The comments name what `portable.rs`, `steady.rs` and `glide.rs` call the same thing; cycles are those
 //! of the M4's reference manual without wait states.
+//!
+//! A pass (see `layout.rs`) fills the register file exactly:
+//! ```text
+//! r0 the words' address, r1-r8 the sums, r9-r12 four words, lr one coefficient; s0-s31 the 16 x 2 coefficients
+//! per tone: LDM 5 cycles + 2 VMOV + 8 SMMLA = 15 cycles for 8 products, 1.875 each
+//! ```
+//! The loop over the four-sample groups is one straight run of 176 instructions, 704 bytes: it stays within the 1 KiB
+//! instruction cache of an STM32F4.
 
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
 
-use super::{GlideBasis, GlideSeeds, Kernel, SteadyBasis, SteadySeeds, Survey};
-use crate::bank::code::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
-use crate::bank::glide::{HALF_UNIT, THETA};
-use crate::bank::sine::{RADIANS, TABLE};
-use crate::bank::steady::Turn;
-use crate::bank::{BLOCK, TONES, ToneBlock};
+use super::block::{BLOCK, TONES, ToneBlock};
+use super::glide::{HALF_UNIT, THETA};
+use super::kernel::{Kernel, Survey};
+use super::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
+use super::quantize::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
+use super::sine::{RADIANS, TABLE};
 
 /// The kernels in assembly.
-pub(in crate::bank) struct CortexM4;
+pub(super) struct CortexM4;
 
 // What the assembly takes for granted about the memory it walks through.
 const _: () = {
@@ -507,7 +515,7 @@ macro_rules! steady_words {
     };
 }
 
-/// `rebuild` of [`crate::bank::steady`], about 350 cycles.
+/// `rebuild` of `steady.rs`, about 350 cycles.
 #[unsafe(naked)]
 unsafe extern "C" fn rebuild(step: u64, column: *mut [i32; 4], turn: &mut Turn) {
     naked_asm!(
@@ -561,7 +569,7 @@ unsafe extern "C" fn rebuild(step: u64, column: *mut [i32; 4], turn: &mut Turn) 
     )
 }
 
-/// `seed` of [`crate::bank::steady`] for sixteen tones, about 50 cycles each.
+/// `seed` of `steady.rs` for sixteen tones, about 50 cycles each.
 #[unsafe(naked)]
 unsafe extern "C" fn seed_steady(
     phases: &mut [u64; TONES],
@@ -672,7 +680,7 @@ macro_rules! basis_words {
     };
 }
 
-/// `rebuild` and `seed` of [`crate::bank::glide`] for sixteen tones, about 600 cycles each.
+/// `rebuild` and `seed` of `glide.rs` for sixteen tones, about 600 cycles each.
 #[unsafe(naked)]
 unsafe extern "C" fn seed_glide(
     phases: &mut [u64; TONES],

@@ -1,0 +1,101 @@
+//! How bases and seeds lie in memory, in the order in which the kernels read them.
+//!
+//! The two inner loops are small matrix products. A *pass* adds, for four neighbouring samples of two sub-blocks at a
+//! time, `word * coefficient` over the sixteen tones. A word (of the basis) depends on the tone and on the sample within
+//! a sub-block: it serves two sub-blocks. A coefficient (a seed) depends on the tone and on the sub-block: it serves
+//! four samples. So a tone takes 4 + 2 loads for 8 products.
+
+use super::block::{BLOCK, TONES};
+
+/// Samples whose sums are formed together.
+pub(super) const GROUP: usize = 4;
+/// Sub-blocks that share the words of one pass.
+pub(super) const PAIR: usize = 2;
+
+/// Half a sub-block of a steady block: 32 samples on either side of the sub-block's centre.
+pub(super) const STEADY_HALF: usize = BLOCK / PAIR / 2;
+/// Half a sub-block of a gliding block: 8 samples on either side.
+pub(super) const GLIDE_HALF: usize = 8;
+/// Sub-blocks of a gliding block.
+pub(super) const GLIDE_PARTS: usize = BLOCK / GLIDE_HALF / 2;
+
+/// One basis word per tone and sample, in the order in which the kernel reads them.
+pub(super) type Words<const GROUPS: usize> = [[[i32; GROUP]; TONES]; GROUPS];
+/// One coefficient per tone and sub-block of a pair.
+pub(super) type Pair = [[i32; PAIR]; TONES];
+
+/// The basis of a steady block, 31 fractional bits: `cos(w tau)` and `sin(w tau)`, `tau = n + 1/2`.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct SteadyBasis {
+    pub(super) even: Words<{ STEADY_HALF / GROUP }>,
+    pub(super) odd: Words<{ STEADY_HALF / GROUP }>,
+}
+
+impl SteadyBasis {
+    pub(super) const fn new() -> Self {
+        let none = [[[0; GROUP]; TONES]; STEADY_HALF / GROUP];
+        Self { even: none, odd: none }
+    }
+}
+
+/// What multiplies the basis of a steady block, 28 fractional bits.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct SteadySeeds {
+    pub(super) even: Pair,
+    pub(super) odd: Pair,
+}
+
+impl SteadySeeds {
+    pub(super) const fn new() -> Self {
+        Self { even: [[0; PAIR]; TONES], odd: [[0; PAIR]; TONES] }
+    }
+}
+
+/// The basis of a gliding block: as [`SteadyBasis`], and the packed corrections of `bank/glide.rs`.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct GlideBasis {
+    pub(super) even_bend: Words<{ GLIDE_HALF / GROUP }>,
+    pub(super) even: Words<{ GLIDE_HALF / GROUP }>,
+    pub(super) odd_bend: Words<{ GLIDE_HALF / GROUP }>,
+    pub(super) odd: Words<{ GLIDE_HALF / GROUP }>,
+}
+
+impl GlideBasis {
+    pub(super) const fn new() -> Self {
+        let none = [[[0; GROUP]; TONES]; GLIDE_HALF / GROUP];
+        Self { even_bend: none, odd_bend: none, even: none, odd: none }
+    }
+}
+
+/// What multiplies the basis of a gliding block, per pair of sub-blocks.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct GlideSeeds {
+    pub(super) even_bend: [Pair; GLIDE_PARTS / PAIR],
+    pub(super) even: [Pair; GLIDE_PARTS / PAIR],
+    pub(super) odd_bend: [Pair; GLIDE_PARTS / PAIR],
+    pub(super) odd: [Pair; GLIDE_PARTS / PAIR],
+}
+
+impl GlideSeeds {
+    pub(super) const fn new() -> Self {
+        let none = [[[0; PAIR]; TONES]; GLIDE_PARTS / PAIR];
+        Self { even_bend: none, odd_bend: none, even: none, odd: none }
+    }
+}
+
+/// Turns a tone's amplitude and phase at the block's centre into those at the centres of its two sub-blocks.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct Turn {
+    pub(super) cosine: i32,
+    pub(super) sine: i32,
+}
+
+impl Turn {
+    /// No turn; for a tone that has no basis yet.
+    pub(super) const NONE: Self = Self { cosine: 0, sine: 0 };
+}
