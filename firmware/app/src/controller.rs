@@ -13,6 +13,7 @@
 
 mod account;
 mod drive;
+mod range;
 mod tables;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -22,7 +23,7 @@ use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use self::drive::in_range;
+use self::range::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderDoor;
 use crate::digest::DigestState;

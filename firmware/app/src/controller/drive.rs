@@ -6,6 +6,7 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
+use super::range::in_range;
 use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
@@ -90,13 +91,4 @@ pub(super) fn publish<M: RawMutex>(
         }
     }
     Err(Refusal::Busy(Busy::CommitPending))
-}
-
-pub(super) fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
-    if (min..=max).contains(&got) {
-        return Ok(());
-    }
-    // An index beyond 2^63 is 730 000 years away.
-    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
-    Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
 }

@@ -1,0 +1,13 @@
+//! The check of a sample index or a count in a command.
+
+use slipline_protocol::refusal::{Field, Refusal};
+
+/// Refuses a value outside `min..=max`.
+pub(super) fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
+    if (min..=max).contains(&got) {
+        return Ok(());
+    }
+    // An index beyond 2^63 is 730 000 years away.
+    let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
+    Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
+}
