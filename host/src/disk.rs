@@ -1,12 +1,11 @@
 //! Files on disk: written whole or not at all, and read no further than they may be long.
 
-use crate::ending::on_ending;
 use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The files that are being written under their temporary names, for whoever ends the program to remove.
 static PARTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -60,22 +59,19 @@ pub(crate) fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file())
 }
 
-/// From now on Ctrl-C removes this file; false if it is being written already.
+/// Notes a file that is being written; false if it is being written already.
 fn begin(part: &Path) -> bool {
-    static WATCH: Once = Once::new();
-    WATCH.call_once(|| {
-        // Without a handler Ctrl-C still ends the program; only the part is left.
-        let _ = on_ending(|| {
-            // Held to the end, so that no other part is begun.
-            let parts = parts();
-            for part in parts.iter() {
-                let _ = std::fs::remove_file(part);
-            }
-            // What a shell gives a program that Ctrl-C ended.
-            std::process::exit(130);
-        });
-    });
     parts().insert(part.to_owned())
+}
+
+/// Removes the files that are not whole yet. None is begun any more afterwards: for whoever ends the program.
+pub(crate) fn remove_parts() {
+    let parts = parts();
+    for part in parts.iter() {
+        let _ = std::fs::remove_file(part);
+    }
+    // Never unlocked again: another file cannot be begun.
+    std::mem::forget(parts);
 }
 
 /// The text of a file that is not too big; what is too big is not read.

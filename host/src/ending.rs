@@ -1,7 +1,18 @@
 //! Being told to end: by Ctrl-C, on Unix as well by SIGTERM, and by SIGHUP unless the program is to outlive its
 //! terminal.
 
+use crate::disk;
 use std::io;
+
+/// Has the program leave no half-written file when it is told to end. Without a handler it still ends, and only the part
+/// is left.
+pub fn remove_parts_on_ending() {
+    let _ = on_ending(|| {
+        disk::remove_parts();
+        // What a shell gives a program that Ctrl-C ended.
+        std::process::exit(130);
+    });
+}
 
 /// Has `act` done whenever the program is told to end, on a thread of its own; it no longer ends by itself then.
 ///

@@ -22,7 +22,7 @@ pub mod device_table;
 pub mod diagnostics;
 mod disk;
 pub mod edit;
-mod ending;
+pub mod ending;
 pub mod envelope_plot;
 #[cfg(feature = "gui")]
 pub mod export;

@@ -20,6 +20,7 @@ fn main() -> ExitCode {
 
 #[cfg(feature = "gui")]
 fn open_window() -> ExitCode {
+    slipline::ending::remove_parts_on_ending();
     match slipline::app::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

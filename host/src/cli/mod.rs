@@ -28,6 +28,7 @@ pub use destination::ForceArgument;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
 
+use crate::ending::remove_parts_on_ending;
 use crate::link::Port;
 use crate::simulation::MAX_SECONDS;
 use argument::{Boundary, ToneArgument, Typed};
@@ -263,6 +264,10 @@ impl Command {
     /// # Errors
     /// [`Failure`]: why not, and with which exit code to end.
     pub fn run(self, json: bool) -> Result<(), Failure> {
+        // A drive ends by itself when it is told to, and writes no file.
+        if !matches!(self, Self::Drive(_)) {
+            remove_parts_on_ending();
+        }
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
