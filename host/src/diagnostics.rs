@@ -208,6 +208,9 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
         sum_per_mille,
         heat_per_mille,
         foldback_per_mille,
+        // Of use to a program that replays the codes, not to a reader.
+        foldback_before_per_mille: _,
+        foldback_changes,
         table_crc,
         counters,
     } = status;
@@ -235,6 +238,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
     page.line("Sum of tones, of full scale", per_cent(*sum_per_mille));
     page.line("Heat, of its limit", per_cent(*heat_per_mille));
     page.line("Left by the heat limit", per_cent(*foldback_per_mille));
+    page.line("Changes of the heat limit", foldback_changes);
     page.line("Table", format!("{table_crc:08x}"));
     let Counters { frames, crc_errors, overlong, duplicates, dropped, underruns, clips, max_cycles } =
         counters;

@@ -1,7 +1,8 @@
 //! What a device answers. It never speaks first.
 
 use crate::command::TableHeader;
-use crate::limits::{MAX_CRASH, MAX_NAME};
+pub use crate::fault::{Fault, Faults};
+use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
 use crate::message::messages;
 use crate::refusal::Refusal;
 use crate::units::SampleIndex;
@@ -130,114 +131,6 @@ pub enum State {
     SafeMode,
 }
 
-/// One kind of fault: its bit is its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Fault {
-    /// The host fell silent while driving.
-    HostLost,
-    /// The emergency stop was used.
-    EmergencyStop,
-    /// The DAC ran out of samples.
-    Underrun,
-    /// The coil's computed temperature reached its limit.
-    Overheat,
-    /// Driven for the longest allowed time with no command from the user.
-    DriveTime,
-    /// The watchdog reset the device.
-    Watchdog,
-    /// The program had panicked or faulted.
-    Crash,
-    /// The supply had dipped.
-    BrownOut,
-    /// The stored configuration was damaged.
-    StoreDamaged,
-}
-
-impl Fault {
-    /// Every fault, in the order of the bits.
-    pub const ALL: [Self; 9] = [
-        Self::HostLost,
-        Self::EmergencyStop,
-        Self::Underrun,
-        Self::Overheat,
-        Self::DriveTime,
-        Self::Watchdog,
-        Self::Crash,
-        Self::BrownOut,
-        Self::StoreDamaged,
-    ];
-
-    /// What happened, as a user reads it.
-    #[must_use]
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::HostLost => "the host fell silent while driving",
-            Self::EmergencyStop => "emergency stop",
-            Self::Underrun => "the DAC ran out of samples",
-            Self::Overheat => "the actuator is too hot",
-            Self::DriveTime => "10 minutes without a command",
-            Self::Watchdog => "the watchdog reset the device",
-            Self::Crash => "the firmware crashed",
-            Self::BrownOut => "the supply voltage dipped",
-            Self::StoreDamaged => "the stored configuration was damaged",
-        }
-    }
-}
-
-/// A set of latched faults; bit `n` is the fault numbered `n`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Faults(pub u32);
-
-impl Faults {
-    /// No fault.
-    pub const NONE: Self = Self(0);
-
-    /// This set and one more.
-    #[must_use]
-    pub const fn with(self, fault: Fault) -> Self {
-        Self(self.0 | 1 << fault as u8)
-    }
-
-    /// This set without one.
-    #[must_use]
-    pub const fn without(self, fault: Fault) -> Self {
-        Self(self.0 & !(1 << fault as u8))
-    }
-
-    /// Whether a fault is in the set.
-    #[must_use]
-    pub const fn contains(self, fault: Fault) -> bool {
-        self.0 & (1 << fault as u8) != 0
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// The faults in the set, in the order of their bits.
-    pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL.into_iter().filter(move |&fault| self.contains(fault))
-    }
-}
-
-impl core::fmt::Display for Faults {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        if self.is_empty() {
-            return f.write_str("none");
-        }
-        for (i, fault) in self.iter().enumerate() {
-            if i > 0 {
-                f.write_str(", ")?;
-            }
-            f.write_str(fault.text())?;
-        }
-        Ok(())
-    }
-}
-
 /// Counters since reset; they stop at their largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
@@ -276,9 +169,16 @@ pub struct Status {
     pub sum_per_mille: u16,
     /// The computed temperature rise, per mille of its limit.
     pub heat_per_mille: u16,
-    /// What the thermal fold-back leaves of the amplitude, per mille; 1000 when cool. It changes at multiples of 320 ms
-    /// (in whole blocks) only, so this is the limit since the last of them before `now`.
+    /// What the thermal fold-back leaves of every amplitude in the present fold-back period, per mille; 1000 when cool.
+    /// It changes only where a period begins (see [`FOLDBACK_PERIOD_MS`](crate::limits::FOLDBACK_PERIOD_MS)): this is
+    /// the period of the last sample before `now`.
     pub foldback_per_mille: u16,
+    /// The same in the periods before it, the latest first. A host that missed some answers reads here what the
+    /// fold-back did meanwhile. Periods before the reset show the first value after it.
+    pub foldback_before_per_mille: [u16; FOLDBACK_PERIODS],
+    /// How often the fold-back has changed since the reset; wraps. A host that missed more periods than are listed
+    /// learns here whether it missed a change.
+    pub foldback_changes: u32,
     /// The active table's CRC; 0 when there is none.
     pub table_crc: u32,
     /// Since reset.
@@ -303,16 +203,4 @@ pub struct Digest {
     pub count: u32,
     /// CRC-32 of the codes, each as two bytes, little-endian; `None` while the window is not over.
     pub crc: Option<u32>,
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-    use super::*;
-
-    #[test]
-    fn the_drive_time_is_told_as_long_as_it_is() {
-        let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
-        assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
-    }
 }

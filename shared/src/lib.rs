@@ -23,6 +23,7 @@
 
 pub mod command;
 pub mod event;
+pub mod fault;
 pub mod frame;
 pub mod limits;
 mod message;

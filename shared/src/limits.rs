@@ -59,6 +59,17 @@ pub const MAX_DRIVE_MS: u32 = 10 * 60 * 1000;
 /// The longest window of DAC codes one digest may cover.
 pub const MAX_DIGEST_SAMPLES: u32 = 1 << 20;
 
+/// The thermal fold-back changes at multiples of this time only, rounded down to whole blocks (at least one): a
+/// twenty-fifth of the time constant of the coil's winding.
+pub const FOLDBACK_PERIOD_MS: u32 = 320;
+/// Earlier fold-back periods that a status tells besides the present one. Together they cover the longest gap between
+/// two statuses that a connection survives: a host gives up after a second without an answer.
+pub const FOLDBACK_PERIODS: usize = 3;
+const _: () = assert!(
+    (FOLDBACK_PERIODS as u32 + 1) * FOLDBACK_PERIOD_MS >= REPLY_TIMEOUT_MS * (MAX_RETRIES + 2),
+    "a host that is still connected can replay every period"
+);
+
 /// Host side: a reply is awaited so long before the command is sent again.
 pub const REPLY_TIMEOUT_MS: u32 = 200;
 /// Host side: a command is sent again so often before the link counts as lost.

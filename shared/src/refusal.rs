@@ -1,6 +1,6 @@
 //! Why a device did not do what it was told, and what the other side can do about it.
 
-use crate::event::Faults;
+use crate::fault::Faults;
 use serde::{Deserialize, Serialize};
 
 /// A field of a command that has a range.

@@ -3,7 +3,8 @@ import struct
 import zlib
 from pathlib import Path
 
-SCHEMA = zlib.crc32((Path(__file__).parents[2] / "shared/wire/v1.snap").read_bytes())
+GOLDEN = (Path(__file__).parents[2] / "shared/wire/v1.snap").read_text().splitlines()
+SCHEMA = zlib.crc32(b"".join(bytes.fromhex(line.split()[1]) for line in GOLDEN if not line.startswith("#")))
 TO_DEVICE, TO_HOST = 0xA5, 0x5A
 HELLO, KEEP_ALIVE, STATUS, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
     0x01, 0x02, 0x03, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
@@ -111,7 +112,10 @@ def status(body):
     bits = r.number()
     result["faults"] = {name for bit, name in enumerate(FAULTS) if bits >> bit & 1}
     result["first_fault"] = r.option(lambda: FAULTS[r.number()])
-    for name in ("first_fault_at", "now", "sum", "heat", "foldback", "table_crc"):
+    for name in ("first_fault_at", "now", "sum", "heat", "foldback"):
+        result[name] = r.number()
+    result["foldback_before"] = [r.number() for _ in range(3)]
+    for name in ("foldback_changes", "table_crc"):
         result[name] = r.number()
     for name in ("frames", "crc_errors", "overlong", "duplicates", "dropped", "underruns", "clips", "max_cycles"):
         result[name] = r.number()

@@ -37,6 +37,7 @@ pub mod controller;
 pub mod crash;
 pub mod digest;
 pub mod faults;
+pub mod foldback;
 pub mod headroom;
 pub mod level;
 pub mod link;

@@ -255,8 +255,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Sets what the thermal fold-back leaves of every amplitude, per mille. The first one is in force at once, later
-    /// ones from the next multiple of [`LIMIT_PERIOD_MS`](crate::timing::LIMIT_PERIOD_MS) on, and the renderer goes there
-    /// slowly.
+    /// ones where the next fold-back period begins, and the renderer goes there slowly.
     pub fn set_limit(&self, per_mille: u16) {
         self.shared.lock(|shared| shared.limit_per_mille.set(Some(per_mille)));
     }

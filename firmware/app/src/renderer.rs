@@ -20,6 +20,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
+use crate::foldback::Foldback;
 use crate::mailbox::Mailbox;
 use crate::mailbox::{Orders, Report, Stop};
 use crate::motion::Placement;
@@ -201,9 +202,12 @@ impl Renderer {
         if is_due {
             self.limit_due = self.limit_due.saturating_add(self.timing.limit_period);
         }
-        let may_change = is_due || self.report.limit_per_mille.is_none();
+        let may_change = is_due || self.report.foldback.is_none();
         let Some(per_mille) = per_mille.filter(|_| may_change) else { return };
-        self.report.limit_per_mille = Some(per_mille);
+        self.report.foldback = Some(match self.report.foldback {
+            Some(foldback) => foldback.next_period(per_mille),
+            None => Foldback::first(per_mille),
+        });
         // Both factors are small: the product fits.
         self.limit_goal = (u64::from(Gain::FULL.0).saturating_mul(per_mille.min(1000).into()) / 1000) as u32;
         if is_silent {

@@ -17,10 +17,6 @@ pub const SETTLE_BLOCKS: u64 = 4;
 /// Blocks between two ticks of the link's half: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.
 pub const TICK_BLOCKS: u64 = 8;
 
-/// The thermal limit changes at multiples of so much time only, rounded down to blocks: a twenty-fifth of the winding's
-/// time constant. A host that hears a status in every such period knows the limit of every sample.
-pub const LIMIT_PERIOD_MS: u32 = 320;
-
 /// Times in samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
@@ -48,7 +44,7 @@ pub struct Timing {
     pub bootloader_token: u64,
     /// [`limits::MAX_DRIVE_MS`].
     pub max_drive: u64,
-    /// [`LIMIT_PERIOD_MS`] in whole blocks, at least one.
+    /// [`limits::FOLDBACK_PERIOD_MS`] in whole blocks, at least one.
     pub limit_period: u64,
     /// A table swap's glide while tones sound: four times the shortest.
     pub table_glide: u32,
@@ -72,7 +68,7 @@ impl Timing {
             bootloader_token: samples(sample_rate_hz, limits::BOOTLOADER_TOKEN_MS),
             max_drive: samples(sample_rate_hz, limits::MAX_DRIVE_MS),
             limit_period: {
-                let blocks = samples(sample_rate_hz, LIMIT_PERIOD_MS) / BLOCK_SAMPLES;
+                let blocks = samples(sample_rate_hz, limits::FOLDBACK_PERIOD_MS) / BLOCK_SAMPLES;
                 if blocks == 0 { BLOCK_SAMPLES } else { blocks.saturating_mul(BLOCK_SAMPLES) }
             },
             table_glide: short(sample_rate_hz, 4 * limits::MIN_GLIDE_MS),

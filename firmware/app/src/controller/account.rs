@@ -8,6 +8,7 @@ use slipline_protocol::version::Version;
 
 use super::Controller;
 use crate::bank::{BLOCK, TONES};
+use crate::foldback::Foldback;
 use crate::headroom::per_mille;
 use crate::mailbox::Mailbox;
 use crate::mailbox::View;
@@ -45,6 +46,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     pub fn status<M: RawMutex>(&self, mailbox: &Mailbox<M>, counters: Counters) -> Status {
         let view = mailbox.view();
         let first = view.faults.first();
+        // What sounds by; before the first block, what it will sound by.
+        let foldback = view.report.foldback.unwrap_or(Foldback::first(self.thermal.limit_per_mille()));
         Status {
             state: self.state(&view),
             faults: view.faults.set(),
@@ -53,8 +56,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             now: view.next,
             sum_per_mille: per_mille(view.report.sum),
             heat_per_mille: self.thermal.per_mille(),
-            // What sounds by; before the first block, what it will sound by.
-            foldback_per_mille: view.report.limit_per_mille.unwrap_or(self.thermal.limit_per_mille()),
+            foldback_per_mille: foldback.per_mille,
+            foldback_before_per_mille: foldback.before_per_mille,
+            foldback_changes: foldback.changes,
             table_crc: self.table.map_or(0, |table| table.crc),
             counters: Counters {
                 underruns: view.report.underruns,

@@ -1,5 +1,7 @@
 //! Interrupt side to thread side: what the renderer writes at the end of a block.
 
+use crate::foldback::Foldback;
+
 /// What the renderer says at the end of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
@@ -17,8 +19,9 @@ pub struct Report {
     pub underruns: u32,
     /// The most cycles a block took.
     pub max_cycles: u32,
-    /// The thermal limit in force since [`limit_since`](crate::Timing::limit_since) this block's end.
-    pub limit_per_mille: Option<u16>,
+    /// The thermal fold-back; the present period began at [`limit_since`](crate::Timing::limit_since) this block's end.
+    /// `None` before the first block that heard of the coil.
+    pub foldback: Option<Foldback>,
 }
 
 impl Report {
@@ -31,6 +34,6 @@ impl Report {
         clips: 0,
         underruns: 0,
         max_cycles: 0,
-        limit_per_mille: None,
+        foldback: None,
     };
 }

@@ -1,0 +1,123 @@
+//! Latched faults: what went wrong, and the set of all that has.
+
+use serde::{Deserialize, Serialize};
+
+/// One kind of fault: its bit is its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Fault {
+    /// The host fell silent while driving.
+    HostLost,
+    /// The emergency stop was used.
+    EmergencyStop,
+    /// The DAC ran out of samples.
+    Underrun,
+    /// The coil's computed temperature reached its limit.
+    Overheat,
+    /// Driven for the longest allowed time with no command from the user.
+    DriveTime,
+    /// The watchdog reset the device.
+    Watchdog,
+    /// The program had panicked or faulted.
+    Crash,
+    /// The supply had dipped.
+    BrownOut,
+    /// The stored configuration was damaged.
+    StoreDamaged,
+}
+
+impl Fault {
+    /// Every fault, in the order of the bits.
+    pub const ALL: [Self; 9] = [
+        Self::HostLost,
+        Self::EmergencyStop,
+        Self::Underrun,
+        Self::Overheat,
+        Self::DriveTime,
+        Self::Watchdog,
+        Self::Crash,
+        Self::BrownOut,
+        Self::StoreDamaged,
+    ];
+
+    /// What happened, as a user reads it.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::HostLost => "the host fell silent while driving",
+            Self::EmergencyStop => "emergency stop",
+            Self::Underrun => "the DAC ran out of samples",
+            Self::Overheat => "the actuator is too hot",
+            Self::DriveTime => "10 minutes without a command",
+            Self::Watchdog => "the watchdog reset the device",
+            Self::Crash => "the firmware crashed",
+            Self::BrownOut => "the supply voltage dipped",
+            Self::StoreDamaged => "the stored configuration was damaged",
+        }
+    }
+}
+
+/// A set of latched faults; bit `n` is the fault numbered `n`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Faults(pub u32);
+
+impl Faults {
+    /// No fault.
+    pub const NONE: Self = Self(0);
+
+    /// This set and one more.
+    #[must_use]
+    pub const fn with(self, fault: Fault) -> Self {
+        Self(self.0 | 1 << fault as u8)
+    }
+
+    /// This set without one.
+    #[must_use]
+    pub const fn without(self, fault: Fault) -> Self {
+        Self(self.0 & !(1 << fault as u8))
+    }
+
+    /// Whether a fault is in the set.
+    #[must_use]
+    pub const fn contains(self, fault: Fault) -> bool {
+        self.0 & (1 << fault as u8) != 0
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The faults in the set, in the order of their bits.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.into_iter().filter(move |&fault| self.contains(fault))
+    }
+}
+
+impl core::fmt::Display for Faults {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.is_empty() {
+            return f.write_str("none");
+        }
+        for (i, fault) in self.iter().enumerate() {
+            if i > 0 {
+                f.write_str(", ")?;
+            }
+            f.write_str(fault.text())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn the_drive_time_is_told_as_long_as_it_is() {
+        let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
+        assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
+    }
+}
