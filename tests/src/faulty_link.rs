@@ -28,9 +28,9 @@ const REORDER_WINDOW: u32 = 8;
 
 /// xorshift64*: small, seeded, and good enough to decide on faults.
 #[derive(Clone, Debug)]
-pub struct Chance(u64);
+pub struct Random(u64);
 
-impl Chance {
+impl Random {
     /// From a seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
@@ -66,7 +66,7 @@ impl Chance {
 #[derive(Clone, Debug)]
 pub struct FaultyLink {
     faults: Faults,
-    chance: Chance,
+    random: Random,
     /// Bytes on the way, each lot with the number of calls it still waits.
     held: Vec<(u32, Vec<u8>)>,
     echoed: Vec<u8>,
@@ -76,7 +76,7 @@ impl FaultyLink {
     /// A link with these faults.
     #[must_use]
     pub const fn new(seed: u64, faults: Faults) -> Self {
-        Self { faults, chance: Chance::new(seed), held: Vec::new(), echoed: Vec::new() }
+        Self { faults, random: Random::new(seed), held: Vec::new(), echoed: Vec::new() }
     }
 
     /// Puts a frame in (or nothing) and takes out what arrives at the other end now.
@@ -92,38 +92,38 @@ impl FaultyLink {
             }
         }
         self.held = still_held;
-        if frame.is_empty() || self.chance.happens(drop) {
+        if frame.is_empty() || self.random.happens(drop) {
             return arrived;
         }
-        if self.chance.happens(echo) {
+        if self.random.happens(echo) {
             self.echoed.extend_from_slice(frame);
         }
         let mut bytes = frame.to_vec();
-        if self.chance.happens(truncate) {
-            bytes.truncate(self.chance.below(bytes.len() as u64) as usize);
+        if self.random.happens(truncate) {
+            bytes.truncate(self.random.below(bytes.len() as u64) as usize);
         }
         if flip > 0.0 {
             for byte in &mut bytes {
                 for bit in 0..8 {
-                    if self.chance.happens(flip) {
+                    if self.random.happens(flip) {
                         *byte ^= 1 << bit;
                     }
                 }
             }
         }
-        if self.chance.happens(insert) {
-            let noise: Vec<u8> = (0..1 + self.chance.below(20)).map(|_| self.chance.bits() as u8).collect();
+        if self.random.happens(insert) {
+            let noise: Vec<u8> = (0..1 + self.random.below(20)).map(|_| self.random.bits() as u8).collect();
             bytes.splice(0..0, noise);
         }
-        let times = if self.chance.happens(duplicate) { 2 } else { 1 };
+        let times = if self.random.happens(duplicate) { 2 } else { 1 };
         for _ in 0..times {
-            if self.chance.happens(reorder) {
-                let wait = self.chance.below(u64::from(REORDER_WINDOW)) as u32;
+            if self.random.happens(reorder) {
+                let wait = self.random.below(u64::from(REORDER_WINDOW)) as u32;
                 self.held.push((wait, bytes.clone()));
-            } else if self.chance.happens(delay) {
+            } else if self.random.happens(delay) {
                 self.held.push((0, bytes.clone()));
-            } else if self.chance.happens(split) {
-                let at = self.chance.below(bytes.len() as u64 + 1) as usize;
+            } else if self.random.happens(split) {
+                let at = self.random.below(bytes.len() as u64 + 1) as usize;
                 arrived.extend_from_slice(&bytes[..at]);
                 self.held.push((0, bytes[at..].to_vec()));
             } else {

@@ -1,10 +1,10 @@
-//! What the fuzzer hammers on, and what must hold whatever it finds.
+//! The fuzz targets and the properties that must hold for every input.
 //!
-//! Each function is one target: bytes in, a panic if a promise is broken. The fuzzer's binaries under `fuzz/` call
-//! them; the corpora under `corpus/` are replayed by a plain `cargo test` (tests/fuzz_corpora.rs).
+//! Each function is one target: it takes bytes and panics if a property does not hold. The fuzzer's binaries under
+//! `fuzz/` call them; a plain `cargo test` replays the inputs under `corpus/` (tests/fuzz_corpora.rs).
 
+use crate::client::Client;
 use crate::rig::{BLOCK, MID, Rig, Table, drive};
-use crate::talk::Talk;
 use slipline_plate::Plate;
 use slipline_protocol::command::{Hello, KeepAlive};
 use slipline_protocol::event::State;
@@ -33,13 +33,13 @@ pub fn rx_bytes(data: &[u8]) {
     assert!(rig.recording.codes.iter().all(|&code| code == MID), "noise kept the drive alive");
     rig.device.feed(&[0]);
     let status = rig.status();
-    // The last status is a frame itself. A lucky whole frame may have said anything else.
+    // The last status is a frame itself. If random bytes happened to make a whole frame, the state may be any.
     if status.counters.frames == frames + 1 {
         assert_eq!(status.state, State::Fault);
     }
 }
 
-/// One message: its id, then its body. What can be read is written again as it was.
+/// One message: its id, then its body. A message that can be decoded is encoded to the same message.
 ///
 /// # Panics
 /// If that does not hold.
@@ -56,8 +56,8 @@ pub fn decode(data: &[u8]) {
     }
 }
 
-/// A conversation: each step is one byte that says what happens and what that takes. Afterwards the host is silent,
-/// and the device must be too.
+/// A session: each step is one byte that chooses the action, then the action's arguments. Afterwards the host sends
+/// nothing, and the device must be silent.
 ///
 /// # Panics
 /// If a code leaves the DAC's range, if the device does not answer a status, or if it is not silent at the end.
@@ -115,7 +115,7 @@ pub fn session(data: &[u8]) {
             }
         };
         if matches!(command, Command::Hello(_)) {
-            // As every host does: end whatever half a frame lies on the line.
+            // As every host does: a delimiter first, in case half a frame is in the device's buffer.
             rig.device.feed(&[0]);
             rig.hello();
             beat = 0;

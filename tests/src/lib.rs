@@ -1,22 +1,26 @@
-//! Slipline's end-to-end tests: rigs and instruments.
+//! Slipline's end-to-end tests: test rigs, fault injection and measurements.
 //!
 //! ```text
-//! Rig   = Client -> [FaultyLink] -> SimulatedDevice -> captured codes -> measurements
+//! rig::Rig            test client -> [FaultyLink] -> simulated device -> recorded DAC codes -> measurements
+//! link_rig::LinkRig   the host's link -> FaultyPorts -> simulated device
+//! qemu::Emulator      test client -> serial port -> firmware image in QEMU -> DAC codes on a second serial port
+//! CommandProxy        host program -> Unix socket -> changed commands -> any device
 //! ```
-//! A rig is the production code with other edges; hardware, time and chance are arguments. Each file under `tests/`
-//! holds the tests of one subject; where a test answers a row of the reliability table it names it (R-..).
+//! A rig runs the production code; only its inputs and outputs differ. Hardware, time and random numbers are arguments,
+//! so a run can be repeated exactly. Each file under `tests/` holds the tests of one subject. A test that covers a row
+//! of the reliability table names the row (R-..).
 
-pub mod bench;
-pub mod built;
+pub mod client;
+#[cfg(unix)]
+pub mod command_proxy;
 pub mod commands;
 pub mod faulty_link;
+pub mod faulty_ports;
 pub mod fuzz;
+pub mod link_rig;
 pub mod measure;
+pub mod programs;
 pub mod qemu;
-#[cfg(unix)]
-pub mod relay;
+pub mod random_actions;
 pub mod rig;
 pub mod soak;
-pub mod storm;
-pub mod talk;
-pub mod world;

@@ -3,8 +3,8 @@
 //! ```text
 //! Host --Unix socket--> QEMU [ UART0 -> application -> DAC -> UART1 ] --Unix socket--> Emulator::show
 //! ```
-//! Time passes by itself here, as on a board: on an idle computer about as fast as the clock on the wall, else slower,
-//! never faster. What is compared is therefore always named by sample index.
+//! Time is real here, as on a board: on an idle computer about as fast as the wall clock, otherwise slower, never
+//! faster. Comparisons are therefore made by sample index, not by time.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -22,12 +22,12 @@ use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
 
-use crate::built::image;
+use crate::client::Client;
+use crate::programs::image;
 use crate::rig::Table;
-use crate::talk::Talk;
 
-/// However slow the machine: an answer that takes longer is none.
-const PATIENCE: Duration = Duration::from_secs(30);
+/// An answer that takes longer counts as missing, however slow the machine.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// How the emulated UART0 is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub enum Line {
     Terminal,
 }
 
-/// A running emulator; it ends with this value.
+/// A running emulator; dropping it ends it.
 pub struct Emulator {
     process: Child,
     link: PathBuf,
@@ -165,11 +165,11 @@ fn terminal_of(process: &mut Child) -> PathBuf {
 
 /// Connects as soon as the emulator listens.
 fn connect(path: &Path) -> UnixStream {
-    let deadline = Instant::now() + PATIENCE;
+    let deadline = Instant::now() + REPLY_TIMEOUT;
     loop {
         match UnixStream::connect(path) {
             Ok(stream) => {
-                stream.set_read_timeout(Some(PATIENCE)).expect("a time-out can be set");
+                stream.set_read_timeout(Some(REPLY_TIMEOUT)).expect("a time-out can be set");
                 return stream;
             }
             Err(error) => assert!(Instant::now() < deadline, "the emulator does not listen: {error}"),
@@ -264,7 +264,7 @@ impl Host {
     }
 
     fn pass<T>(&mut self, mut step: impl FnMut(&mut Self) -> Option<T>) -> T {
-        let deadline = Instant::now() + PATIENCE;
+        let deadline = Instant::now() + REPLY_TIMEOUT;
         loop {
             if let Some(found) = step(self) {
                 return found;
@@ -303,7 +303,7 @@ impl Host {
     }
 }
 
-impl Talk for Host {
+impl Client for Host {
     fn send(&mut self, command: &Command) -> Event {
         if command.is_sequenced() {
             self.sequence = self.sequence.wrapping_add(1);

@@ -1,4 +1,4 @@
-//! A simulated device with a small synchronous host beside it, in virtual time.
+//! A test rig: a simulated device with a small synchronous client, in virtual time.
 
 use slipline::link::simulated::{Options, SentBlock, SimulatedDevice};
 use slipline_protocol::command::{Apply, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone};
@@ -9,13 +9,13 @@ use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position, Sampl
 use slipline_protocol::version::Version;
 use slipline_protocol::{Decoder, Direction, Header};
 
-use crate::talk::Talk;
+use crate::client::Client;
 
 /// Samples in a block.
 pub const BLOCK: u64 = 128;
 /// Mid-scale.
 pub const MID: u16 = 2048;
-/// The rate all rigs run at unless said, in Hz.
+/// The default sample rate of a rig, in Hz.
 pub const RATE_HZ: u32 = 400_000;
 
 /// A reply as it came.
@@ -123,7 +123,7 @@ pub fn tone(slot: u8, position: f64, level: f64) -> Tone {
     }
 }
 
-/// What has left for the DAC.
+/// The codes that were sent to the DAC.
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     /// The index of the first code.
@@ -160,11 +160,11 @@ impl Recording {
     }
 }
 
-/// The device and the host's side of the conversation.
+/// A simulated device and the client that talks to it.
 pub struct Rig {
     /// The device.
     pub device: SimulatedDevice,
-    /// What has left for the DAC since the recording was last begun.
+    /// What was sent to the DAC since the recording was last begun.
     pub recording: Recording,
     session: u32,
     sequence: u16,
@@ -327,7 +327,7 @@ impl Rig {
         u64::from(milliseconds) * u64::from(self.device.sample_rate_hz()) / 1000
     }
 
-    /// Lets blocks pass without a word from the host, and records them.
+    /// Lets blocks pass while the client sends nothing, and records them.
     pub fn silent_blocks(&mut self, blocks: u64) {
         let recording = &mut self.recording;
         self.device.advance(blocks, |SentBlock { codes, muted, .. }| {
@@ -336,12 +336,12 @@ impl Rig {
         });
     }
 
-    /// Lets time pass without a word from the host.
+    /// Lets time pass while the client sends nothing.
     pub fn silent_ms(&mut self, milliseconds: u32) {
         self.silent_blocks(self.samples(milliseconds).div_ceil(BLOCK));
     }
 
-    /// Lets blocks pass while the host keeps alive.
+    /// Lets blocks pass while the client sends its keep-alives.
     pub fn live_blocks(&mut self, mut blocks: u64) {
         while blocks > 0 {
             if self.session != 0 && self.device.now() >= self.beat_due {
@@ -353,7 +353,7 @@ impl Rig {
         }
     }
 
-    /// Lets time pass while the host keeps alive.
+    /// Lets time pass while the client sends its keep-alives.
     pub fn live_ms(&mut self, milliseconds: u32) {
         self.live_blocks(self.samples(milliseconds).div_ceil(BLOCK));
     }
@@ -364,7 +364,7 @@ impl Rig {
     }
 }
 
-impl Talk for Rig {
+impl Client for Rig {
     fn send(&mut self, command: &Command) -> Event {
         let bytes = self.frame(command);
         self.exchange(&bytes).unwrap_or_else(|| panic!("{command:?} is answered")).event

@@ -1,10 +1,10 @@
-//! A long day with a user who never tires: R-57.
+//! A soak test: a simulated day of random use, R-57.
 //!
 //! ```text
-//! seed -> acts (drives, stops, tables, rests, sessions) -> Rig -> every code compared with the mirror's
-//!                                                           +--> every status: no fault, counters that add up
+//! seed -> actions (drives, stops, tables, pauses, sessions) -> Rig -> every code compared with the mirror's
+//!                                                              +--> every status: no fault, counters that add up
 //! ```
-//! Time is virtual, so a day takes what its blocks take to compute. The same seed is the same day.
+//! Time is virtual, so a day takes as long as its blocks take to compute. The same seed makes the same day.
 
 use std::sync::Arc;
 
@@ -17,22 +17,23 @@ use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::units::SampleIndex;
 
+use crate::client::Client;
 use crate::rig::{BLOCK, Rig, Table, drive};
-use crate::talk::Talk;
 
-/// Beats come at most so late: the dead-man needs longer by a twentieth, and by the blocks that are rendered ahead.
+/// The longest time between two keep-alives: below the dead-man's time by a tenth, which covers the blocks that are
+/// rendered ahead.
 const LATEST_BEAT_MS: u32 = DEAD_MAN_MS * 9 / 10;
-/// The longest the user does nothing while something sounds.
-const LONGEST_REST_MS: u32 = MAX_DRIVE_MS / 4;
+/// The longest pause of the user while something sounds.
+const LONGEST_PAUSE_MS: u32 = MAX_DRIVE_MS / 4;
 
-/// What a day came to.
+/// The counts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Samples that passed.
     pub samples: u64,
     /// Frames the host has sent.
     pub frames: u32,
-    /// Drives that were taken.
+    /// Drives that the device accepted.
     pub drives: u32,
     /// Tables that were swapped in.
     pub tables: u32,
@@ -44,17 +45,17 @@ pub struct Tally {
     pub hottest_per_mille: u16,
 }
 
-/// A device, its mirror, and the user.
+/// A device, its mirror, and a user that acts at random.
 pub struct Soak {
     rig: Rig,
     mirror: Mirror,
     tables: [Table; 3],
-    dice: Dice,
+    random: Xorshift,
     beat_due: SampleIndex,
     tally: Tally,
 }
 
-impl Talk for Soak {
+impl Client for Soak {
     fn send(&mut self, command: &Command) -> Event {
         self.tally.frames += 1;
         self.rig.send(command)
@@ -74,7 +75,7 @@ impl Soak {
             rig: Rig::new(Options { sample_rate_hz, ..Options::default() }),
             mirror: Mirror::new(sample_rate_hz, 0),
             tables: tables.map(|table| table.at_rate(sample_rate_hz)),
-            dice: Dice(seed | 1),
+            random: Xorshift(seed | 1),
             beat_due: 0,
             tally: Tally::default(),
         };
@@ -96,26 +97,26 @@ impl Soak {
         while self.rig.device.now() < end {
             let left_ms = ((end - self.rig.device.now()) * 1000 / rate) as u32;
             self.act();
-            // Mostly a drag, now and then a while, rarely a long one.
-            let rest_ms = match self.dice.below(16) {
-                0 => self.dice.below(LONGEST_REST_MS),
-                1..4 => self.dice.below(10_000),
-                _ => self.dice.below(400),
+            // Mostly as short as in a drag, sometimes seconds, rarely minutes.
+            let pause_ms = match self.random.below(16) {
+                0 => self.random.below(LONGEST_PAUSE_MS),
+                1..4 => self.random.below(10_000),
+                _ => self.random.below(400),
             };
-            self.pass_ms(rest_ms.min(left_ms).max(20));
+            self.pass_ms(pause_ms.min(left_ms).max(20));
         }
         self.tally.samples = self.rig.device.now();
         self.tally
     }
 
     fn act(&mut self) {
-        match self.dice.below(32) {
+        match self.random.below(32) {
             0 => {
-                // The evening: silent for hours, as seen from a day.
+                // A long pause: disarmed and silent, then a new session.
                 self.stop(&Command::Disarm);
                 self.pass_ms(200);
-                for _ in 0..self.dice.below(8) {
-                    self.pass_ms(LONGEST_REST_MS);
+                for _ in 0..self.random.below(8) {
+                    self.pass_ms(LONGEST_PAUSE_MS);
                 }
                 self.begin_session();
                 self.pass_ms(20);
@@ -131,7 +132,7 @@ impl Soak {
             }
             2..4 => self.stop(&Command::Stop),
             4 => {
-                let number = self.dice.below(3) as usize;
+                let number = self.random.below(3) as usize;
                 self.change_table(number);
             }
             _ => self.drive(),
@@ -174,15 +175,15 @@ impl Soak {
     }
 
     fn drive(&mut self) {
-        let count = 1 + self.dice.below(16);
-        let tones: Vec<(u8, f64, f64)> = if self.dice.below(4) == 0 {
+        let count = 1 + self.random.below(16);
+        let tones: Vec<(u8, f64, f64)> = if self.random.below(4) == 0 {
             // One tone where the table's gain is full, as loud as it goes: the coil gets warm.
-            vec![(0, if self.dice.below(2) == 0 { 0.0 } else { 1.0 }, 1.0)]
+            vec![(0, if self.random.below(2) == 0 { 0.0 } else { 1.0 }, 1.0)]
         } else {
             let level = |share: f64| 0.9 * share / f64::from(count);
-            (0..count).map(|slot| (slot as u8, self.dice.share(), level(self.dice.share()))).collect()
+            (0..count).map(|slot| (slot as u8, self.random.share(), level(self.random.share()))).collect()
         };
-        let glide = 20 + self.dice.below(480);
+        let glide = 20 + self.random.below(480);
         let drive = drive(&tones, self.rig.samples(glide) as u32);
         match self.send(&Command::Drive(drive.clone())) {
             Event::Accepted(accepted) => {
@@ -198,28 +199,28 @@ impl Soak {
     fn beat(&mut self) {
         self.tally.frames += 1;
         self.rig.keep_alive();
-        let next_ms = 50 + self.dice.below(LATEST_BEAT_MS - 50);
+        let next_ms = 50 + self.random.below(LATEST_BEAT_MS - 50);
         self.beat_due = self.rig.device.now() + self.rig.samples(next_ms);
     }
 
-    /// Lets time pass as the host lives through it, and looks at everything that was sent meanwhile.
+    /// Lets time pass with keep-alives, and compares everything that was sent meanwhile.
     fn pass_ms(&mut self, milliseconds: u32) {
         let end = self.rig.device.now() + self.rig.samples(milliseconds);
         let period = Timing::at(self.rig.device.sample_rate_hz()).limit_period;
         while self.rig.device.now() < end {
             let now = self.rig.device.now();
-            // Never past a beat, nor past a step of the thermal limit without having heard of it.
+            // Not past the next keep-alive, and not past a step of the thermal limit before a status has reported it.
             let until = end.min(self.beat_due.max(now + BLOCK)).min(now + (period / 2).max(BLOCK));
             self.rig.silent_blocks((until - now).div_ceil(BLOCK));
             if self.rig.device.now() >= self.beat_due {
                 self.beat();
             }
             let status = self.status();
-            self.look(&status);
+            self.compare(&status);
         }
     }
 
-    fn look(&mut self, status: &Status) {
+    fn compare(&mut self, status: &Status) {
         self.mirror
             .acknowledge_limit(
                 status.foldback_per_mille,
@@ -237,7 +238,7 @@ impl Soak {
         assert_eq!((status.faults, status.first_fault), (Faults::NONE, None), "at {}", status.now);
         assert!(matches!(status.state, State::Idle | State::Armed | State::Driving | State::Stopping));
         let counters = status.counters;
-        assert_eq!(counters.frames, self.tally.frames, "every frame was heard once");
+        assert_eq!(counters.frames, self.tally.frames, "every frame was received once");
         let losses = [counters.crc_errors, counters.overlong, counters.duplicates, counters.dropped];
         assert_eq!((losses, counters.underruns, counters.clips), ([0; 4], 0, 0));
         assert!(!self.rig.device.is_watchdog_starved() && self.rig.replies.is_empty());
@@ -245,11 +246,11 @@ impl Soak {
     }
 }
 
-/// The user's whims: xorshift64.
-struct Dice(u64);
+/// Decides what the user does: xorshift64.
+struct Xorshift(u64);
 
-impl Dice {
-    fn roll(&mut self) -> u64 {
+impl Xorshift {
+    fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -257,7 +258,7 @@ impl Dice {
     }
 
     fn below(&mut self, limit: u32) -> u32 {
-        (((self.roll() >> 32) * u64::from(limit)) >> 32) as u32
+        (((self.bits() >> 32) * u64::from(limit)) >> 32) as u32
     }
 
     fn share(&mut self) -> f64 {
@@ -265,7 +266,7 @@ impl Dice {
     }
 }
 
-/// Memory this process has in use, in bytes; `None` where the system does not tell.
+/// This process's resident memory in bytes; `None` where the system does not tell.
 #[must_use]
 pub fn resident_bytes() -> Option<u64> {
     let statm = std::fs::read_to_string("/proc/self/statm").ok()?;

@@ -4,9 +4,9 @@ use slipline_protocol::event::{Event, State};
 use slipline_protocol::limits::BOOTLOADER_TOKEN_MS;
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
 use slipline_tests::rig::{Rig, drive};
-use slipline_tests::talk::Talk;
 
 fn token(rig: &mut Rig) -> u32 {
     match rig.send(&Command::BootloaderToken) {

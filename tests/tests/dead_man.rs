@@ -1,4 +1,4 @@
-//! The host dies and the actuator must not go on.
+//! The dead-man: when the host is gone the drive ends.
 
 use proptest::prelude::*;
 use slipline::link::simulated::Options;
@@ -6,9 +6,9 @@ use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS};
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::measure::{envelope, largest_step};
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 /// Sounds one tone of 20 kHz at full scale.
 fn driving() -> Rig {
@@ -51,7 +51,7 @@ proptest! {
     }
 
     #[test]
-    fn three_lost_beats_in_a_row_and_any_jitter_never_trip_it(
+    fn three_lost_keep_alives_in_a_row_and_any_jitter_never_trip_it(
         beats in prop::collection::vec((0u32..=3, 0u32..100), 1..12),
     ) {
         //
@@ -83,7 +83,7 @@ fn after_the_dead_man_nothing_sounds_until_the_fault_is_cleared_and_the_device_i
 }
 
 #[test]
-fn nothing_but_a_new_beat_feeds_the_dead_man() {
+fn nothing_but_a_new_keep_alive_feeds_the_dead_man() {
     // not drives, not questions, not a beat that was heard before, be it the last.
     let mut rig = driving();
     let beat = rig.beat();
@@ -153,7 +153,7 @@ fn a_host_that_wakes_after_an_hour_connects_cleanly() {
 }
 
 #[test]
-fn no_safety_hangs_on_what_the_port_says_about_a_connection() {
+fn no_safety_depends_on_what_the_port_says_about_a_connection() {
     // the application does not even have the words.
     let sources = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/app/src");
     let mut read = 0;

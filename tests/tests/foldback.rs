@@ -7,8 +7,8 @@ use slipline::mirror::Mirror;
 use slipline_app::Timing;
 use slipline_app::thermal::Heat;
 use slipline_protocol::Command;
+use slipline_tests::client::Client;
 use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 /// Lives for some blocks, tells the mirror what the status says of the limit, and compares all codes since. Returns
 /// the limit, per mille.

@@ -5,9 +5,9 @@ use slipline_protocol::event::{Event, State};
 use slipline_protocol::frame::{Direction, Header, encode};
 use slipline_protocol::limits::MAX_BODY;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
 use slipline_tests::rig::{Rig, drive};
-use slipline_tests::talk::Talk;
 
 /// A device that sounds two tones.
 fn driving() -> Rig {
@@ -174,7 +174,7 @@ fn every_id_that_is_no_command_is_refused_by_name_and_does_nothing() {
 }
 
 #[test]
-fn bytes_without_an_end_are_thrown_away_and_counted_once() {
+fn bytes_without_a_delimiter_are_dropped_and_counted_once() {
     //
     let mut rig = driving();
     for _ in 0..1000 {
@@ -188,7 +188,7 @@ fn bytes_without_an_end_are_thrown_away_and_counted_once() {
 }
 
 #[test]
-fn the_device_is_deaf_to_its_own_echo_to_modem_probes_and_to_typing() {
+fn the_device_ignores_its_own_echo_modem_probes_and_typing() {
     //
     let mut rig = Rig::default();
     let mut bytes = Vec::new();

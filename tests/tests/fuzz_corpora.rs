@@ -16,17 +16,17 @@ fn replay(target: &str, run: fn(&[u8])) {
 }
 
 #[test]
-fn noise_on_the_link_neither_harms_nor_feeds_a_device() {
+fn noise_on_the_link_changes_no_state_and_does_not_feed_the_dead_man() {
     replay("rx_bytes", fuzz::rx_bytes);
 }
 
 #[test]
-fn what_can_be_read_is_written_again_as_it_was() {
+fn a_message_that_can_be_decoded_is_encoded_to_the_same_message() {
     replay("decode", fuzz::decode);
 }
 
 #[test]
-fn whatever_was_said_a_silent_host_leaves_a_silent_device() {
+fn after_any_session_a_silent_host_leaves_a_silent_device() {
     replay("session", fuzz::session);
 }
 

@@ -1,14 +1,14 @@
-//! Hangs, crashes, heat, hours of drive, and the faults that tell of them.
+//! Faults: hangs, crashes, heat, the longest drive time, and how each is reported.
 
 use slipline::link::simulated::{Options, WATCHDOG_MS};
 use slipline_app::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS};
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
 use slipline_tests::measure::mean_square;
 use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 #[test]
 fn the_watchdog_starves_when_the_link_hangs_and_not_before() {

@@ -1,8 +1,8 @@
 //! From the last byte of a command to the first changed sample.
 
 use slipline_protocol::Command;
+use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, Rig, drive};
-use slipline_tests::talk::Talk;
 
 #[test]
 fn a_drive_shows_within_two_blocks_of_its_last_byte_and_exactly_where_the_reply_says() {

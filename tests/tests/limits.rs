@@ -7,9 +7,9 @@ use slipline_protocol::limits::{MAX_APPLY_AHEAD_MS, MAX_DIGEST_SAMPLES};
 use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::measure::peak;
 use slipline_tests::rig::{BLOCK, Rig, Table, drive, tone};
-use slipline_tests::talk::Talk;
 
 #[test]
 fn every_master_level_that_is_out_of_range_is_refused_with_its_range() {
@@ -133,7 +133,7 @@ fn full_scale_is_reached_exactly_and_one_step_more_is_refused() {
 }
 
 #[test]
-fn a_loud_place_between_two_quiet_ones_counts_on_the_way() {
+fn a_position_of_high_gain_between_two_of_low_gain_counts_in_a_glide() {
     // the glide would pass the gain of 1 in the middle.
     let hill = Table::line(33, 3000.0, 9000.0, |u| 1.0 - 1.6 * (u - 0.5).abs());
     let mut rig = Rig::armed_with(&hill);
@@ -144,7 +144,7 @@ fn a_loud_place_between_two_quiet_ones_counts_on_the_way() {
 }
 
 #[test]
-fn what_is_left_of_a_fading_tone_counts_beside_a_loud_place() {
+fn a_fading_tone_counts_while_another_glides_over_a_position_of_high_gain() {
     // the tone that moves passes the gain of 1 while the other has hardly begun to fade.
     let bump = Table::line(11, 3000.0, 9000.0, |u| if (u - 0.1).abs() < 0.01 { 1.0 } else { 0.2 });
     let mut rig = Rig::armed_with(&bump);

@@ -11,91 +11,91 @@ use slipline::link::{
 use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
-use slipline_tests::bench::{Bench, LOST_AFTER_MS, drive};
-use slipline_tests::world::{Ports, board, lock};
+use slipline_tests::faulty_ports::{PortsOpener, board, lock};
+use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 
 #[test]
 fn a_lost_reply_is_asked_for_again_and_the_command_is_done_once() {
     //
-    let mut bench = Bench::armed();
-    let duplicates = bench.view().status.unwrap().counters.duplicates;
-    bench.world().deaf_for = 1;
-    let ticket = bench.ask(drive(0.05));
-    bench.pass_ms(2 * u64::from(REPLY_TIMEOUT_MS));
-    assert!(matches!(bench.outcome(ticket), Some(Outcome::Done { .. })));
-    bench.pass_ms(u64::from(KEEP_ALIVE_PERIOD_MS) + 10);
-    assert_eq!(bench.view().status.unwrap().counters.duplicates, duplicates + 1, "answered from the cache");
-    let drives = bench.view().journal.iter().filter(|entry| matches!(entry.change, Change::Drive(_))).count();
+    let mut rig = LinkRig::armed();
+    let duplicates = rig.view().status.unwrap().counters.duplicates;
+    rig.ports().drop_replies = 1;
+    let ticket = rig.ask(drive(0.05));
+    rig.pass_ms(2 * u64::from(REPLY_TIMEOUT_MS));
+    assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
+    rig.pass_ms(u64::from(KEEP_ALIVE_PERIOD_MS) + 10);
+    assert_eq!(rig.view().status.unwrap().counters.duplicates, duplicates + 1, "answered from the cache");
+    let drives = rig.view().journal.iter().filter(|entry| matches!(entry.change, Change::Drive(_))).count();
     assert_eq!(drives, 1);
 }
 
 #[test]
 fn a_device_that_answers_no_more_is_lost_after_three_repeats_of_the_same_number() {
     //
-    let mut bench = Bench::armed();
-    bench.ask(Request::AutoReconnect(false));
-    bench.world().deaf_for = u32::MAX;
-    bench.world().heard.clear();
-    let ticket = bench.ask(Request::Disarm);
-    bench.pass_ms(LOST_AFTER_MS + 10);
-    assert_eq!(bench.view().link, LinkState::Lost(Trouble::Silent));
-    assert_eq!(bench.outcome(ticket), Some(Outcome::NotConnected));
-    let world = bench.world();
+    let mut rig = LinkRig::armed();
+    rig.ask(Request::AutoReconnect(false));
+    rig.ports().drop_replies = u32::MAX;
+    rig.ports().commands.clear();
+    let ticket = rig.ask(Request::Disarm);
+    rig.pass_ms(LOST_AFTER_MS + 10);
+    assert_eq!(rig.view().link, LinkState::Lost(Trouble::Silent));
+    assert_eq!(rig.outcome(ticket), Some(Outcome::NotConnected));
+    let ports = rig.ports();
     let disarms: Vec<u16> =
-        world.heard.iter().filter(|(_, c)| *c == Command::Disarm).map(|(s, _)| *s).collect();
+        ports.commands.iter().filter(|(_, c)| *c == Command::Disarm).map(|(s, _)| *s).collect();
     assert_eq!(disarms.len() as u32, 1 + MAX_RETRIES);
     assert!(disarms.iter().all(|sequence| *sequence == disarms[0]));
 }
 
 #[test]
 fn at_rest_the_link_wakes_only_for_its_keep_alives() {
-    let bench = Bench::connected();
-    let due = bench.connection.deadline(bench.now).unwrap();
-    assert!(due > bench.now && due <= bench.now + Duration::from_millis(u64::from(KEEP_ALIVE_PERIOD_MS)));
+    let rig = LinkRig::connected();
+    let due = rig.connection.deadline(rig.now).unwrap();
+    assert!(due > rig.now && due <= rig.now + Duration::from_millis(u64::from(KEEP_ALIVE_PERIOD_MS)));
 }
 
 #[test]
 fn the_newest_drive_wins_and_a_stop_overtakes_all_of_them() {
-    let mut bench = Bench::armed();
-    bench.world().heard.clear();
-    let tickets: Vec<Ticket> = [0.01, 0.02, 0.03, 0.04].map(|x_m| bench.only_ask(drive(x_m))).to_vec();
-    let stop = bench.ask(Request::Stop);
-    bench.pass_ms(50);
-    assert!(tickets.iter().all(|ticket| bench.outcome(*ticket) == Some(Outcome::Superseded)));
-    assert!(matches!(bench.outcome(stop), Some(Outcome::Done { .. })));
-    assert!(!bench.world().heard.iter().any(|(_, command)| matches!(command, Command::Drive(_))));
+    let mut rig = LinkRig::armed();
+    rig.ports().commands.clear();
+    let tickets: Vec<Ticket> = [0.01, 0.02, 0.03, 0.04].map(|x_m| rig.only_ask(drive(x_m))).to_vec();
+    let stop = rig.ask(Request::Stop);
+    rig.pass_ms(50);
+    assert!(tickets.iter().all(|ticket| rig.outcome(*ticket) == Some(Outcome::Superseded)));
+    assert!(matches!(rig.outcome(stop), Some(Outcome::Done { .. })));
+    assert!(!rig.ports().commands.iter().any(|(_, command)| matches!(command, Command::Drive(_))));
 }
 
 #[test]
 fn a_disconnect_stops_and_disarms_first() {
-    let mut bench = Bench::armed();
-    bench.ask(drive(0.05));
-    bench.pass_ms(100);
-    bench.ask(Request::Disconnect);
-    bench.pass_ms(100);
-    assert_eq!(bench.view().link, LinkState::Disconnected);
-    let world = bench.world();
-    let last: Vec<&Command> = world.heard.iter().rev().take(2).map(|(_, command)| command).collect();
+    let mut rig = LinkRig::armed();
+    rig.ask(drive(0.05));
+    rig.pass_ms(100);
+    rig.ask(Request::Disconnect);
+    rig.pass_ms(100);
+    assert_eq!(rig.view().link, LinkState::Disconnected);
+    let ports = rig.ports();
+    let last: Vec<&Command> = ports.commands.iter().rev().take(2).map(|(_, command)| command).collect();
     assert_eq!(last, [&Command::Disarm, &Command::Stop]);
-    assert!(world.device.is_muted());
+    assert!(ports.device.is_muted());
 }
 
 #[test]
-fn a_drag_while_a_table_comes_into_force_goes_to_the_places_of_the_table_it_plays() {
-    let mut bench = Bench::armed();
+fn a_drag_during_a_table_swap_uses_the_positions_of_the_table_in_force() {
+    let mut rig = LinkRig::armed();
     let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
     let wide = Arc::new(DeviceTable::from_knots((0.0, 0.2), 400e3, knots, 1e-6).unwrap());
-    let upload = bench.ask(Request::Upload(wide));
+    let upload = rig.ask(Request::Upload(wide));
     for _ in 0..300 {
-        if bench.outcome(upload).is_none() {
-            bench.only_ask(drive(0.05));
+        if rig.outcome(upload).is_none() {
+            rig.only_ask(drive(0.05));
         }
-        bench.pass_ms(1);
+        rig.pass_ms(1);
     }
-    assert!(matches!(bench.outcome(upload), Some(Outcome::Done { .. })));
+    assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
     let mut span_um = 100_000;
     let mut spans = Vec::new();
-    for entry in bench.view().journal.iter() {
+    for entry in rig.view().journal.iter() {
         match &entry.change {
             Change::Table(table) => span_um = table.header().span_end_um,
             Change::Drive(drive) => {
@@ -112,69 +112,69 @@ fn a_drag_while_a_table_comes_into_force_goes_to_the_places_of_the_table_it_play
 }
 
 #[test]
-fn a_disconnect_during_the_farewell_for_another_port_is_the_last_word() {
-    let mut bench = Bench::armed();
-    bench.world().ports.push(board("B"));
-    let connect = bench.only_ask(Request::Connect(Port::Serial("B".to_owned())));
-    let disconnect = bench.ask(Request::Disconnect);
-    bench.pass_ms(1000);
-    assert_eq!(bench.view().link, LinkState::Disconnected);
-    assert_eq!(bench.outcome(connect), Some(Outcome::Superseded));
-    assert!(matches!(bench.outcome(disconnect), Some(Outcome::Done { .. })));
-    assert_eq!(bench.world().opened.len(), 1);
+fn a_disconnect_while_the_link_closes_for_another_port_cancels_the_connect() {
+    let mut rig = LinkRig::armed();
+    rig.ports().listed.push(board("B"));
+    let connect = rig.only_ask(Request::Connect(Port::Serial("B".to_owned())));
+    let disconnect = rig.ask(Request::Disconnect);
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.outcome(connect), Some(Outcome::Superseded));
+    assert!(matches!(rig.outcome(disconnect), Some(Outcome::Done { .. })));
+    assert_eq!(rig.ports().opened.len(), 1);
 }
 
 #[test]
 fn a_step_in_which_nothing_happens_changes_nothing() {
-    let mut bench = Bench::connected();
-    bench.pass_ms(300);
-    bench.connection.take_changes();
-    bench.connection.step(bench.now);
-    assert_eq!(bench.connection.take_changes(), (false, false));
+    let mut rig = LinkRig::connected();
+    rig.pass_ms(300);
+    rig.connection.take_changes();
+    rig.connection.step(rig.now);
+    assert_eq!(rig.connection.take_changes(), (false, false));
 }
 
 #[test]
-fn a_stop_of_the_devices_own_is_told_as_one_whose_index_nobody_knows() {
+fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
     // the samples cannot be known from the journal until the next silence.
-    let mut bench = Bench::armed();
-    bench.ask(drive(0.05));
-    bench.pass_ms(300);
-    bench.world().device.inject_underrun();
-    bench.pass_ms(300);
-    let status = bench.view().status.unwrap();
+    let mut rig = LinkRig::armed();
+    rig.ask(drive(0.05));
+    rig.pass_ms(300);
+    rig.ports().device.inject_underrun();
+    rig.pass_ms(300);
+    let status = rig.view().status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::Underrun));
     let told = |entry: &Acknowledged| (entry.at, entry.change.clone(), entry.is_exact);
     assert_eq!(
-        bench.view().journal.back().map(|entry| told(entry)),
+        rig.view().journal.back().map(|entry| told(entry)),
         Some((status.first_fault_at, Change::Stop, false))
     );
 
     // Those of the user are, whatever the status says first.
     for request in [Request::ClearFaults, Request::Arm, drive(0.05)] {
-        bench.ask(request);
-        bench.pass_ms(100);
+        rig.ask(request);
+        rig.pass_ms(100);
     }
-    bench.world().deaf_for = 1;
-    bench.ask(Request::EmergencyStop);
-    bench.pass_ms(1000);
-    assert_eq!(bench.view().status.unwrap().state, State::Fault);
-    assert_eq!(bench.view().journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
+    rig.ports().drop_replies = 1;
+    rig.ask(Request::EmergencyStop);
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().status.unwrap().state, State::Fault);
+    assert_eq!(rig.view().journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
 }
 
 #[test]
-fn a_request_that_waits_for_the_greeting_does_not_keep_the_link_awake() {
+fn a_request_that_waits_for_the_handshake_does_not_keep_the_link_awake() {
     //
-    let mut bench = Bench::new();
-    bench.world().deaf_for = u32::MAX;
-    bench.ask(Request::Connect(Port::Serial("A".to_owned())));
-    bench.ask(Request::Disarm);
-    assert!(bench.connection.deadline(bench.now).unwrap() > bench.now);
+    let mut rig = LinkRig::new();
+    rig.ports().drop_replies = u32::MAX;
+    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+    rig.ask(Request::Disarm);
+    assert!(rig.connection.deadline(rig.now).unwrap() > rig.now);
 }
 
 #[test]
 fn values_out_of_range_never_reach_the_wire() {
-    let mut bench = Bench::armed();
-    bench.world().heard.clear();
+    let mut rig = LinkRig::armed();
+    rig.ports().commands.clear();
     let tone = |boundary_m, level, phase_turns| ToneRequest { slot: 0, boundary_m, level, phase_turns };
     let good = DriveRequest::of(vec![tone(0.05, 0.5, 0.0)]);
     for (request, field) in [
@@ -187,20 +187,20 @@ fn values_out_of_range_never_reach_the_wire() {
         (DriveRequest { master_db: 1.0, ..good.clone() }, "master"),
         (DriveRequest { glide_s: f64::NAN, ..good }, "glide"),
     ] {
-        let ticket = bench.ask(Request::Drive(request));
-        match bench.outcome(ticket) {
+        let ticket = rig.ask(Request::Drive(request));
+        match rig.outcome(ticket) {
             Some(Outcome::Refused(sentence)) => assert!(sentence.contains(field), "{sentence}"),
             other => panic!("{field}: {other:?}"),
         }
     }
-    assert!(bench.world().heard.iter().all(|(_, command)| !matches!(command, Command::Drive(_))));
+    assert!(rig.ports().commands.iter().all(|(_, command)| !matches!(command, Command::Drive(_))));
 }
 
 #[test]
 fn a_panic_anywhere_in_the_program_stops_the_drive() {
     // R-61, in real time: the wait is bounded, its length is not asserted.
-    let bench = Bench::new();
-    let worker = Worker::spawn_with(Ports(bench.world.clone()), || ()).unwrap();
+    let rig = LinkRig::new();
+    let worker = Worker::spawn_with(PortsOpener(rig.ports.clone()), || ()).unwrap();
     let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
     let patience = Duration::from_secs(10);
     assert!(matches!(worker.wait(connect, patience), Some(Outcome::Done { .. })));
@@ -211,5 +211,5 @@ fn a_panic_anywhere_in_the_program_stops_the_drive() {
         snapshot.journal.iter().any(|entry| entry.change == Change::Stop).then_some(())
     });
     assert_eq!(stopped, Some(()));
-    assert!(lock(&bench.world).heard.iter().any(|(_, command)| *command == Command::Stop));
+    assert!(lock(&rig.ports).commands.iter().any(|(_, command)| *command == Command::Stop));
 }

@@ -4,11 +4,11 @@ use slipline::link::simulated::Options;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::DEAD_MAN_MS;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
-/// A short life that begins at an index: table, arm, drives across the first 40 000 samples, a host that dies.
-fn life(first_index: u64) -> Rig {
+/// A short session that begins at a sample index: table, arm, drives across the first 40 000 samples, a host that dies.
+fn session(first_index: u64) -> Rig {
     let mut rig = Rig::new(Options { first_index, ..Options::default() });
     rig.hello();
     rig.upload(&Table::usual());
@@ -26,13 +26,13 @@ fn life(first_index: u64) -> Rig {
 }
 
 #[test]
-fn a_life_across_two_to_the_32_or_63_is_the_same_code_by_code() {
+fn sample_indices_across_2_to_the_32_and_2_to_the_63_give_the_same_codes() {
     // starts some blocks before the wrap of 32 bits and of 63, so that both fall amid the glides.
-    let mut usual = life(0);
+    let mut usual = session(0);
     let a = usual.status();
     assert_eq!(a.first_fault, Some(Fault::HostLost));
     for first in [(1u64 << 32) - 20_480, (1u64 << 63) - 20_480] {
-        let mut late = life(first);
+        let mut late = session(first);
         assert_eq!(late.recording.first, first);
         assert_eq!(late.recording.codes, usual.recording.codes);
         assert_eq!(late.recording.muted, usual.recording.muted);
@@ -44,8 +44,8 @@ fn a_life_across_two_to_the_32_or_63_is_the_same_code_by_code() {
 }
 
 #[test]
-fn at_the_very_end_of_time_the_device_is_still_well_behaved() {
-    // 2^64 samples are 1.4 million years; here it must only not panic.
+fn near_the_last_sample_index_the_device_drives_and_refuses_without_a_panic() {
+    // 2^64 samples are 1.4 million years, so only this is tested: it drives, refuses and does not panic.
     let first_index = u64::MAX - 2000 * BLOCK;
     let mut rig = Rig::new(Options { first_index, ..Options::default() });
     rig.hello();

@@ -1,4 +1,4 @@
-//! Noise on the line: it says nothing, feeds nothing, stops nothing.
+//! Noise on the link: no command is taken from it, and it does not feed the dead-man.
 
 use proptest::prelude::*;
 use slipline::chain::Chain;
@@ -7,10 +7,10 @@ use slipline_protocol::Command;
 use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS};
+use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
-use slipline_tests::faulty_link::{Chance, Faults, FaultyLink};
+use slipline_tests::faulty_link::{Faults, FaultyLink, Random};
 use slipline_tests::rig::{BLOCK, Rig, drive};
-use slipline_tests::talk::Talk;
 
 fn driving() -> Rig {
     let mut rig = Rig::armed();
@@ -22,17 +22,17 @@ fn driving() -> Rig {
 }
 
 #[test]
-fn random_bytes_for_ever_neither_change_the_output_nor_feed_the_dead_man() {
+fn endless_random_bytes_neither_change_the_output_nor_feed_the_dead_man() {
     // as fast as full-speed USB carries them, and with frames of no session between them.
     let mut quiet = driving();
     quiet.silent_ms(DEAD_MAN_MS + 2 * DEAD_MAN_RAMP_MS);
     let mut noisy = driving();
-    let mut chance = Chance::new(7);
+    let mut random = Random::new(7);
     while noisy.device.now() < quiet.device.now() {
-        let noise: Vec<u8> = (0..320).map(|_| chance.bits() as u8).collect();
+        let noise: Vec<u8> = (0..320).map(|_| random.bits() as u8).collect();
         noisy.device.feed(&noise);
-        if chance.happens(0.01) {
-            let session = chance.bits() as u32;
+        if random.happens(0.01) {
+            let session = random.bits() as u32;
             let beat = noisy.frame_as(&Command::KeepAlive(KeepAlive { beat: u32::MAX }), session, 0);
             noisy.device.feed(&[&[0], beat.as_slice()].concat());
         }
@@ -131,10 +131,10 @@ fn sends_needed(rig: &mut Rig, there: &mut FaultyLink, back: &mut FaultyLink, co
         rig.device.feed(&bytes);
         let mut said = Vec::new();
         rig.device.take(&mut said);
-        let heard = back.pass(&said);
+        let received = back.pass(&said);
         let mut decoder = slipline_protocol::Decoder::new();
         let number = rig.sequence();
-        let answered = heard.iter().any(|&byte| {
+        let answered = received.iter().any(|&byte| {
             let found = decoder.push(byte, |frame| {
                 frame.header.sequence == number && Event::decode(frame.header.id, frame.body).is_ok()
             });
@@ -197,13 +197,13 @@ fn of_a_million_damaged_frames_none_is_taken_for_a_command() {
     let frames: Vec<Vec<u8>> =
         commands.iter().map(|command| rig.frame_as(command, rig.session(), rig.sequence() + 1)).collect();
     let before = rig.status();
-    let mut chance = Chance::new(11);
+    let mut random = Random::new(11);
     for number in 0..1_000_000usize {
         let mut frame = frames[number % frames.len()].clone();
         let end = frame.iter().position(|&byte| byte == 0).unwrap_or(1);
-        for _ in 0..1 + chance.below(4) {
-            let at = chance.below(end as u64) as usize;
-            frame[at] ^= 1 << chance.below(8);
+        for _ in 0..1 + random.below(4) {
+            let at = random.below(end as u64) as usize;
+            frame[at] ^= 1 << random.below(8);
         }
         if !frames.contains(&frame) {
             rig.device.feed(&frame);
@@ -217,7 +217,7 @@ fn of_a_million_damaged_frames_none_is_taken_for_a_command() {
 }
 
 #[test]
-fn what_a_host_left_unfinished_does_not_cost_the_next_one_its_hello() {
+fn an_unfinished_frame_of_one_host_does_not_lose_the_next_hosts_hello() {
     let mut device = SimulatedDevice::new(Options::default());
     device.feed(&[9, 2, 3, 4]);
     let chain = Chain::connect_to(device).unwrap();

@@ -15,7 +15,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 /// Longer than anything here takes; no length is asserted.
-const PATIENCE: Duration = Duration::from_secs(20);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(20);
 
 type Device = Arc<Mutex<PacedDevice>>;
 
@@ -106,11 +106,11 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
     let bus = Arc::new(Mutex::new(Some(first.clone())));
     let worker = Worker::spawn_with(Bus(bus.clone()), || ()).unwrap();
     let connect = worker.send(Request::Connect(Port::Serial(first)));
-    assert!(matches!(worker.wait(connect, PATIENCE), Some(Outcome::Done { .. })));
+    assert!(matches!(worker.wait(connect, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
 
     *bus.lock().unwrap() = None;
     drop(cable);
-    let lost = worker.handle().wait_for(PATIENCE, |snapshot| match &snapshot.link {
+    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link {
         LinkState::Reconnecting(trouble) => Some(trouble.clone()),
         _ => None,
     });
@@ -118,11 +118,12 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
 
     let (_cable, second) = pseudo_terminal(&device);
     *bus.lock().unwrap() = Some(second.clone());
-    let port =
-        worker.handle().wait_for(PATIENCE, |snapshot| snapshot.is_connected().then(|| snapshot.port.clone()));
+    let port = worker
+        .handle()
+        .wait_for(REPLY_TIMEOUT, |snapshot| snapshot.is_connected().then(|| snapshot.port.clone()));
     assert_eq!(port, Some(Some(Port::Serial(second))));
     let refresh = worker.send(Request::Refresh);
-    assert!(matches!(worker.wait(refresh, PATIENCE), Some(Outcome::Done { .. })));
+    assert!(matches!(worker.wait(refresh, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
 }
 
 #[test]
@@ -142,9 +143,9 @@ fn a_device_behind_a_unix_socket_answers_and_its_end_is_noticed() {
     let (stream, _) = listener.accept().unwrap();
     stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
     let cable = Cable::new(device(), stream);
-    assert!(matches!(worker.wait(connect, PATIENCE), Some(Outcome::Done { .. })));
+    assert!(matches!(worker.wait(connect, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
     drop(cable);
-    let lost = worker.handle().wait_for(PATIENCE, |snapshot| match &snapshot.link {
+    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link {
         LinkState::Lost(trouble) => Some(trouble.clone()),
         _ => None,
     });

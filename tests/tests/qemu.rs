@@ -17,9 +17,9 @@ use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::frame::CRC;
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, STOP_RAMP_MS};
 use slipline_protocol::units::SampleIndex;
+use slipline_tests::client::Client;
 use slipline_tests::qemu::{Emulator, Host, Line};
 use slipline_tests::rig::{MID, RATE_HZ, Table, drive};
-use slipline_tests::talk::Talk;
 
 const MILLISECOND: u64 = RATE_HZ as u64 / 1000;
 /// What a slow computer may lose between asking for the index and naming one in a command.
@@ -150,7 +150,7 @@ fn a_stop_is_silent_after_its_ramp() {
 ///
 #[test]
 #[ignore = "needs qemu-system-arm"]
-fn a_host_that_dies_leaves_silence_behind() {
+fn a_host_that_dies_is_followed_by_silence() {
     let mut emulator = Emulator::start(Line::Socket);
     let (mut host, mut mirror) = armed(&emulator);
     let start = drive_ahead(&mut host, &mut mirror, sixteen(0.0));
@@ -196,11 +196,11 @@ fn a_host_that_does_not_read_does_not_stop_the_samples() {
 #[test]
 #[ignore = "needs qemu-system-arm"]
 fn the_hosts_own_link_drives_it_through_a_serial_port() {
-    const PATIENCE: Duration = Duration::from_secs(30);
+    const REPLY_TIMEOUT: Duration = Duration::from_secs(30);
     let emulator = Emulator::start(Line::Terminal);
     let worker = Worker::spawn(|| {}).expect("a worker starts");
     let done = |request: Request| {
-        let outcome = worker.wait(worker.send(request.clone()), PATIENCE);
+        let outcome = worker.wait(worker.send(request.clone()), REPLY_TIMEOUT);
         match outcome {
             Some(outcome @ (Outcome::Done { .. } | Outcome::Digest(_))) => outcome,
             other => panic!("{request:?}: {other:?}"),
@@ -213,7 +213,7 @@ fn the_hosts_own_link_drives_it_through_a_serial_port() {
     done(Request::Arm);
     let tones = vec![ToneRequest { slot: 0, boundary_m: 0.175, level: 0.5, phase_turns: 0.0 }];
     done(Request::Drive(DriveRequest::of(tones)));
-    let sum = worker.handle().wait_for(PATIENCE, |snapshot| {
+    let sum = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| {
         snapshot.status.as_ref().filter(|s| s.state == State::Driving).map(|s| s.sum_per_mille)
     });
     assert!(sum.is_some(), "it drives");

@@ -13,9 +13,9 @@ use slipline_app::bank::BLOCK;
 use slipline_protocol::Command;
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS, STOP_RAMP_MS};
 use slipline_protocol::units::SampleIndex;
-use slipline_tests::built::program;
+use slipline_tests::command_proxy::{CommandProxy, unaltered};
+use slipline_tests::programs::program;
 use slipline_tests::qemu::{Emulator, Line};
-use slipline_tests::relay::{Relay, unaltered};
 use slipline_tests::rig::{MID, RATE_HZ};
 
 const SAMPLES: u64 = BLOCK as u64;
@@ -101,7 +101,7 @@ fn drive_sounds_for_its_time_and_leaves_silence() {
 
 #[test]
 #[ignore = "needs qemu-system-arm"]
-fn a_host_that_is_killed_while_it_drives_leaves_silence_behind() {
+fn a_host_that_is_killed_while_it_drives_is_followed_by_silence() {
     // R-20, with a real process and a real signal: SIGKILL leaves it no time to say anything.
     let mut emulator = Emulator::start(Line::Terminal);
     let port = emulator.link().display().to_string();
@@ -155,7 +155,7 @@ fn verify_says_that_the_emulated_codes_are_the_mirrors() {
 #[test]
 #[ignore = "needs qemu-system-arm"]
 fn verify_says_so_when_the_emulated_device_was_told_something_else() {
-    // The same relay twice: what differs is one step of one tone's level.
+    // The same proxy twice: what differs is one step of one tone's level.
     for (alter, equal) in [
         (unaltered as fn(&mut Command), true),
         (
@@ -171,8 +171,8 @@ fn verify_says_so_when_the_emulated_device_was_told_something_else() {
     ] {
         let emulator = Emulator::start(Line::Socket);
         let device = connect(&emulator);
-        let relay = Relay::to(Box::new(device), alter);
-        let (output, told) = run(&relay.port(), &["verify", "--tones", "3"]);
+        let proxy = CommandProxy::for_device(Box::new(device), alter);
+        let (output, told) = run(&proxy.port(), &["verify", "--tones", "3"]);
         assert_eq!(told["equal"], equal, "{output:?}");
         assert_eq!(output.status.code(), Some(if equal { 0 } else { 1 }));
     }

@@ -6,9 +6,9 @@ use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::{Fault, ResetCause, State};
 use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
 use slipline_protocol::units::Phase;
+use slipline_tests::client::Client;
 use slipline_tests::measure::{envelope, peak};
 use slipline_tests::rig::{BLOCK, MID, Rig, drive, tone};
-use slipline_tests::talk::Talk;
 
 /// Sounds 20 kHz at full scale.
 fn driving() -> Rig {
@@ -101,7 +101,7 @@ fn a_stop_drops_the_drive_that_was_to_begin_later() {
 }
 
 #[test]
-fn a_stop_on_the_heels_of_drives_outruns_them() {
+fn a_stop_right_after_drives_overtakes_them() {
     // all in one breath; the stop is seen before the first drive is looked at.
     let mut rig = Rig::armed();
     let mut bytes = Vec::new();

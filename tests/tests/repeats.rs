@@ -1,13 +1,13 @@
-//! Frames that come twice, late, in another order, or from a host of yesterday.
+//! Frames that come twice, late, in another order, or from the host of an earlier session.
 
 use proptest::prelude::*;
 use slipline_protocol::Command;
 use slipline_protocol::command::TableChunk;
 use slipline_protocol::event::{Event, State};
 use slipline_protocol::refusal::Refusal;
+use slipline_tests::client::Client;
 use slipline_tests::faulty_link::{Faults, FaultyLink};
 use slipline_tests::rig::{Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 /// A session from hello to stop, each frame sent through `link`.
 fn play(mut link: FaultyLink) -> Rig {
@@ -81,11 +81,11 @@ fn insist(rig: &mut Rig, link: &mut FaultyLink, back: &mut FaultyLink, command: 
         assert!(echoes.is_empty());
         let mut said = Vec::new();
         rig.device.take(&mut said);
-        let heard = back.pass(&said);
+        let received = back.pass(&said);
         let mut decoder = slipline_protocol::Decoder::new();
         // The host listens from a fresh delimiter on: what was cut before must not spoil this.
         let mut answer = None;
-        for byte in std::iter::once(0).chain(heard) {
+        for byte in std::iter::once(0).chain(received) {
             let found = decoder.push(byte, |frame| {
                 (frame.header.sequence == number).then(|| Event::decode(frame.header.id, frame.body).unwrap())
             });

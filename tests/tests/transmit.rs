@@ -3,8 +3,8 @@
 use slipline_protocol::Command;
 use slipline_protocol::event::{Event, State};
 use slipline_protocol::limits::TRANSMIT_TIMEOUT_MS;
+use slipline_tests::client::Client;
 use slipline_tests::rig::{Rig, drive};
-use slipline_tests::talk::Talk;
 
 fn drag(stalled: bool) -> Rig {
     let mut rig = Rig::armed();

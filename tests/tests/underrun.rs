@@ -3,9 +3,9 @@
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::STOP_RAMP_MS;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::measure::{envelope, largest_step};
 use slipline_tests::rig::{BLOCK, Rig, drive};
-use slipline_tests::talk::Talk;
 
 #[test]
 fn an_underrun_while_driving_is_counted_and_ends_in_one_ramp_to_silence() {

@@ -8,8 +8,8 @@ use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::Gain;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::rig::{Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 /// One thing that is wrong with an upload.
 #[derive(Clone, Debug)]

@@ -6,13 +6,13 @@ use slipline::cli::Cli;
 use slipline::link::simulated::Options;
 use slipline_app::thermal::Heat;
 use slipline_protocol::Command;
-use slipline_tests::relay::{Alter, Relay, unaltered};
+use slipline_tests::command_proxy::{Alter, CommandProxy, unaltered};
 
 /// Runs the command line's `verify`, as its main function does, on a simulated device behind a socket.
 fn verify(options: Options, alter: Alter) -> Result<(), String> {
-    let relay = Relay::to_simulated(options, alter);
+    let proxy = CommandProxy::for_simulated(options, alter);
     let cli =
-        Cli::try_parse_from(["slipline", "verify", "--port", &relay.port(), "--window", "50ms"]).unwrap();
+        Cli::try_parse_from(["slipline", "verify", "--port", &proxy.port(), "--window", "50ms"]).unwrap();
     cli.command.unwrap().run(true).map_err(|failure| failure.to_string())
 }
 
@@ -24,7 +24,7 @@ fn a_coil_that_counts_as_hot_after_a_reset_does_not_make_the_codes_differ() {
 }
 
 #[test]
-fn a_level_that_is_off_by_its_smallest_step_is_told() {
+fn a_level_that_is_off_by_its_smallest_step_is_reported() {
     let alter = |command: &mut Command| {
         if let Command::Drive(drive) = command
             && let Some(tone) = drive.tones.first_mut()

@@ -1,12 +1,12 @@
-//! A long day at full fidelity, for a nightly run: `cargo run --release -p slipline-tests --bin soak [hours] [seed]`.
+//! The soak test at the full sample rate, for a nightly run: `cargo run --release -p slipline-tests --bin soak [hours] [seed]`.
 //!
-//! 400 kS/s, 24 hours unless said, every code compared with the mirror's. Prints a line an hour; ends with an error if
-//! anything is off, memory that grows included.
+//! 400 kS/s, 24 hours unless another number is given, every code compared with the mirror's. Prints a line for each
+//! hour; ends with an error if a code or a counter is wrong or if memory grows.
 
 use slipline_tests::rig::RATE_HZ;
 use slipline_tests::soak::{Soak, resident_bytes};
 
-/// What may come on top after the first hour: an allocator's slack.
+/// How much the memory may grow after the first hour: an allocator's slack.
 const SLACK_BYTES: u64 = 4 << 20;
 
 fn main() {

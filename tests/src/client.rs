@@ -1,18 +1,18 @@
-//! What every host of a test says, whatever device answers it.
+//! What every test client can do, whichever device answers: simulated or emulated.
 
 use slipline_protocol::event::{Event, Status};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Refusal};
 
-/// A host with a device that answers.
-pub trait Talk {
+/// A client of the protocol with a device that answers.
+pub trait Client {
     /// Sends a command and returns the answer.
     ///
     /// # Panics
     /// If there is none.
     fn send(&mut self, command: &Command) -> Event;
 
-    /// Sends a command that must be accepted and returns the index.
+    /// Sends a command that must be accepted and returns the sample index of the reply.
     ///
     /// # Panics
     /// If it is not.
@@ -23,7 +23,7 @@ pub trait Talk {
         }
     }
 
-    /// Sends a command that must be refused and returns why.
+    /// Sends a command that must be refused and returns the refusal.
     ///
     /// # Panics
     /// If it is not.
@@ -34,10 +34,10 @@ pub trait Talk {
         }
     }
 
-    /// How the device is.
+    /// Asks for the status.
     ///
     /// # Panics
-    /// If it does not say.
+    /// If another reply comes.
     fn status(&mut self) -> Status {
         match self.send(&Command::Status) {
             Event::Status(status) => status,

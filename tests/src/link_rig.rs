@@ -1,4 +1,4 @@
-//! A host's link in virtual time, in a world that does as it is told.
+//! A rig for the host's link: the link in virtual time, on ports with a simulated device and injected faults.
 
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
@@ -11,46 +11,46 @@ use slipline::link::{DriveRequest, LinkState, Outcome, Port, Request, Snapshot, 
 use slipline_protocol::event::State;
 use slipline_protocol::limits::{MAX_RETRIES, REPLY_TIMEOUT_MS};
 
+use crate::faulty_ports::{FaultyPorts, PortsOpener, SharedPorts, lock};
 use crate::rig::{BLOCK, MID};
-use crate::world::{Ports, Shared, World, lock};
 
-/// A connection in a world, in virtual time.
-pub struct Bench {
+/// The host's link on [`FaultyPorts`], in virtual time.
+pub struct LinkRig {
     /// The link.
-    pub connection: Connection<Ports>,
-    /// What lies behind it.
-    pub world: Shared,
-    /// The time.
+    pub connection: Connection<PortsOpener>,
+    /// The ports, the device behind them and the faults to inject.
+    pub ports: SharedPorts,
+    /// The virtual time since the start.
     pub now: Duration,
     tickets: u64,
-    /// The link's states, one after the other.
+    /// The link's states in the order in which they were entered; a state that stays is listed once.
     pub states: Vec<LinkState>,
     /// How often the link was called.
     pub steps: u64,
 }
 
-impl Default for Bench {
+impl Default for LinkRig {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Bench {
+impl LinkRig {
     /// Not connected yet.
     #[must_use]
     pub fn new() -> Self {
-        Self::of(World::default())
+        Self::of(FaultyPorts::default())
     }
 
-    fn of(world: World) -> Self {
-        let world = Arc::new(Mutex::new(world));
+    fn of(ports: FaultyPorts) -> Self {
+        let ports = Arc::new(Mutex::new(ports));
         let mut nonce = 0u32;
         let nonces = Box::new(move || {
             nonce += 1;
             nonce.to_le_bytes()
         });
-        let connection = Connection::new(Ports(world.clone()), Waker::new(|| ()), nonces);
-        Self { connection, world, now: Duration::ZERO, tickets: 0, states: Vec::new(), steps: 0 }
+        let connection = Connection::new(PortsOpener(ports.clone()), Waker::new(|| ()), nonces);
+        Self { connection, ports, now: Duration::ZERO, tickets: 0, states: Vec::new(), steps: 0 }
     }
 
     /// Connected.
@@ -65,11 +65,11 @@ impl Bench {
         Self::connected().arm()
     }
 
-    /// The same with a device that makes so few samples a second that hours of them are made soon.
+    /// The same with another sample rate in Hz: at a low rate hours of virtual time are computed quickly.
     #[must_use]
     pub fn armed_at(sample_rate_hz: u32) -> Self {
         let device = SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() });
-        Self::of(World { device, ..World::default() }).connect().arm()
+        Self::of(FaultyPorts { device, ..FaultyPorts::default() }).connect().arm()
     }
 
     fn connect(mut self) -> Self {
@@ -83,7 +83,7 @@ impl Bench {
     /// Puts a table on the device and arms it.
     fn arm(mut self) -> Self {
         let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
-        let rate = f64::from(self.world().device.sample_rate_hz());
+        let rate = f64::from(self.ports().device.sample_rate_hz());
         let table = DeviceTable::from_knots((0.0, 0.1), rate, knots, 1e-6).unwrap();
         let upload = self.ask(Request::Upload(Arc::new(table)));
         let arm = self.ask(Request::Arm);
@@ -95,12 +95,12 @@ impl Bench {
         self
     }
 
-    /// What lies behind the link.
-    pub fn world(&self) -> MutexGuard<'_, World> {
-        lock(&self.world)
+    /// The ports, locked: their device and the faults to inject.
+    pub fn ports(&self) -> MutexGuard<'_, FaultyPorts> {
+        lock(&self.ports)
     }
 
-    /// What the link shows.
+    /// The snapshot that the link publishes.
     pub fn view(&self) -> &Snapshot {
         self.connection.view()
     }
@@ -133,7 +133,7 @@ impl Bench {
         for _ in 0..milliseconds {
             self.advance(Duration::from_millis(1));
             let is_due = self.connection.deadline(self.now).is_some_and(|due| due <= self.now);
-            let has_answered = self.world().error.is_none();
+            let has_answered = self.ports().error.is_none();
             if is_due || (has_answered && self.connection.is_open()) {
                 self.step();
             }
@@ -149,14 +149,14 @@ impl Bench {
 
     /// Lets the device go on; returns whether anything sounded.
     fn advance(&mut self, time: Duration) -> bool {
-        let mut world = lock(&self.world);
-        let rate = u128::from(world.device.sample_rate_hz());
+        let mut ports = lock(&self.ports);
+        let rate = u128::from(ports.device.sample_rate_hz());
         let blocks_until =
             |time: Duration| (time.as_micros() * rate / (1_000_000 * u128::from(BLOCK))) as u64;
         let blocks = blocks_until(self.now + time) - blocks_until(self.now);
         self.now += time;
         let mut sounds = false;
-        world.device.advance(blocks, |block| sounds |= !block.muted || *block.codes != [MID; BLOCK as usize]);
+        ports.device.advance(blocks, |block| sounds |= !block.muted || *block.codes != [MID; BLOCK as usize]);
         sounds
     }
 

@@ -1,5 +1,5 @@
-//! What lies behind the ports of a host's link, and how it behaves: a simulated device, and everything that can go wrong
-//! between it and the host.
+//! Ports for the host's link with a simulated device behind them, and the faults that a test injects between the two:
+//! lost replies and commands, changed replies, failing reads and writes, a pulled cable.
 
 use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -12,65 +12,66 @@ use slipline_protocol::{Command, Decoder, Event};
 /// Changes a reply on its way.
 pub type Rewrite = fn(Event) -> Event;
 
-/// What lies behind the ports, and how it behaves.
-pub struct World {
+/// The ports that the system lists, the one device behind them, and the faults to inject.
+pub struct FaultyPorts {
     /// The device.
     pub device: SimulatedDevice,
-    /// The ports that exist.
-    pub ports: Vec<PortInfo>,
-    /// What every read and write says instead of what it would; lines opened before the last [`World::unplug`] are gone.
+    /// The ports that the system lists.
+    pub listed: Vec<PortInfo>,
+    /// The error of every read and write; `None` lets them work. A line that was opened before the last
+    /// [`FaultyPorts::unplug`] fails in any case.
     pub error: Option<ErrorKind>,
     /// How often the cable was pulled.
     pub generation: u32,
     /// Why a port cannot be opened.
     pub open_error: Option<Trouble>,
-    /// Drops this many replies.
-    pub deaf_for: u32,
-    /// Drops this many numbered commands.
-    pub mute_for: u32,
-    /// Drops this many stops.
-    pub mute_stops_for: u32,
+    /// Drops the next replies, so many.
+    pub drop_replies: u32,
+    /// Drops the next numbered commands, so many.
+    pub drop_commands: u32,
+    /// Drops the next stops, so many.
+    pub drop_stops: u32,
     /// Changes a reply on its way.
     pub rewrite: Rewrite,
-    /// The host's bytes.
+    /// Decodes the host's bytes.
     pub from_host: Decoder,
-    /// The device's bytes.
+    /// Decodes the device's bytes.
     pub from_device: Decoder,
-    /// Sequence and kind of everything the host has sent.
-    pub heard: Vec<(u16, Command)>,
-    /// Ports in the order in which they were opened.
+    /// Every command that the host has sent, with its sequence number; a dropped one, too.
+    pub commands: Vec<(u16, Command)>,
+    /// PortsOpener in the order in which they were opened.
     pub opened: Vec<Port>,
     /// How often a line was read.
     pub reads: u64,
 }
 
-impl Default for World {
-    /// One board, well and on port A.
+impl Default for FaultyPorts {
+    /// One board on port A, no faults.
     fn default() -> Self {
         Self {
             device: SimulatedDevice::new(Options::default()),
-            ports: vec![board("A")],
+            listed: vec![board("A")],
             error: None,
             generation: 0,
             open_error: None,
-            deaf_for: 0,
-            mute_for: 0,
-            mute_stops_for: 0,
+            drop_replies: 0,
+            drop_commands: 0,
+            drop_stops: 0,
             rewrite: as_real,
             from_host: Decoder::new(),
             from_device: Decoder::new(),
-            heard: Vec::new(),
+            commands: Vec::new(),
             opened: Vec::new(),
             reads: 0,
         }
     }
 }
 
-impl World {
+impl FaultyPorts {
     /// Pulls the cable: every open line is gone, and no port is listed.
     pub fn unplug(&mut self) {
         self.generation += 1;
-        self.ports.clear();
+        self.listed.clear();
     }
 }
 
@@ -86,7 +87,7 @@ pub fn as_real(event: Event) -> Event {
     }
 }
 
-/// A board under this name, always the same one.
+/// The entry of a board under this port name; the USB serial number is always the same.
 #[must_use]
 pub fn board(name: &str) -> PortInfo {
     PortInfo {
@@ -97,46 +98,46 @@ pub fn board(name: &str) -> PortInfo {
     }
 }
 
-/// A world, from both sides of the line.
-pub type Shared = Arc<Mutex<World>>;
+/// The ports as the test and the link share them.
+pub type SharedPorts = Arc<Mutex<FaultyPorts>>;
 
-/// Looks at a world, whatever has panicked meanwhile.
-pub fn lock(world: &Shared) -> MutexGuard<'_, World> {
-    world.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+/// Locks the ports, even after a panic in another thread.
+pub fn lock(ports: &SharedPorts) -> MutexGuard<'_, FaultyPorts> {
+    ports.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// The ports of a world.
-pub struct Ports(pub Shared);
+/// Opens the ports for the link.
+pub struct PortsOpener(pub SharedPorts);
 
-impl Opener for Ports {
+impl Opener for PortsOpener {
     fn list(&mut self) -> Vec<PortInfo> {
-        lock(&self.0).ports.clone()
+        lock(&self.0).listed.clone()
     }
 
     fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
-        let mut world = lock(&self.0);
-        world.opened.push(port.clone());
-        if let Some(trouble) = &world.open_error {
+        let mut ports = lock(&self.0);
+        ports.opened.push(port.clone());
+        if let Some(trouble) = &ports.open_error {
             return Err(trouble.clone());
         }
-        if !world.ports.iter().any(|info| info.port == *port) {
+        if !ports.listed.iter().any(|info| info.port == *port) {
             return Err(Trouble::NoSuchPort(port.clone()));
         }
-        Ok(Box::new(Line { world: self.0.clone(), generation: world.generation, received: Vec::new() }))
+        Ok(Box::new(Line { ports: self.0.clone(), generation: ports.generation, received: Vec::new() }))
     }
 }
 
 struct Line {
-    world: Shared,
+    ports: SharedPorts,
     generation: u32,
     received: Vec<u8>,
 }
 
 impl Line {
-    fn trouble(&self, world: &World) -> io::Result<()> {
-        match world.error {
+    fn trouble(&self, ports: &FaultyPorts) -> io::Result<()> {
+        match ports.error {
             Some(kind) => Err(kind.into()),
-            None if self.generation != world.generation => Err(ErrorKind::BrokenPipe.into()),
+            None if self.generation != ports.generation => Err(ErrorKind::BrokenPipe.into()),
             None => Ok(()),
         }
     }
@@ -144,23 +145,23 @@ impl Line {
 
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut world = lock(&self.world);
-        world.reads += 1;
-        match self.trouble(&world) {
+        let mut ports = lock(&self.ports);
+        ports.reads += 1;
+        match self.trouble(&ports) {
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(0),
             result => result?,
         }
         let mut bytes = Vec::new();
-        world.device.take(&mut bytes);
+        ports.device.take(&mut bytes);
         for byte in bytes {
-            let World { from_device, rewrite, deaf_for, .. } = &mut *world;
+            let FaultyPorts { from_device, rewrite, drop_replies, .. } = &mut *ports;
             let reply = from_device.push(byte, |frame| {
                 let event =
                     Event::decode(frame.header.id, frame.body).expect("the device speaks its own protocol");
                 rewrite(event).frame(frame.header.session, frame.header.sequence).expect("fits")
             });
             match reply {
-                Some(_) if *deaf_for > 0 => *deaf_for -= 1,
+                Some(_) if *drop_replies > 0 => *drop_replies -= 1,
                 Some(frame) => self.received.extend_from_slice(&frame),
                 None => {}
             }
@@ -169,27 +170,27 @@ impl Transport for Line {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut world = lock(&self.world);
-        self.trouble(&world)?;
+        let mut ports = lock(&self.ports);
+        self.trouble(&ports)?;
         for &byte in bytes {
-            let found = world.from_host.push(byte, |frame| {
+            let found = ports.from_host.push(byte, |frame| {
                 (
                     frame.header,
                     Command::decode(frame.header.id, frame.body).expect("the host speaks the protocol"),
                 )
             });
             let Some((header, command)) = found else { continue };
-            world.heard.push((header.sequence, command.clone()));
-            if world.mute_for > 0 && command.is_sequenced() {
-                world.mute_for -= 1;
+            ports.commands.push((header.sequence, command.clone()));
+            if ports.drop_commands > 0 && command.is_sequenced() {
+                ports.drop_commands -= 1;
                 continue;
             }
-            if world.mute_stops_for > 0 && matches!(command, Command::Stop | Command::EmergencyStop) {
-                world.mute_stops_for -= 1;
+            if ports.drop_stops > 0 && matches!(command, Command::Stop | Command::EmergencyStop) {
+                ports.drop_stops -= 1;
                 continue;
             }
             let frame = command.frame(header.session, header.sequence).expect("fits");
-            world.device.feed(&frame);
+            ports.device.feed(&frame);
         }
         Ok(bytes.len())
     }

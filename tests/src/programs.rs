@@ -1,4 +1,4 @@
-//! Programs that tests run: built once per test program, by the cargo that runs the tests.
+//! The programs that tests start. Each is built once per test binary, by the cargo that runs the tests.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};

@@ -1,4 +1,4 @@
-//! What goes wrong with a port itself, R-26: each is one loss, told with its reason, and no busy loop.
+//! Errors of a port, R-26: each is reported once as a loss with its reason, and none makes a busy loop.
 
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
@@ -6,18 +6,18 @@ use std::time::{Duration, Instant};
 use slipline::link::transport::{Opener, Transport, Waker};
 use slipline::link::worker::Worker;
 use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble};
-use slipline_tests::bench::{Bench, LOST_AFTER_MS};
-use slipline_tests::world::{Ports, board};
+use slipline_tests::faulty_ports::{PortsOpener, board};
+use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig};
 
 #[test]
 fn a_device_that_never_answers_is_given_up_with_a_reason() {
-    let mut bench = Bench::new();
-    bench.world().deaf_for = u32::MAX;
-    let ticket = bench.ask(Request::Connect(Port::Serial("A".to_owned())));
-    bench.pass_ms(LOST_AFTER_MS + 10);
-    assert_eq!(bench.view().link, LinkState::Disconnected);
-    assert_eq!(bench.view().trouble, Some(Trouble::NoAnswer(Port::Serial("A".to_owned()))));
-    assert!(matches!(bench.outcome(ticket), Some(Outcome::Refused(_))));
+    let mut rig = LinkRig::new();
+    rig.ports().drop_replies = u32::MAX;
+    let ticket = rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+    rig.pass_ms(LOST_AFTER_MS + 10);
+    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().trouble, Some(Trouble::NoAnswer(Port::Serial("A".to_owned()))));
+    assert!(matches!(rig.outcome(ticket), Some(Outcome::Refused(_))));
 }
 
 #[test]
@@ -32,32 +32,32 @@ fn every_error_of_a_port_is_one_loss_and_no_busy_loop() {
         ErrorKind::ResourceBusy,
         ErrorKind::Other,
     ] {
-        let mut bench = Bench::connected();
-        bench.ask(Request::AutoReconnect(false));
-        bench.states.clear();
-        bench.world().error = Some(kind);
-        let (steps, reads) = (bench.steps, bench.world().reads);
-        bench.pass_ms(10_000);
-        assert_eq!(bench.states.len(), 1, "{kind:?}: {:?}", bench.states);
-        assert!(matches!(bench.states[0], LinkState::Lost(_)), "{kind:?}");
-        assert!(bench.steps - steps <= 2, "{kind:?}: {} steps", bench.steps - steps);
-        assert!(bench.world().reads - reads <= 2, "{kind:?}");
-        assert!(bench.view().trouble.is_some());
+        let mut rig = LinkRig::connected();
+        rig.ask(Request::AutoReconnect(false));
+        rig.states.clear();
+        rig.ports().error = Some(kind);
+        let (steps, reads) = (rig.steps, rig.ports().reads);
+        rig.pass_ms(10_000);
+        assert_eq!(rig.states.len(), 1, "{kind:?}: {:?}", rig.states);
+        assert!(matches!(rig.states[0], LinkState::Lost(_)), "{kind:?}");
+        assert!(rig.steps - steps <= 2, "{kind:?}: {} steps", rig.steps - steps);
+        assert!(rig.ports().reads - reads <= 2, "{kind:?}");
+        assert!(rig.view().trouble.is_some());
     }
 }
 
 #[test]
-fn a_port_that_only_says_not_yet_is_not_hammered_and_lost_for_its_silence() {
+fn a_port_that_would_only_block_is_polled_slowly_and_lost_as_silent() {
     //
     for kind in [ErrorKind::TimedOut, ErrorKind::WouldBlock] {
-        let mut bench = Bench::connected();
-        bench.ask(Request::AutoReconnect(false));
-        bench.world().error = Some(kind);
-        let steps = bench.steps;
-        bench.pass_ms(LOST_AFTER_MS + 250);
-        assert_eq!(bench.view().link, LinkState::Lost(Trouble::Silent), "{kind:?}");
+        let mut rig = LinkRig::connected();
+        rig.ask(Request::AutoReconnect(false));
+        rig.ports().error = Some(kind);
+        let steps = rig.steps;
+        rig.pass_ms(LOST_AFTER_MS + 250);
+        assert_eq!(rig.view().link, LinkState::Lost(Trouble::Silent), "{kind:?}");
         // A write that does not go through is tried every millisecond.
-        assert!(bench.steps - steps <= LOST_AFTER_MS + 260);
+        assert!(rig.steps - steps <= LOST_AFTER_MS + 260);
     }
 }
 
@@ -67,22 +67,22 @@ fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
     for trouble in
         [Trouble::Busy(port.clone()), Trouble::NoPermission(port.clone()), Trouble::NoSuchPort(port.clone())]
     {
-        let mut bench = Bench::new();
-        bench.world().open_error = Some(trouble.clone());
-        let ticket = bench.ask(Request::Connect(port.clone()));
-        assert_eq!(bench.outcome(ticket), Some(Outcome::Refused(trouble.to_string())));
-        bench.pass_ms(5000);
-        assert_eq!(bench.view().link, LinkState::Disconnected);
-        assert_eq!(bench.world().opened.len(), 1);
+        let mut rig = LinkRig::new();
+        rig.ports().open_error = Some(trouble.clone());
+        let ticket = rig.ask(Request::Connect(port.clone()));
+        assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.to_string())));
+        rig.pass_ms(5000);
+        assert_eq!(rig.view().link, LinkState::Disconnected);
+        assert_eq!(rig.ports().opened.len(), 1);
     }
 }
 
 /// Real time; its length is not asserted.
-const PATIENCE: Duration = Duration::from_secs(10);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 
 #[test]
-fn a_mistake_in_the_link_itself_is_told_and_leaves_no_request_unanswered() {
-    struct FailsSecond(Ports, u32);
+fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
+    struct FailsSecond(PortsOpener, u32);
     impl Opener for FailsSecond {
         fn list(&mut self) -> Vec<PortInfo> {
             self.0.list()
@@ -93,13 +93,13 @@ fn a_mistake_in_the_link_itself_is_told_and_leaves_no_request_unanswered() {
             self.0.open(port, waker)
         }
     }
-    let worker = Worker::spawn_with(FailsSecond(Ports(Bench::new().world), 0), || ()).unwrap();
+    let worker = Worker::spawn_with(FailsSecond(PortsOpener(LinkRig::new().ports), 0), || ()).unwrap();
     let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    assert!(matches!(worker.wait(connect, PATIENCE), Some(Outcome::Done { .. })));
+    assert!(matches!(worker.wait(connect, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
     let again = worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    assert_eq!(worker.wait(again, PATIENCE), Some(Outcome::NotConnected), "under way");
+    assert_eq!(worker.wait(again, REPLY_TIMEOUT), Some(Outcome::NotConnected), "under way");
     let later = worker.send(Request::Refresh);
-    assert_eq!(worker.wait(later, PATIENCE), Some(Outcome::NotConnected));
+    assert_eq!(worker.wait(later, REPLY_TIMEOUT), Some(Outcome::NotConnected));
     let view = worker.snapshot();
     assert_eq!(view.link, LinkState::Lost(Trouble::Crashed));
     assert!(
@@ -124,7 +124,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
             Err(ErrorKind::WouldBlock.into())
         }
         fn write(&mut self, _bytes: &[u8]) -> io::Result<usize> {
-            std::thread::sleep(3 * PATIENCE);
+            std::thread::sleep(3 * REPLY_TIMEOUT);
             Err(ErrorKind::TimedOut.into())
         }
     }
@@ -133,7 +133,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
     std::thread::sleep(Duration::from_millis(50));
     let quit = Instant::now();
     drop(worker);
-    assert!(quit.elapsed() < PATIENCE);
+    assert!(quit.elapsed() < REPLY_TIMEOUT);
 }
 
 #[test]

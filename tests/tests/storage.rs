@@ -1,12 +1,12 @@
-//! What is kept in flash: stored only in silence, read back at the next start, or thrown away visibly.
+//! Flash storage: written only while nothing sounds, read at the next start, dropped with a report when damaged.
 
 use proptest::prelude::*;
 use slipline::link::simulated::{MemoryFlash, Options};
 use slipline_protocol::event::{Event, Fault, ResetCause, State, StoredConfig};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
 use slipline_tests::rig::{MID, Rig, Table, drive};
-use slipline_tests::talk::Talk;
 
 fn stored(rig: &mut Rig) -> StoredConfig {
     match rig.hello().event {
@@ -118,7 +118,7 @@ proptest! {
 }
 
 #[test]
-fn a_table_stored_for_another_sample_rate_is_told_as_such() {
+fn a_table_stored_for_another_sample_rate_is_reported_as_such() {
     //
     let mut rig = Rig::new(Options { flash: kept(), sample_rate_hz: 200_000, ..Options::default() });
     assert_eq!(stored(&mut rig), StoredConfig::WrongVersion);

@@ -1,4 +1,4 @@
-//! A user who cannot sit still: random acts, played on a device and on its mirror.
+//! Random actions of a user, played on a device and on its mirror: for property tests.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use slipline_protocol::refusal::Busy;
 use slipline_protocol::units::{CentiDecibel, Phase};
 use slipline_protocol::{Command, Refusal};
 
+use crate::client::Client;
 use crate::rig::{BLOCK, RATE_HZ, Rig, Table, tone};
-use crate::talk::Talk;
 
-/// What the user does next.
+/// One action of the user.
 #[derive(Clone, Debug)]
-pub enum Act {
+pub enum Action {
     /// A drive.
     Drive {
         /// Slot, position, level and phase of each tone.
@@ -38,23 +38,23 @@ pub enum Act {
     Rest,
 }
 
-/// Acts, each with the blocks that pass after it.
-pub fn acts() -> impl Strategy<Value = Vec<(Act, u64)>> {
+/// Random actions, each with the blocks that pass after it.
+pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
     let tones = prop::collection::vec((0..16u8, 0.0..=1.0, 0.0..=1.0, any::<u16>()), 0..5);
     let glide = prop_oneof![2000u32..4000, 2000u32..40_000];
     let ahead = prop::option::weighted(0.2, 0u64..4000);
-    let act = prop_oneof![
+    let action = prop_oneof![
         10 => (tones, -2000i16..=0, glide, ahead)
-            .prop_map(|(tones, master, glide, ahead)| Act::Drive { tones, master, glide, ahead }),
-        2 => (0..3usize).prop_map(Act::Table),
-        1 => Just(Act::Stop),
-        1 => Just(Act::EmergencyStop),
-        2 => Just(Act::Rest),
+            .prop_map(|(tones, master, glide, ahead)| Action::Drive { tones, master, glide, ahead }),
+        2 => (0..3usize).prop_map(Action::Table),
+        1 => Just(Action::Stop),
+        1 => Just(Action::EmergencyStop),
+        2 => Just(Action::Rest),
     ];
-    prop::collection::vec((act, 1u64..40), 1..40)
+    prop::collection::vec((action, 1u64..40), 1..40)
 }
 
-/// Plays the acts with these tables, the first of them from the start, and returns the device's codes.
+/// Plays the actions with these tables, the first of them from the start, and returns the device's codes.
 ///
 /// # Errors
 /// The test fails if the mirror's codes differ from the device's, if a code was clamped, or if a command was answered
@@ -62,7 +62,7 @@ pub fn acts() -> impl Strategy<Value = Vec<(Act, u64)>> {
 ///
 /// # Panics
 /// If the device refuses what it must accept.
-pub fn play(acts: &[(Act, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCaseError> {
+pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCaseError> {
     let mut rig = Rig::default();
     rig.hello();
     let mut mirror = Mirror::new(RATE_HZ, 0);
@@ -70,9 +70,9 @@ pub fn play(acts: &[(Act, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCa
     let at = rig.accepted(&Command::TableCommit);
     mirror.acknowledge_table(Arc::from(tables[0].knots.as_slice()), at)?;
     rig.arm();
-    for (act, blocks) in acts {
-        match act {
-            Act::Drive { tones, master, glide, ahead } => {
+    for (action, blocks) in actions {
+        match action {
+            Action::Drive { tones, master, glide, ahead } => {
                 let drive = random_drive(
                     tones,
                     *master,
@@ -87,19 +87,19 @@ pub fn play(acts: &[(Act, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCa
                     other => return Err(TestCaseError::fail(format!("{other:?}"))),
                 }
             }
-            Act::Table(number) => swap(&mut rig, &mut mirror, &tables[*number])?,
-            Act::Stop => {
+            Action::Table(number) => swap(&mut rig, &mut mirror, &tables[*number])?,
+            Action::Stop => {
                 let at = rig.accepted(&Command::Stop);
                 mirror.acknowledge_stop(Stop::Normal, at)?;
             }
-            Act::EmergencyStop => {
+            Action::EmergencyStop => {
                 let at = rig.accepted(&Command::EmergencyStop);
                 mirror.acknowledge_stop(Stop::Emergency, at)?;
                 rig.live_ms(40);
                 rig.accepted(&Command::ClearFaults);
                 rig.arm();
             }
-            Act::Rest => rig.live_ms(60),
+            Action::Rest => rig.live_ms(60),
         }
         rig.live_blocks(*blocks);
     }

@@ -1,7 +1,7 @@
-//! A port for a host program, with a device behind it and a hand on the commands in between.
+//! A proxy between a host program and a device: a Unix socket that passes frames on and can change the commands.
 //!
 //! ```text
-//! host program --Unix socket--> Relay --alter(command)--> device
+//! host program --Unix socket--> CommandProxy --alter(command)--> device
 //!              <---------------       <-----------------
 //! ```
 
@@ -18,74 +18,74 @@ use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::transport::{Transport, Waker};
 use slipline_protocol::{Command, Decoder};
 
-/// What becomes of every command on its way.
+/// Changes a command on its way to the device.
 pub type Alter = fn(&mut Command);
 
-/// Nothing becomes of it.
+/// Leaves every command as it is.
 pub const fn unaltered(_: &mut Command) {}
 
-/// How long it waits for the host's bytes before it looks for the device's.
-const GLANCE: Duration = Duration::from_millis(2);
+/// How long the proxy waits for the host's bytes before it looks for the device's.
+const POLL_TIMEOUT: Duration = Duration::from_millis(2);
 
-/// A relay; it ends with this value.
-pub struct Relay {
+/// A running proxy; dropping it ends it.
+pub struct CommandProxy {
     path: PathBuf,
     ended: Arc<AtomicBool>,
-    carrier: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<()>>,
 }
 
-impl Relay {
-    /// A port with this device behind it: one host at a time, one after the other.
+impl CommandProxy {
+    /// A proxy for this device. It serves one host at a time.
     ///
     /// # Panics
     /// If no socket can be made.
     #[must_use]
-    pub fn to(mut device: Box<dyn Transport>, alter: Alter) -> Self {
+    pub fn for_device(mut device: Box<dyn Transport>, alter: Alter) -> Self {
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("slipline-{}-{number}.relay", std::process::id()));
+        let path = std::env::temp_dir().join(format!("slipline-{}-{number}.proxy", std::process::id()));
         let listener = UnixListener::bind(&path).expect("a socket can be made");
         listener.set_nonblocking(true).expect("a socket need not wait");
         let ended = Arc::new(AtomicBool::new(false));
         let is_ended = ended.clone();
-        let carrier = thread::spawn(move || {
+        let thread = thread::spawn(move || {
             while !is_ended.load(Ordering::Relaxed) {
                 match listener.accept() {
-                    Ok((host, _)) => carry(host, device.as_mut(), alter, &is_ended),
-                    Err(_) => thread::sleep(GLANCE),
+                    Ok((host, _)) => forward(host, device.as_mut(), alter, &is_ended),
+                    Err(_) => thread::sleep(POLL_TIMEOUT),
                 }
             }
         });
-        Self { path, ended, carrier: Some(carrier) }
+        Self { path, ended, thread: Some(thread) }
     }
 
-    /// A port with a simulated device behind it, in real time.
+    /// A proxy for a simulated device, in real time.
     #[must_use]
-    pub fn to_simulated(options: Options, alter: Alter) -> Self {
+    pub fn for_simulated(options: Options, alter: Alter) -> Self {
         let device = Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(options))));
-        Self::to(Box::new(PacedLine::new(device, Waker::new(|| ()))), alter)
+        Self::for_device(Box::new(PacedLine::new(device, Waker::new(|| ()))), alter)
     }
 
-    /// The port's name, as the command line takes it.
+    /// The port's name as `--port` takes it.
     #[must_use]
     pub fn port(&self) -> String {
         format!("unix:{}", self.path.display())
     }
 }
 
-impl Drop for Relay {
+impl Drop for CommandProxy {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
-        // A carrier that has panicked has said so; a socket that is gone need not be removed.
-        let _carried = self.carrier.take().map(JoinHandle::join);
+        // A thread that panicked has printed why; a socket that is gone need not be removed.
+        let _carried = self.thread.take().map(JoinHandle::join);
         let _removed = std::fs::remove_file(&self.path);
     }
 }
 
-/// Until the host goes away.
-fn carry(mut host: UnixStream, device: &mut dyn Transport, alter: Alter, ended: &AtomicBool) {
+/// Passes bytes in both directions until the host closes the socket.
+fn forward(mut host: UnixStream, device: &mut dyn Transport, alter: Alter, ended: &AtomicBool) {
     host.set_nonblocking(false).expect("a socket may wait");
-    host.set_read_timeout(Some(GLANCE)).expect("a time-out can be set");
+    host.set_read_timeout(Some(POLL_TIMEOUT)).expect("a time-out can be set");
     let mut decoder = Decoder::new();
     let mut bytes = [0; 512];
     while !ended.load(Ordering::Relaxed) {
@@ -99,7 +99,7 @@ fn carry(mut host: UnixStream, device: &mut dyn Transport, alter: Alter, ended: 
                         command.frame(frame.header.session, frame.header.sequence).ok()
                     });
                     if let Some(frame) = frame.flatten() {
-                        hand_over(device, &frame);
+                        write_all(device, &frame);
                     }
                 }
             }
@@ -114,11 +114,11 @@ fn carry(mut host: UnixStream, device: &mut dyn Transport, alter: Alter, ended: 
     }
 }
 
-fn hand_over(device: &mut dyn Transport, mut bytes: &[u8]) {
+fn write_all(device: &mut dyn Transport, mut bytes: &[u8]) {
     while !bytes.is_empty() {
         match device.write(bytes) {
             Ok(count) => bytes = &bytes[count..],
-            Err(error) if is_waiting(error.kind()) => thread::sleep(GLANCE),
+            Err(error) if is_waiting(error.kind()) => thread::sleep(POLL_TIMEOUT),
             Err(error) => panic!("the device is gone: {error}"),
         }
     }
