@@ -1,77 +1,109 @@
 //! Files on disk: written whole or not at all, and read no further than they may be long.
+//!
+//! ```text
+//! write(path) --> temporary file in the same folder --> sync --> the old file's permissions --> rename over path
+//!                      |
+//!                      +-- removed when writing fails (Drop), and by remove_unfinished when the program ends
+//! ```
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt::Display;
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use tempfile::{Builder, NamedTempFile};
 
-/// The files that are being written under their temporary names, for whoever ends the program to remove.
-static PARTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// The files that are being written, each with the name of its temporary file.
+static UNFINISHED: Mutex<BTreeMap<PathBuf, PathBuf>> = Mutex::new(BTreeMap::new());
 
-fn parts() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    PARTS.lock().unwrap_or_else(PoisonError::into_inner)
+fn unfinished() -> MutexGuard<'static, BTreeMap<PathBuf, PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes a file through `write`: under another name first, so that the old file is there until the new one is whole.
-/// What a link leads to is replaced, not the link. A pipe or a device is written to as it is.
+/// Writes a file through `write`: into a temporary file first, so that the old file is there until the new one is
+/// whole. The new file has the old one's permissions; where there was none, those that the system gives a new file.
+/// What a symbolic link leads to is replaced, not the link. A pipe or a device is written to as it is.
 ///
 /// # Errors
 /// What the system or `write` says; then the old file is as it was. [`ErrorKind::ResourceBusy`] when another thread
 /// is writing the same file.
 pub(crate) fn write<E: From<io::Error>>(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let through = |file: File| {
+    let through = |file: &File| {
         let mut out = BufWriter::new(file);
         write(&mut out)?;
-        out.into_inner().map_err(|error| E::from(error.into_error()))
+        out.into_inner().map(drop).map_err(|error| E::from(error.into_error()))
     };
     if is_stream(path) {
-        return File::create(path).map_err(E::from).and_then(through).map(drop);
+        return through(&File::create(path)?);
     }
     // What is not there yet has no other name.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    if !begin(&part) {
-        return Err(E::from(io::Error::new(ErrorKind::ResourceBusy, "it is being written already")));
+    let old = path.metadata().ok();
+    let (part, _registration) = begin(&path, old.as_ref())?;
+    through(part.as_file())?;
+    Ok(finish(part, old.as_ref(), &path)?)
+}
+
+/// That a file is being written.
+struct Registration<'a>(&'a Path);
+
+impl Drop for Registration<'_> {
+    fn drop(&mut self) {
+        unfinished().remove(self.0);
     }
-    let written = File::create(&part)
-        .map_err(E::from)
-        .and_then(through)
-        .and_then(|file| Ok(file.sync_all()?))
-        .and_then(|()| Ok(std::fs::rename(&part, &path)?));
-    if written.is_err() {
-        // It may not even have been made.
-        let _ = std::fs::remove_file(&part);
+}
+
+/// A temporary file beside `path`, which is removed when it is dropped.
+fn begin<'a>(path: &'a Path, old: Option<&Metadata>) -> io::Result<(NamedTempFile, Registration<'a>)> {
+    let mut all = unfinished();
+    if all.contains_key(path) {
+        return Err(io::Error::new(ErrorKind::ResourceBusy, "it is being written already"));
     }
-    parts().remove(&part);
-    written
+    let mut builder = Builder::new();
+    builder.prefix(".slipline-").suffix(".part");
+    #[cfg(unix)]
+    if old.is_none() {
+        use std::os::unix::fs::PermissionsExt as _;
+        // Less what the umask takes away, which is the mode of every program's new files. In place of an old file the
+        // owner alone reads the temporary one: it may hold what others must not read.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    #[cfg(not(unix))]
+    let _ = old;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let part = builder.tempfile_in(folder)?;
+    all.insert(path.to_owned(), part.path().to_owned());
+    Ok((part, Registration(path)))
+}
+
+/// Puts a whole file in its place.
+fn finish(part: NamedTempFile, old: Option<&Metadata>, path: &Path) -> io::Result<()> {
+    if let Some(old) = old {
+        part.as_file().set_permissions(old.permissions())?;
+    }
+    part.as_file().sync_all()?;
+    part.persist(path).map(drop).map_err(|error| error.error)
+}
+
+/// Removes the temporary files of what is not whole yet. No file is begun any more afterwards: for whoever ends the
+/// program.
+pub(crate) fn remove_unfinished() {
+    let all = unfinished();
+    for part in all.values() {
+        let _ = std::fs::remove_file(part);
+    }
+    // Never unlocked again, so that no thread begins another file.
+    std::mem::forget(all);
 }
 
 /// Whether it is a pipe or a device: nothing to replace, and nothing to put in its place. A folder counts, too: it
 /// refuses to be written to.
 pub(crate) fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file())
-}
-
-/// Notes a file that is being written; false if it is being written already.
-fn begin(part: &Path) -> bool {
-    parts().insert(part.to_owned())
-}
-
-/// Removes the files that are not whole yet. None is begun any more afterwards: for whoever ends the program.
-pub(crate) fn remove_parts() {
-    let parts = parts();
-    for part in parts.iter() {
-        let _ = std::fs::remove_file(part);
-    }
-    // Never unlocked again: another file cannot be begun.
-    std::mem::forget(parts);
 }
 
 /// The text of a file that is not too big; what is too big is not read.
@@ -148,6 +180,63 @@ pub(crate) mod tests {
         std::fs::create_dir(folder.join("taken")).unwrap();
         assert!(put(&folder.join("taken"), b"x").is_err());
         assert_eq!(count(&folder), 2, "no part is left behind");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_is_replaced_keeps_its_permissions_and_a_new_one_has_the_usual_ones() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = folder("permissions");
+        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o7777;
+        let path = folder.join("a.txt");
+        for kept in [0o600, 0o640, 0o755, 0o666] {
+            std::fs::write(&path, b"old").unwrap();
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(kept)).unwrap();
+            put(&path, b"new").unwrap();
+            assert_eq!(mode(&path), kept, "{kept:o}");
+        }
+        let (usual, new) = (folder.join("usual.txt"), folder.join("new.txt"));
+        std::fs::write(&usual, b"x").unwrap();
+        put(&new, b"x").unwrap();
+        assert_eq!(mode(&new), mode(&usual));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_only_the_owner_may_read_is_not_shown_while_it_is_written() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let folder = folder("private");
+        let path = folder.join("a.txt");
+        put(&path, b"old").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o600)).unwrap();
+        write(&path, |out| {
+            out.write_all(b"new")?;
+            for entry in std::fs::read_dir(&folder)? {
+                let mode = entry?.metadata()?.permissions().mode();
+                assert_eq!(mode & 0o077, 0, "{mode:o}");
+            }
+            io::Result::Ok(())
+        })
+        .unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn temporary_names_cannot_be_predicted() {
+        let folder = folder("names");
+        let path = folder.join("a.txt");
+        let mut names = std::collections::BTreeSet::new();
+        for _ in 0..3 {
+            write(&path, |_| {
+                let parts = std::fs::read_dir(&folder)?.filter_map(Result::ok).map(|entry| entry.file_name());
+                names.extend(parts.filter(|name| name != "a.txt"));
+                io::Result::Ok(())
+            })
+            .unwrap();
+        }
+        assert_eq!(names.len(), 3, "each write has a name of its own: {names:?}");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -8,7 +8,7 @@ use std::io;
 /// is left.
 pub fn remove_parts_on_ending() {
     let _ = on_ending(|| {
-        disk::remove_parts();
+        disk::remove_unfinished();
         // What a shell gives a program that Ctrl-C ended.
         std::process::exit(130);
     });

@@ -85,7 +85,7 @@ impl Destination {
     /// Writes it through `write`, whole or not at all.
     pub(super) fn write(
         &self,
-        write: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+        write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,
     ) -> Result<(), Failure> {
         disk::write(&self.0, write).map_err(|error| failed(&self.0, &error))
     }
