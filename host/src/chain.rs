@@ -132,12 +132,14 @@ impl Chain {
 struct OneDevice(Shared);
 
 impl Opener for OneDevice {
+    type Transport = Line;
+
     fn list(&mut self) -> Vec<PortInfo> {
         vec![PortInfo::simulated()]
     }
 
-    fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
-        Ok(Box::new(Line { device: self.0.clone(), received: Vec::new() }))
+    fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Line, Trouble> {
+        Ok(Line { device: self.0.clone(), received: Vec::new() })
     }
 }
 

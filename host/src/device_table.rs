@@ -1,14 +1,13 @@
 //! The turning-point table as the device takes it: fixed-point knots, header and CRC.
 //!
 //! ```text
-//! slipline_plate::DriveTable (Hz, 0..=1) --quantise--> DeviceTable (Q0.32 turns, Q1.31) --chunks--> device
+//! knots (Hz, gain 0..=1) --from_knots--> DeviceTable (Q0.32 turns, Q1.31) --chunks--> device
 //! ```
 //! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
 //! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
 
 use slipline_app::headroom::per_mille;
 use slipline_app::level::tone_gain;
-use slipline_plate::DriveTable;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::CHUNK_KNOTS;
 use slipline_protocol::refusal::Refusal;
@@ -44,27 +43,13 @@ pub enum DeviceTableError {
 }
 
 impl DeviceTable {
-    /// The fixed-point form of a plate's table.
+    /// A table from its span in metres, the sample rate in Hz, (frequency in Hz, gain) at knots uniform in position,
+    /// and the peak displacement at level 1 in metres.
     ///
     /// # Errors
     /// [`DeviceTableError::OutOfRange`] for a value that does not fit its field (span 0..=4 km, rate 1 Hz..=4 GHz,
     /// frequency above 0 and up to 0.45 of the rate, gain 0..=1); [`DeviceTableError::Invalid`] for what the device
     /// would refuse, such as frequencies that do not rise or fall strictly.
-    pub fn quantise(table: &DriveTable) -> Result<Self, DeviceTableError> {
-        let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
-        Self::from_knots(
-            (table.span_start_m, table.span_end_m),
-            table.sample_rate_hz,
-            knots,
-            table.peak_at_full_scale_m,
-        )
-    }
-
-    /// A table from its span in metres, the sample rate in Hz, (frequency in Hz, gain) at knots uniform in position,
-    /// and the peak displacement at level 1 in metres.
-    ///
-    /// # Errors
-    /// As [`DeviceTable::quantise`].
     pub fn from_knots(
         span_m: (f64, f64),
         sample_rate_hz: f64,

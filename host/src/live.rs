@@ -229,8 +229,8 @@ pub fn work() -> impl FnMut(Job, &Task) -> Option<Live> + Send {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::tests::one_tone;
     use crate::simulation::table_for;
+    use crate::trial::tests::one_tone;
     use slipline_plate::preset;
     use slipline_protocol::units::Position;
 

@@ -210,13 +210,13 @@ impl Mirror {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use slipline_protocol::command::{Apply, Tone};
     use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
     /// One tone at full level.
-    pub(crate) fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
+    fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
         let tone = Tone { slot, position, level: Level::FULL, phase: Phase(0) };
         Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next }
     }

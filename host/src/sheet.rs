@@ -228,7 +228,8 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mirror::tests::one_tone;
+    use crate::simulation::device_table;
+    use crate::trial::tests::one_tone;
     use crate::picture::{Picture, SteadyTone};
     use slipline_plate::DriveTable;
     use slipline_protocol::units::Position;
@@ -251,7 +252,7 @@ mod tests {
     fn the_sheet_moves_as_the_solver_predicts_and_follows_a_change() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let table = DriveTable::build(&plate, RATE, 257).unwrap();
-        let table = Arc::new(DeviceTable::quantise(&table).unwrap());
+        let table = Arc::new(device_table(&table).unwrap());
         let mut work = work();
         for (number, x0) in [(1, 0.2), (2, 0.14)] {
             let position = table.position(x0).unwrap();
@@ -275,7 +276,7 @@ mod tests {
     fn slow_motion_goes_on_by_the_time_that_passes_and_stands_while_none_does() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let table = DriveTable::build(&plate, RATE, 257).unwrap();
-        let table = Arc::new(DeviceTable::quantise(&table).unwrap());
+        let table = Arc::new(device_table(&table).unwrap());
         let position = table.position(0.2).unwrap();
         let frequency_hz = table.frequency_hz(position);
         let mut work = work();

@@ -137,8 +137,18 @@ pub fn table_for_watched(
     progress: &mut Progress<'_>,
 ) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
     let table = DriveTable::build_watched(plate, f64::from(sample_rate_hz), KNOTS, progress)?;
-    let device_table = Arc::new(DeviceTable::quantise(&table)?);
+    let device_table = Arc::new(device_table(&table)?);
     Ok((table, device_table))
+}
+
+/// A plate's table as the device takes it.
+///
+/// # Errors
+/// [`DeviceTableError`]: what does not fit the device's units.
+pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
+    let span_m = (table.span_start_m, table.span_end_m);
+    let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
+    DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)
 }
 
 /// The same table with every gain at full scale.
@@ -164,7 +174,7 @@ impl Simulation<'_> {
     /// [`SimulationError`]: what does not fit, and why.
     pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
         let device_table =
-            Arc::new(if self.has_gains { DeviceTable::quantise(table)? } else { without_gains(table)? });
+            Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
         device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
         let mut chain = Chain::connect(SAMPLE_RATE_HZ)?;
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;

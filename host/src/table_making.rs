@@ -2,6 +2,7 @@
 
 use crate::device_table::DeviceTable;
 use crate::model::Setup;
+use crate::simulation::device_table;
 use crate::workshop::Task;
 use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_of};
 use std::sync::Arc;
@@ -92,7 +93,7 @@ fn build(job: TableJob, progress: &mut Progress<'_>) -> Result<TableMade, Unmade
     let drive_table =
         DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
     let device_table =
-        DeviceTable::quantise(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
+        device_table(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
     let rest = &mut progress.part(0.8, 1.0);
     let sensitivity_db = match sensitivity_per_percent_of(&drive_table, &job.plate, rest) {
         Ok(sensitivity) => Some(sensitivity.worst_db.abs()),

@@ -102,11 +102,19 @@ pub fn run(job: &Job, task: &Task) -> Option<Measured> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::mirror::tests::one_tone;
     use crate::picture::{Picture, SteadyTone};
+    use crate::simulation::device_table;
     use slipline_plate::DriveTable;
+    use slipline_protocol::command::{Apply, Drive, Tone};
+    use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
+
+    /// One tone at full level.
+    pub(crate) fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
+        let tone = Tone { slot, position, level: Level::FULL, phase: Phase(0) };
+        Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next }
+    }
 
     #[test]
     fn the_simulated_plate_stands_where_the_solver_predicts_it() {
@@ -114,7 +122,7 @@ mod tests {
             let plate = Arc::new(slipline_plate::preset(name).unwrap());
             let (start, end) = plate.span_m();
             let table = DriveTable::build(&plate, 400_000.0, 257).unwrap();
-            let table = Arc::new(DeviceTable::quantise(&table).unwrap());
+            let table = Arc::new(device_table(&table).unwrap());
             let x0 = start + 0.7 * (end - start);
             let position = table.position(x0).unwrap();
             let drive = one_tone(0, position, 8000);

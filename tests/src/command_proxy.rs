@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use slipline::link::opener::system_clock;
 use slipline::link::pace::{PacedDevice, PacedLine};
 use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::transport::{Transport, Waker};
@@ -62,7 +63,7 @@ impl CommandProxy {
     /// A proxy for a simulated device, in real time.
     #[must_use]
     pub fn for_simulated(options: Options, alter: Alter) -> Self {
-        let device = Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(options))));
+        let device = Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(options), system_clock())));
         Self::for_device(Box::new(PacedLine::new(device, Waker::new(|| ()))), alter)
     }
 

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::transport::{Opener, Transport, Waker, read_received};
+use slipline::link::watch::Watch;
 use slipline::link::{Port, PortInfo, Trouble};
 use slipline_protocol::{Command, Decoder, Event};
 
@@ -110,11 +111,13 @@ pub fn lock(ports: &SharedPorts) -> MutexGuard<'_, FaultyPorts> {
 pub struct PortsOpener(pub SharedPorts);
 
 impl Opener for PortsOpener {
+    type Transport = Line;
+
     fn list(&mut self) -> Vec<PortInfo> {
         lock(&self.0).listed.clone()
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Line, Trouble> {
         let mut ports = lock(&self.0);
         ports.opened.push(port.clone());
         if let Some(trouble) = &ports.open_error {
@@ -123,11 +126,12 @@ impl Opener for PortsOpener {
         if !ports.listed.iter().any(|info| info.port == *port) {
             return Err(Trouble::NoSuchPort(port.clone()));
         }
-        Ok(Box::new(Line { ports: self.0.clone(), generation: ports.generation, received: Vec::new() }))
+        Ok(Line { ports: self.0.clone(), generation: ports.generation, received: Vec::new() })
     }
 }
 
-struct Line {
+/// An open port.
+pub struct Line {
     ports: SharedPorts,
     generation: u32,
     received: Vec<u8>,
@@ -142,6 +146,8 @@ impl Line {
         }
     }
 }
+
+impl Watch for Line {}
 
 impl Transport for Line {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {

@@ -4,9 +4,10 @@ use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use slipline::link::transport::{Opener, Transport, Waker};
+use slipline::link::watch::Watch;
 use slipline::link::worker::Worker;
 use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble};
-use slipline_tests::faulty_ports::{PortsOpener, board};
+use slipline_tests::faulty_ports::{Line, PortsOpener, board};
 use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig};
 
 #[test]
@@ -84,10 +85,11 @@ const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
     struct FailsSecond(PortsOpener, u32);
     impl Opener for FailsSecond {
+        type Transport = Line;
         fn list(&mut self) -> Vec<PortInfo> {
             self.0.list()
         }
-        fn open(&mut self, port: &Port, waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+        fn open(&mut self, port: &Port, waker: &Waker) -> Result<Line, Trouble> {
             self.1 += 1;
             assert!(self.1 < 2, "a mistake in the link");
             self.0.open(port, waker)
@@ -111,12 +113,14 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
 #[test]
 fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_ending() {
     struct Hangs;
+    impl Watch for Hangs {}
     impl Opener for Hangs {
+        type Transport = Self;
         fn list(&mut self) -> Vec<PortInfo> {
             vec![board("A")]
         }
-        fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
-            Ok(Box::new(Self))
+        fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Self, Trouble> {
+            Ok(Self)
         }
     }
     impl Transport for Hangs {

@@ -2,9 +2,11 @@
 #![cfg(unix)]
 
 use serialport::{SerialPort, TTYPort};
+use slipline::link::opener::system_clock;
 use slipline::link::pace::{PacedDevice, PacedLine};
 use slipline::link::simulated::{Options, SimulatedDevice};
 use slipline::link::transport::{Opener, Transport, Waker};
+use slipline::link::watch::Watch;
 use slipline::link::worker::Worker;
 use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble, serial, socket};
 use std::io::{Read, Write};
@@ -20,7 +22,7 @@ const REPLY_TIMEOUT: Duration = Duration::from_secs(20);
 type Device = Arc<Mutex<PacedDevice>>;
 
 fn device() -> Device {
-    Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(Options::default()))))
+    Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(Options::default()), system_clock())))
 }
 
 /// A device behind a byte stream, until it is dropped: then the stream is closed.
@@ -77,6 +79,8 @@ fn pseudo_terminal(device: &Device) -> (Cable, String) {
 struct Bus(Arc<Mutex<Option<String>>>);
 
 impl Opener for Bus {
+    type Transport = Box<dyn Watch>;
+
     fn list(&mut self) -> Vec<PortInfo> {
         let name = self.0.lock().unwrap().clone();
         name.map(|name| PortInfo {
@@ -89,7 +93,7 @@ impl Opener for Bus {
         .collect()
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Watch>, Trouble> {
         match port {
             Port::Serial(name) => Ok(Box::new(serial::open(name)?)),
             Port::Unix(path) => Ok(Box::new(socket::open(path)?)),

@@ -2,8 +2,8 @@
 
 use super::destination::Destination;
 use super::{Failure, TableArguments, argument, output, progress};
-use crate::device_table::DeviceTable;
 use crate::quantity::{Measure, show_frequency, show_length, show_place};
+use crate::simulation;
 use serde_json::json;
 use slipline_plate::numeral::with_decimals;
 use slipline_plate::{DriveTable, TableError, sample_rates, sensitivity_per_percent_of};
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         Ok((table, sensitivity))
     })
     .map_err(|error: TableError| Failure::usage(error))?;
-    let device_table = DeviceTable::quantise(&table).map_err(Failure::usage)?;
+    let device_table = simulation::device_table(&table).map_err(Failure::usage)?;
     let value = json!({
         "plate": plate.name(),
         "sample_rate_hz": rate_hz,

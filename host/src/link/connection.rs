@@ -32,25 +32,25 @@ const SHORT_LIVES: u32 = 3;
 /// Draws the number that makes one session's hello differ from another's.
 pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
 
-struct Open {
-    transport: Box<dyn Transport>,
+struct Open<T> {
+    transport: T,
     dialogue: Dialogue,
     /// Nobody has seen this transport yet: it is to be registered with the poll.
     is_new: bool,
 }
 
-enum Phase {
+enum Phase<T> {
     Closed,
-    Open(Box<Open>),
+    Open(Box<Open<T>>),
     Seeking { next: Duration },
 }
 
 /// The link to at most one device.
-pub struct Connection<O> {
+pub struct Connection<O: Opener> {
     opener: O,
     waker: Waker,
     nonces: Nonces,
-    phase: Phase,
+    phase: Phase<O::Transport>,
     sought: Option<Sought>,
     /// What to open once the present device is left.
     next: Option<(Ticket, Port)>,
@@ -101,11 +101,11 @@ impl<O: Opener> Connection<O> {
     }
 
     /// A transport that has just been opened, once.
-    pub fn take_new_transport(&mut self) -> Option<&mut dyn Transport> {
+    pub fn take_new_transport(&mut self) -> Option<&mut O::Transport> {
         match &mut self.phase {
             Phase::Open(open) if open.is_new => {
                 open.is_new = false;
-                Some(open.transport.as_mut())
+                Some(&mut open.transport)
             }
             _ => None,
         }

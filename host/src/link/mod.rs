@@ -18,6 +18,7 @@ mod port;
 mod record;
 mod request;
 pub mod serial;
+mod serial_ports;
 pub mod simulated;
 mod snapshot;
 #[cfg(unix)]
@@ -26,9 +27,11 @@ mod sought;
 pub mod transport;
 mod trouble;
 mod upload;
+pub mod watch;
 pub mod worker;
 
-pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR, list_ports};
+pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
+pub use serial_ports::list_ports;
 pub use request::{DriveError, DriveRequest, Outcome, Request, Ticket, ToneRequest};
 pub use snapshot::{
     Acknowledged, Change, JOURNAL_ENTRIES, LOG_LINES, LinkCounters, LinkState, LogEntry, OUTCOMES, RoundTrip,

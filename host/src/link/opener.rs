@@ -1,10 +1,22 @@
 //! The real world's ports, and the simulated device among them.
 
-use super::pace::{PacedDevice, PacedLine};
+use super::pace::{Clock, PacedDevice, PacedLine};
 use super::simulated::{Options, SimulatedDevice};
-use super::transport::{Opener, Transport, Waker};
-use super::{Port, PortInfo, Trouble, list_ports, serial};
+use super::transport::{Opener, Waker};
+use super::watch::Watch;
+use super::serial_ports::list_ports;
+use super::{Port, PortInfo, Trouble, serial};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// The computer's monotonic clock, from now on.
+#[must_use]
+pub fn system_clock() -> Clock {
+    let since = Instant::now();
+    Box::new(move || since.elapsed())
+}
+
+impl Watch for PacedLine {}
 
 /// Opens ports of this computer. The simulated device is powered at its first use and stays so.
 #[derive(Default)]
@@ -13,15 +25,18 @@ pub struct SystemOpener {
 }
 
 impl Opener for SystemOpener {
+    type Transport = Box<dyn Watch>;
+
     fn list(&mut self) -> Vec<PortInfo> {
         list_ports()
     }
 
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, Trouble> {
         match port {
             Port::Simulated => {
                 let device = self.simulated.get_or_insert_with(|| {
-                    Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(Options::default()))))
+                    let device = SimulatedDevice::new(Options::default());
+                    Arc::new(Mutex::new(PacedDevice::new(device, system_clock())))
                 });
                 Ok(Box::new(PacedLine::new(device.clone(), waker.clone())))
             }

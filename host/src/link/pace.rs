@@ -9,32 +9,38 @@ use super::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A device that nobody has spoken to for longer skips the time beyond (the computer had slept): its dead-man needs
 /// one second and its ramp, the coil's cooling is not worth more.
 const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
+/// Tells the time since any fixed moment; it never goes back.
+pub type Clock = Box<dyn Fn() -> Duration + Send>;
+
 /// A simulated device and how far its time has come.
 pub struct PacedDevice {
     device: SimulatedDevice,
-    since: Instant,
+    clock: Clock,
+    /// The clock's time when the device was started.
+    since: Duration,
     /// Blocks rendered since then.
     blocks: u64,
 }
 
 impl PacedDevice {
-    /// Starts a device's time now.
+    /// Starts a device's time now, by this clock.
     #[must_use]
-    pub fn new(device: SimulatedDevice) -> Self {
-        Self { device, since: Instant::now(), blocks: 0 }
+    pub fn new(device: SimulatedDevice, clock: Clock) -> Self {
+        let since = clock();
+        Self { device, clock, since, blocks: 0 }
     }
 
     fn catch_up(&mut self) {
         let rate = u64::from(self.device.sample_rate_hz());
         let blocks_in =
             |time: Duration| (time.as_micros() as u64).saturating_mul(rate) / (1_000_000 * BLOCK as u64);
-        let due = blocks_in(self.since.elapsed()).saturating_sub(self.blocks);
+        let due = blocks_in((self.clock)().saturating_sub(self.since)).saturating_sub(self.blocks);
         self.device.advance(due.min(blocks_in(LONGEST_CATCH_UP)), |_| {});
         self.blocks += due;
     }

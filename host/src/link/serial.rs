@@ -4,7 +4,8 @@
 //! on it). Reads and writes do not wait, on Windows not long: where the system can tell when bytes arrive (all but
 //! Windows) the worker sleeps until then, else it reads every few milliseconds.
 
-use super::transport::{Transport, Wakes};
+use super::transport::Transport;
+use super::watch::{Wakes, Watch};
 use super::{Port, Trouble};
 use serialport::{ErrorKind, SerialPort};
 use std::io::{self, Read, Write};
@@ -60,17 +61,19 @@ impl Transport for Serial {
             count => Ok(count),
         }
     }
+}
 
+impl Watch for Serial {
     #[cfg(unix)]
-    fn register(&mut self, poll: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
+    fn watch(&mut self, registry: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
         use std::os::fd::AsRawFd;
         let descriptor = self.0.as_raw_fd();
-        poll.register(&mut mio::unix::SourceFd(&descriptor), token, mio::Interest::READABLE)?;
+        registry.register(&mut mio::unix::SourceFd(&descriptor), token, mio::Interest::READABLE)?;
         Ok(Wakes::Itself)
     }
 
     #[cfg(not(unix))]
-    fn register(&mut self, _poll: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
+    fn watch(&mut self, _registry: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
         Ok(Wakes::Never)
     }
 }

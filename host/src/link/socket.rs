@@ -1,6 +1,7 @@
 //! A Unix domain socket as a transport: an emulator's serial line.
 
-use super::transport::{Transport, Wakes};
+use super::transport::Transport;
+use super::watch::{Wakes, Watch};
 use super::{Port, Trouble};
 use mio::net::UnixStream;
 use std::io::{self, Read, Write};
@@ -34,9 +35,11 @@ impl Transport for Socket {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.write(bytes)
     }
+}
 
-    fn register(&mut self, poll: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
-        poll.register(&mut self.0, token, mio::Interest::READABLE)?;
+impl Watch for Socket {
+    fn watch(&mut self, registry: &mio::Registry, token: mio::Token) -> io::Result<Wakes> {
+        registry.register(&mut self.0, token, mio::Interest::READABLE)?;
         Ok(Wakes::Itself)
     }
 }

@@ -18,13 +18,15 @@ pub trait Transport: Send {
     /// # Errors
     /// As above, or whatever the system says.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
+}
 
-    /// Asks for `poll` to wake up when bytes arrive; returns whether it will, or the transport by itself.
-    ///
-    /// # Errors
-    /// Whatever the system says.
-    fn register(&mut self, _poll: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
-        Ok(Wakes::Itself)
+impl<T: Transport + ?Sized> Transport for Box<T> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        (**self).read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        (**self).write(bytes)
     }
 }
 
@@ -41,15 +43,6 @@ pub fn read_received(received: &mut Vec<u8>, buffer: &mut [u8]) -> io::Result<us
         *to = from;
     }
     Ok(count)
-}
-
-/// How a transport tells that bytes have arrived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wakes {
-    /// The poll it is registered with returns, or it calls the [`Waker`] it was opened with.
-    Itself,
-    /// It does not: read it every few milliseconds.
-    Never,
 }
 
 /// Wakes the worker from its wait. Cloning is cheap.
@@ -70,6 +63,9 @@ impl Waker {
 
 /// Finds ports and opens them. The worker has one for the real world; tests and the simulation bring their own.
 pub trait Opener: Send {
+    /// What an open port is.
+    type Transport: Transport;
+
     /// The ports that exist now.
     fn list(&mut self) -> Vec<PortInfo>;
 
@@ -77,5 +73,5 @@ pub trait Opener: Send {
     ///
     /// # Errors
     /// Why it cannot be opened.
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Box<dyn Transport>, Trouble>;
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, Trouble>;
 }

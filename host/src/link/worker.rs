@@ -8,7 +8,8 @@
 use super::connection::{Connection, Nonces};
 use super::opener::SystemOpener;
 use super::record::Record;
-use super::transport::{Opener, Waker, Wakes};
+use super::transport::{Opener, Waker};
+use super::watch::{Wakes, Watch};
 use super::{LinkState, Outcome, Severity, Ticket, Trouble};
 use std::hash::{BuildHasher, Hasher};
 use std::io;
@@ -116,7 +117,10 @@ impl Worker {
     ///
     /// # Errors
     /// As [`Worker::spawn`].
-    pub fn spawn_with(opener: impl Opener + 'static, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn spawn_with<O>(opener: O, wake: impl Fn() + Send + 'static) -> io::Result<Self>
+    where
+        O: Opener<Transport: Watch> + 'static,
+    {
         let poll = mio::Poll::new()?;
         let shared = Arc::new(Shared {
             inbox: Mutex::default(),
@@ -187,7 +191,12 @@ pub fn stop_on_panic(handle: Handle) {
     }));
 }
 
-fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &Shared, wake: &impl Fn()) {
+fn run<O: Opener<Transport: Watch>>(
+    mut connection: Connection<O>,
+    mut poll: mio::Poll,
+    shared: &Shared,
+    wake: &impl Fn(),
+) {
     let since = Instant::now();
     let mut events = mio::Events::with_capacity(8);
     let mut quit_by: Option<Duration> = None;
@@ -208,7 +217,7 @@ fn run<O: Opener>(mut connection: Connection<O>, mut poll: mio::Poll, shared: &S
         }
         connection.step(now);
         if let Some(transport) = connection.take_new_transport() {
-            let wakes = transport.register(poll.registry(), PORT);
+            let wakes = transport.watch(poll.registry(), PORT);
             read_period = (wakes.ok() != Some(Wakes::Itself)).then_some(READ_PERIOD);
         }
         let (is_changed, is_loud) = connection.take_changes();

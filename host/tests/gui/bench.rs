@@ -56,13 +56,15 @@ impl Transport for DeskLine {
 struct DeskOpener(Arc<Mutex<Desk>>);
 
 impl Opener for DeskOpener {
+    type Transport = DeskLine;
+
     fn list(&mut self) -> Vec<PortInfo> {
         if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Transport>, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<DeskLine, Trouble> {
         if self.0.lock().unwrap().is_plugged {
-            Ok(Box::new(DeskLine(Arc::clone(&self.0))))
+            Ok(DeskLine(Arc::clone(&self.0)))
         } else {
             Err(Trouble::NoSuchPort(port.clone()))
         }
