@@ -24,7 +24,7 @@ use crate::export;
 use crate::figures::plate::Subject;
 use crate::files::{FileJob, Files};
 use crate::history::History;
-use crate::link::worker::Worker;
+use crate::link::native::Worker;
 use crate::link::{Port, PortInfo, Request, Snapshot, Ticket};
 use crate::live::{self, Live};
 use crate::model::Setup;

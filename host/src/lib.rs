@@ -11,13 +11,11 @@
 pub mod app;
 #[cfg(feature = "gui")]
 pub mod caption;
-pub mod chain;
 pub mod cli;
 #[cfg(feature = "gui")]
 pub mod colour_map;
 #[cfg(feature = "gui")]
 pub mod designer;
-pub mod device_table;
 #[cfg(feature = "gui")]
 pub mod diagnostics;
 mod disk;
@@ -30,10 +28,9 @@ pub mod figures;
 #[cfg(feature = "gui")]
 pub mod files;
 pub mod history;
-pub mod link;
+pub use slipline_link as link;
 #[cfg(feature = "gui")]
 pub mod live;
-pub mod mirror;
 pub mod model;
 #[cfg(feature = "gui")]
 pub mod picture;

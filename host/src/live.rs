@@ -1,8 +1,8 @@
 //! What the device sends: the mirror follows the journal of the link, and keeps the latest codes and their spectrum.
 
-use crate::device_table::DeviceTable;
+use crate::link::mirror::Mirror;
+use crate::link::table::DeviceTable;
 use crate::link::{Acknowledged, Change, Snapshot};
-use crate::mirror::Mirror;
 use crate::spectrum::{Line, Spectrum};
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;

@@ -3,7 +3,7 @@
 //! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
-use crate::device_table::DeviceTable;
+use crate::link::table::DeviceTable;
 use crate::link::{Change, LinkState, Port, Snapshot};
 use crate::picture::SteadyTone;
 use crate::table_making::TableMade;

@@ -11,8 +11,8 @@ mod source;
 
 pub use source::{Source, WavePicture, source};
 
-use crate::device_table::DeviceTable;
-use crate::mirror::Mirror;
+use crate::link::mirror::Mirror;
+use crate::link::table::DeviceTable;
 use crate::trial;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
@@ -228,9 +228,9 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::{Picture, SteadyTone};
     use crate::simulation::device_table;
     use crate::trial::tests::one_tone;
-    use crate::picture::{Picture, SteadyTone};
     use slipline_plate::DriveTable;
     use slipline_protocol::units::Position;
 

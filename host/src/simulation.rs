@@ -1,7 +1,7 @@
 //! A plate driven through the whole chain, measured and compared with what the frequency domain says.
 //!
 //! ```text
-//! boundary -> table of the table's plate -> Chain -> DAC codes -> TimeLine of the actual plate -> demodulation
+//! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeLine of the actual plate -> demodulation
 //!                                                        |                                           |
 //!                                       frequency played +--> respond(actual plate) --- compared ----+
 //! ```
@@ -10,8 +10,8 @@
 
 mod demodulator;
 
-use crate::chain::{Chain, ChainError};
-use crate::device_table::{DeviceTable, DeviceTableError};
+use crate::link::simulator::loopback::{Loopback, LoopbackError};
+use crate::link::table::{DeviceTable, DeviceTableError};
 use crate::link::{DriveRequest, Request};
 use demodulator::Demodulator;
 use slipline_plate::{
@@ -69,7 +69,7 @@ pub enum SimulationError {
     Sum(Refusal),
     /// The link or the device refused.
     #[error(transparent)]
-    Chain(#[from] ChainError),
+    Loopback(#[from] LoopbackError),
 }
 
 /// One tone, commanded, predicted and measured.
@@ -176,7 +176,7 @@ impl Simulation<'_> {
         let device_table =
             Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
         device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
-        let mut chain = Chain::connect(SAMPLE_RATE_HZ)?;
+        let mut chain = Loopback::connect(SAMPLE_RATE_HZ)?;
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;
 
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
@@ -229,12 +229,12 @@ impl Simulation<'_> {
     }
 
     /// What the device plays for each tone.
-    fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, ChainError> {
+    fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
         self.tones
             .iter()
             .map(|&(boundary_m, level)| {
                 let position = table.position(boundary_m).ok_or_else(|| {
-                    ChainError::Refused("a boundary lies outside the table's span".to_owned())
+                    LoopbackError::Refused("a boundary lies outside the table's span".to_owned())
                 })?;
                 let gain = f64::from(table.setting(position.fine()).gain.0) / f64::from(1u32 << 31);
                 Ok(ToneDrive {

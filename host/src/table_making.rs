@@ -1,6 +1,6 @@
 //! The turning-point table for the plate on the screen: made in the background, for the device's own rate.
 
-use crate::device_table::DeviceTable;
+use crate::link::table::DeviceTable;
 use crate::model::Setup;
 use crate::simulation::device_table;
 use crate::workshop::Task;
@@ -92,8 +92,7 @@ fn build(job: TableJob, progress: &mut Progress<'_>) -> Result<TableMade, Unmade
     let knots = KNOTS.min(job.max_knots);
     let drive_table =
         DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
-    let device_table =
-        device_table(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
+    let device_table = device_table(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
     let rest = &mut progress.part(0.8, 1.0);
     let sensitivity_db = match sensitivity_per_percent_of(&drive_table, &job.plate, rest) {
         Ok(sensitivity) => Some(sensitivity.worst_db.abs()),

@@ -5,8 +5,8 @@
 //! ```
 //! It shares nothing with the solver that predicts the envelope but the plate: that the two agree is the check.
 
-use crate::device_table::DeviceTable;
-use crate::mirror::Mirror;
+use crate::link::mirror::Mirror;
+use crate::link::table::DeviceTable;
 use crate::workshop::Task;
 use slipline_app::bank::BLOCK;
 use slipline_plate::{Plate, TimeLine};

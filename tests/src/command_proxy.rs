@@ -13,10 +13,10 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use slipline::link::opener::system_clock;
-use slipline::link::pace::{PacedDevice, PacedLine};
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::{Transport, Waker};
+use slipline_link::native::system_clock;
+use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Transport, Waker};
 use slipline_protocol::{Command, Decoder};
 
 /// Changes a command on its way to the device.
@@ -63,8 +63,8 @@ impl CommandProxy {
     /// A proxy for a simulated device, in real time.
     #[must_use]
     pub fn for_simulated(options: Options, alter: Alter) -> Self {
-        let device = Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(options), system_clock())));
-        Self::for_device(Box::new(PacedLine::new(device, Waker::new(|| ()))), alter)
+        let device = Arc::new(Mutex::new(RealtimeDevice::new(SimulatedDevice::new(options), system_clock())));
+        Self::for_device(Box::new(RealtimeLine::new(device, Waker::new(|| ()))), alter)
     }
 
     /// The port's name as `--port` takes it.

@@ -4,10 +4,10 @@
 use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::{Opener, Transport, Waker, read_received};
-use slipline::link::watch::Watch;
-use slipline::link::{Port, PortInfo, Trouble};
+use slipline_link::native::Watch;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Transport, Waker, read_received};
+use slipline_link::{LinkError, Port, PortInfo};
 use slipline_protocol::{Command, Decoder, Event};
 
 /// Changes a reply on its way.
@@ -25,7 +25,7 @@ pub struct FaultyPorts {
     /// How often the cable was pulled.
     pub generation: u32,
     /// Why a port cannot be opened.
-    pub open_error: Option<Trouble>,
+    pub open_error: Option<LinkError>,
     /// Drops the next replies, so many.
     pub drop_replies: u32,
     /// Drops the next numbered commands, so many.
@@ -117,14 +117,14 @@ impl Opener for PortsOpener {
         lock(&self.0).listed.clone()
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Line, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Line, LinkError> {
         let mut ports = lock(&self.0);
         ports.opened.push(port.clone());
         if let Some(trouble) = &ports.open_error {
             return Err(trouble.clone());
         }
         if !ports.listed.iter().any(|info| info.port == *port) {
-            return Err(Trouble::NoSuchPort(port.clone()));
+            return Err(LinkError::NoSuchPort(port.clone()));
         }
         Ok(Line { ports: self.0.clone(), generation: ports.generation, received: Vec::new() })
     }

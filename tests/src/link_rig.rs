@@ -3,11 +3,11 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
-use slipline::device_table::DeviceTable;
-use slipline::link::connection::Connection;
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::Waker;
-use slipline::link::{DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Ticket, ToneRequest};
+use slipline_link::connection::Connection;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::table::DeviceTable;
+use slipline_link::transport::Waker;
+use slipline_link::{DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Ticket, ToneRequest};
 use slipline_protocol::event::State;
 use slipline_protocol::limits::{MAX_RETRIES, REPLY_TIMEOUT_MS};
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use proptest::prelude::*;
-use slipline::mirror::Mirror;
 use slipline_app::Stop;
+use slipline_link::mirror::Mirror;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::Event;
 use slipline_protocol::refusal::Busy;

@@ -1,6 +1,6 @@
 //! A test rig: a simulated device with a small synchronous client, in virtual time.
 
-use slipline::link::simulated::{Options, SentBlock, SimulatedDevice};
+use slipline_link::simulator::{Options, SentBlock, SimulatedDevice};
 use slipline_protocol::command::{Apply, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone};
 use slipline_protocol::event::Event;
 use slipline_protocol::limits::{CHUNK_KNOTS, KEEP_ALIVE_PERIOD_MS};

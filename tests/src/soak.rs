@@ -8,9 +8,9 @@
 
 use std::sync::Arc;
 
-use slipline::link::simulated::Options;
-use slipline::mirror::Mirror;
 use slipline_app::{Stop, Timing};
+use slipline_link::mirror::Mirror;
+use slipline_link::simulator::Options;
 use slipline_protocol::command::Command;
 use slipline_protocol::event::{Event, Fault, Faults, State, Status};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};

@@ -1,7 +1,7 @@
 //! The dead-man: when the host is gone the drive ends.
 
 use proptest::prelude::*;
-use slipline::link::simulated::Options;
+use slipline_link::simulator::Options;
 use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS};

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use slipline::link::simulated::Options;
-use slipline::mirror::Mirror;
 use slipline_app::Timing;
 use slipline_app::thermal::Heat;
+use slipline_link::mirror::Mirror;
+use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_tests::client::Client;
 use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};

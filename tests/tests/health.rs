@@ -1,7 +1,7 @@
 //! Faults: hangs, crashes, heat, the longest drive time, and how each is reported.
 
-use slipline::link::simulated::{Options, WATCHDOG_MS};
 use slipline_app::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
+use slipline_link::simulator::{Options, WATCHDOG_MS};
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS};
 use slipline_protocol::{Command, Refusal};

@@ -1,11 +1,11 @@
 //! A table that the device holds from before: recognised without being sent, and mirrored.
 
-use slipline::chain::Chain;
-use slipline::device_table::DeviceTable;
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::{Change, DriveRequest, Request, ToneRequest};
-use slipline::mirror::Mirror;
 use slipline::simulation::table_for;
+use slipline_link::mirror::Mirror;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::table::DeviceTable;
+use slipline_link::{Change, DriveRequest, Request, ToneRequest};
 use slipline_plate::preset;
 use std::sync::Arc;
 
@@ -15,12 +15,12 @@ fn table() -> Arc<DeviceTable> {
     table_for(&preset("membrane").unwrap(), RATE_HZ).unwrap().1
 }
 
-fn restarted_with_the_stored_table() -> Chain {
-    let mut before = Chain::connect(RATE_HZ).unwrap();
+fn restarted_with_the_stored_table() -> Loopback {
+    let mut before = Loopback::connect(RATE_HZ).unwrap();
     before.perform(Request::Upload(table()), |_| ()).unwrap();
     before.perform(Request::Store, |_| ()).unwrap();
     let options = Options { flash: before.flash(), ..Options::default() };
-    Chain::connect_to(SimulatedDevice::new(options)).unwrap()
+    Loopback::connect_to(SimulatedDevice::new(options)).unwrap()
 }
 
 #[test]

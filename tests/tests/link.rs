@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use slipline::device_table::DeviceTable;
-use slipline::link::worker::Worker;
-use slipline::link::{
-    Acknowledged, Change, DriveRequest, LinkState, Outcome, Port, Request, Ticket, ToneRequest, Trouble,
+use slipline_link::native::Worker;
+use slipline_link::table::DeviceTable;
+use slipline_link::{
+    Acknowledged, Change, DriveRequest, LinkError, LinkState, Outcome, Port, Request, Ticket, ToneRequest,
 };
 use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
@@ -38,7 +38,7 @@ fn a_device_that_answers_no_more_is_lost_after_three_repeats_of_the_same_number(
     rig.ports().commands.clear();
     let ticket = rig.ask(Request::Disarm);
     rig.pass_ms(LOST_AFTER_MS + 10);
-    assert_eq!(rig.view().link, LinkState::Lost(Trouble::Silent));
+    assert_eq!(rig.view().link, LinkState::Lost(LinkError::Silent));
     assert_eq!(rig.outcome(ticket), Some(Outcome::NotConnected));
     let ports = rig.ports();
     let disarms: Vec<u16> =
@@ -204,7 +204,7 @@ fn a_panic_anywhere_in_the_program_stops_the_drive() {
     let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
     let patience = Duration::from_secs(10);
     assert!(matches!(worker.wait(connect, patience), Some(Outcome::Done { .. })));
-    slipline::link::worker::stop_on_panic(worker.handle());
+    slipline_link::native::stop_on_panic(worker.handle());
     let painted = std::thread::spawn(|| panic!("a mistake while painting"));
     assert!(painted.join().is_err());
     let stopped = worker.handle().wait_for(patience, |snapshot| {

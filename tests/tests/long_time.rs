@@ -1,6 +1,6 @@
 //! Large sample indices: nothing wraps, nothing drifts.
 
-use slipline::link::simulated::Options;
+use slipline_link::simulator::Options;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::DEAD_MAN_MS;
 use slipline_protocol::{Command, Refusal};

@@ -1,8 +1,8 @@
 //! Noise on the link: no command is taken from it, and it does not feed the dead-man.
 
 use proptest::prelude::*;
-use slipline::chain::Chain;
-use slipline::link::simulated::{Options, SimulatedDevice};
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_protocol::Command;
 use slipline_protocol::command::KeepAlive;
 use slipline_protocol::event::{Event, Fault, State};
@@ -220,7 +220,7 @@ fn of_a_million_damaged_frames_none_is_taken_for_a_command() {
 fn an_unfinished_frame_of_one_host_does_not_lose_the_next_hosts_hello() {
     let mut device = SimulatedDevice::new(Options::default());
     device.feed(&[9, 2, 3, 4]);
-    let chain = Chain::connect_to(device).unwrap();
+    let chain = Loopback::connect_to(device).unwrap();
     let view = chain.view();
     assert!(view.is_connected());
     assert_eq!((view.counters.retries, view.counters.timeouts), (0, 0));

@@ -3,10 +3,10 @@
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
-use slipline::link::transport::{Opener, Transport, Waker};
-use slipline::link::watch::Watch;
-use slipline::link::worker::Worker;
-use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble};
+use slipline_link::native::Watch;
+use slipline_link::native::Worker;
+use slipline_link::transport::{Opener, Transport, Waker};
+use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use slipline_tests::faulty_ports::{Line, PortsOpener, board};
 use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig};
 
@@ -17,7 +17,7 @@ fn a_device_that_never_answers_is_given_up_with_a_reason() {
     let ticket = rig.ask(Request::Connect(Port::Serial("A".to_owned())));
     rig.pass_ms(LOST_AFTER_MS + 10);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().trouble, Some(Trouble::NoAnswer(Port::Serial("A".to_owned()))));
+    assert_eq!(rig.view().trouble, Some(LinkError::NoAnswer(Port::Serial("A".to_owned()))));
     assert!(matches!(rig.outcome(ticket), Some(Outcome::Refused(_))));
 }
 
@@ -56,7 +56,7 @@ fn a_port_that_would_only_block_is_polled_slowly_and_lost_as_silent() {
         rig.ports().error = Some(kind);
         let steps = rig.steps;
         rig.pass_ms(LOST_AFTER_MS + 250);
-        assert_eq!(rig.view().link, LinkState::Lost(Trouble::Silent), "{kind:?}");
+        assert_eq!(rig.view().link, LinkState::Lost(LinkError::Silent), "{kind:?}");
         // A write that does not go through is tried every millisecond.
         assert!(rig.steps - steps <= LOST_AFTER_MS + 260);
     }
@@ -65,9 +65,11 @@ fn a_port_that_would_only_block_is_polled_slowly_and_lost_as_silent() {
 #[test]
 fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
     let port = Port::Serial("A".to_owned());
-    for trouble in
-        [Trouble::Busy(port.clone()), Trouble::NoPermission(port.clone()), Trouble::NoSuchPort(port.clone())]
-    {
+    for trouble in [
+        LinkError::Busy(port.clone()),
+        LinkError::NoPermission(port.clone()),
+        LinkError::NoSuchPort(port.clone()),
+    ] {
         let mut rig = LinkRig::new();
         rig.ports().open_error = Some(trouble.clone());
         let ticket = rig.ask(Request::Connect(port.clone()));
@@ -89,7 +91,7 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
         fn list(&mut self) -> Vec<PortInfo> {
             self.0.list()
         }
-        fn open(&mut self, port: &Port, waker: &Waker) -> Result<Line, Trouble> {
+        fn open(&mut self, port: &Port, waker: &Waker) -> Result<Line, LinkError> {
             self.1 += 1;
             assert!(self.1 < 2, "a mistake in the link");
             self.0.open(port, waker)
@@ -103,7 +105,7 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
     let later = worker.send(Request::Refresh);
     assert_eq!(worker.wait(later, REPLY_TIMEOUT), Some(Outcome::NotConnected));
     let view = worker.snapshot();
-    assert_eq!(view.link, LinkState::Lost(Trouble::Crashed));
+    assert_eq!(view.link, LinkState::Lost(LinkError::Crashed));
     assert!(
         view.status.is_none()
             && view.log.back().is_some_and(|line| line.text.contains("start Slipline again"))
@@ -119,7 +121,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
         fn list(&mut self) -> Vec<PortInfo> {
             vec![board("A")]
         }
-        fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Self, Trouble> {
+        fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Self, LinkError> {
             Ok(Self)
         }
     }
@@ -143,7 +145,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
 #[test]
 fn a_file_or_a_folder_is_told_to_be_no_serial_port() {
     for path in [concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"), env!("CARGO_MANIFEST_DIR")] {
-        let told = slipline::link::serial::open(path).err();
-        assert_eq!(told, Some(Trouble::NotSerial(Port::Serial(path.to_owned()))));
+        let told = slipline_link::native::serial::open(path).err();
+        assert_eq!(told, Some(LinkError::NotSerial(Port::Serial(path.to_owned()))));
     }
 }

@@ -2,13 +2,14 @@
 #![cfg(unix)]
 
 use serialport::{SerialPort, TTYPort};
-use slipline::link::opener::system_clock;
-use slipline::link::pace::{PacedDevice, PacedLine};
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::{Opener, Transport, Waker};
-use slipline::link::watch::Watch;
-use slipline::link::worker::Worker;
-use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble, serial, socket};
+use slipline_link::native::Watch;
+use slipline_link::native::Worker;
+use slipline_link::native::system_clock;
+use slipline_link::native::{serial, socket};
+use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Transport, Waker};
+use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use std::io::{Read, Write};
 use std::os::unix::net::UnixListener;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,10 +20,10 @@ use std::time::Duration;
 /// Longer than anything here takes; no length is asserted.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(20);
 
-type Device = Arc<Mutex<PacedDevice>>;
+type Device = Arc<Mutex<RealtimeDevice>>;
 
 fn device() -> Device {
-    Arc::new(Mutex::new(PacedDevice::new(SimulatedDevice::new(Options::default()), system_clock())))
+    Arc::new(Mutex::new(RealtimeDevice::new(SimulatedDevice::new(Options::default()), system_clock())))
 }
 
 /// A device behind a byte stream, until it is dropped: then the stream is closed.
@@ -37,7 +38,7 @@ impl Cable {
         let pulled = Arc::new(AtomicBool::new(false));
         let is_pulled = pulled.clone();
         let carrier = thread::spawn(move || {
-            let mut line = PacedLine::new(device, Waker::new(|| ()));
+            let mut line = RealtimeLine::new(device, Waker::new(|| ()));
             let mut buffer = [0; 512];
             while !is_pulled.load(Ordering::Relaxed) {
                 // Nothing yet, or nobody at the other end: the cable does not care.
@@ -93,11 +94,11 @@ impl Opener for Bus {
         .collect()
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Watch>, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<Box<dyn Watch>, LinkError> {
         match port {
             Port::Serial(name) => Ok(Box::new(serial::open(name)?)),
             Port::Unix(path) => Ok(Box::new(socket::open(path)?)),
-            Port::Simulated => Err(Trouble::NoSuchPort(port.clone())),
+            Port::Simulated => Err(LinkError::NoSuchPort(port.clone())),
         }
     }
 }
@@ -118,7 +119,7 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
         LinkState::Reconnecting(trouble) => Some(trouble.clone()),
         _ => None,
     });
-    assert_eq!(lost, Some(Trouble::Gone));
+    assert_eq!(lost, Some(LinkError::Gone));
 
     let (_cable, second) = pseudo_terminal(&device);
     *bus.lock().unwrap() = Some(second.clone());
@@ -134,7 +135,7 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
 fn a_terminal_that_another_program_holds_is_busy() {
     let (_cable, name) = pseudo_terminal(&device());
     let _holder = serial::open(&name).unwrap();
-    assert_eq!(serial::open(&name).err(), Some(Trouble::Busy(Port::Serial(name))));
+    assert_eq!(serial::open(&name).err(), Some(LinkError::Busy(Port::Serial(name))));
 }
 
 #[test]
@@ -153,7 +154,7 @@ fn a_device_behind_a_unix_socket_answers_and_its_end_is_noticed() {
         LinkState::Lost(trouble) => Some(trouble.clone()),
         _ => None,
     });
-    assert_eq!(lost, Some(Trouble::Gone));
+    assert_eq!(lost, Some(LinkError::Gone));
     drop(worker);
     std::fs::remove_file(path).unwrap();
 }

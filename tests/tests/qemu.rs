@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use slipline::device_table::DeviceTable;
-use slipline::link::worker::Worker;
-use slipline::link::{DriveRequest, Outcome, Port, Request, ToneRequest};
-use slipline::mirror::Mirror;
 use slipline_app::Stop;
 use slipline_app::bank::BLOCK;
+use slipline_link::mirror::Mirror;
+use slipline_link::native::Worker;
+use slipline_link::table::DeviceTable;
+use slipline_link::{DriveRequest, Outcome, Port, Request, ToneRequest};
 use slipline_protocol::command::{Apply, Command, DigestWindow, Drive};
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::frame::CRC;

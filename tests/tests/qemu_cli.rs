@@ -7,9 +7,9 @@
 use std::process::{Child, Command as Process, Output, Stdio};
 
 use serde_json::Value;
-use slipline::link::Port;
-use slipline::link::socket;
 use slipline_app::bank::BLOCK;
+use slipline_link::Port;
+use slipline_link::native::socket;
 use slipline_protocol::Command;
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS, STOP_RAMP_MS};
 use slipline_protocol::units::SampleIndex;

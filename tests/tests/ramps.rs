@@ -1,6 +1,6 @@
 //! How the sound begins and ends: ramps, the mute pin, and the very first codes.
 
-use slipline::link::simulated::Options;
+use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::{Fault, ResetCause, State};

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use slipline::link::connection::SEEK_PERIOD;
-use slipline::link::{LinkState, Outcome, Port, PortInfo, Request, Trouble};
+use slipline_link::connection::SEEK_PERIOD;
+use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::{Command, Event, Refusal};
 use slipline_tests::faulty_ports::{Rewrite, as_real, board};
@@ -26,8 +26,8 @@ fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
         rig.states,
         [
             LinkState::Connected,
-            LinkState::Lost(Trouble::Gone),
-            LinkState::Reconnecting(Trouble::Gone),
+            LinkState::Lost(LinkError::Gone),
+            LinkState::Reconnecting(LinkError::Gone),
             LinkState::Connected
         ]
     );
@@ -62,7 +62,7 @@ fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     rig.pass_ms(50);
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(5000);
-    assert_eq!(rig.view().link, LinkState::Lost(Trouble::Gone));
+    assert_eq!(rig.view().link, LinkState::Lost(LinkError::Gone));
     assert_eq!(rig.ports().opened.len(), 1);
     rig.ask(Request::AutoReconnect(true));
     rig.pass_ms(300);
@@ -79,7 +79,7 @@ fn a_device_that_another_program_keeps_taking_is_left_to_it() {
     rig.ports().rewrite = refused;
     rig.pass_ms(20_000);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().trouble, Some(Trouble::SessionEnded));
+    assert_eq!(rig.view().trouble, Some(LinkError::SessionEnded));
     let hellos = rig.ports().commands.iter().filter(|(_, c)| matches!(c, Command::Hello(_))).count();
     assert!((2..=4).contains(&hellos), "{hellos}");
     // Asked for again, it is tried again.

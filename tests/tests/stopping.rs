@@ -1,6 +1,6 @@
 //! Stops on a bad line: what they overtake does not come back, and what is asked for after them is not undone.
 
-use slipline::link::{Change, DriveRequest, LinkState, Outcome, Port, Request, ToneRequest};
+use slipline_link::{Change, DriveRequest, LinkState, Outcome, Port, Request, ToneRequest};
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::REPLY_TIMEOUT_MS;

@@ -1,7 +1,7 @@
 //! Flash storage: written only while nothing sounds, read at the next start, dropped with a report when damaged.
 
 use proptest::prelude::*;
-use slipline::link::simulated::{MemoryFlash, Options};
+use slipline_link::simulator::{MemoryFlash, Options};
 use slipline_protocol::event::{Event, Fault, ResetCause, State, StoredConfig};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};

@@ -3,8 +3,8 @@
 
 use clap::Parser;
 use slipline::cli::Cli;
-use slipline::link::simulated::Options;
 use slipline_app::thermal::Heat;
+use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_tests::command_proxy::{Alter, CommandProxy, unaltered};
 

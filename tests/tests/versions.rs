@@ -1,6 +1,6 @@
 //! Devices of another version, R-23.
 
-use slipline::link::{LinkState, Outcome, Port, Request};
+use slipline_link::{LinkState, Outcome, Port, Request};
 use slipline_protocol::version::{Compatibility, Version};
 use slipline_protocol::{Command, Event};
 use slipline_tests::faulty_ports::{Rewrite, as_real};

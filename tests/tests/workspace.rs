@@ -46,6 +46,7 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         "slipline-stm32",
         "slipline-qemu",
         "slipline",
+        "slipline-link",
         "slipline-plate",
         "slipline-tests",
     ];
@@ -56,9 +57,13 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         ("slipline-qemu", "slipline-app"),
         ("slipline", "slipline-app"),
         ("slipline", "slipline-protocol"),
+        ("slipline-link", "slipline-app"),
+        ("slipline-link", "slipline-protocol"),
+        ("slipline", "slipline-link"),
         ("slipline", "slipline-plate"),
         ("slipline-tests", "slipline"),
         ("slipline-tests", "slipline-app"),
+        ("slipline-tests", "slipline-link"),
         ("slipline-tests", "slipline-protocol"),
         ("slipline-tests", "slipline-plate"),
     ];
@@ -67,8 +72,16 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
 
 #[test]
 fn every_crate_takes_its_lints_from_the_one_table() {
-    for folder in ["shared", "firmware/app", "firmware/stm32", "firmware/qemu", "host", "host/plate", "tests"]
-    {
+    for folder in [
+        "shared",
+        "firmware/app",
+        "firmware/stm32",
+        "firmware/qemu",
+        "host",
+        "host/link",
+        "host/plate",
+        "tests",
+    ] {
         let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("manifest");
         assert!(manifest.contains("[lints]\nworkspace = true"), "{folder}");
     }

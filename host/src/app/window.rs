@@ -3,8 +3,8 @@
 use super::{App, Parts, first_setup};
 use crate::figures::plate;
 use crate::files::SystemFiles;
-use crate::link::list_ports;
-use crate::link::worker::{Worker, stop_on_panic};
+use crate::link::native::list_ports;
+use crate::link::native::{Worker, stop_on_panic};
 use crate::settings::Settings;
 use crate::setup_file::{self, Opened};
 use crate::workshop::Workshop;

@@ -1,8 +1,8 @@
 //! A device for one command: the worker, waited for.
 
 use super::{Failure, progress};
-use crate::device_table::DeviceTable;
-use crate::link::worker::{Handle, Worker};
+use crate::link::native::{Handle, Worker};
+use crate::link::table::DeviceTable;
 use crate::link::{Outcome, Port, Request, Snapshot};
 use slipline_plate::Plate;
 use slipline_protocol::event::Identity;

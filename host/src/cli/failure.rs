@@ -56,7 +56,7 @@ impl From<SimulationError> for Failure {
             | SimulationError::Respond(_)
             | SimulationError::Sum(_)
             | SimulationError::Line(_) => Self::usage(error),
-            SimulationError::Chain(_) => Self::failed(error),
+            SimulationError::Loopback(_) => Self::failed(error),
         }
     }
 }

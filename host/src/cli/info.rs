@@ -2,7 +2,8 @@
 
 use super::device::Device;
 use super::{Failure, output};
-use crate::link::{Port, list_ports};
+use crate::link::Port;
+use crate::link::native::list_ports;
 use serde_json::json;
 use slipline_plate::numeral::with_decimals;
 
@@ -102,7 +103,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         let table = table.map_or_else(
             || "none".to_owned(),
             |it| {
-                let (start, end) = crate::device_table::span_m(&it);
+                let (start, end) = crate::link::table::span_m(&it);
                 format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
             },
         );

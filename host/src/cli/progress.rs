@@ -1,6 +1,6 @@
 //! How far a long computation is, on a terminal's error stream; nothing where there is no terminal to look at it.
 
-use crate::device_table::DeviceTable;
+use crate::link::table::DeviceTable;
 use crate::simulation::{self, SimulationError};
 use slipline_plate::{DriveTable, Plate, Progress};
 use std::io::{self, IsTerminal, Write};

@@ -2,7 +2,7 @@
 
 use super::destination::Destination;
 use super::{Failure, RecordArguments, argument, output, progress};
-use crate::chain::Chain;
+use crate::link::simulator::loopback::Loopback;
 use crate::link::{DriveRequest, Request};
 use crate::simulation::SAMPLE_RATE_HZ;
 use serde_json::json;
@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
 fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     table.check_sum(tones).map_err(Failure::usage)?;
-    let mut chain = Chain::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
+    let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
     let begin = chain.samples();
     let mut codes = Vec::new();

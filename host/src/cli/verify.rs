@@ -6,8 +6,8 @@
 
 use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
+use crate::link::mirror::{Mirror, TooLate};
 use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
-use crate::mirror::{Mirror, TooLate};
 use crate::quantity::Measure;
 use serde_json::{Value, json};
 use slipline_app::mailbox::Stop;
@@ -146,7 +146,7 @@ struct Follower {
 
 impl Follower {
     /// From now on, when the device is silent and holds this table.
-    fn new(device: &Device, table: &crate::device_table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
+    fn new(device: &Device, table: &crate::link::table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
         let now = device.perform_at(Request::Refresh)?;
         let mut mirror = Mirror::new(rate_hz, now);
         mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;

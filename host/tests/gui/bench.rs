@@ -4,13 +4,13 @@ use eframe::egui;
 use egui_kittest::Harness;
 use slipline::app::{App, Link, Parts, TableJob, TableState, first_setup};
 use slipline::files::{FileEvent, FileJob, Files, Save};
-use slipline::link::connection::Connection;
-use slipline::link::simulated::{Options, SimulatedDevice};
-use slipline::link::transport::{Opener, Transport, Waker};
-use slipline::link::{Port, PortInfo, Request, Snapshot, Ticket, Trouble};
 use slipline::settings::{Settings, ThemeChoice};
 use slipline::workshop::Workshop;
 use slipline::{designer, figures, live, setup_file, sheet, table_making, trial, validity};
+use slipline_link::connection::Connection;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Transport, Waker};
+use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::io;
@@ -62,11 +62,11 @@ impl Opener for DeskOpener {
         if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<DeskLine, Trouble> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<DeskLine, LinkError> {
         if self.0.lock().unwrap().is_plugged {
             Ok(DeskLine(Arc::clone(&self.0)))
         } else {
-            Err(Trouble::NoSuchPort(port.clone()))
+            Err(LinkError::NoSuchPort(port.clone()))
         }
     }
 }

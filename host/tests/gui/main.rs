@@ -22,8 +22,8 @@ mod unknown;
 use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline::link::{LinkState, Request, Snapshot};
 use slipline::settings::ThemeChoice;
+use slipline_link::{LinkState, Request, Snapshot};
 use slipline_protocol::event::State;
 use std::sync::Arc;
 
@@ -79,7 +79,7 @@ fn the_first_start_shows_the_plate_already_moving() {
     let snapshot = bench.snapshot();
     assert_eq!(snapshot.upload_verified, Some(true));
     assert!(
-        snapshot.log.iter().all(|entry| entry.severity < slipline::link::Severity::Warning),
+        snapshot.log.iter().all(|entry| entry.severity < slipline_link::Severity::Warning),
         "{:?}",
         snapshot.log
     );

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable as _;
-use slipline::link::Severity;
+use slipline_link::Severity;
 
 fn save(bench: &mut Bench) {
     bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);

@@ -6,8 +6,8 @@ use crate::real_device;
 use eframe::egui::{Color32, Key, Rect, Theme, Vec2, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline::link::Request;
 use slipline::settings::ThemeChoice;
+use slipline_link::Request;
 use slipline_protocol::event::State;
 
 fn press_stop(bench: &mut Bench, while_what: &str) {

@@ -4,8 +4,8 @@ use crate::bench::{Bench, Drawer, FixedLink, open_window};
 use crate::plots::words;
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline::link::{Port, Request};
 use slipline::settings::ThemeChoice;
+use slipline_link::{Port, Request};
 use std::sync::Arc;
 
 #[test]

@@ -8,8 +8,8 @@
 use std::io::{self, BufRead, Write};
 use std::sync::Arc;
 
-use slipline::mirror::Mirror;
 use slipline_app::Stop;
+use slipline_link::mirror::Mirror;
 use slipline_protocol::table::Knot;
 use slipline_protocol::{Command, Decoder};
 use slipline_tests::rig::RATE_HZ;

@@ -1,12 +1,12 @@
 //! How the worker's poll learns that a transport has bytes to read.
 
-use super::transport::Transport;
+use crate::transport::Transport;
 use std::io;
 
 /// A transport that the worker can sleep on.
 pub trait Watch: Transport {
     /// Asks for `registry`'s poll to return with `token` when bytes arrive. The default is for a transport that calls
-    /// the [`Waker`](super::transport::Waker) it was opened with.
+    /// the [`Waker`](crate::transport::Waker) it was opened with.
     ///
     /// # Errors
     /// Whatever the system says.

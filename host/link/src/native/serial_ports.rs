@@ -1,7 +1,6 @@
 //! The serial ports of this computer, and which of them are Slipline devices.
 
-use super::port::{USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
-use super::{Port, PortInfo};
+use crate::port::{Port, PortInfo, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
 use serialport::{SerialPortType, UsbPortInfo};
 
 /// Every port that exists now: the simulated device, then Slipline devices, then the other serial ports by name.

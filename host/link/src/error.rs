@@ -1,11 +1,11 @@
 //! What can go wrong with a link, as one sentence each that says what to do.
 
-use super::Port;
+use crate::port::Port;
 use std::io::{self, ErrorKind};
 
 /// What went wrong with the link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Trouble {
+pub enum LinkError {
     /// The port does not exist.
     #[error("there is no port {0}: is the device plugged in?")]
     NoSuchPort(Port),
@@ -40,7 +40,7 @@ pub enum Trouble {
     Io(String),
 }
 
-impl Trouble {
+impl LinkError {
     /// What an error while opening a port means.
     #[must_use]
     pub fn opening(port: &Port, error: &io::Error) -> Self {

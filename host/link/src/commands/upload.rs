@@ -1,7 +1,8 @@
 //! One upload of a table, step by step: begin, chunks, commit, read the digest back.
 
-use super::{Ticket, UploadProgress};
-use crate::device_table::DeviceTable;
+use crate::request::Ticket;
+use crate::snapshot::UploadProgress;
+use crate::table::DeviceTable;
 use slipline_protocol::Command;
 use std::sync::Arc;
 use std::time::Duration;

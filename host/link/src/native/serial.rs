@@ -4,9 +4,10 @@
 //! on it). Reads and writes do not wait, on Windows not long: where the system can tell when bytes arrive (all but
 //! Windows) the worker sleeps until then, else it reads every few milliseconds.
 
-use super::transport::Transport;
 use super::watch::{Wakes, Watch};
-use super::{Port, Trouble};
+use crate::error::LinkError;
+use crate::port::Port;
+use crate::transport::Transport;
 use serialport::{ErrorKind, SerialPort};
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -29,15 +30,15 @@ pub struct Serial(Native);
 /// Opens a serial port by its system name.
 ///
 /// # Errors
-/// [`Trouble`]: no such port, in use, no permission, or what the system says.
-pub fn open(name: &str) -> Result<Serial, Trouble> {
+/// [`LinkError`]: no such port, in use, no permission, or what the system says.
+pub fn open(name: &str) -> Result<Serial, LinkError> {
     let port = Port::Serial(name.to_owned());
     let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(PATIENCE);
     let native = Native::open(&builder).map_err(|error| match error.kind {
         // The crate says "no device" for a port that another program has locked, too.
-        ErrorKind::NoDevice if Path::new(name).exists() => Trouble::Busy(port.clone()),
-        _ if is_no_device(Path::new(name)) => Trouble::NotSerial(port.clone()),
-        _ => Trouble::opening(&port, &io::Error::from(error)),
+        ErrorKind::NoDevice if Path::new(name).exists() => LinkError::Busy(port.clone()),
+        _ if is_no_device(Path::new(name)) => LinkError::NotSerial(port.clone()),
+        _ => LinkError::opening(&port, &io::Error::from(error)),
     })?;
     // What an earlier owner left behind belongs to nobody.
     native.clear(serialport::ClearBuffer::All).ok();

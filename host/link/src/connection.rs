@@ -9,11 +9,15 @@
 //! [`Connection::deadline`]. After a loss the device is looked for; it comes back disarmed, and arming it again is
 //! left to the user.
 
-use super::dialogue::{Dialogue, Verdict};
-use super::record::Record;
-use super::sought::Sought;
-use super::transport::{Opener, Transport, Waker};
-use super::{LinkState, Outcome, Port, PortInfo, Request, Severity, Snapshot, Ticket, Trouble};
+use crate::commands::{Dialogue, Verdict};
+use crate::error::LinkError;
+use crate::journal::Record;
+use crate::log::Severity;
+use crate::port::{Port, PortInfo};
+use crate::rediscovery::Sought;
+use crate::request::{Outcome, Request, Ticket};
+use crate::snapshot::{LinkState, Snapshot};
+use crate::transport::{Opener, Transport, Waker};
 use std::io;
 use std::time::Duration;
 
@@ -219,7 +223,7 @@ impl<O: Opener> Connection<O> {
         self.has_more = true;
         for _ in 0..READS {
             match open.transport.read(&mut buffer) {
-                Ok(0) => return Verdict::Lose(Trouble::Gone),
+                Ok(0) => return Verdict::Lose(LinkError::Gone),
                 Ok(count) => {
                     let bytes = buffer.get(..count).unwrap_or_default();
                     match open.dialogue.hear(bytes, &mut self.record, now) {
@@ -228,7 +232,7 @@ impl<O: Opener> Connection<O> {
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => match Trouble::transfer(&error) {
+                Err(error) => match LinkError::transfer(&error) {
                     None => {
                         self.has_more = false;
                         break;
@@ -245,10 +249,10 @@ impl<O: Opener> Connection<O> {
         let output = open.dialogue.output();
         while !output.is_empty() {
             match open.transport.write(output) {
-                Ok(0) => return Verdict::Lose(Trouble::Gone),
+                Ok(0) => return Verdict::Lose(LinkError::Gone),
                 Ok(count) => drop(output.drain(..count.min(output.len()))),
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => match Trouble::transfer(&error) {
+                Err(error) => match LinkError::transfer(&error) {
                     None => break,
                     Some(trouble) => return Verdict::Lose(trouble),
                 },
@@ -264,7 +268,7 @@ impl<O: Opener> Connection<O> {
             return Verdict::GoOn;
         };
         let is_it = sought.is_it(unit, self.record.view.port.as_ref());
-        if is_it { Verdict::GoOn } else { Verdict::Lose(Trouble::Gone) }
+        if is_it { Verdict::GoOn } else { Verdict::Lose(LinkError::Gone) }
     }
 
     /// Drops the transport; whatever waits ends with `outcome`.
@@ -285,10 +289,10 @@ impl<O: Opener> Connection<O> {
         self.open_next(now);
     }
 
-    fn lose(&mut self, trouble: Trouble, now: Duration) {
+    fn lose(&mut self, trouble: LinkError, now: Duration) {
         let was_first = self.record.view.link == LinkState::Connecting;
         let trouble = match (&self.record.view.port, trouble) {
-            (Some(port), Trouble::Silent) if was_first => Trouble::NoAnswer(port.clone()),
+            (Some(port), LinkError::Silent) if was_first => LinkError::NoAnswer(port.clone()),
             (_, trouble) => trouble,
         };
         let is_leaving = self.leave.is_some() || self.next.is_some();
@@ -297,7 +301,7 @@ impl<O: Opener> Connection<O> {
         if is_leaving {
             return self.close(now);
         }
-        let is_short = trouble == Trouble::SessionEnded && now < self.opened_at + SHORT_LIFE;
+        let is_short = trouble == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
         let was_seeking = matches!(self.record.view.link, LinkState::Reconnecting(_));
         self.record.part(Some(trouble.clone()));
@@ -312,7 +316,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    fn seek(&mut self, trouble: Trouble, now: Duration) {
+    fn seek(&mut self, trouble: LinkError, now: Duration) {
         self.record.log(Severity::Info, "Looking for the device.");
         self.record.link(LinkState::Reconnecting(trouble));
         self.phase = Phase::Seeking { next: now };
@@ -340,7 +344,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), Trouble> {
+    fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), LinkError> {
         let transport = self.opener.open(port, &self.waker)?;
         self.opened_at = now;
         let dialogue = Dialogue::begin((self.nonces)(), ticket, now);

@@ -4,8 +4,8 @@
 //! rendered them at their time or just before it is next spoken to. It does the latter: no thread, no timer, and at
 //! rest no work but what the keep-alives cause.
 
-use super::simulated::SimulatedDevice;
-use super::transport::{Transport, Waker, read_received};
+use super::device::SimulatedDevice;
+use crate::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,7 +19,7 @@ const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 pub type Clock = Box<dyn Fn() -> Duration + Send>;
 
 /// A simulated device and how far its time has come.
-pub struct PacedDevice {
+pub struct RealtimeDevice {
     device: SimulatedDevice,
     clock: Clock,
     /// The clock's time when the device was started.
@@ -28,7 +28,7 @@ pub struct PacedDevice {
     blocks: u64,
 }
 
-impl PacedDevice {
+impl RealtimeDevice {
     /// Starts a device's time now, by this clock.
     #[must_use]
     pub fn new(device: SimulatedDevice, clock: Clock) -> Self {
@@ -47,21 +47,21 @@ impl PacedDevice {
 }
 
 /// The line to a simulated device.
-pub struct PacedLine {
-    device: Arc<Mutex<PacedDevice>>,
+pub struct RealtimeLine {
+    device: Arc<Mutex<RealtimeDevice>>,
     received: Vec<u8>,
     waker: Waker,
 }
 
-impl PacedLine {
+impl RealtimeLine {
     /// A line to this device; `waker` is called when it has answered.
     #[must_use]
-    pub const fn new(device: Arc<Mutex<PacedDevice>>, waker: Waker) -> Self {
+    pub const fn new(device: Arc<Mutex<RealtimeDevice>>, waker: Waker) -> Self {
         Self { device, received: Vec::new(), waker }
     }
 }
 
-impl Transport for PacedLine {
+impl Transport for RealtimeLine {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         read_received(&mut self.received, buffer)
     }

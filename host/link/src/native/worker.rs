@@ -3,22 +3,22 @@
 //! It sleeps until a request comes, bytes arrive or something is due; [`Worker::send`] and [`Worker::snapshot`] only
 //! take a lock that is held for a copy. When the worker is dropped it stops and disarms the device first; should the
 //! program panic, [`stop_on_panic`] sends a stop, and if even that fails, the device's dead-man ends the drive. Should
-//! this very thread panic, the snapshot says so ([`Trouble::Crashed`]) and whatever is asked is not done.
+//! this very thread panic, the snapshot says so ([`LinkError::Crashed`]) and whatever is asked is not done.
 
-use super::connection::{Connection, Nonces};
 use super::opener::SystemOpener;
-use super::record::Record;
-use super::transport::{Opener, Waker};
 use super::watch::{Wakes, Watch};
-use super::{LinkState, Outcome, Severity, Ticket, Trouble};
-use std::hash::{BuildHasher, Hasher};
+use crate::connection::{Connection, Nonces};
+use crate::error::LinkError;
+use crate::journal::Record;
+use crate::log::Severity;
+use crate::request::{Outcome, Request, Ticket};
+use crate::snapshot::{LinkState, Snapshot};
+use crate::transport::{Opener, Waker};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
-
-pub use super::{Request, Snapshot};
 
 /// A port that cannot wake the worker is read this often.
 const READ_PERIOD: Duration = Duration::from_millis(2);
@@ -252,19 +252,23 @@ fn tell_crash(shared: &Shared) {
     let mut record = Record::default();
     record.view = Snapshot::clone(&lock(&shared.snapshot));
     record.set_time(record.view.status_time);
-    record.part(Some(Trouble::Crashed));
-    record.link(LinkState::Lost(Trouble::Crashed));
-    record.log(Severity::Error, format!("Connection lost: {}.", Trouble::Crashed));
+    record.part(Some(LinkError::Crashed));
+    record.link(LinkState::Lost(LinkError::Crashed));
+    record.log(Severity::Error, format!("Connection lost: {}.", LinkError::Crashed));
     record.take_changes();
     publish(shared, &record.view);
 }
 
-/// Nonces from the system's entropy, which seeds every [`std::hash::RandomState`].
+/// Nonces from the system's random numbers.
 fn random_nonces() -> Nonces {
-    Box::new(|| {
-        let mut hasher = std::hash::RandomState::new().build_hasher();
-        hasher.write_u8(0);
-        let [a, b, c, d, ..] = hasher.finish().to_le_bytes();
-        [a, b, c, d]
+    let mut drawn = 0u32;
+    Box::new(move || {
+        let mut nonce = [0; 4];
+        if getrandom::fill(&mut nonce).is_err() {
+            // A system without random numbers: the sessions of this process differ all the same.
+            drawn = drawn.wrapping_add(1);
+            nonce = (std::process::id().rotate_left(16) ^ drawn).to_le_bytes();
+        }
+        nonce
     })
 }

@@ -7,16 +7,12 @@
 //! It has no thread and no clock: nothing happens but by a call, so everything it does can be repeated exactly. Faults
 //! of the hardware are injected at the edges, where they would come from.
 
-mod edges;
-
-pub use edges::MemoryFlash;
-
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Waker};
 
-use edges::Edge;
+use super::peripherals::{Edge, MemoryFlash};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};

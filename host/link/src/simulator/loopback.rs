@@ -6,10 +6,14 @@
 //! ```
 //! Time is what has been rendered, so every run of the same requests gives the same codes.
 
-use crate::link::connection::Connection;
-use crate::link::simulated::{MemoryFlash, Options, SimulatedDevice};
-use crate::link::transport::{Opener, Transport, Waker, read_received};
-use crate::link::{Outcome, Port, PortInfo, Request, Snapshot, Ticket, Trouble};
+use super::device::{Options, SimulatedDevice};
+use super::peripherals::MemoryFlash;
+use crate::connection::Connection;
+use crate::error::LinkError;
+use crate::port::{Port, PortInfo};
+use crate::request::{Outcome, Request, Ticket};
+use crate::snapshot::Snapshot;
+use crate::transport::{Opener, Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -20,7 +24,7 @@ const PATIENCE_BLOCKS: u64 = 62_500;
 
 /// Why the chain did not do what it was asked.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ChainError {
+pub enum LoopbackError {
     /// The device or the link refused; a sentence says why.
     #[error("{0}")]
     Refused(String),
@@ -36,27 +40,27 @@ fn lock(device: &Shared) -> MutexGuard<'_, SimulatedDevice> {
 }
 
 /// A link and a simulated device in virtual time.
-pub struct Chain {
+pub struct Loopback {
     connection: Connection<OneDevice>,
     device: Shared,
     tickets: u64,
     blocks: u64,
 }
 
-impl Chain {
+impl Loopback {
     /// A connected, armed device with samples at this rate in Hz.
     ///
     /// # Errors
-    /// [`ChainError`] if the device does not let itself be armed.
-    pub fn connect(sample_rate_hz: u32) -> Result<Self, ChainError> {
+    /// [`LoopbackError`] if the device does not let itself be armed.
+    pub fn connect(sample_rate_hz: u32) -> Result<Self, LoopbackError> {
         Self::connect_to(SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() }))
     }
 
     /// The same with a device that has a past: a table in its flash, a coil that counts as hot.
     ///
     /// # Errors
-    /// [`ChainError`] if the device does not let itself be armed.
-    pub fn connect_to(device: SimulatedDevice) -> Result<Self, ChainError> {
+    /// [`LoopbackError`] if the device does not let itself be armed.
+    pub fn connect_to(device: SimulatedDevice) -> Result<Self, LoopbackError> {
         let device = Arc::new(Mutex::new(device));
         let opener = OneDevice(device.clone());
         // One session of one device: any nonce will do.
@@ -83,8 +87,8 @@ impl Chain {
     /// the codes of that time.
     ///
     /// # Errors
-    /// [`ChainError`] if it is refused or does not end.
-    pub fn perform(&mut self, request: Request, mut sink: impl FnMut(&[u16])) -> Result<u64, ChainError> {
+    /// [`LoopbackError`] if it is refused or does not end.
+    pub fn perform(&mut self, request: Request, mut sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
         let now = self.now();
@@ -94,12 +98,12 @@ impl Chain {
             match self.connection.view().outcome(ticket) {
                 None => {}
                 Some(Outcome::Done { at }) => return Ok(*at),
-                Some(Outcome::Refused(sentence)) => return Err(ChainError::Refused(sentence.clone())),
+                Some(Outcome::Refused(sentence)) => return Err(LoopbackError::Refused(sentence.clone())),
                 Some(Outcome::Digest(digest)) => return Ok(digest.from),
-                Some(Outcome::Superseded | Outcome::NotConnected) => return Err(ChainError::NoAnswer),
+                Some(Outcome::Superseded | Outcome::NotConnected) => return Err(LoopbackError::NoAnswer),
             }
         }
-        Err(ChainError::NoAnswer)
+        Err(LoopbackError::NoAnswer)
     }
 
     /// The device's flash as it is now.
@@ -138,7 +142,7 @@ impl Opener for OneDevice {
         vec![PortInfo::simulated()]
     }
 
-    fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Line, Trouble> {
+    fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Line, LinkError> {
         Ok(Line { device: self.0.clone(), received: Vec::new() })
     }
 }

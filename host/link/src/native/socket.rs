@@ -1,8 +1,9 @@
 //! A Unix domain socket as a transport: an emulator's serial line.
 
-use super::transport::Transport;
 use super::watch::{Wakes, Watch};
-use super::{Port, Trouble};
+use crate::error::LinkError;
+use crate::port::Port;
+use crate::transport::Transport;
 use mio::net::UnixStream;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -13,11 +14,11 @@ pub struct Socket(UnixStream);
 /// Connects to the socket at `path`.
 ///
 /// # Errors
-/// [`Trouble`]: nobody listens there, no permission, or what the system says.
-pub fn open(path: &Path) -> Result<Socket, Trouble> {
+/// [`LinkError`]: nobody listens there, no permission, or what the system says.
+pub fn open(path: &Path) -> Result<Socket, LinkError> {
     UnixStream::connect(path)
         .map(Socket)
-        .map_err(|error| Trouble::opening(&Port::Unix(path.to_owned()), &error))
+        .map_err(|error| LinkError::opening(&Port::Unix(path.to_owned()), &error))
 }
 
 impl From<std::os::unix::net::UnixStream> for Socket {

@@ -1,9 +1,13 @@
 //! The picture of the link under construction: what the next snapshot will show.
 
-use super::conversation::Conversation;
-use super::snapshot::{JOURNAL_ENTRIES, JOURNAL_LIMITS, LOG_LINES, OUTCOMES};
-use super::{Acknowledged, Change, LogEntry, Outcome, Severity, Snapshot, Ticket, Trouble};
-use crate::link::LinkState;
+use crate::channel::Conversation;
+use crate::error::LinkError;
+use crate::log::{LOG_LINES, LogEntry, Severity};
+use crate::request::{Outcome, Ticket};
+use crate::snapshot::{
+    Acknowledged, Change, JOURNAL_ENTRIES, JOURNAL_LIMITS, LinkCounters, LinkState, OUTCOMES, RoundTrip,
+    Snapshot,
+};
 use slipline_protocol::event::{Status, TableReport};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
@@ -174,7 +178,7 @@ impl Record {
     }
 
     /// Forgets what was known of a device that is connected no more.
-    pub(crate) fn part(&mut self, trouble: Option<Trouble>) {
+    pub(crate) fn part(&mut self, trouble: Option<LinkError>) {
         let view = &mut self.view;
         view.identity = None;
         view.compatibility = None;
@@ -189,8 +193,8 @@ impl Record {
     /// Sets the counters of a connection to nothing.
     pub(crate) fn begin(&mut self) {
         let dropped = self.view.counters.dropped;
-        self.view.counters = super::LinkCounters { dropped, ..super::LinkCounters::default() };
-        self.view.round_trip = super::RoundTrip::default();
+        self.view.counters = LinkCounters { dropped, ..LinkCounters::default() };
+        self.view.round_trip = RoundTrip::default();
         self.view.upload_verified = None;
         self.touch();
     }
@@ -216,7 +220,7 @@ fn push_bounded<T>(list: &mut VecDeque<T>, limit: usize, item: T) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device_table::DeviceTable;
+    use crate::table::DeviceTable;
 
     #[test]
     fn a_limit_that_changes_for_minutes_does_not_push_out_the_drive() {

@@ -1,11 +1,13 @@
 //! The real world's ports, and the simulated device among them.
 
-use super::pace::{Clock, PacedDevice, PacedLine};
-use super::simulated::{Options, SimulatedDevice};
-use super::transport::{Opener, Waker};
-use super::watch::Watch;
+use super::serial;
 use super::serial_ports::list_ports;
-use super::{Port, PortInfo, Trouble, serial};
+use super::watch::Watch;
+use crate::error::LinkError;
+use crate::port::{Port, PortInfo};
+use crate::simulator::realtime::{Clock, RealtimeDevice, RealtimeLine};
+use crate::simulator::{Options, SimulatedDevice};
+use crate::transport::{Opener, Waker};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -16,12 +18,12 @@ pub fn system_clock() -> Clock {
     Box::new(move || since.elapsed())
 }
 
-impl Watch for PacedLine {}
+impl Watch for RealtimeLine {}
 
 /// Opens ports of this computer. The simulated device is powered at its first use and stays so.
 #[derive(Default)]
 pub struct SystemOpener {
-    simulated: Option<Arc<Mutex<PacedDevice>>>,
+    simulated: Option<Arc<Mutex<RealtimeDevice>>>,
 }
 
 impl Opener for SystemOpener {
@@ -31,20 +33,20 @@ impl Opener for SystemOpener {
         list_ports()
     }
 
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, Trouble> {
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
         match port {
             Port::Simulated => {
                 let device = self.simulated.get_or_insert_with(|| {
                     let device = SimulatedDevice::new(Options::default());
-                    Arc::new(Mutex::new(PacedDevice::new(device, system_clock())))
+                    Arc::new(Mutex::new(RealtimeDevice::new(device, system_clock())))
                 });
-                Ok(Box::new(PacedLine::new(device.clone(), waker.clone())))
+                Ok(Box::new(RealtimeLine::new(device.clone(), waker.clone())))
             }
             Port::Serial(name) => Ok(Box::new(serial::open(name)?)),
             #[cfg(unix)]
             Port::Unix(path) => Ok(Box::new(super::socket::open(path)?)),
             #[cfg(not(unix))]
-            Port::Unix(_) => Err(Trouble::Io("this system has no Unix sockets".to_owned())),
+            Port::Unix(_) => Err(LinkError::Io("this system has no Unix sockets".to_owned())),
         }
     }
 }

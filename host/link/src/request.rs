@@ -1,7 +1,8 @@
 //! What the rest of the program asks of the link.
 
-use super::{Port, Severity};
-use crate::device_table::{self, DeviceTable};
+use crate::log::Severity;
+use crate::port::Port;
+use crate::table::{self, DeviceTable};
 use slipline_protocol::command::{Apply, DigestWindow, Drive, TableHeader, Tone};
 use slipline_protocol::event::{Digest, Identity};
 use slipline_protocol::limits::MIN_MASTER_CDB;
@@ -200,12 +201,12 @@ impl DriveRequest {
                 let last = f64::from(identity.tones) - 1.0;
                 return Err(out_of_range("slot", f64::from(tone.slot), 0.0, last));
             }
-            let (start_m, end_m) = device_table::span_m(table);
-            let position = device_table::position_in(table, tone.boundary_m).ok_or_else(|| {
+            let (start_m, end_m) = table::span_m(table);
+            let position = table::position_in(table, tone.boundary_m).ok_or_else(|| {
                 out_of_range("boundary (mm)", tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3)
             })?;
             let level =
-                device_table::level(tone.level).ok_or_else(|| out_of_range("level", tone.level, 0.0, 1.0))?;
+                table::level(tone.level).ok_or_else(|| out_of_range("level", tone.level, 0.0, 1.0))?;
             if !tone.phase_turns.is_finite() {
                 return Err(out_of_range("phase (turns)", tone.phase_turns, 0.0, 1.0));
             }

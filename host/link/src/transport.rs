@@ -1,6 +1,7 @@
 //! What a link talks through.
 
-use super::{Port, PortInfo, Trouble};
+use crate::error::LinkError;
+use crate::port::{Port, PortInfo};
 use std::io;
 use std::sync::Arc;
 
@@ -73,5 +74,5 @@ pub trait Opener: Send {
     ///
     /// # Errors
     /// Why it cannot be opened.
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, Trouble>;
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError>;
 }

@@ -1,6 +1,6 @@
 //! The device of a link, to be known again after it was lost.
 
-use super::{Port, PortInfo};
+use crate::port::{Port, PortInfo};
 
 /// What is known of a device, and where it is not.
 #[derive(Debug)]

@@ -1,10 +1,12 @@
 //! A table's way onto the device: recognised or sent step by step, and known once the device's own word names it.
 
 use super::answers::sentence;
+use super::upload::{BUSY_PAUSE, BUSY_TRIES, Step, Upload};
 use super::{Current, Dialogue};
-use crate::link::record::Record;
-use crate::link::upload::{BUSY_PAUSE, BUSY_TRIES, Step, Upload};
-use crate::link::{Change, Outcome, Severity, Ticket};
+use crate::journal::Record;
+use crate::log::Severity;
+use crate::request::{Outcome, Ticket};
+use crate::snapshot::Change;
 use slipline_protocol::event::State;
 use slipline_protocol::{Command, Event, Refusal};
 use std::time::Duration;
@@ -110,7 +112,7 @@ fn confirm(upload: &Upload, record: &mut Record, when: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device_table::DeviceTable;
+    use crate::table::DeviceTable;
     use slipline_protocol::event::{Accepted, Status, TableReport};
     use std::sync::Arc;
 

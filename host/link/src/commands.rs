@@ -6,16 +6,18 @@
 //! since its repeat would undo it.
 
 mod answers;
+mod upload;
 mod uploading;
 
-use super::conversation::{Conversation, KEEP_ALIVE_PERIOD};
-use super::record::Record;
-use super::upload::{BUSY_TRIES, Upload};
-use super::{DriveRequest, Outcome, Request, Ticket, Trouble};
+use crate::channel::{Conversation, KEEP_ALIVE_PERIOD};
+use crate::error::LinkError;
+use crate::journal::Record;
+use crate::request::{DriveRequest, Outcome, Request, Ticket};
 use slipline_protocol::Command;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::time::Duration;
+use upload::{BUSY_TRIES, Upload};
 
 /// A disconnect waits so long for the device to agree; then the dead-man has to do.
 const FAREWELL: Duration = Duration::from_millis(400);
@@ -87,7 +89,7 @@ pub(super) enum Verdict {
     /// The farewell is over: close.
     Close,
     /// Close, and look for it again.
-    Lose(Trouble),
+    Lose(LinkError),
 }
 
 /// The talk with one device, from hello to farewell.
@@ -271,7 +273,7 @@ impl Dialogue {
     /// Repeats what is overdue and says what is due.
     pub(super) fn speak(&mut self, record: &mut Record, now: Duration) -> Verdict {
         if self.talk.tick(now).is_err() {
-            return Verdict::Lose(Trouble::Silent);
+            return Verdict::Lose(LinkError::Silent);
         }
         if self.farewell.is_some_and(|end| now >= end) {
             return Verdict::Close;

@@ -1,14 +1,16 @@
 //! What the rest of the program sees of the link: a picture taken after every change.
 
-use super::{Outcome, Port, Ticket, Trouble};
-use crate::device_table::DeviceTable;
+use crate::error::LinkError;
+use crate::log::LogEntry;
+use crate::port::Port;
+use crate::request::{Outcome, Ticket};
+use crate::table::DeviceTable;
 use slipline_protocol::command::Drive;
 use slipline_protocol::event::{Identity, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
-use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -23,9 +25,9 @@ pub enum LinkState {
     /// The device answers.
     Connected,
     /// The device has gone. It is not looked for: that is switched off, it has just been noticed, or the link crashed.
-    Lost(Trouble),
+    Lost(LinkError),
     /// The device has gone and is being looked for.
-    Reconnecting(Trouble),
+    Reconnecting(LinkError),
 }
 
 /// Where an upload stands, in knots.
@@ -100,45 +102,6 @@ pub enum Change {
     Limit(u16),
 }
 
-/// How much an entry of the log matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// For the curious.
-    Detail,
-    /// What was done.
-    Info,
-    /// Something to look at.
-    Warning,
-    /// Something went wrong.
-    Error,
-}
-
-/// One line of the log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogEntry {
-    /// How much it matters.
-    pub severity: Severity,
-    /// When, since the worker was started.
-    pub time: Duration,
-    /// What.
-    pub text: String,
-}
-
-impl fmt::Display for LogEntry {
-    /// One line: the time in seconds, the severity, the text.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let level = match self.severity {
-            Severity::Detail => "detail",
-            Severity::Info => "info",
-            Severity::Warning => "warning",
-            Severity::Error => "error",
-        };
-        write!(f, "{:9.3} {level:7} {}", self.time.as_secs_f64(), self.text)
-    }
-}
-
-/// Lines the log keeps.
-pub const LOG_LINES: usize = 500;
 /// Acknowledged changes that are kept for the mirror.
 pub const JOURNAL_ENTRIES: usize = 128;
 /// How many of them may be thermal limits: some ten seconds of the fastest change.
@@ -158,7 +121,7 @@ pub struct Snapshot {
     /// Whether a lost device is looked for.
     pub auto_reconnect: bool,
     /// What last went wrong with the link; gone when a connection stands.
-    pub trouble: Option<Trouble>,
+    pub trouble: Option<LinkError>,
     /// Who the device is, while connected.
     pub identity: Option<Arc<Identity>>,
     /// How its firmware stands to this program, while connected.
@@ -202,7 +165,7 @@ impl Snapshot {
     /// How a request ended, if it has and it is not too long ago. A link that has crashed does none any more.
     #[must_use]
     pub fn outcome(&self, ticket: Ticket) -> Option<&Outcome> {
-        let has_crashed = self.link == LinkState::Lost(Trouble::Crashed);
+        let has_crashed = self.link == LinkState::Lost(LinkError::Crashed);
         let ended = self.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome);
         ended.or(has_crashed.then_some(&Outcome::NotConnected))
     }

@@ -1,9 +1,12 @@
 //! What a device's answers mean for the talk.
 
 use super::{BUSY_TRIES, Current, Dialogue, Job, Stage, Task, Verdict};
-use crate::link::conversation::{Answer, KEEP_ALIVE_PERIOD, Reply};
-use crate::link::record::Record;
-use crate::link::{Change, LinkState, Outcome, Severity, Trouble};
+use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
+use crate::error::LinkError;
+use crate::journal::Record;
+use crate::log::Severity;
+use crate::request::Outcome;
+use crate::snapshot::{Change, LinkState};
 use slipline_app::Timing;
 use slipline_protocol::event::{Digest, Identity, State, Status};
 use slipline_protocol::refusal::Busy;
@@ -34,7 +37,7 @@ impl Dialogue {
             Reply::Event(event) => *event,
         };
         if event == Event::Refused(Refusal::StaleSession) {
-            return Verdict::Lose(Trouble::SessionEnded);
+            return Verdict::Lose(LinkError::SessionEnded);
         }
         match command {
             Command::Stop | Command::EmergencyStop => {
@@ -123,7 +126,7 @@ impl Dialogue {
         if matches!(event, Event::Refused(Refusal::BadSequence { .. })) && !is_overtaken {
             self.renumberings += 1;
             if self.renumberings > RENUMBERINGS {
-                return Verdict::Lose(Trouble::SessionEnded);
+                return Verdict::Lose(LinkError::SessionEnded);
             }
             self.talk.say(command, now);
             return Verdict::GoOn;

@@ -1,0 +1,48 @@
+//! The link to a Slipline device: the client's side of the protocol, the record of what the device agreed to, and the
+//! mirror that replays it.
+//!
+//! ```text
+//! Request --> connection --> commands --> channel --> frames --> transport ==bytes==> device
+//!                 |             |            |                                          (real, emulated,
+//! Snapshot <------+-- journal <-+<-- reply <-+<----- frames <-- transport <==bytes==     or simulator)
+//!                        |
+//!                        +--> mirror (the device's own renderer) --> DAC codes
+//! ```
+//! [`connection`] is the state machine (connect, lose, look again); behind it `commands` decides what to send next and
+//! `channel` numbers, times out and repeats (stop-and-wait ARQ). All are told the time and own no thread, so tests, the
+//! simulation and a browser can run them. With the feature `native`, a worker thread runs them on this computer's
+//! serial ports and sockets.
+
+mod channel;
+mod commands;
+pub mod connection;
+mod error;
+mod journal;
+mod log;
+pub mod mirror;
+#[cfg(feature = "native")]
+pub mod native;
+mod port;
+mod rediscovery;
+mod request;
+pub mod simulator;
+mod snapshot;
+pub mod table;
+pub mod transport;
+
+pub use error::LinkError;
+pub use log::{LOG_LINES, LogEntry, Severity};
+pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
+pub use request::{DriveError, DriveRequest, Outcome, Request, Ticket, ToneRequest};
+pub use snapshot::{
+    Acknowledged, Change, JOURNAL_ENTRIES, LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot,
+    UploadProgress,
+};
+pub use table::{DeviceTable, DeviceTableError};
+
+/// Codes of one block: the device takes up a change between two of them.
+pub use slipline_app::BLOCK;
+/// The two ways a device ramps to silence.
+pub use slipline_app::Stop;
+/// The messages, units and limits that the link's own types are made of.
+pub use slipline_protocol as protocol;

@@ -1,0 +1,14 @@
+//! This computer's ports, and the thread that owns the open one.
+
+mod opener;
+pub mod serial;
+mod serial_ports;
+#[cfg(unix)]
+pub mod socket;
+mod watch;
+mod worker;
+
+pub use opener::{SystemOpener, system_clock};
+pub use serial_ports::list_ports;
+pub use watch::{Wakes, Watch};
+pub use worker::{Handle, Worker, stop_on_panic};

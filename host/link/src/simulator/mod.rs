@@ -1,0 +1,10 @@
+//! The simulated device: the device application itself on this computer.
+
+mod device;
+pub mod loopback;
+mod peripherals;
+pub mod realtime;
+
+pub use device::{Options, SentBlock, SimulatedDevice, WATCHDOG_MS};
+pub use peripherals::MemoryFlash;
+pub use slipline_app::thermal::Heat;
