@@ -4,18 +4,27 @@ use std::sync::Arc;
 
 use slipline_app::Timing;
 use slipline_app::thermal::Heat;
+use slipline_link::foldback::FoldbackSteps;
 use slipline_link::mirror::Mirror;
-use slipline_link::simulator::Options;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::{Change, Port, Request};
 use slipline_protocol::Command;
+use slipline_protocol::event::Status;
 use slipline_tests::client::Client;
+use slipline_tests::link_rig::LinkRig;
 use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};
 
-/// Lives for some blocks, tells the mirror what the status says of the limit, and compares all codes since. Returns
-/// the limit, per mille.
-fn follow(rig: &mut Rig, mirror: &mut Mirror, blocks: u64) -> u16 {
+/// Lives for some blocks, tells the mirror what the status says of the limit since the status before, and compares all
+/// codes since. Returns the limit, per mille.
+fn follow(rig: &mut Rig, mirror: &mut Mirror, before: &mut Option<Status>, blocks: u64) -> u16 {
     rig.live_blocks(blocks);
     let status = rig.status();
-    mirror.acknowledge_limit(status.foldback_per_mille, Timing::at(RATE_HZ).limit_since(status.now)).unwrap();
+    let heard = FoldbackSteps::between(before.as_ref(), &status, &Timing::at(RATE_HZ));
+    assert!(heard.is_complete);
+    for (at, per_mille) in heard.steps {
+        mirror.acknowledge_limit(per_mille, at).unwrap();
+    }
+    *before = Some(status);
     mirror.render(rig.device.now(), |first, codes| {
         if let Some(at) = first.checked_sub(rig.recording.first) {
             let sent = &rig.recording.codes[at as usize..][..codes.len()];
@@ -35,8 +44,8 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
     let at = rig.upload(&table);
     mirror.acknowledge_table(Arc::from(table.knots), at).unwrap();
     rig.arm();
-    let status = rig.status();
-    mirror.acknowledge_limit(status.foldback_per_mille, Timing::at(RATE_HZ).limit_since(status.now)).unwrap();
+    let mut heard = None;
+    follow(&mut rig, &mut mirror, &mut heard, 1);
     let sound = |rig: &mut Rig, mirror: &mut Mirror, level| {
         let drive = drive(&[(0, 1.0, level)], 4000);
         let at = rig.accepted(&Command::Drive(drive.clone()));
@@ -44,11 +53,12 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
     };
     let mut limits = Vec::new();
     // Softly while it cools, then as loud as it goes until it is folded back again.
-    for (level, rounds) in [(0.2, 24), (1.0, 60)] {
+    // A status in every period of the limit; then one in several periods, as when answers are lost: up to the longest
+    // gap that a connection survives. Never in step with the periods.
+    for (level, rounds, blocks) in [(0.2, 24, 600), (1.0, 60, 600), (1.0, 12, 2700)] {
         sound(&mut rig, &mut mirror, level);
         for round in 0..rounds {
-            // Never in step with the limit's own grid, and never longer than its step.
-            limits.push(follow(&mut rig, &mut mirror, 600 + 37 * (round % 10)));
+            limits.push(follow(&mut rig, &mut mirror, &mut heard, blocks + 37 * (round % 10)));
         }
     }
     assert!(mirror.is_true());
@@ -69,4 +79,31 @@ fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
     assert!(!mirror.is_true());
     mirror.silence(3 * step);
     assert!(mirror.is_true(), "silence begins anew, with the limit that was told last");
+}
+
+/// The steps that the link notes of a device that cools down, when the answers at these times, in ms, are lost.
+fn noted(lost: &[(u64, u32)]) -> Vec<(u64, u16, bool)> {
+    let mut rig = LinkRig::new();
+    rig.ports().device = SimulatedDevice::new(Options { heat: Heat::AssumedHot, ..Options::default() });
+    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+    let mut passed = 0;
+    for &(ms, count) in lost {
+        rig.pass_ms(ms - passed);
+        rig.ports().drop_replies = count;
+        passed = ms;
+    }
+    rig.pass_ms(4000 - passed);
+    assert!(rig.view().is_connected());
+    let steps = rig.view().journal.iter().filter_map(|entry| match entry.change {
+        Change::Limit(per_mille) => Some((entry.at, per_mille, entry.is_exact)),
+        _ => None,
+    });
+    steps.collect()
+}
+
+#[test]
+fn lost_answers_cost_the_journal_no_step_of_the_fold_back() {
+    let steps = noted(&[]);
+    assert!(steps.len() > 5, "{steps:?}");
+    assert_eq!(noted(&[(500, 2), (1700, 3), (2900, 1)]), steps);
 }

@@ -2,6 +2,7 @@
 
 use crate::channel::Conversation;
 use crate::error::LinkError;
+use crate::foldback::FoldbackSteps;
 use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::{
@@ -69,6 +70,13 @@ impl Record {
         });
         if latest == Some(true) {
             self.enter(at, Change::Stop, false);
+        }
+    }
+
+    /// Notes the steps of the thermal fold-back that a status tells.
+    pub(crate) fn fold_back(&mut self, heard: &FoldbackSteps) {
+        for &(at, per_mille) in &heard.steps {
+            self.enter(at, Change::Limit(per_mille), heard.is_complete);
         }
     }
 

@@ -17,6 +17,7 @@ mod channel;
 mod commands;
 pub mod connection;
 mod error;
+pub mod foldback;
 mod journal;
 mod log;
 pub mod mirror;

@@ -3,6 +3,7 @@
 use super::{BUSY_TRIES, Current, Dialogue, Job, Stage, Task, Verdict};
 use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::error::LinkError;
+use crate::foldback::FoldbackSteps;
 use crate::journal::Record;
 use crate::log::Severity;
 use crate::request::Outcome;
@@ -92,12 +93,9 @@ impl Dialogue {
 
     fn take_status(&mut self, status: Status, record: &mut Record) {
         let is_first = record.view.status.is_none();
-        let limit = record.view.status.map(|before| before.foldback_per_mille);
-        if limit != Some(status.foldback_per_mille) {
-            let rate = record.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
-            let since = Timing::at(rate).limit_since(status.now);
-            record.acknowledge(since, Change::Limit(status.foldback_per_mille));
-        }
+        let rate = record.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let before = record.view.status.as_ref();
+        record.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
         record.status(status);
         // A stop of the user's that is not answered yet may be why.
         if status.state == State::Fault && self.talk.stopping().is_none() {
