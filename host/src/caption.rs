@@ -2,7 +2,7 @@
 //! them.
 
 use crate::quantity::{self, QuantityError};
-use slipline_plate::numeral::significant;
+use slipline_plate::number_format::significant;
 
 /// Digits that count of a number in a field: more than anyone measures, fewer than a change of units leaves behind.
 pub const FIELD_DIGITS: usize = 7;

@@ -3,8 +3,8 @@
 
 use crate::caption::{Panel, Unit};
 use slipline_plate::Notation;
-use slipline_plate::numeral::significant;
-use slipline_plate::range::Range;
+use slipline_plate::number_format::significant;
+use slipline_plate::quantity::Range;
 
 /// Digits that count: as many as the library's own ranges have.
 const DIGITS: usize = 5;

@@ -3,7 +3,7 @@
 //! A number may carry a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
 //! named here. Nothing else is guessed.
 
-use slipline_plate::numeral::{at_least, at_most, typed};
+use slipline_plate::number_format::{at_least, at_most, typed};
 
 /// What a person typed where both a place and a frequency make sense.
 #[derive(Clone, Copy, Debug, PartialEq)]

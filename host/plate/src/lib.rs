@@ -26,23 +26,20 @@ pub mod time;
 pub use check::sensation;
 pub use frequency::{
     COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, POINTS_MAX, POINTS_MIN, Peak,
-    RespondError, Response, clamped, respond, respond_batch, respond_coupled, respond_range,
+    PredictedEnvelope, RespondError, Response, ToneDrive, clamped, predict_envelope, respond, respond_batch,
+    respond_coupled, respond_range,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};
-pub use quantity::{nearest, numeral};
+pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use spec::{
-    Actuator, BAND_RATIO_MAX, Bending, Consequence, DriveEnd, Model, Notation, Origin, PLATE_FILE_BYTES_MAX,
-    Plate, PlateError, PlateFileError, PlateSpec, Preset, SampleRateError, Taper, WAVELENGTHS_MAX, preset,
-    presets, range, sample_rates,
+    Actuator, Bending, Consequence, DriveEnd, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
+    PlateFileError, PlateSpec, Preset, SampleRateError, Taper, limits, preset, presets, sample_rates,
 };
 pub use special::{airy, bessel};
 pub use table::{
     DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, sensitivity, sensitivity_per_percent,
     sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
 };
-pub use time::{
-    Envelope, LINE_POINTS, LineError, PredictedEnvelope, TimeLine, ToneDrive, WIDTH_MODE_MAX,
-    predict_envelope,
-};
+pub use time::{Envelope, LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use crate::disk::{read_text, said};
 use crate::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
-use slipline_plate::range::Range;
+use slipline_plate::quantity::Range;
 use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
 

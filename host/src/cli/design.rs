@@ -11,8 +11,9 @@ use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::design::{
     Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,
 };
-use slipline_plate::numeral::with_decimals;
-use slipline_plate::range::{self, Range};
+use slipline_plate::limits;
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::Range;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -25,13 +26,13 @@ pub struct DesignArguments {
     #[arg(long, value_name = "M", value_parser = material)]
     material: Material,
     /// The sheet's thickness, such as 2mm; 1um to 100mm.
-    #[arg(long, value_name = "T", value_parser = argument::length(range::THICKNESS), allow_hyphen_values = true)]
+    #[arg(long, value_name = "T", value_parser = argument::length(limits::THICKNESS), allow_hyphen_values = true)]
     thickness: f64,
     /// The boundary's lowest and highest frequency, such as 20kHz..40kHz; 0.5Hz to 10MHz.
     #[arg(long, value_name = "F..F", value_parser = band, allow_hyphen_values = true)]
     band: (f64, f64),
     /// From the driven end to the narrow end, such as 300mm; 5mm to 10m.
-    #[arg(long, value_name = "L", value_parser = argument::length(range::LENGTH), allow_hyphen_values = true)]
+    #[arg(long, value_name = "L", value_parser = argument::length(limits::LENGTH), allow_hyphen_values = true)]
     length: f64,
     /// A plate in bending: how its edges are held, on a lip that may turn (the default) or tight between the frames.
     #[arg(long)]
@@ -58,10 +59,10 @@ pub struct DesignArguments {
     #[arg(long, value_name = "ETA", value_parser = loss(), allow_hyphen_values = true)]
     loss: Option<f64>,
     /// The drive's displacement at DAC full scale, 1nm to 100mm; without it, 1um from 1 kHz on, else 100um.
-    #[arg(long, value_name = "A", value_parser = argument::length(range::FULL_SCALE), allow_hyphen_values = true)]
+    #[arg(long, value_name = "A", value_parser = argument::length(limits::FULL_SCALE), allow_hyphen_values = true)]
     full_scale: Option<f64>,
     /// Width of the frame's rim, 10mm to 500mm.
-    #[arg(long, value_name = "X", value_parser = argument::length(range::RIM), allow_hyphen_values = true, default_value = "20mm")]
+    #[arg(long, value_name = "X", value_parser = argument::length(limits::RIM), allow_hyphen_values = true, default_value = "20mm")]
     rim: f64,
     /// The plate's name, 1 to 80 characters.
     #[arg(long, value_parser = name, default_value = "designed")]
@@ -91,7 +92,7 @@ impl DesignArguments {
         let surface_density = material.density_kg_per_m3 * self.thickness;
         let tension_of = |speed: f64| speed * speed * surface_density;
         let tensions =
-            Range::new(tension_of(range::WAVE_SPEED.low), tension_of(range::WAVE_SPEED.high), "N/m");
+            Range::new(tension_of(limits::WAVE_SPEED.low), tension_of(limits::WAVE_SPEED.high), "N/m");
         let within = |option: &str, typed: &Option<Typed<f64>>, range: Range, measure: Measure| {
             typed.as_ref().map(|typed| typed.within(option, range, measure, "")).transpose()
         };

@@ -3,12 +3,13 @@
 use super::argument::{self, Typed};
 use crate::quantity::{self, Measure, QuantityError};
 use slipline_plate::PlateError;
-use slipline_plate::design::{BAND_WIDTH_MIN_PERCENT, Material, band_high_range};
-use slipline_plate::range;
+use slipline_plate::design::{Material, band_high_range};
+use slipline_plate::limits;
+use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
 
 pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
-    let allowed = (range::FREQUENCY.low, range::FREQUENCY.high);
+    let allowed = (limits::FREQUENCY.low, limits::FREQUENCY.high);
     let frequency = argument::within(quantity::frequency_hz, Measure::Frequency, allowed);
     let end =
         |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
@@ -23,12 +24,12 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
 }
 
 pub(super) fn speed() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    let allowed = (range::WAVE_SPEED.low, range::WAVE_SPEED.high);
+    let allowed = (limits::WAVE_SPEED.low, limits::WAVE_SPEED.high);
     argument::within(|text| quantity::plain(text, "m/s"), Measure::Plain("m/s"), allowed)
 }
 
 pub(super) fn loss() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
-    let allowed = (range::LOSS_FACTOR.low, range::LOSS_FACTOR.high);
+    let allowed = (limits::LOSS_FACTOR.low, limits::LOSS_FACTOR.high);
     argument::within(|text| quantity::plain(text, ""), Measure::Plain(""), allowed)
 }
 
@@ -49,8 +50,8 @@ pub(super) fn material(text: &str) -> Result<Material, String> {
 }
 
 pub(super) fn name(text: &str) -> Result<String, String> {
-    if range::NAME.allows(text) {
+    if limits::NAME.allows(text) {
         return Ok(text.to_owned());
     }
-    Err(format!("must be {} {} on one line", range::NAME, range::NAME.of))
+    Err(format!("must be {} {} on one line", limits::NAME, limits::NAME.of))
 }

@@ -5,7 +5,7 @@ use super::{Failure, output};
 use crate::link::Port;
 use crate::link::native::list_ports;
 use serde_json::json;
-use slipline_plate::numeral::with_decimals;
+use slipline_plate::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     let ports = list_ports();

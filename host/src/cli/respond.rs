@@ -3,7 +3,7 @@
 use super::{Failure, RespondArguments, argument, output};
 use crate::quantity::{Measure, show_frequency, show_place};
 use serde_json::json;
-use slipline_plate::numeral::with_decimals;
+use slipline_plate::number_format::with_decimals;
 use slipline_plate::{Equation, respond, respond_range};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {

@@ -6,7 +6,7 @@ use crate::envelope_plot;
 use crate::quantity::{show_frequency, show_length, show_place};
 use crate::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
 use serde_json::{Value, json};
-use slipline_plate::numeral::with_decimals;
+use slipline_plate::number_format::with_decimals;
 use slipline_plate::table_sensitivity;
 use std::io::Write;
 

@@ -5,7 +5,7 @@ use super::{Failure, TableArguments, argument, output, progress};
 use crate::quantity::{Measure, show_frequency, show_length, show_place};
 use crate::simulation;
 use serde_json::json;
-use slipline_plate::numeral::with_decimals;
+use slipline_plate::number_format::with_decimals;
 use slipline_plate::{DriveTable, TableError, sample_rates, sensitivity_per_percent_of};
 use std::io::Write;
 

@@ -11,7 +11,7 @@ use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequ
 use crate::quantity::Measure;
 use serde_json::{Value, json};
 use slipline_app::mailbox::Stop;
-use slipline_plate::range::Range;
+use slipline_plate::quantity::Range;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use slipline_protocol::frame::CRC;

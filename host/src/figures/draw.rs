@@ -5,7 +5,7 @@ use super::png_file::{self, Shades};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
-use slipline_plate::numeral::rounded;
+use slipline_plate::number_format::rounded;
 use slipline_plate::paper::{Figure, Panel, Stroke};
 use std::sync::OnceLock;
 use thiserror::Error;

@@ -1,10 +1,10 @@
 //! Lights of the driven end, the actuator and the table's robustness.
 
-use super::checker::CheckError;
+use super::error::CheckError;
 use super::grading::{Finding, Site, colour, pick};
 use super::report::Colour;
 use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
-use crate::quantity::numeral::with_decimals;
+use crate::quantity::number_format::with_decimals;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::table::level::{Chain, levelled};
@@ -51,10 +51,10 @@ pub(super) fn match_light(site: &Site<'_>) -> Finding {
 }
 
 pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
-    let rate = site.checker.conditions.sample_rate_hz;
-    let intended = levelled(site.plate, &site.checker.speeds, rate, site.frequency_hz)?;
+    let rate = site.prepared.conditions.sample_rate_hz;
+    let intended = levelled(site.plate, &site.prepared.speeds, rate, site.frequency_hz)?;
     let mut worst: f64 = 0.0;
-    for actual in &site.checker.detuned {
+    for actual in &site.prepared.detuned {
         // Its band may end a little above what the rate carries; this frequency does not.
         let found = Chain::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
         worst = worst.max((20.0 * (found / intended).log10()).abs());

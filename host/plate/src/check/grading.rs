@@ -1,6 +1,6 @@
 //! How a number found at a boundary becomes a light.
 
-use super::checker::Checker;
+use super::prepared::Prepared;
 use super::report::{Colour, Light};
 use super::thresholds::Limits;
 use crate::spec::plate::Plate;
@@ -13,7 +13,7 @@ pub(super) struct Finding {
 
 /// One boundary, with what the groups of lights need of it.
 pub(super) struct Site<'a> {
-    pub(super) checker: &'a Checker,
+    pub(super) prepared: &'a Prepared,
     pub(super) plate: &'a Plate,
     pub(super) boundary_m: f64,
     pub(super) frequency_hz: f64,

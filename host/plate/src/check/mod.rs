@@ -10,8 +10,11 @@
 //! Every limit is a named constant in [`thresholds`], with its reason.
 
 mod checker;
+mod conditions;
 mod drive;
+mod error;
 mod grading;
+mod prepared;
 mod report;
 pub mod sensation;
 mod shape;
@@ -21,8 +24,11 @@ mod tests;
 pub mod thresholds;
 mod wave;
 
-pub use checker::{CheckError, Checker, Conditions, SPAN_PLACES};
+pub use checker::Checker;
+pub use conditions::Conditions;
 pub use drive::drive_ratio;
+pub use error::CheckError;
+pub use prepared::SPAN_PLACES;
 pub use report::{Colour, Light, Report};
 pub use shape::{edge_curvature, edge_slope, wavelengths};
 pub use sound::{a_weighting_db, plane_wave_level_db};

@@ -3,7 +3,7 @@
 use super::grading::{Finding, Site, pick};
 use super::report::Colour;
 use super::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
-use crate::quantity::numeral::with_decimals;
+use crate::quantity::number_format::with_decimals;
 use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
@@ -137,7 +137,7 @@ pub(super) fn edge_light(site: &Site<'_>) -> Finding {
 }
 
 pub(super) fn ghost_light(site: &Site<'_>) -> Finding {
-    let off_centre = site.checker.conditions.off_centre;
+    let off_centre = site.prepared.conditions.off_centre;
     let (first, stride) = if off_centre { (2, 1) } else { (3, 2) };
     let ghosts: Vec<(u32, f64)> = (first..=MODES_MAX)
         .step_by(stride)

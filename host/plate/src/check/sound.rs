@@ -1,6 +1,6 @@
 //! Lights for what is heard: the sound level of one tone and the beat of two.
 
-use super::checker::CheckError;
+use super::error::CheckError;
 use super::grading::{Finding, Site};
 use super::report::Colour;
 use super::thresholds::{
@@ -42,7 +42,7 @@ fn level_db(pressure_amplitude_pa: f64) -> f64 {
 /// or the plane wave if that is less.
 fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
     let peak = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
-    let scale_m = site.checker.peak_m() / peak;
+    let scale_m = site.prepared.peak_m() / peak;
     let step_m = site.plate.length_m() / (response.position_m.len() - 1) as f64;
     // The first width mode is a half sine: its mean over the width is 2/pi of the centre line.
     let swept_m3: f64 = response
@@ -87,7 +87,7 @@ pub(super) fn level_light(site: &Site<'_>) -> Result<Finding, CheckError> {
 }
 
 pub(super) fn beat_light(site: &Site<'_>) -> Finding {
-    let others = &site.checker.conditions.other_boundaries_m;
+    let others = &site.prepared.conditions.other_boundaries_m;
     let tones: Vec<f64> = others
         .iter()
         .map(|&x| site.plate.frequency_for_boundary_hz(x))

@@ -1,9 +1,7 @@
 //! The lights on the presets, against numbers worked out by hand.
 
 use super::*;
-use crate::Plate;
-use crate::spec::presets::{preset, presets};
-use crate::{DriveEnd, Taper};
+use crate::{DriveEnd, Plate, Taper, preset, presets};
 
 fn report(name: &str, boundary_m: f64) -> Report {
     let plate = preset(name).expect("a preset");

@@ -1,14 +1,15 @@
 //! Lights that follow from the solved amplitude and the material.
 
-use super::checker::CheckError;
+use super::error::CheckError;
 use super::grading::{Finding, Site, colour, pick};
 use super::report::Colour;
 use super::thresholds::{LOSS, THIN_PLATE_PERCENT};
-use crate::frequency::respond::{Equation, Response, respond};
-use crate::quantity::numeral::with_decimals;
+use crate::frequency::equation::Equation;
+use crate::frequency::respond::{Response, respond};
+use crate::quantity::number_format::with_decimals;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
-use crate::table::drive_table::TableError;
+use crate::table::error::TableError;
 use std::f64::consts::TAU;
 
 /// Points of the amplitude that the lights look at; the solver refines them as it needs.

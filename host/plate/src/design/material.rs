@@ -5,7 +5,7 @@
 
 use crate::quantity::suggestion::hint;
 use crate::spec::error::PlateError;
-use crate::spec::range;
+use crate::spec::limits;
 use serde::Serialize;
 
 /// A sheet material.
@@ -74,9 +74,9 @@ impl Material {
     }
 
     pub(super) fn validate(&self) -> Result<(), PlateError> {
-        range::YOUNGS_MODULUS.check("material.youngs_modulus_pa", self.youngs_modulus_pa)?;
-        range::POISSON_RATIO.check("material.poisson_ratio", self.poisson_ratio)?;
-        range::DENSITY.check("material.density_kg_per_m3", self.density_kg_per_m3)?;
-        range::LOSS_FACTOR.check("material.loss_factor", self.loss_factor)
+        limits::YOUNGS_MODULUS.check("material.youngs_modulus_pa", self.youngs_modulus_pa)?;
+        limits::POISSON_RATIO.check("material.poisson_ratio", self.poisson_ratio)?;
+        limits::DENSITY.check("material.density_kg_per_m3", self.density_kg_per_m3)?;
+        limits::LOSS_FACTOR.check("material.loss_factor", self.loss_factor)
     }
 }

@@ -17,11 +17,12 @@ mod request;
 mod svg;
 
 use crate::check::{loss_integral, thresholds, wavelengths};
+use crate::quantity::range::Range;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
+use crate::spec::limits;
 use crate::spec::model::Model;
 use crate::spec::plate::{Plate, PlateSpec};
-use crate::spec::range::{self, Range};
 use crate::spec::taper::Taper;
 use crate::special::airy;
 use serde::Serialize;
@@ -83,13 +84,13 @@ pub struct Design {
 /// [`PlateError`] names the field of the request that is out of range and what is allowed.
 pub fn design(request: &Request) -> Result<Design, PlateError> {
     request.material.validate()?;
-    range::THICKNESS.check("thickness_m", request.thickness_m)?;
-    range::LENGTH.check("length_m", request.length_m)?;
-    range::FREQUENCY.check("band low", request.band_hz.0)?;
+    limits::THICKNESS.check("thickness_m", request.thickness_m)?;
+    limits::LENGTH.check("length_m", request.length_m)?;
+    limits::FREQUENCY.check("band low", request.band_hz.0)?;
     let (low_hz, high_hz) = request.band_hz;
     band_high_range(low_hz).check_from(Origin::BandLow(low_hz), "band high", high_hz)?;
-    range::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
-    range::RIM.check("rim_m", request.rim_m)?;
+    limits::FULL_SCALE.check("full_scale_m", request.full_scale_m)?;
+    limits::RIM.check("rim_m", request.rim_m)?;
     let model = request.model();
     model.validate()?;
     let taper = taper_for(request, &model)?;
@@ -175,17 +176,14 @@ const SPAN_LEAST: f64 = 0.1;
 /// Handbook constants of a metal and a gauge of its thickness give the wave speed to about 1 %.
 const WAVE_SPEED_TOLERANCE: f64 = 0.01;
 
-/// How far the end of a band is above its start at least, percent.
-pub const BAND_WIDTH_MIN_PERCENT: f64 = 5.0;
-
 /// The highest frequency of a band that starts at `low_hz`, Hz.
 pub fn band_high_range(low_hz: f64) -> Range {
-    Range { low: (1.0 + 0.01 * BAND_WIDTH_MIN_PERCENT) * low_hz, ..range::FREQUENCY }
+    Range { low: (1.0 + 0.01 * limits::BAND_WIDTH_MIN_PERCENT) * low_hz, ..limits::FREQUENCY }
 }
 
 /// From the driven end to the nearest boundary, metres, on a plate of this length.
 pub fn start_margin_range(length_m: f64) -> Range {
-    Range { high: (1.0 - SPAN_LEAST) * length_m, ..range::span_start(length_m) }
+    Range { high: (1.0 - SPAN_LEAST) * length_m, ..limits::span_start(length_m) }
 }
 
 /// From the farthest boundary to the narrow end, metres, on a plate of this length.

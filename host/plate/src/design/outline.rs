@@ -5,8 +5,8 @@
 //! held, so the sheet is always larger: where the edges are clamped or the sheet is stretched, it reaches under the rim
 //! and shares the frame's bolt holes; where the edges may turn, a narrow lip of it lies between two frames.
 
-use super::Mounting;
 use super::drawing::{Drawing, Shape, wrapped};
+use super::mounting::Mounting;
 use crate::spec::plate::Plate;
 
 /// How far a plate whose edges may turn reaches over the window, mm: several times a cutter's kerf, so that it cannot

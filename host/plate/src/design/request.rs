@@ -1,7 +1,7 @@
 //! What a plate is wanted for.
 
-use super::Material;
-use crate::quantity::numeral::rounded;
+use super::material::Material;
+use crate::quantity::number_format::rounded;
 use crate::spec::model::{Bending, Model};
 use serde::Serialize;
 

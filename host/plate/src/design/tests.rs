@@ -212,7 +212,7 @@ fn bolts_stand_in_the_rim_and_never_in_the_window() {
 #[test]
 fn a_plate_that_may_turn_lies_on_the_frame_all_around_the_window_and_clear_of_the_bolts() {
     let mut request = aluminium();
-    request.rim_m = range::RIM.low;
+    request.rim_m = limits::RIM.low;
     let designed = design(&request).expect("possible");
     let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
     let (sheet, window) = (outlines(&plate)[0], outlines(&frame)[1]);

@@ -9,8 +9,9 @@
 //! out. The one-mode equation drops a and d. Supported bending obeys the same equation with K = kb, as far as its
 //! evanescent partner wave may be left out.
 
+use crate::frequency::error::RespondError;
 use crate::frequency::numerov::{EndLaw, end_law};
-use crate::frequency::respond::{POINTS_MIN, RespondError};
+use crate::frequency::respond::POINTS_MIN;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use nalgebra::{DMatrix, DVector};
@@ -150,7 +151,8 @@ fn coupling(modes: usize) -> (DMatrix<f64>, DMatrix<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frequency::respond::{Equation, respond};
+    use crate::frequency::equation::Equation;
+    use crate::frequency::respond::respond;
     use crate::spec::presets::preset;
 
     #[test]

@@ -2,13 +2,17 @@
 
 pub mod clamped;
 mod coupled;
+pub(crate) mod equation;
+pub(crate) mod error;
 pub(crate) mod numerov;
 pub(crate) mod peak;
+mod prediction;
 pub(crate) mod respond;
 pub(crate) mod sweep;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
+pub use equation::Equation;
+pub use error::RespondError;
 pub use peak::Peak;
-pub use respond::{
-    Equation, POINTS_MAX, POINTS_MIN, RespondError, Response, respond, respond_batch, respond_range,
-};
+pub use prediction::{PredictedEnvelope, ToneDrive, predict_envelope};
+pub use respond::{POINTS_MAX, POINTS_MIN, Response, respond, respond_batch, respond_range};

@@ -8,7 +8,7 @@
 //! that direction the wanted solution grows and the recursion is stable, with no division and no matrix. The
 //! driven end then fixes the scale, with a derivative that is fourth order too.
 
-use crate::frequency::respond::Equation;
+use crate::frequency::equation::Equation;
 use crate::frequency::sweep::{LANES, Sweep};
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::{Guide, Plate};

@@ -1,75 +1,13 @@
 //! The amplitude over x at one frequency or many: the frequency-domain solver's front.
 
-use crate::frequency::numerov::{self, Grid};
-use crate::frequency::peak::{self, Peak};
-use crate::quantity::numeral::{at_least, at_most, typed};
+use super::equation::Equation;
+use super::error::RespondError;
+use super::numerov::{self, Grid};
+use super::peak::{self, Peak};
+use crate::quantity::range::Range;
+use crate::spec::limits::FREQUENCY;
 use crate::spec::plate::Plate;
-use crate::spec::range::{FREQUENCY, Range};
 use num_complex::Complex64;
-use thiserror::Error;
-
-/// Which amplitude equation is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Equation {
-    /// f'' + (W'/W) f' + k^2 f = 0: what follows from the wave equation.
-    Corrected,
-    /// f'' + k^2 f = 0: the paper's, which loses the (W'/W) f' term.
-    Paper,
-}
-
-/// Why a plate did not answer.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum RespondError {
-    /// The frequency is below the cut-off at the driven end: nothing runs.
-    #[error(
-        "frequency = {} Hz cannot enter the plate {plate:?}: must be above {} Hz, the cut-off at its wide end",
-        typed(at_most(*.frequency_hz, 6)), typed(at_least(*.cut_off_hz, 5))
-    )]
-    CannotEnter {
-        /// Name of the plate: a table made for one may be played on another.
-        plate: String,
-        /// The frequency that was asked for, Hz.
-        frequency_hz: f64,
-        /// Lowest frequency that enters, Hz.
-        cut_off_hz: f64,
-    },
-    /// The frequency is absurd.
-    #[error("frequency = {} Hz: must be {} for this plate", typed(*.frequency_hz), Range::new(*.low, *.high, "Hz"))]
-    Frequency {
-        /// The frequency that was asked for, Hz.
-        frequency_hz: f64,
-        /// Lowest allowed, Hz.
-        low: f64,
-        /// Highest allowed, Hz.
-        high: f64,
-    },
-    /// The number of points is not usable.
-    #[error("points = {points}: must be {low} to {high}")]
-    Points {
-        /// The number that was asked for.
-        points: usize,
-        /// Fewest.
-        low: usize,
-        /// Most.
-        high: usize,
-    },
-    /// The number of width modes is not usable.
-    #[error("modes = {modes}: must be {low} to {high}")]
-    Modes {
-        /// The number that was asked for.
-        modes: usize,
-        /// Fewest.
-        low: usize,
-        /// Most.
-        high: usize,
-    },
-}
-
-impl RespondError {
-    pub(crate) fn cannot_enter(plate: &Plate, frequency_hz: f64) -> Self {
-        Self::CannotEnter { plate: plate.name().to_owned(), frequency_hz, cut_off_hz: plate.cut_off_hz() }
-    }
-}
 
 /// Fewest points of a response.
 pub const POINTS_MIN: usize = 8;

@@ -4,7 +4,7 @@ use super::figure::{
     Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
 };
 use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
-use crate::frequency::respond::Equation;
+use crate::frequency::equation::Equation;
 
 const FREQUENCIES_HZ: [f64; 2] = [40e3, 20e3];
 

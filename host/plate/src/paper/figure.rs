@@ -1,6 +1,8 @@
 //! What a figure is made of: panels, curves and marks; and the solutions that its curves show.
 
-use crate::frequency::respond::{Equation, RespondError, Response, respond};
+use crate::frequency::equation::Equation;
+use crate::frequency::error::RespondError;
+use crate::frequency::respond::{Response, respond};
 use crate::spec::plate::Plate;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! Fig. 9: the rubber plate at 30 and 40 Hz.
 
 use super::figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke, magnitude, preset, solve};
-use crate::frequency::respond::Equation;
+use crate::frequency::equation::Equation;
 use crate::spec::plate::{Plate, PlateSpec};
 use crate::spec::taper::Taper;
 

@@ -3,7 +3,7 @@
 //! Time convention e^(-j omega t): a wave that runs into the plate is e^(+j k x).
 
 use crate::spec::error::PlateError;
-use crate::spec::range;
+use crate::spec::limits;
 
 /// What is held at x = 0, for a drive of 1 (the amplitudes of the solvers are relative to it).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ pub enum DriveEnd {
 impl DriveEnd {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
-            Self::Resistance { ratio, .. } => range::DRIVE_RATIO.check("drive.ratio", *ratio),
+            Self::Resistance { ratio, .. } => limits::DRIVE_RATIO.check("drive.ratio", *ratio),
             Self::Displacement | Self::Force { .. } => Ok(()),
         }
     }
@@ -57,8 +57,8 @@ pub struct Actuator {
 
 impl Actuator {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
-        range::RESONANCE.check("actuator.resonance_hz", self.resonance_hz)?;
-        range::QUALITY.check("actuator.quality", self.quality)
+        limits::RESONANCE.check("actuator.resonance_hz", self.resonance_hz)?;
+        limits::QUALITY.check("actuator.quality", self.quality)
     }
 
     /// Complex response at `frequency_hz`, relative to rest.

@@ -1,9 +1,7 @@
 //! What can be wrong with a plate: every variant names the field and what is allowed, in numbers. The words are in
-//! `sentence`.
+//! [`super::wording`].
 
-use crate::spec::range::{Count, Range};
-use crate::spec::sentence::PlateFile;
-use std::fmt;
+use crate::quantity::range::{Count, Range};
 use thiserror::Error;
 
 /// Why a plate was refused. Displayed in the words of a plate file; [`PlateError::told`] has others.
@@ -95,9 +93,9 @@ pub enum Origin {
 pub enum Consequence {
     /// The frequency that a boundary at this place needs, Hz, is outside [`crate::spec::range::FREQUENCY`].
     Frequency(f64),
-    /// The frequencies of the span's two ends, Hz, are more than [`crate::BAND_RATIO_MAX`] apart.
+    /// The frequencies of the span's two ends, Hz, are more than [`super::limits::BAND_RATIO_MAX`] apart.
     BandRatio(f64, f64),
-    /// So many wavelengths lie before this place, more than [`crate::WAVELENGTHS_MAX`].
+    /// So many wavelengths lie before this place, more than [`super::limits::WAVELENGTHS_MAX`].
     Wavelengths(f64),
     /// The plate is too short for a design's margins.
     Margins {
@@ -156,10 +154,31 @@ impl PlateError {
     }
 }
 
-impl fmt::Display for PlateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.told(&PlateFile))
+impl std::error::Error for PlateError {}
+
+impl Range {
+    /// Refuses what is not allowed, naming the field.
+    pub(crate) fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
+    }
+
+    /// As [`Range::check`], naming what moves the range too.
+    pub(crate) fn check_from(self, origin: Origin, field: &str, value: f64) -> Result<(), PlateError> {
+        if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, Some(origin))) }
+    }
+
+    pub(crate) fn refuse(self, field: &str, value: f64, origin: Option<Origin>) -> PlateError {
+        PlateError::OutOfRange { field: field.to_owned(), value, range: self, origin }
     }
 }
 
-impl std::error::Error for PlateError {}
+impl Count {
+    /// Refuses a text that is not allowed, naming the field.
+    pub(crate) fn check_text(self, field: &str, text: &str) -> Result<(), PlateError> {
+        if self.allows(text) { Ok(()) } else { Err(self.refuse(field, text.chars().count())) }
+    }
+
+    pub(crate) fn refuse(self, field: &str, count: usize) -> PlateError {
+        PlateError::WrongCount { field: field.to_owned(), count, allowed: self }
+    }
+}

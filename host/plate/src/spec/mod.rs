@@ -3,21 +3,20 @@
 pub(crate) mod drive;
 pub(crate) mod error;
 mod file;
+pub mod limits;
 pub(crate) mod model;
 pub(crate) mod plate;
 pub(crate) mod presets;
-pub mod range;
 pub(crate) mod sample_rate;
-pub(crate) mod sentence;
 pub(crate) mod taper;
 mod turning;
+mod wording;
 
 pub use drive::{Actuator, DriveEnd};
 pub use error::{Consequence, Origin, PlateError, PlateFileError};
 pub use file::PLATE_FILE_BYTES_MAX;
 pub use model::{Bending, Model};
-pub use plate::{BAND_RATIO_MAX, Plate, PlateSpec, WAVELENGTHS_MAX};
+pub use plate::{Plate, PlateSpec};
 pub use presets::{Preset, preset, presets};
 pub use sample_rate::{SampleRateError, sample_rates};
-pub use sentence::Notation;
 pub use taper::Taper;

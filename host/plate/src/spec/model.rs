@@ -9,7 +9,7 @@
 //! | thin plate in bending, clamped edges | 1.817 | 2.36502 | the same |
 
 use crate::spec::error::PlateError;
-use crate::spec::range;
+use crate::spec::limits;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Material, edge and wave of a plate.
@@ -100,10 +100,10 @@ impl Bending {
     }
 
     fn validate(&self) -> Result<(), PlateError> {
-        range::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
-        range::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
-        range::DENSITY.check("model.density_kg_per_m3", self.density_kg_per_m3)?;
-        range::THICKNESS.check("model.thickness_m", self.thickness_m)
+        limits::YOUNGS_MODULUS.check("model.youngs_modulus_pa", self.youngs_modulus_pa)?;
+        limits::POISSON_RATIO.check("model.poisson_ratio", self.poisson_ratio)?;
+        limits::DENSITY.check("model.density_kg_per_m3", self.density_kg_per_m3)?;
+        limits::THICKNESS.check("model.thickness_m", self.thickness_m)
     }
 }
 
@@ -114,11 +114,11 @@ impl Model {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
             Self::Membrane { wave_speed_m_per_s } => {
-                range::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)
+                limits::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)
             }
             Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
-                range::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
-                range::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)
+                limits::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
+                limits::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)
             }
             Self::BendingSupported(bending) | Self::BendingClamped(bending) => bending.validate(),
         }

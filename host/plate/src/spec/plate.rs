@@ -3,17 +3,13 @@
 //! [`PlateSpec`] is what a user edits; [`Plate`] is a specification that has been validated, so that nothing
 //! behind it has to be asked twice.
 
+use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
+use crate::quantity::range::Range;
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;
-use crate::spec::range::{self, Range};
 use crate::spec::taper::{Taper, WidthLaw};
 use std::f64::consts::TAU;
-
-/// Most wavelengths a plate may hold between the driven end and the boundary; keeps every computation bounded.
-pub const WAVELENGTHS_MAX: f64 = 60.0;
-/// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
-pub const BAND_RATIO_MAX: f64 = 64.0;
 
 /// The description of a plate, before validation. Lengths in metres, frequencies in hertz.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,19 +54,19 @@ impl Plate {
     /// # Errors
     /// [`PlateError`] names the first field that is out of range and the range that is allowed.
     pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
-        range::NAME.check_text("name", &spec.name)?;
-        range::DESCRIPTION.check_text("description", &spec.description)?;
-        range::LENGTH.check("length_m", spec.length_m)?;
+        limits::NAME.check_text("name", &spec.name)?;
+        limits::DESCRIPTION.check_text("description", &spec.description)?;
+        limits::LENGTH.check("length_m", spec.length_m)?;
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
-        range::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
-        range::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
+        limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
+        limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
         spec.drive_end.validate()?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
         }
-        range::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
-        range::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
+        limits::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
+        limits::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
@@ -82,7 +78,7 @@ impl Plate {
 
     fn validate_band(&self) -> Result<(), PlateError> {
         let (low, high) = self.band_hz();
-        let allowed = range::FREQUENCY;
+        let allowed = limits::FREQUENCY;
         let at_start = |it| Err(PlateError::unfit("span_start_m", self.spec.span_start_m, it));
         let at_end = |it| Err(PlateError::unfit("span_end_m", self.spec.span_end_m, it));
         if low.is_nan() || low < allowed.low {
@@ -142,6 +138,16 @@ impl Plate {
     /// Nearest and farthest turning point that are offered, metres.
     pub fn span_m(&self) -> (f64, f64) {
         (self.spec.span_start_m, self.spec.span_end_m)
+    }
+
+    /// Lowest frequency that enters the plate at all, Hz (its wave turns at x = 0).
+    pub fn cut_off_hz(&self) -> f64 {
+        self.guide(1).cut_off_hz(0.0)
+    }
+
+    /// The frequency whose turning point is `x`, Hz.
+    pub fn frequency_for_boundary_hz(&self, x: f64) -> f64 {
+        self.guide(1).cut_off_hz(x)
     }
 
     /// Frequencies of the two ends of the span, Hz.

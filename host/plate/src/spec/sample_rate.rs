@@ -1,8 +1,8 @@
 //! Which sample rates carry a plate's band: one rule for its table, its line and whoever asks for either.
 
-use crate::quantity::numeral::typed;
+use crate::quantity::number_format::typed;
+use crate::quantity::range::Range;
 use crate::spec::plate::Plate;
-use crate::spec::range::Range;
 use thiserror::Error;
 
 /// Largest frequency that is played, as a part of the sample rate; the device refuses higher ones in a table.

@@ -3,8 +3,9 @@
 //! The plate spans z = -W..+W. Beyond the plate's end the law is continued (the frame goes on), so that the tail
 //! of the wave decays as it would in a longer plate.
 
+use crate::quantity::range::Range;
 use crate::spec::error::{Origin, PlateError};
-use crate::spec::range::{self, Range};
+use crate::spec::limits;
 
 /// The law of the half-width W(x); x = 0 is the driven, wide end.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,10 +36,10 @@ impl Taper {
     pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
         match self {
             Self::Exponential { half_width_m, rate_per_m } => {
-                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
-                range::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
+                limits::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                limits::TAPER_RATE.check("taper.rate_per_m", *rate_per_m)?;
                 let end = half_width_m * (-rate_per_m * length_m).exp();
-                let narrowest = range::HALF_WIDTH.low;
+                let narrowest = limits::HALF_WIDTH.low;
                 if end < narrowest {
                     let steepest = Range::at_most((half_width_m / narrowest).ln() / length_m, "1/m");
                     let origin = Some(Origin::EndHalfWidth(end));
@@ -47,8 +48,8 @@ impl Taper {
                 Ok(())
             }
             Self::Linear { half_width_m, end_half_width_m } => {
-                range::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
-                let end = Range { high: 0.999 * half_width_m, ..range::HALF_WIDTH };
+                limits::HALF_WIDTH.check("taper.half_width_m", *half_width_m)?;
+                let end = Range { high: 0.999 * half_width_m, ..limits::HALF_WIDTH };
                 end.check("taper.end_half_width_m", *end_half_width_m)
             }
             Self::Sampled { points } => validate_points(points, length_m),
@@ -57,12 +58,12 @@ impl Taper {
 }
 
 fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError> {
-    if !range::TAPER_POINTS.contains(points.len()) {
-        return Err(range::TAPER_POINTS.refuse("taper.points", points.len()));
+    if !limits::TAPER_POINTS.contains(points.len()) {
+        return Err(limits::TAPER_POINTS.refuse("taper.points", points.len()));
     }
     for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
-        range::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
-        range::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;
+        limits::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
+        limits::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;
         if let Some([before_m, wider_m]) = index.checked_sub(1).map(|before| points[before])
             && (position_m - before_m < 1e-6 || half_width_m >= wider_m)
         {

@@ -8,16 +8,6 @@ use crate::spec::plate::Plate;
 use crate::special::airy;
 
 impl Plate {
-    /// Lowest frequency that enters the plate at all, Hz (its wave turns at x = 0).
-    pub fn cut_off_hz(&self) -> f64 {
-        self.guide(1).cut_off_hz(0.0)
-    }
-
-    /// The frequency whose turning point is `x`, Hz.
-    pub fn frequency_for_boundary_hz(&self, x: f64) -> f64 {
-        self.guide(1).cut_off_hz(x)
-    }
-
     /// The turning point of `frequency_hz`, metres; `None` if the wave cannot enter.
     ///
     /// The taper is thought to go on beyond the plate's end, so a value above [`Plate::length_m`] means that the

@@ -7,40 +7,11 @@
 //! less than a knot), gains share the error between a knot and the middle of its neighbours, and what is left
 //! between the knots is measured and reported.
 
+use super::error::{KNOTS_MAX, TableError};
 use super::knots::{onto_resonances, rising, share_error};
 use super::level::{Chain, amid, chains, other_speeds};
-use crate::progress::{Progress, Stopped};
+use crate::progress::Progress;
 use crate::spec::plate::Plate;
-use crate::spec::sample_rate::SampleRateError;
-use thiserror::Error;
-
-/// Most knots of a table.
-pub const KNOTS_MAX: usize = 1025;
-
-/// Why a table could not be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum TableError {
-    /// The sample rate cannot carry the plate's band.
-    #[error(transparent)]
-    SampleRate(#[from] SampleRateError),
-    /// The number of knots is not usable.
-    #[error("knots = {knots}: must be 2 to {KNOTS_MAX}")]
-    Knots {
-        /// The number that was asked for.
-        knots: usize,
-    },
-    /// The plate does not answer somewhere in its span (its amplitude is zero or not a number).
-    #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
-    Silent {
-        /// Turning point, metres.
-        position_m: f64,
-        /// Frequency, Hz.
-        frequency_hz: f64,
-    },
-    /// The computation was given up.
-    #[error(transparent)]
-    Stopped(#[from] Stopped),
-}
 
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]

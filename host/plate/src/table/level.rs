@@ -5,10 +5,10 @@
 //! knot lies in the middle, in dB, between the lowest and the highest peak of all speeds within it: the worst
 //! departure is then the ripple itself, whatever the true speed.
 
-use super::drive_table::TableError;
+use super::error::TableError;
+use crate::frequency::equation::Equation;
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::peak::{self, Peak};
-use crate::frequency::respond::Equation;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate;

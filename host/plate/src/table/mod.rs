@@ -1,11 +1,13 @@
 //! The turning-point table, and how far it holds on a plate that differs from the one it was made for.
 
-pub(crate) mod drive_table;
+mod drive_table;
+pub(crate) mod error;
 mod knots;
 pub(crate) mod level;
 mod sensitivity;
 
-pub use drive_table::{DriveTable, KNOTS_MAX, Knot, TableError};
+pub use drive_table::{DriveTable, Knot};
+pub use error::{KNOTS_MAX, TableError};
 pub use level::Level;
 pub use sensitivity::{
     Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,

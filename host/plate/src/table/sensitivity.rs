@@ -1,6 +1,7 @@
 //! How much the peak moves when the real plate is not the one the table was made for.
 
-use super::drive_table::{DriveTable, KNOTS_MAX, TableError};
+use super::drive_table::DriveTable;
+use super::error::{KNOTS_MAX, TableError};
 use super::level::Chain;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;

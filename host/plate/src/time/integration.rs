@@ -1,8 +1,8 @@
 //! The steps of the oscillators, integrated exactly for a drive that is a spline.
 
-use crate::time::analytic::{BSPLINE, Plan};
-use crate::time::kernel::Oscillators;
-use crate::time::oscillators::Bank;
+use super::analytic::{BSPLINE, Plan};
+use super::kernel::Oscillators;
+use super::modal::Bank;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

@@ -5,13 +5,13 @@
 //! ```
 //! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
 
+use super::analytic::{Drive, Plan};
+use super::envelope::Envelope;
 use super::integration::prepare;
+use super::kernel::{self, Oscillators};
+use super::modal::{self, Bank, Input};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::{self, SampleRateError};
-use crate::time::analytic::{Drive, Plan};
-use crate::time::envelope::Envelope;
-use crate::time::kernel::{self, Oscillators};
-use crate::time::oscillators::{self, Bank, Input};
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -90,7 +90,7 @@ impl TimeLine {
         let plan = Plan::new(sample_rate_hz, low_hz, high_hz);
         let position_m: Vec<f64> =
             (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();
-        let bank = oscillators::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
+        let bank = modal::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
         let settle_s = settle_time(&bank, low_hz, high_hz);
         let (bank, quick) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
         let scale = plate.spec().full_scale_m;
@@ -261,7 +261,8 @@ fn settle_time(bank: &Bank, low_hz: f64, high_hz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frequency::respond::{Equation, respond};
+    use crate::frequency::equation::Equation;
+    use crate::frequency::respond::respond;
     use crate::spec::presets::presets;
 
     #[test]

@@ -8,8 +8,10 @@ use crate::view::field::{Field, Fields, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_plate::PlateError;
-use slipline_plate::design::{BAND_WIDTH_MIN_PERCENT, Material, material_names};
-use slipline_plate::range::{self, Range};
+use slipline_plate::design::{Material, material_names};
+use slipline_plate::limits;
+use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
+use slipline_plate::quantity::Range;
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -152,7 +154,7 @@ impl<'a> Form<'a> {
         let thickness = Entry {
             caption: &caption::THICKNESS,
             value: millimetres(draft.thickness_m),
-            hint: format!("The sheet's thickness, {}", lengths(range::THICKNESS)),
+            hint: format!("The sheet's thickness, {}", lengths(limits::THICKNESS)),
         };
         self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
         let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
@@ -212,7 +214,7 @@ impl<'a> Form<'a> {
         let long = Entry {
             caption: &caption::LENGTH,
             value: millimetres(draft.length_m),
-            hint: format!("From the driven end to the narrow end, {}", lengths(range::LENGTH)),
+            hint: format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH)),
         };
         self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
     }
@@ -239,7 +241,7 @@ impl<'a> Form<'a> {
         let loss = Entry {
             caption: &caption::LOSS_FACTOR,
             value: draft.loss_factor.unwrap_or(library).to_string(),
-            hint: format!("{}; auto: the library's for this material", range::LOSS_FACTOR),
+            hint: format!("{}; auto: the library's for this material", limits::LOSS_FACTOR),
         };
         self.entry(ui, &loss, |draft, text| {
             let plain = |text: &str| quantity::plain(text, "").map_err(text_of);
@@ -255,13 +257,13 @@ impl<'a> Form<'a> {
         let rim = Entry {
             caption: &caption::RIM,
             value: millimetres(draft.rim_m),
-            hint: format!("Width of the frame's rim, {}", lengths(range::RIM)),
+            hint: format!("Width of the frame's rim, {}", lengths(limits::RIM)),
         };
         self.entry(ui, &rim, |draft, text| length(text).map(|value| draft.rim_m = value));
         let name = Entry {
             caption: &caption::NAME,
             value: draft.name.clone(),
-            hint: format!("The plate's name, {} {}", range::NAME, range::NAME.of),
+            hint: format!("The plate's name, {} {}", limits::NAME, limits::NAME.of),
         };
         self.entry(ui, &name, |draft, text| {
             draft.name = text.trim().to_owned();

@@ -6,7 +6,7 @@ use crate::view::field::{Field, labelled, row};
 use crate::view::intent::{Intent, Intents};
 use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
-use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, range};
+use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, limits};
 use std::sync::Arc;
 
 /// Shows the numbers of `plate`.
@@ -63,7 +63,7 @@ impl Numbers<'_, '_> {
 fn renamed(mut spec: PlateSpec, before: &Plate) -> PlateSpec {
     const MARK: &str = " (changed)";
     if !before.name().ends_with(MARK) {
-        let room = range::NAME.most - MARK.len();
+        let room = limits::NAME.most - MARK.len();
         spec.name = spec.name.chars().take(room).chain(MARK.chars()).collect();
     }
     spec

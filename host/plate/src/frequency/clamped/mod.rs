@@ -12,10 +12,11 @@
 mod band_matrix;
 mod shape;
 
+use crate::frequency::error::RespondError;
 use crate::frequency::peak::{self, Peak};
+use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use crate::spec::taper::LogWidth;
-use crate::{Model, RespondError};
 use band_matrix::BandMatrix;
 use num_complex::Complex64;
 use shape::{Jet, across, along, gauss};

@@ -1,6 +1,7 @@
 //! The fields of a plate file: what each means, what it may be, and which kind of taper, model or drive end has it.
 
-use crate::spec::range::{self, Count, Range};
+use crate::quantity::range::{Count, Range};
+use crate::spec::limits;
 use std::borrow::Cow;
 
 /// What a field has to hold.
@@ -47,16 +48,16 @@ pub(super) const PLATE: Section = Section {
     kind_field: "",
     kinds: &[],
     fields: &[
-        field("name", Due::Text(range::NAME), "the plate's short name"),
-        field("description", Due::Text(range::DESCRIPTION), "one line that says what the plate is"),
-        field("length_m", Due::Number(range::LENGTH), "from the driven end to the narrow end"),
-        field("loss_factor", Due::Number(range::LOSS_FACTOR), "loss factor of the modulus or the tension"),
+        field("name", Due::Text(limits::NAME), "the plate's short name"),
+        field("description", Due::Text(limits::DESCRIPTION), "one line that says what the plate is"),
+        field("length_m", Due::Number(limits::LENGTH), "from the driven end to the narrow end"),
+        field("loss_factor", Due::Number(limits::LOSS_FACTOR), "loss factor of the modulus or the tension"),
         field(
             "wave_speed_tolerance",
-            Due::Number(range::WAVE_SPEED_TOLERANCE),
+            Due::Number(limits::WAVE_SPEED_TOLERANCE),
             "how well the wave speed is known",
         ),
-        field("full_scale_m", Due::Number(range::FULL_SCALE), "the drive's displacement at DAC full scale"),
+        field("full_scale_m", Due::Number(limits::FULL_SCALE), "the drive's displacement at DAC full scale"),
         field("span_start_m", Due::NumberThat("above 0, in m"), "the nearest turning point that is offered"),
         field(
             "span_end_m",
@@ -87,8 +88,8 @@ pub(super) const TAPER: Section = Section {
     ],
     fields: &[
         field("kind", Due::Kind, "the law of the half-width"),
-        field("half_width_m", Due::Number(range::HALF_WIDTH), "half-width at the driven end"),
-        field("rate_per_m", Due::Number(range::TAPER_RATE), "how fast the half-width falls"),
+        field("half_width_m", Due::Number(limits::HALF_WIDTH), "half-width at the driven end"),
+        field("rate_per_m", Due::Number(limits::TAPER_RATE), "how fast the half-width falls"),
         field(
             "end_half_width_m",
             Due::NumberThat("1e-5 m to 0.999 half_width_m"),
@@ -113,12 +114,12 @@ pub(super) const MODEL: Section = Section {
     ],
     fields: &[
         field("kind", Due::Kind, "the wave and the edge"),
-        field("wave_speed_m_per_s", Due::Number(range::WAVE_SPEED), "wave speed of the membrane"),
-        field("shear_modulus_pa", Due::Number(range::SHEAR_MODULUS), "shear modulus"),
-        field("youngs_modulus_pa", Due::Number(range::YOUNGS_MODULUS), "Young's modulus"),
-        field("poisson_ratio", Due::Number(range::POISSON_RATIO), "Poisson's ratio"),
-        field("density_kg_per_m3", Due::Number(range::DENSITY), "density"),
-        field("thickness_m", Due::Number(range::THICKNESS), "thickness of the sheet"),
+        field("wave_speed_m_per_s", Due::Number(limits::WAVE_SPEED), "wave speed of the membrane"),
+        field("shear_modulus_pa", Due::Number(limits::SHEAR_MODULUS), "shear modulus"),
+        field("youngs_modulus_pa", Due::Number(limits::YOUNGS_MODULUS), "Young's modulus"),
+        field("poisson_ratio", Due::Number(limits::POISSON_RATIO), "Poisson's ratio"),
+        field("density_kg_per_m3", Due::Number(limits::DENSITY), "density"),
+        field("thickness_m", Due::Number(limits::THICKNESS), "thickness of the sheet"),
         field("thick_plate", Due::Flag, "Mindlin's correction"),
     ],
 };
@@ -136,7 +137,7 @@ pub(super) const DRIVE: Section = Section {
     ],
     fields: &[
         field("end", Due::Kind, "what is held at the driven end"),
-        field("ratio", Due::Number(range::DRIVE_RATIO), "the resistance over the wave's own"),
+        field("ratio", Due::Number(limits::DRIVE_RATIO), "the resistance over the wave's own"),
         field("at_frequency_hz", Due::NumberThat(AT_FREQUENCY), "the frequency it is told for"),
     ],
 };
@@ -147,8 +148,8 @@ pub(super) const ACTUATOR: Section = Section {
     kind_field: "",
     kinds: &[],
     fields: &[
-        field("resonance_hz", Due::Number(range::RESONANCE), "resonance of the actuator"),
-        field("quality", Due::Number(range::QUALITY), "quality factor of the resonance"),
+        field("resonance_hz", Due::Number(limits::RESONANCE), "resonance of the actuator"),
+        field("quality", Due::Number(limits::QUALITY), "quality factor of the resonance"),
     ],
 };
 
@@ -175,7 +176,7 @@ impl Section {
             Due::Text(count) => format!("a text in quotes, {count} {}", count.of).into(),
             Due::Flag => "true or false".into(),
             Due::Points => {
-                format!("{} pairs [place, half-width] of numbers, in m", range::TAPER_POINTS).into()
+                format!("{} pairs [place, half-width] of numbers, in m", limits::TAPER_POINTS).into()
             }
             Due::Kind => self.one_of().into(),
         }

@@ -4,11 +4,12 @@ mod fields;
 mod text;
 mod written;
 
+use crate::quantity::range::Range;
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::error::{Origin, PlateError, PlateFileError};
+use crate::spec::limits;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::{Plate, PlateSpec};
-use crate::spec::range::{self, Range};
 use crate::spec::taper::Taper;
 use text::{Given, Text};
 
@@ -120,7 +121,7 @@ fn first_missing(text: &Text<'_>) -> PlateError {
 /// A plate whose span is given by the frequencies of its ends.
 fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plate, PlateError> {
     // A plate with its widest span answers where the two frequencies turn.
-    spec.span_start_m = range::span_start(spec.length_m).low;
+    spec.span_start_m = limits::span_start(spec.length_m).low;
     spec.span_end_m = 3.0 * spec.span_start_m;
     let probe = Plate::new(spec.clone())?;
     let lowest = probe.frequency_for_boundary_hz(spec.span_start_m);

@@ -1,6 +1,6 @@
 //! The source's resistance and the actuator: what ties the oscillators together, and how they are separated again.
 
-use super::{Bank, Input, J};
+use super::bank::{Bank, Input, J};
 use crate::spec::drive::Actuator;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;

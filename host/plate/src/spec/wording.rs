@@ -1,48 +1,16 @@
 //! What is wrong with a plate, as a sentence: one wording, and whoever shows it chooses how fields and numbers are
 //! written.
 
-use crate::design::BAND_WIDTH_MIN_PERCENT;
-use crate::quantity::numeral::{at_least, at_most, typed};
-use crate::spec::error::{Consequence, Origin, PlateError};
-use crate::spec::plate::{BAND_RATIO_MAX, WAVELENGTHS_MAX};
-use crate::spec::range::{Counted, FREQUENCY, HALF_WIDTH, Range};
+use super::error::{Consequence, Origin, PlateError};
+use super::limits::{BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, WAVELENGTHS_MAX};
+use crate::quantity::notation::{Notation, PlateFile};
+use crate::quantity::number_format::{at_least, at_most, typed};
+use crate::quantity::range::{Counted, Range};
+use std::fmt;
 
-/// How fields and numbers are written in a sentence. Numbers come in SI units, fields as the plate file has them.
-pub trait Notation {
-    /// A field: `length_m`.
-    fn field(&self, field: &str) -> String;
-    /// A field with the number that it has: `length_m = 0.3`.
-    fn given(&self, field: &str, value: f64) -> String;
-    /// The numbers that a field may have, with their unit: `0.005 to 10 m`.
-    fn range(&self, field: &str, range: Range) -> String;
-    /// A length, with its unit.
-    fn length(&self, metres: f64) -> String;
-    /// A frequency, with its unit.
-    fn frequency(&self, hertz: f64) -> String;
-}
-
-/// The notation of plate files: their own names, and their units.
-pub(crate) struct PlateFile;
-
-impl Notation for PlateFile {
-    fn field(&self, field: &str) -> String {
-        field.to_owned()
-    }
-
-    fn given(&self, field: &str, value: f64) -> String {
-        format!("{field} = {}", typed(value))
-    }
-
-    fn range(&self, _field: &str, range: Range) -> String {
-        range.to_string()
-    }
-
-    fn length(&self, metres: f64) -> String {
-        format!("{} m", typed(metres))
-    }
-
-    fn frequency(&self, hertz: f64) -> String {
-        format!("{} Hz", typed(hertz))
+impl fmt::Display for PlateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.told(&PlateFile))
     }
 }
 

@@ -1,0 +1,113 @@
+//! The numbers that a field may have, and how long a text or a list may be.
+
+use super::number_format::{at_least, at_most, typed};
+use std::fmt;
+
+/// The numbers that a field may have, both ends included; an infinite end bounds nothing. Written as `0.005 to 10 m`,
+/// each end as a person would type it: rounded to five digits, and inwards, so that what is named is allowed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Least.
+    pub low: f64,
+    /// Most.
+    pub high: f64,
+    /// Unit of both; empty for a pure number.
+    pub unit: &'static str,
+}
+
+impl Range {
+    /// From `low` to `high` of a unit.
+    pub const fn new(low: f64, high: f64, unit: &'static str) -> Self {
+        Self { low, high, unit }
+    }
+
+    /// From `low` up.
+    pub const fn at_least(low: f64, unit: &'static str) -> Self {
+        Self::new(low, f64::INFINITY, unit)
+    }
+
+    /// Up to `high`.
+    pub const fn at_most(high: f64, unit: &'static str) -> Self {
+        Self::new(f64::NEG_INFINITY, high, unit)
+    }
+
+    /// The same with its ends rounded inwards to five digits: what may be told of it.
+    #[must_use]
+    pub fn rounded(self) -> Self {
+        Self { low: at_least(self.low, 5), high: at_most(self.high, 5), unit: self.unit }
+    }
+
+    /// The range in words, with its ends written by `number` (which is given a finite one) and without its unit.
+    pub fn in_words(self, number: impl Fn(f64) -> String) -> String {
+        let Self { low, high, .. } = self;
+        match (low.is_finite(), high.is_finite()) {
+            (false, true) => format!("at most {}", number(high)),
+            (true, false) => format!("at least {}", number(low)),
+            _ => format!("{} to {}", number(low), number(high)),
+        }
+    }
+
+    /// Whether a number is allowed; NaN never is.
+    pub fn contains(self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.rounded().in_words(typed))?;
+        if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
+    }
+}
+
+/// How long a text or a list may be, both ends included. Written as `1 to 80`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Count {
+    /// Fewest.
+    pub least: usize,
+    /// Most.
+    pub most: usize,
+    /// Of what.
+    pub of: Counted,
+}
+
+/// What a [`Count`] counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counted {
+    /// Characters of a text that stands on one line, without control characters.
+    Characters,
+    /// Points of a list.
+    Points,
+}
+
+impl Count {
+    /// From `least` to `most` of something.
+    pub const fn new(least: usize, most: usize, of: Counted) -> Self {
+        Self { least, most, of }
+    }
+
+    /// Whether so many are allowed.
+    pub fn contains(self, count: usize) -> bool {
+        (self.least..=self.most).contains(&count)
+    }
+
+    /// Whether a text is as long as is allowed and stands on one line.
+    pub fn allows(self, text: &str) -> bool {
+        self.contains(text.chars().count()) && !text.chars().any(char::is_control)
+    }
+}
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.least, self.most)
+    }
+}
+
+impl fmt::Display for Counted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Characters => "characters",
+            Self::Points => "points",
+        })
+    }
+}

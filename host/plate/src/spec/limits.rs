@@ -1,0 +1,85 @@
+//! The limits of a plate's fields: those who check a field and those who describe it read them here.
+
+use crate::quantity::range::{Count, Counted, Range};
+
+/// Length of a plate, and of a design's.
+pub const LENGTH: Range = Range::new(0.005, 10.0, "m");
+/// Loss factor of a material or a tension.
+pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
+/// How well the wave speed is known, as a fraction.
+pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
+/// Displacement of the drive at DAC full scale.
+pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
+/// Half-width anywhere on a plate.
+pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
+/// Rate of an exponential taper.
+pub const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
+/// Place of a point of a sampled taper.
+pub const TAPER_PLACE: Range = Range::new(0.0, 100.0, "m");
+/// Wave speed of a membrane.
+pub const WAVE_SPEED: Range = Range::new(0.1, 2e4, "m/s");
+/// Shear modulus.
+pub const SHEAR_MODULUS: Range = Range::new(100.0, 1e12, "Pa");
+/// Young's modulus.
+pub const YOUNGS_MODULUS: Range = Range::new(1e3, 1e13, "Pa");
+/// Poisson's ratio.
+pub const POISSON_RATIO: Range = Range::new(0.0, 0.499, "");
+/// Density.
+pub const DENSITY: Range = Range::new(1.0, 3e4, "kg/m^3");
+/// Thickness of the sheet.
+pub const THICKNESS: Range = Range::new(1e-6, 0.1, "m");
+/// r of a drive end that is a resistance.
+pub const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
+/// Frequency that a boundary may need.
+pub const FREQUENCY: Range = Range::new(0.5, 1e7, "Hz");
+/// An actuator's resonance.
+pub const RESONANCE: Range = Range::new(0.1, 1e7, "Hz");
+/// An actuator's quality factor.
+pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
+/// Width of the frame's rim of a design.
+pub const RIM: Range = Range::new(0.01, 0.5, "m");
+
+/// The nearest boundaries that a plate of this length may offer, metres from the driven end.
+pub fn span_start(length_m: f64) -> Range {
+    Range::new(1e-3 * length_m, 0.999 * length_m, "m")
+}
+
+/// Name of a plate.
+pub const NAME: Count = Count::new(1, 80, Counted::Characters);
+/// What a plate is, on one line.
+pub const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
+/// Points of a sampled taper.
+pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
+
+/// Most wavelengths between the driven end and the boundary; keeps every computation bounded.
+pub const WAVELENGTHS_MAX: f64 = 60.0;
+/// Largest ratio of the band's end to its start (six octaves); the filters in the time domain grow with it.
+pub const BAND_RATIO_MAX: f64 = 64.0;
+/// How far the end of a design's band is above its start at least, percent.
+pub const BAND_WIDTH_MIN_PERCENT: f64 = 5.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::number_format::{at_least, at_most};
+
+    #[test]
+    fn the_ends_of_a_range_are_written_as_they_would_be_typed_and_are_allowed() {
+        assert_eq!(LENGTH.to_string(), "0.005 to 10 m");
+        assert_eq!(HALF_WIDTH.to_string(), "1e-5 to 10 m");
+        assert_eq!(SHEAR_MODULUS.to_string(), "100 to 1e12 Pa");
+        assert_eq!(LOSS_FACTOR.to_string(), "0 to 0.5");
+        for (low, high, wanted) in [
+            (60.005_999_999_999_986, 1_052.621_421, "60.006 to 1052.6"),
+            (59.999_999_999_999_986, 0.299_699_999_999_999_97, "60 to 0.29969"),
+            (0.08 + 1e-3 * 0.3, 0.3, "0.0803 to 0.3"),
+            (-2.000_001, -1e-9 / 3.0, "-2 to -3.3334e-10"),
+        ] {
+            let range = Range::new(low, high, "");
+            assert_eq!(range.to_string(), wanted);
+            assert!(at_least(low, 5) >= low && at_most(high, 5) <= high, "{wanted}");
+        }
+        assert_eq!(Range::at_most(28.312_34, "1/m").to_string(), "at most 28.312 1/m");
+        assert_eq!(Range::at_least(0.3, "m").to_string(), "at least 0.3 m");
+    }
+}

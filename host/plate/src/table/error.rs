@@ -1,0 +1,33 @@
+//! Why a table could not be made.
+
+use crate::progress::Stopped;
+use crate::spec::sample_rate::SampleRateError;
+use thiserror::Error;
+
+/// Most knots of a table.
+pub const KNOTS_MAX: usize = 1025;
+
+/// Why a table could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TableError {
+    /// The sample rate cannot carry the plate's band.
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
+    /// The number of knots is not usable.
+    #[error("knots = {knots}: must be 2 to {KNOTS_MAX}")]
+    Knots {
+        /// The number that was asked for.
+        knots: usize,
+    },
+    /// The plate does not answer somewhere in its span (its amplitude is zero or not a number).
+    #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
+    Silent {
+        /// Turning point, metres.
+        position_m: f64,
+        /// Frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// The computation was given up.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
