@@ -108,6 +108,7 @@ fn the_top_level_holds_nothing_but_the_agreed_entries() {
         "LICENSE-APACHE",
         "LICENSE-MIT",
         "README.md",
+        "clippy.toml",
         "deny.toml",
         "firmware",
         "host",

@@ -11,6 +11,8 @@
 //! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
 
 #![forbid(unsafe_code)]
+// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod check;
 pub mod design;
 pub mod frequency;

@@ -83,6 +83,13 @@ impl Lattice {
     /// One step for each number of `drive`, which goes to the driven column (a rectangle has none).
     ///
     /// After a panic, which only a bug or a system without threads to give can cause, the lattice is of no use.
+    #[cfg_attr(
+        not(test),
+        expect(
+            clippy::disallowed_methods,
+            reason = "threads are started for two and more bands only; a browser asks for one"
+        )
+    )]
     pub fn advance(&mut self, drive: &[f32]) {
         if drive.is_empty() {
             return;

@@ -1,0 +1,128 @@
+//! What the documents say of the tree is true: every file and folder they name exists, and the version stands once.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders that hold no source.
+const NOT_SOURCE: [&str; 4] = [".git", "target", ".venv", "__pycache__"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
+}
+
+/// Every file and folder of the tree, relative to its root, with `/` between the names.
+fn entries() -> BTreeSet<String> {
+    fn walk(folder: &Path, prefix: &str, found: &mut BTreeSet<String>) {
+        for entry in fs::read_dir(folder).expect("the tree can be read") {
+            let entry = entry.expect("the tree can be read");
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if NOT_SOURCE.contains(&name.as_str()) {
+                continue;
+            }
+            let path = format!("{prefix}{name}");
+            if entry.file_type().expect("a file has a type").is_dir() {
+                walk(&entry.path(), &format!("{path}/"), found);
+            }
+            found.insert(path);
+        }
+    }
+    let mut found = BTreeSet::new();
+    walk(&root(), "", &mut found);
+    found
+}
+
+/// The text between backticks, line by line, outside of code blocks.
+fn code_spans(text: &str) -> Vec<&str> {
+    let mut spans = Vec::new();
+    let mut is_block = false;
+    for line in text.lines() {
+        let content = line.trim_start_matches([' ', '/', '!', '#']);
+        if content.starts_with("```") {
+            is_block = !is_block;
+        } else if !is_block {
+            spans.extend(content.split('`').skip(1).step_by(2));
+        }
+    }
+    spans
+}
+
+/// The targets of the links `[text](target)` that lead to files.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split([')', '#']).next())
+        .filter(|target| !target.is_empty() && !target.contains("://"))
+        .collect()
+}
+
+/// Whether a code span names a file or a folder of this tree: by a file's ending, or by the tree's first folder.
+fn is_path(span: &str, tops: &BTreeSet<&str>) -> bool {
+    let is_name = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+    if !span.trim_end_matches('/').split('/').all(|name| !name.is_empty() && is_name(name)) {
+        return false;
+    }
+    let first = span.split('/').next().expect("split yields one part");
+    let is_source = [".rs", ".md"].iter().any(|ending| span.ends_with(ending));
+    is_source || (span.contains('/') && tops.contains(first))
+}
+
+/// The spans that name no entry of the tree. A span that does not begin at the top may leave the first folders out.
+fn missing<'a>(text: &'a str, entries: &BTreeSet<String>) -> Vec<&'a str> {
+    let tops = entries.iter().map(String::as_str).filter(|path| !path.contains('/')).collect();
+    code_spans(text)
+        .into_iter()
+        .filter(|span| is_path(span, &tops))
+        .filter(|span| {
+            let path = span.trim_end_matches('/');
+            let end = format!("/{path}");
+            !entries.iter().any(|entry| entry == path || entry.ends_with(&end))
+        })
+        .collect()
+}
+
+#[test]
+fn every_file_that_a_document_or_a_comment_names_exists() {
+    let entries = entries();
+    let mut wrong = Vec::new();
+    for path in &entries {
+        // The changelog tells of the past.
+        let is_read = [".md", ".rs", ".py", ".toml"].iter().any(|ending| path.ends_with(ending));
+        if !is_read || path == "CHANGELOG.md" {
+            continue;
+        }
+        let text = fs::read_to_string(root().join(path)).expect("a source is text");
+        wrong.extend(missing(&text, &entries).into_iter().map(|span| format!("{path}: `{span}`")));
+        if path.ends_with(".md") {
+            let folder = root().join(path).parent().expect("a file lies in a folder").to_owned();
+            wrong.extend(
+                links(&text)
+                    .into_iter()
+                    .filter(|target| !folder.join(target).exists())
+                    .map(|target| format!("{path}: ({target})")),
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "named, and not there:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_name_of_a_file_that_is_not_there_is_found() {
+    let entries: BTreeSet<String> = ["shared", "shared/src", "shared/src/frame.rs"].map(str::to_owned).into();
+    // Written with another quote, for this file is read by the test above, too.
+    let spans = |text: &str| text.replace('\'', "`");
+    let good = spans("'shared/src/frame.rs', 'frame.rs', 'shared/src/', 'a/b', 'x.toml'");
+    assert!(missing(&good, &entries).is_empty());
+    let bad = spans("'shared/src/frames.rs' and 'trouble.rs' and 'shared/wire'\n'''text\n'old.rs'\n'''\n");
+    assert_eq!(missing(&bad, &entries), ["shared/src/frames.rs", "trouble.rs", "shared/wire"]);
+    assert_eq!(links("[a](b/c.md#d) [e](https://f.rs) [g](#h)"), ["b/c.md"]);
+}
+
+#[test]
+fn the_version_stands_in_one_place() {
+    // `.ci/release` changes it there, and every crate, the firmware among them, takes it from there.
+    for path in entries().iter().filter(|path| path.ends_with("/Cargo.toml")) {
+        let manifest = fs::read_to_string(root().join(path)).expect("a manifest is text");
+        assert!(manifest.contains("\nversion.workspace = true\n"), "{path}");
+    }
+}
