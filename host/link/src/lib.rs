@@ -13,6 +13,9 @@
 //! simulation and a browser can run them. With the feature `native`, a worker thread runs them on this computer's
 //! serial ports and sockets.
 
+// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod channel;
 mod commands;
 pub mod connection;
@@ -22,6 +25,10 @@ mod journal;
 mod log;
 pub mod mirror;
 #[cfg(feature = "native")]
+#[cfg_attr(
+    not(test),
+    expect(clippy::disallowed_methods, reason = "this computer's thread, clock, ports and sockets")
+)]
 pub mod native;
 mod port;
 mod rediscovery;
