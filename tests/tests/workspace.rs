@@ -103,6 +103,7 @@ fn the_top_level_holds_nothing_but_the_agreed_entries() {
         .collect();
     let agreed = [
         "CHANGELOG.md",
+        "CONTRIBUTING.md",
         "Cargo.lock",
         "Cargo.toml",
         "LICENSE-APACHE",
