@@ -19,29 +19,29 @@ mod window;
 
 pub use window::run;
 
-use crate::designer::{Designed, Draft};
-use crate::export;
-use crate::figures::plate::Subject;
 use crate::files::{FileJob, Files};
-use crate::history::History;
-use crate::link::native::Worker;
-use crate::link::{Port, PortInfo, Request, Snapshot, Ticket};
-use crate::live::{self, Live};
-use crate::model::Setup;
-use crate::picture::Picture;
-use crate::pilot::Pilot;
 use crate::scene::{Notice, Scene};
 use crate::settings::{Settings, ThemeChoice};
-use crate::sheet;
-pub use crate::table_making::{TableJob, TableMade, TableState};
-use crate::trial::{self, Measured};
-use crate::validity::{self, Verdict};
 use crate::view::intent::{Dialog, Grab};
 use crate::view::{self, ViewState, theme};
-use crate::workshop::Workshop;
 use eframe::egui;
 use hearing::Hearing;
 use notices::Notices;
+use slipline_link::native::Worker;
+use slipline_link::{Port, PortInfo, Request, Snapshot, Ticket};
+use slipline_model::autopilot::Pilot;
+use slipline_model::export::csv_wav;
+use slipline_model::export::figures::plate::Subject;
+use slipline_model::field::sheet;
+use slipline_model::field::steady_field::Picture;
+use slipline_model::field::time_domain::{self, Measured};
+use slipline_model::jobs::Workshop;
+use slipline_model::jobs::check::{self, Verdict};
+use slipline_model::jobs::design::{Designed, Draft};
+pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+use slipline_model::setup::Setup;
+use slipline_model::setup::undo::History;
+use slipline_model::waveform::{self, Live};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -71,15 +71,15 @@ pub struct Parts {
     /// Where tables are made.
     pub tables: Workshop<TableJob, TableState>,
     /// Where validity lights are made.
-    pub checks: Workshop<validity::Job, Verdict>,
+    pub checks: Workshop<check::Job, Verdict>,
     /// Where plates are designed.
     pub designs: Workshop<Draft, Designed>,
     /// Where the 2-D sheet is run.
     pub sheets: Workshop<sheet::Job, sheet::Frame>,
     /// Where the mirror follows the device.
-    pub live: Workshop<live::Job, Live>,
+    pub live: Workshop<waveform::Job, Live>,
     /// Where the simulated plate is run.
-    pub trials: Workshop<trial::Job, Measured>,
+    pub trials: Workshop<time_domain::Job, Measured>,
     /// Where figures are drawn.
     pub figures: Workshop<Subject, Result<Vec<u8>, String>>,
     /// Files.
@@ -247,7 +247,7 @@ impl App {
 fn screenshot_png(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
     let [width, height] = image.size.map(|pixels| pixels as u32);
     let rgba: Vec<[u8; 4]> = image.pixels.iter().map(egui::Color32::to_srgba_unmultiplied).collect();
-    export::png((width, height), &rgba)
+    csv_wav::png((width, height), &rgba)
 }
 
 fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {

@@ -1,7 +1,7 @@
 //! What the panels call the fields of a plate, and the units they show them in: for the fields and for what is said of
 //! them.
 
-use crate::quantity::{self, QuantityError};
+use slipline_model::numbers::quantity::{self, QuantityError};
 use slipline_plate::number_format::significant;
 
 /// Digits that count of a number in a field: more than anyone measures, fewer than a change of units leaves behind.

@@ -1,7 +1,7 @@
 //! Being told to end: by Ctrl-C, on Unix as well by SIGTERM, and by SIGHUP unless the program is to outlive its
 //! terminal.
 
-use crate::disk;
+use slipline_model::disk;
 use std::io;
 
 /// Has the program leave no half-written file when it is told to end. Without a handler it still ends, and only the part

@@ -2,8 +2,8 @@
 
 mod native;
 
-use crate::disk::{self, said};
-use crate::setup_file::FILE_BYTES_MAX;
+use slipline_model::disk::{self, said};
+use slipline_model::setup::file::FILE_BYTES_MAX;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -169,7 +169,13 @@ fn read_text(path: &Path) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::disk::tests::folder;
+
+    /// An empty folder of a test's own.
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
 
     #[test]
     fn a_file_that_is_there_is_replaced_only_when_that_was_said() {

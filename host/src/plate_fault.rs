@@ -148,7 +148,7 @@ mod tests {
             fault("al-bending", slow),
             "Span to 278 mm: must be where the boundary needs at most 10000 kHz (here 213250 kHz)"
         );
-        let mut request = crate::designer::Draft::default().request().unwrap();
+        let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
         request.length_m = 0.01;
         let designer = |request: &Request| design(request).unwrap_err().told(&Panel::Designer);
         assert_eq!(

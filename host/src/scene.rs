@@ -1,16 +1,16 @@
 //! Everything the views show, as the app hands it to them.
 
-use crate::designer::{Designed, Draft};
-use crate::link::{PortInfo, Snapshot};
-use crate::live::Live;
-use crate::model::Setup;
-use crate::picture::Picture;
 use crate::settings::Settings;
-use crate::sheet::{Frame, Source};
-use crate::table_making::TableState;
-use crate::trial::Measured;
-use crate::validity::{self, Verdict};
 use crate::view::intent::{Dialog, Grab};
+use slipline_link::{PortInfo, Snapshot};
+use slipline_model::field::sheet::{Frame, Source};
+use slipline_model::field::steady_field::Picture;
+use slipline_model::field::time_domain::Measured;
+use slipline_model::jobs::check::{self, Verdict};
+use slipline_model::jobs::design::{Designed, Draft};
+use slipline_model::jobs::table::TableState;
+use slipline_model::setup::Setup;
+use slipline_model::waveform::Live;
 use std::sync::Arc;
 
 /// Everything the views show.
@@ -81,7 +81,7 @@ pub struct Background {
     /// The lights, of the plate and boundary they name.
     pub verdict: Option<Verdict>,
     /// The plate and boundary whose lights were asked for last.
-    pub asked: Option<validity::Job>,
+    pub asked: Option<check::Job>,
     /// What is wanted of the designer.
     pub draft: Draft,
     /// What came of it.

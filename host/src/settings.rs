@@ -1,7 +1,7 @@
 //! What the app remembers between runs besides the setup.
 
-use crate::sheet::WavePicture;
 use serde::{Deserialize, Serialize};
+use slipline_model::field::sheet::WavePicture;
 use std::path::{Path, PathBuf};
 
 /// Light, dark or as the system has it.

@@ -3,7 +3,7 @@
 //! description.
 
 use proptest::prelude::*;
-use slipline::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, table_for};
+use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, table_for};
 use slipline_plate::{
     Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, TableError, Taper, preset, presets,
     respond,

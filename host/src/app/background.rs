@@ -1,15 +1,15 @@
 //! What takes longer than a frame: the validity lights, the designer, the 2-D sheet; how far each is, and giving it up.
 
 use super::{App, Parts};
-use crate::designer::Draft;
-use crate::edit::Edit;
 use crate::scene::{Background, DesignState, Waiting};
-use crate::sheet::{self, Frame, Source, WavePicture};
-use crate::surface::slow_factor;
-use crate::table_making::{TableMade, TableState};
-use crate::trial;
-use crate::validity;
 use eframe::egui;
+use slipline_model::field::displacement_map::slow_factor;
+use slipline_model::field::sheet::{self, Frame, Source, WavePicture};
+use slipline_model::field::time_domain;
+use slipline_model::jobs::check;
+use slipline_model::jobs::design::Draft;
+use slipline_model::jobs::table::{TableMade, TableState};
+use slipline_model::setup::edit::Edit;
 use slipline_plate::Plate;
 use slipline_plate::check::Conditions;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(super) struct Work {
     /// For which plate, rate and wish that was decided.
     decided: Option<(Arc<Plate>, f64, WavePicture)>,
     frame: Option<Frame>,
-    driven: Option<trial::Job>,
+    driven: Option<time_domain::Job>,
     /// Plate time that has passed in slow motion, in seconds.
     plate_time_s: f64,
     /// The table made last.
@@ -113,7 +113,7 @@ impl App {
     fn check(&mut self) {
         let Some(tone) = self.setup.tone(self.selected) else { return };
         let others = self.setup.tones.iter().filter(|other| other.slot != tone.slot);
-        let job = validity::Job {
+        let job = check::Job {
             plate: Arc::clone(&self.setup.plate),
             boundary_m: tone.position_m,
             conditions: Conditions {
@@ -130,7 +130,7 @@ impl App {
     }
 
     /// Has the sheet take this drive, if the wave is drawn from it.
-    pub(super) fn run_sheet(&mut self, drive: trial::Job) {
+    pub(super) fn run_sheet(&mut self, drive: time_domain::Job) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
         if self.background.shown.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate)

@@ -2,10 +2,10 @@
 //! the app asks by itself is the [`pilot`]'s affair.
 
 use super::{App, TableJob, TableMade, TableState};
-use crate::edit;
-use crate::link::{Port, Request, Snapshot, Ticket};
-use crate::pilot;
-use slipline_protocol::event::Fault;
+use slipline_link::protocol::event::Fault;
+use slipline_link::{Port, Request, Snapshot, Ticket};
+use slipline_model::autopilot;
+use slipline_model::setup::edit;
 use std::sync::Arc;
 
 /// A reason as a message of its own.
@@ -66,7 +66,7 @@ impl App {
         if has(before) || !has(&self.snapshot) {
             return;
         }
-        let next = if pilot::goes_on(&self.snapshot) {
+        let next = if autopilot::goes_on(&self.snapshot) {
             "Press Drive to go on."
         } else {
             "Press Clear fault, then arm and drive it again."
@@ -76,7 +76,7 @@ impl App {
 
     /// The user wants the plate driven: the tones are sent now, or once the device holds their table.
     pub(super) fn start(&mut self) {
-        if pilot::goes_on(&self.snapshot) {
+        if autopilot::goes_on(&self.snapshot) {
             self.parts.link.send(Request::ClearFaults);
         }
         let made = self.screen_table().cloned();
@@ -89,10 +89,10 @@ impl App {
         let made = self.screen_table().cloned();
         for act in self.pilot.look(before, &self.snapshot, made.as_deref(), self.settings.auto_upload) {
             match act {
-                pilot::Act::Upload(table) => {
+                autopilot::Act::Upload(table) => {
                     self.parts.link.send(Request::Upload(table));
                 }
-                pilot::Act::Drive => self.send_drive(),
+                autopilot::Act::Drive => self.send_drive(),
             }
         }
     }

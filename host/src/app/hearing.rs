@@ -2,11 +2,11 @@
 //! and what the simulated plate does under them. The wave moves while there is something to hear.
 
 use super::App;
-use crate::live::{self, Live};
-use crate::picture::Picture;
-use crate::pilot;
-use crate::trial::{self, Measured};
 use eframe::egui;
+use slipline_model::autopilot;
+use slipline_model::field::steady_field::Picture;
+use slipline_model::field::time_domain::{self, Measured};
+use slipline_model::waveform::{self, Live};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
@@ -42,14 +42,14 @@ pub(super) struct Sounding {
 impl App {
     /// Has the mirror follow the device up to now.
     pub(super) fn follow(&mut self) {
-        if let Some(job) = live::Job::of(&self.snapshot) {
+        if let Some(job) = waveform::Job::of(&self.snapshot) {
             self.parts.live.ask(job);
         }
     }
 
     /// Solves for what the device has acknowledged, when that has changed, and has it tried on the simulated plate.
     pub(super) fn hear(&mut self) {
-        let heard = pilot::sounding(&self.snapshot);
+        let heard = autopilot::sounding(&self.snapshot);
         // At rest the mirror has nothing to follow; the change to rest itself is followed.
         if heard.is_some() || self.hearing.sounding.is_some() {
             self.follow();
@@ -70,7 +70,7 @@ impl App {
         let picture = Picture::solve(&plate, &heard.tones);
         self.hearing.sounding = Some(Sounding { number: heard.number, plate: Arc::clone(&plate), picture });
         let Some(identity) = &self.snapshot.identity else { return };
-        let job = trial::Job {
+        let job = time_domain::Job {
             number: heard.number,
             plate,
             table: heard.table,

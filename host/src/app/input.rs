@@ -1,12 +1,12 @@
 //! What keys, pointer and dropped files ask for, taken in before anything is painted.
 
 use super::App;
-use crate::edit::Edit;
 use crate::files::FileJob;
-use crate::picture::turning_point_for;
 use crate::view::arrow_step_m;
 use crate::view::intent::{Dialog, Grab, Intent, Intents};
 use eframe::egui::{self, Key, Modifiers};
+use slipline_model::field::steady_field::turning_point_for;
+use slipline_model::setup::edit::Edit;
 
 /// The least that the window is zoomed to, in points: below it the panels cover each other.
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);

@@ -1,17 +1,17 @@
 //! Carrying out what the views ask for.
 
 use super::{App, first_setup, set_theme};
-use crate::designer::cut_files;
-use crate::diagnostics;
-use crate::edit::Edit;
-use crate::export;
-use crate::figures::plate::Subject;
 use crate::files::{FileEvent, FileJob, Save};
-use crate::link::{Request, Severity};
 use crate::scene::DesignState;
-use crate::setup_file::{self, Opened};
 use crate::view::intent::{Confirm, Dialog, Export, Intent, Intents};
 use eframe::egui;
+use slipline_link::{Request, Severity};
+use slipline_model::export::csv_wav;
+use slipline_model::export::figures::plate::Subject;
+use slipline_model::export::report;
+use slipline_model::jobs::design::cut_files;
+use slipline_model::setup::edit::Edit;
+use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_plate::design::Design;
 use std::path::Path;
 use std::sync::Arc;
@@ -128,7 +128,7 @@ impl App {
     }
 
     fn diagnostics(&self) -> String {
-        diagnostics::text(&self.snapshot, &self.setup, &self.table)
+        report::text(&self.snapshot, &self.setup, &self.table)
     }
 
     pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
@@ -164,14 +164,14 @@ impl App {
             Export::Envelope => {
                 let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
                 let measured = self.current_measured();
-                let text = export::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
+                let text = csv_wav::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
-            Export::Waveform => match export::waveform_csv(&self.hearing.live) {
+            Export::Waveform => match csv_wav::waveform_csv(&self.hearing.live) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
                 None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
             },
-            Export::Sound => match export::wav(&self.hearing.live) {
+            Export::Sound => match csv_wav::wav(&self.hearing.live) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),

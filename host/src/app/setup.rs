@@ -1,11 +1,11 @@
 //! The setup in the app: a change is made, noted for undo, predicted, and sent at once if the plate is driven.
 
 use super::App;
-use crate::edit::{self, Edit};
-use crate::model::Setup;
-use crate::picture::{Picture, steady_tones};
-use crate::quantity::show_place;
-use crate::ticks;
+use slipline_model::field::steady_field::{Picture, steady_tones};
+use slipline_model::numbers::quantity::show_place;
+use slipline_model::numbers::ticks;
+use slipline_model::setup::Setup;
+use slipline_model::setup::edit::{self, Edit};
 use std::sync::Arc;
 
 impl App {

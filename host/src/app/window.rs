@@ -1,15 +1,18 @@
 //! The app in a window of the system: what is kept between runs, the threads it works with.
 
 use super::{App, Parts, first_setup};
-use crate::figures::plate;
 use crate::files::SystemFiles;
-use crate::link::native::list_ports;
-use crate::link::native::{Worker, stop_on_panic};
 use crate::settings::Settings;
-use crate::setup_file::{self, Opened};
-use crate::workshop::Workshop;
-use crate::{live, sheet, trial, validity};
 use eframe::egui;
+use slipline_link::native::list_ports;
+use slipline_link::native::{Worker, stop_on_panic};
+use slipline_model::export::figures::plate;
+use slipline_model::field::sheet;
+use slipline_model::field::time_domain;
+use slipline_model::jobs::Workshop;
+use slipline_model::jobs::check;
+use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_model::waveform;
 
 /// The app in a window of the system.
 struct Window(App);
@@ -66,12 +69,16 @@ fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
     stop_on_panic(worker.handle());
     let parts = Parts {
         link: Box::new(worker),
-        tables: Workshop::threaded("slipline-table", crate::table_making::make, wake(ctx))?,
-        checks: Workshop::threaded("slipline-check", validity::work(), wake(ctx))?,
-        designs: Workshop::threaded("slipline-design", crate::designer::work, wake(ctx))?,
+        tables: Workshop::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
+        checks: Workshop::threaded("slipline-check", check::work(), wake(ctx))?,
+        designs: Workshop::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
         sheets: Workshop::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
-        live: Workshop::threaded("slipline-mirror", live::work(), wake(ctx))?,
-        trials: Workshop::threaded("slipline-plate", |job, task: &_| trial::run(&job, task), wake(ctx))?,
+        live: Workshop::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
+        trials: Workshop::threaded(
+            "slipline-plate",
+            |job, task: &_| time_domain::run(&job, task),
+            wake(ctx),
+        )?,
         figures: Workshop::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),

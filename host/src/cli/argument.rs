@@ -1,8 +1,8 @@
 //! What stands on the command line: quantities, tones, plates.
 
 use super::failure::Failure;
-use crate::disk::{read_text, said};
-use crate::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
+use slipline_model::disk::{read_text, said};
+use slipline_model::numbers::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
 use slipline_plate::quantity::Range;
 use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
@@ -148,7 +148,7 @@ pub(super) fn tones(
     level: f64,
     tones: &[ToneArgument],
 ) -> Result<Vec<(f64, f64)>, Failure> {
-    let most = slipline_protocol::limits::MAX_TONES;
+    let most = slipline_link::protocol::limits::MAX_TONES;
     let first = boundary.map(|boundary| Ok((boundary.on(plate, "--boundary")?, level)));
     let others = tones.iter().map(|tone| Ok((tone.boundary.on(plate, "--tone")?, tone.level)));
     let all = first.into_iter().chain(others).collect::<Result<Vec<_>, Failure>>()?;

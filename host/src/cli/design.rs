@@ -4,9 +4,9 @@ use super::argument::{self, Typed};
 use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
 use super::{Failure, output, progress};
-use crate::quantity::{Measure, show_frequency, show_si};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
+use slipline_model::numbers::quantity::{Measure, show_frequency, show_si};
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::design::{
     Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,

@@ -1,7 +1,7 @@
 //! The values of `slipline design`'s options.
 
 use super::argument::{self, Typed};
-use crate::quantity::{self, Measure, QuantityError};
+use slipline_model::numbers::quantity::{self, Measure, QuantityError};
 use slipline_plate::PlateError;
 use slipline_plate::design::{Material, band_high_range};
 use slipline_plate::limits;

@@ -1,8 +1,8 @@
 //! Files that a command writes: none that is there is lost unasked.
 
 use super::Failure;
-use crate::disk::{self, said};
 use clap::Args;
+use slipline_model::disk::{self, said};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter};

@@ -1,11 +1,11 @@
 //! A device for one command: the worker, waited for.
 
 use super::{Failure, progress};
-use crate::link::native::{Handle, Worker};
-use crate::link::table::DeviceTable;
-use crate::link::{Outcome, Port, Request, Snapshot};
+use slipline_link::native::{Handle, Worker};
+use slipline_link::protocol::event::Identity;
+use slipline_link::table::DeviceTable;
+use slipline_link::{Outcome, Port, Request, Snapshot};
 use slipline_plate::Plate;
-use slipline_protocol::event::Identity;
 use std::sync::Arc;
 use std::time::Duration;
 

@@ -3,10 +3,10 @@
 use super::device::Device;
 use super::{DriveArguments, Failure, argument, output};
 use crate::ending::on_ending;
-use crate::link::{DriveRequest, LinkState, Request};
-use crate::quantity::{show_frequency, show_place};
 use serde_json::json;
-use slipline_protocol::event::Fault;
+use slipline_link::protocol::event::Fault;
+use slipline_link::{DriveRequest, LinkState, Request};
+use slipline_model::numbers::quantity::{show_frequency, show_place};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 

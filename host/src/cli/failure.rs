@@ -1,6 +1,6 @@
 //! How a command fails, and with which exit code.
 
-use crate::simulation::SimulationError;
+use slipline_model::field::simulation::SimulationError;
 use std::fmt;
 
 /// Why a command was not done.

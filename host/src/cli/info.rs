@@ -2,9 +2,9 @@
 
 use super::device::Device;
 use super::{Failure, output};
-use crate::link::Port;
-use crate::link::native::list_ports;
 use serde_json::json;
+use slipline_link::Port;
+use slipline_link::native::list_ports;
 use slipline_plate::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
@@ -103,7 +103,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         let table = table.map_or_else(
             || "none".to_owned(),
             |it| {
-                let (start, end) = crate::link::table::span_m(&it);
+                let (start, end) = slipline_link::table::span_m(&it);
                 format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
             },
         );

@@ -29,12 +29,12 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 
 use crate::ending::remove_parts_on_ending;
-use crate::link::Port;
-use crate::simulation::MAX_SECONDS;
 use argument::{Boundary, ToneArgument, Typed};
 use clap::{Args, Parser, Subcommand};
+use slipline_link::Port;
+use slipline_link::protocol::limits::MAX_TONES;
+use slipline_model::field::simulation::MAX_SECONDS;
 use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate};
-use slipline_protocol::limits::MAX_TONES;
 use std::path::PathBuf;
 
 /// How long one command may drive, in seconds: the device itself allows ten minutes.

@@ -1,7 +1,7 @@
 //! What a command says: aligned lines for people, JSON for programs.
 
 use super::failure::Failure;
-use crate::disk::said;
+use slipline_model::disk::said;
 use std::io::{BufWriter, Write};
 
 /// Prints `value` as one line of JSON, or else what `text` writes.

@@ -1,7 +1,7 @@
 //! How far a long computation is, on a terminal's error stream; nothing where there is no terminal to look at it.
 
-use crate::link::table::DeviceTable;
-use crate::simulation::{self, SimulationError};
+use slipline_link::table::DeviceTable;
+use slipline_model::field::simulation::{self, SimulationError};
 use slipline_plate::{DriveTable, Plate, Progress};
 use std::io::{self, IsTerminal, Write};
 use std::sync::Arc;

@@ -2,10 +2,10 @@
 
 use super::destination::Destination;
 use super::{Failure, RecordArguments, argument, output, progress};
-use crate::link::simulator::loopback::Loopback;
-use crate::link::{DriveRequest, Request};
-use crate::simulation::SAMPLE_RATE_HZ;
 use serde_json::json;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::{DriveRequest, Request};
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 
 pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {

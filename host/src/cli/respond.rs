@@ -1,8 +1,8 @@
 //! `slipline respond`.
 
 use super::{Failure, RespondArguments, argument, output};
-use crate::quantity::{Measure, show_frequency, show_place};
 use serde_json::json;
+use slipline_model::numbers::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::{Equation, respond, respond_range};
 

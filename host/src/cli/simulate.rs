@@ -2,10 +2,10 @@
 
 use super::destination::Destination;
 use super::{Failure, SimulateArguments, argument, output, progress};
-use crate::envelope_plot;
-use crate::quantity::{show_frequency, show_length, show_place};
-use crate::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
 use serde_json::{Value, json};
+use slipline_model::export::envelope;
+use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
+use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::table_sensitivity;
 use std::io::Write;
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         file.write(|out| Ok(csv(&result, out)?))?;
     }
     if let Some(file) = png_file {
-        file.write(|out| envelope_plot::png(&result, plate.name(), out))?;
+        file.write(|out| envelope::png(&result, plate.name(), out))?;
     }
 
     let mut value = result.tones.first().map_or(json!({}), tone_value);

@@ -6,16 +6,16 @@
 
 use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
-use crate::link::mirror::{Mirror, TooLate};
-use crate::link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
-use crate::quantity::Measure;
 use serde_json::{Value, json};
-use slipline_app::mailbox::Stop;
+use slipline_link::Stop;
+use slipline_link::mirror::{Mirror, TooLate};
+use slipline_link::protocol::command::DigestWindow;
+use slipline_link::protocol::event::Digest;
+use slipline_link::protocol::frame::CRC;
+use slipline_link::protocol::limits::MAX_DIGEST_SAMPLES;
+use slipline_link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
+use slipline_model::numbers::quantity::Measure;
 use slipline_plate::quantity::Range;
-use slipline_protocol::command::DigestWindow;
-use slipline_protocol::event::Digest;
-use slipline_protocol::frame::CRC;
-use slipline_protocol::limits::MAX_DIGEST_SAMPLES;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -146,7 +146,11 @@ struct Follower {
 
 impl Follower {
     /// From now on, when the device is silent and holds this table.
-    fn new(device: &Device, table: &crate::link::table::DeviceTable, rate_hz: u32) -> Result<Self, Failure> {
+    fn new(
+        device: &Device,
+        table: &slipline_link::table::DeviceTable,
+        rate_hz: u32,
+    ) -> Result<Self, Failure> {
         let now = device.perform_at(Request::Refresh)?;
         let mut mirror = Mirror::new(rate_hz, now);
         mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;
@@ -171,7 +175,7 @@ impl Follower {
         self.seen = snapshot.journal.back().map_or(self.seen, |entry| entry.number);
         let end = window.from + u64::from(window.count);
         let mut crc = CRC.digest();
-        let block = slipline_app::bank::BLOCK as u64;
+        let block = slipline_link::BLOCK as u64;
         self.mirror.render(end.next_multiple_of(block), |first, codes| {
             for (index, code) in (first..).zip(codes) {
                 if (window.from..end).contains(&index) {

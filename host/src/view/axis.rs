@@ -1,7 +1,7 @@
 //! The one x axis that plate, envelope and strip share.
 
-use crate::ticks::Ticks;
 use eframe::egui::{Rangef, Rect};
+use slipline_model::numbers::ticks::Ticks;
 
 /// Places on the plate against pixels on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,12 +3,12 @@
 use super::field::{Field, UNKNOWN, row};
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, stage, theme};
-use crate::edit::Edit;
-use crate::model::{BoundaryMode, MASTER_SLIDER_MIN_DB, ToneSetup};
-use crate::picture::{SteadyTone, shown_boundary_m, turning_point_for};
-use crate::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
-use crate::ticks;
 use eframe::egui::{self, RichText, Slider, text::LayoutJob};
+use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
+use slipline_model::numbers::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
+use slipline_model::numbers::ticks;
+use slipline_model::setup::edit::Edit;
+use slipline_model::setup::{BoundaryMode, MASTER_SLIDER_MIN_DB, ToneSetup};
 use slipline_plate::Plate;
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
@@ -250,7 +250,7 @@ fn mode(
             let taken = field.show(ui, &mut view.fields, |text| {
                 let metres = quantity::length_m(text).map_err(|error| error.to_string())?;
                 let mode = BoundaryMode::FeltEdge { threshold_m: metres };
-                crate::edit::apply(setup, &Edit::Boundary(mode)).map_err(|error| error.to_string())?;
+                slipline_model::setup::edit::apply(setup, &Edit::Boundary(mode)).map_err(|error| error.to_string())?;
                 Ok(mode)
             });
             if let Some(mode) = taken {

@@ -6,10 +6,10 @@ use super::field::row;
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme};
 use crate::caption::Panel;
-use crate::quantity::{show_frequency, show_length, show_place};
 use crate::scene::DesignState;
 use eframe::egui::{self, RichText};
 use form::Form;
+use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::design::Design;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {

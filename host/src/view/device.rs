@@ -3,8 +3,8 @@
 use super::field::row;
 use super::intent::{Confirm, Dialog, Intent, Intents};
 use super::{Scene, ViewState, theme, top_bar};
-use crate::link::{LinkState, Port, Request};
 use eframe::egui::{self, RichText};
+use slipline_link::{LinkState, Port, Request};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
     ports(ui, scene, intents);
@@ -176,7 +176,10 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
     let is_idle = scene.snapshot.status.is_some_and(|status| {
-        matches!(status.state, slipline_protocol::event::State::Idle | slipline_protocol::event::State::Armed)
+        matches!(
+            status.state,
+            slipline_link::protocol::event::State::Idle | slipline_link::protocol::event::State::Armed
+        )
     });
     ui.horizontal_wrapped(|ui| {
         for (name, help, confirm) in [

@@ -6,8 +6,8 @@ pub(crate) use path::TypedPath;
 
 use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, ViewState};
-use crate::diagnostics;
 use eframe::egui::{self, RichText};
+use slipline_model::export::report;
 
 /// Every key and what it does.
 pub(super) const SHORTCUTS: [(&str, &str); 14] = [
@@ -120,7 +120,7 @@ fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.add_space(6.0);
     ui.label("What helps to find a fault is on the clipboard now: read it before you send it.");
     ui.label("It holds no name of yours or of your machine.");
-    let text = diagnostics::text(scene.snapshot, scene.setup, scene.table);
+    let text = report::text(scene.snapshot, scene.setup, scene.table);
     ui.horizontal(|ui| {
         if ui.button("Copy again").clicked() {
             intents.push(Intent::CopyDiagnostics);

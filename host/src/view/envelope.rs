@@ -3,10 +3,10 @@
 use super::axis::Axis;
 use super::field::UNKNOWN;
 use super::{Scene, theme};
-use crate::model::BoundaryMode;
-use crate::picture::{POINTS, displacement_unit, envelope_top_m};
-use crate::ticks::Ticks;
 use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
+use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_top_m};
+use slipline_model::numbers::ticks::Ticks;
+use slipline_model::setup::BoundaryMode;
 
 /// Displacement against the screen: 0 at the bottom.
 struct Height {

@@ -1,11 +1,11 @@
 //! What a view asks for. Views send nothing and change nothing of the device; the app carries intents out.
 
 use super::axis::Axis;
-use crate::designer::Draft;
-use crate::edit::Edit;
-use crate::link::Request;
 use crate::settings::ThemeChoice;
-use crate::sheet::WavePicture;
+use slipline_link::Request;
+use slipline_model::field::sheet::WavePicture;
+use slipline_model::jobs::design::Draft;
+use slipline_model::setup::edit::Edit;
 use std::path::PathBuf;
 
 /// What was grabbed with the pointer, so that every later move of the pointer is a move of the tone.
@@ -87,7 +87,7 @@ pub enum Intent {
     /// Ask the link.
     Request(Request),
     /// Connect to a port.
-    Connect(crate::link::Port),
+    Connect(slipline_link::Port),
     /// Drive the tones of the setup.
     Start,
     /// Ramp to silence.

@@ -3,8 +3,8 @@
 use super::aligned::{self, Width};
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme};
-use crate::link::{LogEntry, Severity};
 use eframe::egui::{self, RichText, ScrollArea};
+use slipline_link::{LogEntry, Severity};
 
 /// What of the log is shown.
 pub(crate) struct LogView {

@@ -2,8 +2,8 @@
 
 use super::field::{UNKNOWN, row};
 use super::{Scene, theme};
-use crate::ticks;
 use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
+use slipline_model::numbers::ticks;
 use theme::Palette;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {

@@ -4,14 +4,14 @@ use super::axis::Axis;
 use super::field::UNKNOWN;
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, theme, validity};
-use crate::picture::full_colour_m;
-use crate::quantity::show_length;
-use crate::sheet::Source;
-use crate::surface::{Row, Surface, Wave, slow_factor};
 use eframe::egui::{
     self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
 };
-use slipline_protocol::event::State;
+use slipline_link::protocol::event::State;
+use slipline_model::field::displacement_map::{Row, Surface, Wave, slow_factor};
+use slipline_model::field::sheet::Source;
+use slipline_model::field::steady_field::full_colour_m;
+use slipline_model::numbers::quantity::show_length;
 use std::sync::Arc;
 use theme::GAP;
 

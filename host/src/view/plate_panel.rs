@@ -5,9 +5,9 @@ mod numbers;
 use super::field::row;
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, designer, theme, validity};
-use crate::edit::Edit;
-use crate::quantity::{show_frequency, show_length, show_place};
 use eframe::egui::{self, RichText};
+use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
+use slipline_model::setup::edit::Edit;
 use slipline_plate::Plate;
 use std::sync::Arc;
 
@@ -87,7 +87,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
 }
 
 fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    use crate::table_making::TableState;
+    use slipline_model::jobs::table::TableState;
     let palette = theme::palette(ui);
     match scene.table {
         TableState::Waiting => row(ui, "Table", "made once a device tells its rate"),

@@ -2,10 +2,10 @@
 
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, aligned, theme};
-use crate::quantity::show_frequency;
-use crate::ticks::{self, Ticks};
 use eframe::egui::{self, FontId, Id, Rangef};
 use egui_plot::{AxisHints, GridInput, GridMark, Line, Plot, PlotPoints, VLine};
+use slipline_model::numbers::quantity::show_frequency;
+use slipline_model::numbers::ticks::{self, Ticks};
 use std::ops::RangeInclusive;
 
 /// What the plots remember.

@@ -3,13 +3,13 @@
 use super::axis::Axis;
 use super::intent::{Grab, Intent, Intents};
 use super::{Scene, ViewState, envelope, plate, strip, theme};
-use crate::edit::Edit;
-use crate::picture::drawn_boundary_m;
-use crate::quantity::{show_frequency, show_place};
 use eframe::egui::{
     self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
     vec2,
 };
+use slipline_model::field::steady_field::drawn_boundary_m;
+use slipline_model::numbers::quantity::{show_frequency, show_place};
+use slipline_model::setup::edit::Edit;
 use theme::HANDLE;
 
 /// Room left of the plate for the envelope's scale, and right of it for the last label, in points.

@@ -1,7 +1,7 @@
 //! Colours, type and spacing of the window, in light and dark.
 
-use crate::colour_map::{self, Rgb};
 use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, vec2};
+use slipline_model::colour_map::{self, Rgb};
 
 /// Space between related things, in points.
 pub const GAP: f32 = 8.0;

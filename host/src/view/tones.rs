@@ -4,10 +4,10 @@ use super::boundary::level;
 use super::field::{Field, row};
 use super::intent::{Intent, Intents};
 use super::{Scene, ViewState, stage, theme};
-use crate::edit::Edit;
-use crate::model::MAX_TONES;
-use crate::quantity::{self, PlaceOrFrequency, show_frequency, show_place};
 use eframe::egui::{self, RichText};
+use slipline_model::numbers::quantity::{self, PlaceOrFrequency, show_frequency, show_place};
+use slipline_model::setup::MAX_TONES;
+use slipline_model::setup::edit::Edit;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;

@@ -3,12 +3,12 @@
 use super::aligned::{self, Width};
 use super::intent::{Confirm, Dialog, Export, Intent, Intents};
 use super::{Scene, theme};
-use crate::link::{LinkState, Port, Request};
-use crate::pilot;
 use crate::settings::ThemeChoice;
-use crate::sheet::WavePicture;
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
-use slipline_protocol::event::State;
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkState, Port, Request};
+use slipline_model::autopilot;
+use slipline_model::field::sheet::WavePicture;
 use theme::Palette;
 
 /// Size of the STOP button, in points.
@@ -171,7 +171,7 @@ fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let Some(status) = snapshot.status.filter(|_| snapshot.is_connected()) else { return };
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
-    for (name, help, asked) in offers(status.state, is_simulated, pilot::goes_on(snapshot)) {
+    for (name, help, asked) in offers(status.state, is_simulated, autopilot::goes_on(snapshot)) {
         if ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked() {
             intents.extend(asked);
         }

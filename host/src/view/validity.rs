@@ -1,10 +1,10 @@
 //! The validity lights: a summary that is always in sight, and the list with a sentence each.
 
 use super::{Scene, theme};
-use crate::quantity::{show_frequency, show_place};
 use eframe::egui::{
     self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
 };
+use slipline_model::numbers::quantity::{show_frequency, show_place};
 use slipline_plate::check::{Colour, Light};
 use theme::Palette;
 

@@ -4,9 +4,9 @@ use crate::bench::Bench;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline::table_making;
-use slipline::workshop::{Task, Workshop};
 use slipline_link::Request;
+use slipline_model::jobs::table;
+use slipline_model::jobs::{Task, Workshop};
 use slipline_plate::Model;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -204,7 +204,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
             }
             std::thread::yield_now();
         }
-        table_making::make(job, task)
+        table::make(job, task)
     };
     let mut bench = Bench::with_tables(Workshop::threaded("table", make, || ()).unwrap());
     // The table is made on a thread: let it have the time it takes.

@@ -5,12 +5,19 @@ use egui_kittest::Harness;
 use slipline::app::{App, Link, Parts, TableJob, TableState, first_setup};
 use slipline::files::{FileEvent, FileJob, Files, Save};
 use slipline::settings::{Settings, ThemeChoice};
-use slipline::workshop::Workshop;
-use slipline::{designer, figures, live, setup_file, sheet, table_making, trial, validity};
 use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
+use slipline_model::export::figures;
+use slipline_model::field::sheet;
+use slipline_model::field::time_domain;
+use slipline_model::jobs::Workshop;
+use slipline_model::jobs::check;
+use slipline_model::jobs::design;
+use slipline_model::jobs::table;
+use slipline_model::setup::file as setup_file;
+use slipline_model::waveform;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::io;
@@ -218,7 +225,7 @@ impl Bench {
     }
 
     fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::starting_with(theme, builder, Workshop::inline(table_making::make))
+        Self::starting_with(theme, builder, Workshop::inline(table::make))
     }
 
     fn starting_with(
@@ -276,7 +283,9 @@ impl Bench {
 
     /// Whether tones sound.
     pub(crate) fn is_driving(&self) -> bool {
-        self.snapshot().status.is_some_and(|status| status.state == slipline_protocol::event::State::Driving)
+        self.snapshot()
+            .status
+            .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
     }
 
     /// Pulls the cable, or puts it in again; the device restarts.
@@ -285,7 +294,7 @@ impl Bench {
         let mut desk = rig.desk.lock().unwrap();
         desk.is_plugged = is_plugged;
         if is_plugged {
-            desk.device.restart(slipline_protocol::event::ResetCause::PowerOn);
+            desk.device.restart(slipline_link::protocol::event::ResetCause::PowerOn);
         }
     }
 
@@ -322,7 +331,7 @@ pub(crate) fn open_window(
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
-    let parts = parts(link, drawer, Workshop::inline(table_making::make), &Rc::default());
+    let parts = parts(link, drawer, Workshop::inline(table::make), &Rc::default());
     open_window_with(parts, theme, builder)
 }
 
@@ -336,14 +345,14 @@ fn parts(
     Parts {
         link,
         tables,
-        checks: Workshop::inline(validity::work()),
-        designs: Workshop::inline(designer::work),
+        checks: Workshop::inline(check::work()),
+        designs: Workshop::inline(design::work),
         sheets: Workshop::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)
         }),
-        live: Workshop::inline(live::work()),
-        trials: Workshop::inline(|job, task: &_| trial::run(&job, task)),
+        live: Workshop::inline(waveform::work()),
+        trials: Workshop::inline(|job, task: &_| time_domain::run(&job, task)),
         figures: Workshop::inline(|job, task: &_| figures::plate::work(&job, task)),
         files: Box::new(drawer.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),

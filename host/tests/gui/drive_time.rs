@@ -6,8 +6,8 @@ use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline::settings::ThemeChoice;
 use slipline_link::Request;
-use slipline_protocol::event::{Fault, Faults, State};
-use slipline_protocol::limits::MAX_DRIVE_MS;
+use slipline_link::protocol::event::{Fault, Faults, State};
+use slipline_link::protocol::limits::MAX_DRIVE_MS;
 use std::sync::Arc;
 
 #[test]

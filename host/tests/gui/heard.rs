@@ -5,7 +5,7 @@ use crate::bench::Bench;
 use crate::{add_tone, boundary_mm, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
-use slipline::pilot::sounding;
+use slipline_model::autopilot::sounding;
 
 /// Frequencies that the device has acknowledged, in Hz, in the order of their tones.
 fn sounding_hz(bench: &Bench) -> Vec<f64> {
@@ -71,7 +71,7 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
             tone.position_m = place_mm * 1e-3;
             tone.level = 1.0;
         }
-        slipline::setup_file::write(&setup)
+        slipline_model::setup::file::write(&setup)
     };
     let fits_db = |gain: f64| -20.0 * (2.0 * gain).log10() - 0.1;
     let next = text(&bench, fits_db(least.1), least.0);
@@ -119,7 +119,7 @@ fn drive_while_a_table_is_on_its_way_is_sent_once_the_device_holds_it() {
 /// Where the table's gain is least and where it is most: the place in mm and the gain there.
 fn extremes(bench: &Bench) -> [(f64, f64); 2] {
     let plate = &bench.window.state().setup().plate;
-    let (table, _) = slipline::simulation::table_for(plate, 400_000).expect("a table");
+    let (table, _) = slipline_model::field::simulation::table_for(plate, 400_000).expect("a table");
     let places = (80..=280).map(|mm| (f64::from(mm), table.gain(f64::from(mm) * 1e-3)));
     let least = places.clone().min_by(|a, b| a.1.total_cmp(&b.1)).expect("places");
     let most = places.max_by(|a, b| a.1.total_cmp(&b.1)).expect("places");

@@ -23,8 +23,8 @@ use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline::settings::ThemeChoice;
+use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Request, Snapshot};
-use slipline_protocol::event::State;
 use std::sync::Arc;
 
 /// Types into the field of this name and leaves it with Enter.

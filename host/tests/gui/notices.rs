@@ -106,7 +106,7 @@ fn ask_too_much(bench: &mut Bench) {
         tone.level = 1.0;
         tone.position_m = 0.2;
     }
-    bench.open("loud.toml", Ok(slipline::setup_file::write(&setup)));
+    bench.open("loud.toml", Ok(slipline_model::setup::file::write(&setup)));
     bench.wait(300);
 }
 

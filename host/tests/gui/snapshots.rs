@@ -8,8 +8,8 @@ use crate::painter::Painter;
 use eframe::egui::{Color32, ColorImage, Theme};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline::export;
 use slipline::settings::ThemeChoice;
+use slipline_model::export::csv_wav;
 use std::path::PathBuf;
 
 /// A pixel this far off in one channel differs: less is a rounding of the last bits of a float.
@@ -44,7 +44,7 @@ fn read(path: &PathBuf) -> ColorImage {
 
 fn png(seen: &ColorImage) -> Vec<u8> {
     let rgba: Vec<[u8; 4]> = seen.pixels.iter().map(Color32::to_srgba_unmultiplied).collect();
-    export::png((seen.size[0] as u32, seen.size[1] as u32), &rgba).unwrap()
+    csv_wav::png((seen.size[0] as u32, seen.size[1] as u32), &rgba).unwrap()
 }
 
 fn compare(name: &str, seen: &ColorImage) {

@@ -53,7 +53,7 @@ fn a_tones_number_is_seen_beside_the_boundarys_flag() {
     // Just beside the other tone, below whose flag its number would be.
     let mut setup = bench.window.state().setup().clone();
     setup.tones[1].position_m = setup.tones[0].position_m + 0.008;
-    let text = slipline::setup_file::write(&setup);
+    let text = slipline_model::setup::file::write(&setup);
     bench.open("two.toml", Ok(text));
     bench.wait(300);
     bench.window.get_by_label("Select tone 1").click();

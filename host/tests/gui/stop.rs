@@ -8,7 +8,7 @@ use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline::settings::ThemeChoice;
 use slipline_link::Request;
-use slipline_protocol::event::State;
+use slipline_link::protocol::event::State;
 
 fn press_stop(bench: &mut Bench, while_what: &str) {
     bench.take_sent();

@@ -2,11 +2,11 @@
 //! their words are those of `slipline design`.
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel, Unit};
-use crate::designer::{Draft, Kind, Stretch};
-use crate::quantity::{self, Measure, show_range};
 use crate::view::field::{Field, Fields, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
+use slipline_model::jobs::design::{Draft, Kind, Stretch};
+use slipline_model::numbers::quantity::{self, Measure, show_range};
 use slipline_plate::PlateError;
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;

@@ -1,11 +1,11 @@
 //! The numbers of the plate on the screen, each a field that makes a new plate.
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel};
-use crate::edit::Edit;
 use crate::view::field::{Field, labelled, row};
 use crate::view::intent::{Intent, Intents};
 use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
+use slipline_model::setup::edit::Edit;
 use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, limits};
 use std::sync::Arc;
 

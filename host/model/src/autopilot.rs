@@ -1,0 +1,224 @@
+//! What the app asks of the device by itself: the table after a change of plate, the drive once it may be sent.
+//!
+//! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
+//! armed by the link worker, and driven from the start so that the plate moves when the window opens.
+
+use crate::field::steady_field::SteadyTone;
+use crate::jobs::table::TableMade;
+use slipline_link::protocol::command::Drive;
+use slipline_link::protocol::event::{Fault, Faults, State};
+use slipline_link::table::DeviceTable;
+use slipline_link::{Change, LinkState, Port, Snapshot};
+use std::sync::Arc;
+
+/// Something to ask of the device.
+#[derive(Clone, Debug)]
+pub enum Act {
+    /// Send this table.
+    Upload(Arc<DeviceTable>),
+    /// Send the setup's tones.
+    Drive,
+}
+
+/// What the user wants of the device, and what has been tried for it.
+#[derive(Clone, Debug, Default)]
+pub struct Pilot {
+    wants_drive: bool,
+    /// Whether the user stopped the drive: another connection does not begin it again.
+    is_stopped: bool,
+    /// Whether the screen shows a setup that came as a whole and was not sent yet, as a file that was opened.
+    is_setup_new: bool,
+    /// The table that was sent by itself last: one that fails is not sent again and again.
+    sent_table: Option<u32>,
+    /// Whether a drive has been sent since the device was last armed or its table changed.
+    has_driven: bool,
+}
+
+impl Pilot {
+    /// The user chose a port.
+    pub fn connecting(&mut self, port: &Port) {
+        let is_stopped = self.is_stopped;
+        *self = Self { wants_drive: *port == Port::Simulated && !is_stopped, is_stopped, ..Self::default() };
+    }
+
+    /// Whether the user wants the plate driven.
+    #[must_use]
+    pub fn wants_drive(&self) -> bool {
+        self.wants_drive
+    }
+
+    /// The user stopped the drive.
+    pub fn stopped(&mut self) {
+        self.is_stopped = true;
+        self.rest();
+    }
+
+    fn rest(&mut self) {
+        self.wants_drive = false;
+        self.has_driven = false;
+    }
+
+    /// The screen shows another setup, for which a table is to be made first: it is sent once the device holds it.
+    pub fn setup_replaced(&mut self) {
+        self.is_setup_new = true;
+    }
+
+    /// The user wants the plate driven; whether the drive is to be sent now. While its table is on its way it is not:
+    /// [`look`](Self::look) sends it then. `made` is the table for the plate on the screen.
+    pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+        self.is_stopped = false;
+        self.wants_drive = snapshot.is_connected();
+        self.has_driven = self.may_drive(snapshot) && !is_table_coming(snapshot, made);
+        if self.has_driven {
+            // It is on its way: nothing is left to be sent for it.
+            self.is_setup_new = false;
+        }
+        self.has_driven
+    }
+
+    /// Whether a change of the setup is to be sent now.
+    #[must_use]
+    pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
+        let takes_drives = snapshot
+            .status
+            .is_some_and(|status| matches!(status.state, State::Armed | State::Driving | State::Stopping));
+        self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
+    }
+
+    /// Looks at what has changed on the link; `made` is the table for the plate on the screen;
+    /// `is_uploading_wanted` whether a real device gets a new table without being asked.
+    pub fn look(
+        &mut self,
+        before: &Snapshot,
+        now: &Snapshot,
+        made: Option<&TableMade>,
+        is_uploading_wanted: bool,
+    ) -> Vec<Act> {
+        let mut acts = Vec::new();
+        let is_lost =
+            matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
+        if is_lost {
+            // It comes back disarmed and silent; the table is looked at anew.
+            self.rest();
+            self.sent_table = None;
+            return acts;
+        }
+        let state = now.status.map(|status| status.state);
+        // One that stands when the user presses Drive is being cleared: what was asked for then still holds.
+        let is_cleared = goes_on(before) && goes_on(now);
+        if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
+            self.rest();
+        }
+        if !now.is_connected() {
+            return acts;
+        }
+        if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
+            return acts;
+        }
+        let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
+        let on_device = now.table.active.map(|header| header.crc);
+        let is_held = is_held(now, made);
+        if let Some(made) = made {
+            let crc = made.device_table.crc();
+            // A table the device holds from before is only recognised: that asks nothing of the user.
+            let is_wanted = is_simulated || is_uploading_wanted || is_held;
+            let is_known = is_held && now.confirmed_table.is_some();
+            if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
+                self.sent_table = Some(crc);
+                acts.push(Act::Upload(Arc::clone(&made.device_table)));
+                return acts;
+            }
+        }
+        let table_changed = before.table.active.map(|header| header.crc) != on_device;
+        if table_changed || !matches!(state, Some(State::Armed | State::Driving | State::Stopping)) {
+            self.has_driven = false;
+        }
+        // The same plate from another file has the same table: nothing else tells that there is something to send.
+        let is_due = !self.has_driven || (self.is_setup_new && is_held);
+        if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
+            self.has_driven = true;
+            self.is_setup_new = false;
+            acts.push(Act::Drive);
+        }
+        acts
+    }
+}
+
+/// Whether Drive clears the fault by itself: the drive time's alone, on a simulated device, where it can do no harm. A
+/// real device needs the user's leave for both steps.
+#[must_use]
+pub fn goes_on(snapshot: &Snapshot) -> bool {
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    let stood = Faults::NONE.with(Fault::DriveTime);
+    is_simulated
+        && snapshot.is_connected()
+        && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
+}
+
+/// Whether the device has the table of the plate on the screen.
+fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+    let on_device = snapshot.table.active.map(|header| header.crc);
+    made.is_some_and(|made| on_device == Some(made.device_table.crc()))
+}
+
+/// Whether a table is on its way: until it is there the places would be those of the old one.
+fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    snapshot.upload.is_some() || (is_simulated && !is_held(snapshot, made))
+}
+
+/// What the device has acknowledged and sounds.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    /// The number of the journal's entry.
+    pub number: u64,
+    /// The drive, in the device's units.
+    pub drive: Arc<Drive>,
+    /// The table it is played with.
+    pub table: Arc<DeviceTable>,
+    /// Its tones, as the plate gets them.
+    pub tones: Vec<SteadyTone>,
+}
+
+/// What sounds; `None` when the device is silent or plays a table this program does not know.
+#[must_use]
+pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
+    let is_sounding =
+        snapshot.status.is_some_and(|status| matches!(status.state, State::Driving | State::Armed));
+    let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
+    let mut latest = None;
+    for entry in snapshot.journal.iter() {
+        match &entry.change {
+            Change::Drive(drive) => latest = Some((entry.number, drive)),
+            Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
+                latest = None;
+            }
+            Change::Limit(_) => {}
+            // The tones glide to the new table's places and gains.
+            Change::Table(_) => latest = latest.map(|(_, drive)| (entry.number, drive)),
+        }
+    }
+    let (number, drive) = latest.filter(|(_, drive)| !drive.tones.is_empty())?;
+    let master = 10f64.powf(f64::from(drive.master.0) / 2000.0);
+    let tones = drive.tones.iter().map(|tone| SteadyTone {
+        slot: tone.slot,
+        frequency_hz: table.frequency_hz(tone.position),
+        peak_m: f64::from(tone.level.0) / 65535.0 * master * table.peak_at_full_scale_m(),
+    });
+    Some(Heard { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stop_holds_over_another_connection() {
+        let mut pilot = Pilot::default();
+        pilot.connecting(&Port::Simulated);
+        assert!(pilot.wants_drive(), "the plate moves when the window opens");
+        pilot.stopped();
+        pilot.connecting(&Port::Simulated);
+        assert!(!pilot.wants_drive());
+    }
+}

@@ -1,0 +1,131 @@
+//! What is seen, as files: PNG, CSV, WAV.
+
+use crate::field::steady_field::{POINTS, Picture, drawn_boundary_m};
+use crate::field::time_domain::Measured;
+use crate::setup::{BoundaryMode, Setup};
+use crate::waveform::Live;
+use std::fmt::Write as _;
+
+/// Codes of a waveform as CSV, at most: 0.16 s at 400 kS/s.
+const CSV_CODES: usize = 1 << 16;
+
+/// A picture as PNG: red, green, blue and opacity of `width` x `height` pixels, row by row from the top left, colours
+/// not multiplied by the opacity.
+///
+/// # Errors
+/// What the encoder says: a picture of no size and pixels of another number are such cases.
+pub fn png((width, height): (u32, u32), rgba: &[[u8; 4]]) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgba.as_flattened())?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// The envelope over x as CSV, SI units, after lines that say what it is of. Theory and simulated plate have grids of
+/// their own: a cell is empty where its column has no value. `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn envelope_csv(
+    setup: &Setup,
+    picture: &Picture,
+    measured: Option<&Measured>,
+    full_peak_m: f64,
+) -> String {
+    let mut rows: Vec<(f64, String)> = Vec::new();
+    for (i, (bound_m, rms_m)) in picture.bound_m.iter().zip(&picture.rms_m).enumerate() {
+        let x_m = i as f64 / (POINTS - 1) as f64 * picture.length_m;
+        rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},")));
+    }
+    for (x_m, metres) in measured.into_iter().flat_map(Measured::points) {
+        rows.push((x_m, format!("{x_m:.6},,,{metres:e}")));
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut text = envelope_head(setup, measured, full_peak_m);
+    text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m\n");
+    for (_, row) in rows {
+        text.push_str(&row);
+        text.push('\n');
+    }
+    text
+}
+
+/// What an envelope is of, line by line.
+fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -> String {
+    let boundary = match setup.boundary {
+        BoundaryMode::TurningPoint => "the turning point".to_owned(),
+        BoundaryMode::FeltEdge { threshold_m } => format!("where {threshold_m:e} m is just felt"),
+    };
+    let simulated = match measured {
+        Some(measured) => format!(
+            "largest displacement of the simulated plate, at its own {} places",
+            measured.position_m.len()
+        ),
+        None => "not run for what is on the screen".to_owned(),
+    };
+    let mut lines = vec![
+        "Envelope along the plate, by Slipline".to_owned(),
+        format!("plate: {}", setup.plate.name()),
+        format!("boundary: {boundary}"),
+        format!("master level: {:.2} dB", setup.master_db + 0.0),
+        format!("peak at level 1: {full_peak_m:e} m"),
+    ];
+    for tone in &setup.tones {
+        lines.push(format!(
+            "tone {}: frequency {:.4} Hz, turning point {:.6} m, boundary {:.6} m, level {:.4}, phase {:.4} turns",
+            tone.slot + 1,
+            setup.plate.frequency_for_boundary_hz(tone.position_m),
+            tone.position_m,
+            drawn_boundary_m(setup, tone, Some(full_peak_m)),
+            tone.level,
+            tone.phase_turns
+        ));
+    }
+    lines
+        .push(format!("predicted: steady state by theory, at {POINTS} places; maximum and root mean square"));
+    lines.push(format!("simulated: {simulated}"));
+    lines.push(
+        "units: metres from the driven end, metres of displacement; an empty cell has no value".to_owned(),
+    );
+    lines.iter().map(|line| format!("# {line}\n")).collect()
+}
+
+/// The latest codes as CSV: the sample index, the time and the DAC code. `None` while there is none.
+#[must_use]
+pub fn waveform_csv(live: &Live) -> Option<String> {
+    let window = live.window()?;
+    let mut text = String::from("sample_index,time_s,dac_code\n");
+    let skipped = window.codes.len().saturating_sub(CSV_CODES);
+    for (i, code) in window.codes.iter().enumerate().skip(skipped) {
+        let index = window.first + i as u64;
+        let _ = writeln!(text, "{index},{:.9},{code}", index as f64 / window.sample_rate_hz);
+    }
+    Some(text)
+}
+
+/// The window of the drive as a 16-bit WAV at the device's rate. `None` while there is none.
+///
+/// # Errors
+/// What the encoder says.
+pub fn wav(live: &Live) -> Result<Option<Vec<u8>>, hound::Error> {
+    let Some(window) = live.window() else { return Ok(None) };
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: window.sample_rate_hz as u32,
+        bits_per_sample: 16,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = hound::WavWriter::new(&mut file, spec)?;
+    for &code in window.codes.iter() {
+        // Twelve bits about mid-scale to sixteen about zero.
+        writer.write_sample(((i32::from(code) - 2048) * 16) as i16)?;
+    }
+    writer.finalize()?;
+    Ok(Some(file.into_inner()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,128 @@
+//! Where the parts of the figure stand, in points from the left and the top, and the words under it.
+
+use super::DrawError;
+use super::Subject;
+use super::paper::{LINE, TEXT, text_width};
+use crate::field::steady_field::drawn_boundary_m;
+use crate::numbers::quantity::{show_frequency, show_length, show_place};
+use crate::numbers::ticks;
+use crate::setup::{BoundaryMode, Setup};
+
+/// Width of the figure: 170 mm, the text width of a page of A4.
+pub(super) const WIDTH: f64 = 170.0 / 25.4 * 72.0;
+/// Room left of the axis for its numbers and name, and right of it for half a number.
+const MARGIN: (f64, f64) = (50.0, 16.0);
+/// Least and greatest height of the plate.
+const PLATE: (f64, f64) = (48.0, 170.0);
+/// Height of the envelope.
+const ENVELOPE: f64 = 150.0;
+
+/// The layout.
+pub(super) struct Page {
+    /// Left and right end of the plate.
+    pub(super) left: f64,
+    pub(super) right: f64,
+    /// Middle of the lines of text over the plate.
+    pub(super) title: f64,
+    pub(super) colours: f64,
+    /// Top and bottom of the plate's room, and its centre line.
+    pub(super) plate: (f64, f64),
+    pub(super) centre: f64,
+    /// Top and bottom of the envelope.
+    pub(super) envelope: (f64, f64),
+    /// Middle of the legend.
+    pub(super) legend: f64,
+    /// The lines under it.
+    pub(super) caption: Vec<String>,
+    /// The plate's length in metres.
+    pub(super) length_m: f64,
+    /// Whether its width is drawn to the scale of its length.
+    pub(super) is_to_scale: bool,
+    /// Points per metre of width.
+    across: f64,
+}
+
+impl Page {
+    pub(super) fn new(subject: &Subject) -> Result<Self, DrawError> {
+        let plate = &subject.setup.plate;
+        let (left, right) = (MARGIN.0, WIDTH - MARGIN.1);
+        let along = (right - left) / plate.length_m();
+        let width_m = 2.0 * plate.half_width_m(0.0);
+        let room = (width_m * along + 8.0).clamp(PLATE.0, PLATE.1);
+        let is_to_scale = width_m * along <= PLATE.1 - 8.0;
+        let across = along.min((room - 8.0) / width_m);
+        let (title, colours) = (12.0, 28.0);
+        let top = colours + 24.0;
+        let high = top + room + 10.0;
+        let envelope = (high, high + ENVELOPE);
+        let caption = lines(&caption(&subject.setup, subject.full_peak_m), right - left)?;
+        Ok(Self {
+            left,
+            right,
+            title,
+            colours,
+            plate: (top, top + room),
+            centre: top + 0.5 * room,
+            envelope,
+            legend: envelope.1 + 34.0,
+            caption,
+            length_m: plate.length_m(),
+            is_to_scale,
+            across,
+        })
+    }
+
+    /// Width and height of the whole.
+    pub(super) fn size(&self) -> (f64, f64) {
+        (WIDTH, self.legend + (self.caption.len() as f64 + 1.0) * LINE + 4.0)
+    }
+
+    /// Where a place on the plate is.
+    pub(super) fn x(&self, x_m: f64) -> f64 {
+        self.left + x_m / self.length_m * (self.right - self.left)
+    }
+
+    /// A half-width in metres as it is drawn.
+    pub(super) fn half_width(&self, half_width_m: f64) -> f64 {
+        half_width_m * self.across
+    }
+}
+
+/// The tones in figures, and what holds for all of them: phrases that are not broken.
+fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
+    let mut phrases: Vec<String> = Vec::new();
+    for tone in &setup.tones {
+        let hertz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+        phrases.push(format!(
+            "Tone {}: boundary {}, {}, level {:.2}.",
+            tone.slot + 1,
+            show_place(drawn_boundary_m(setup, tone, Some(full_peak_m))),
+            show_frequency(hertz),
+            tone.level
+        ));
+    }
+    phrases.push(match setup.boundary {
+        BoundaryMode::TurningPoint => "Boundary: the turning point.".to_owned(),
+        BoundaryMode::FeltEdge { threshold_m } => {
+            format!("Boundary: where {} is just felt.", show_length(threshold_m))
+        }
+    });
+    phrases.push(format!("Master level {} dB.", ticks::label(setup.master_db, 0.1)));
+    phrases.push(format!("Level 1 peaks at {}.", show_length(full_peak_m)));
+    phrases
+}
+
+/// As many phrases in a line as fit its width in points.
+fn lines(phrases: &[String], width: f64) -> Result<Vec<String>, DrawError> {
+    let mut lines: Vec<String> = Vec::new();
+    for phrase in phrases {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line}  {phrase}"), TEXT)? <= width => {
+                line.push_str("  ");
+                line.push_str(phrase);
+            }
+            _ => lines.push(phrase.clone()),
+        }
+    }
+    Ok(lines)
+}

@@ -1,0 +1,7 @@
+//! Fields on the plate: displacement over x and time, by theory and by simulation.
+
+pub mod displacement_map;
+pub mod sheet;
+pub mod simulation;
+pub mod steady_field;
+pub mod time_domain;

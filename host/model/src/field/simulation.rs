@@ -1,0 +1,347 @@
+//! A plate driven through the whole chain, measured and compared with what the frequency domain says.
+//!
+//! ```text
+//! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeLine of the actual plate -> demodulation
+//!                                                        |                                           |
+//!                                       frequency played +--> respond(actual plate) --- compared ----+
+//! ```
+//! Once the plate has settled, the field at each place is multiplied by each tone's own phasor under a Hann window:
+//! what is left is that tone's complex amplitude, whatever else sounds.
+
+mod demodulator;
+
+use demodulator::Demodulator;
+use slipline_link::protocol::refusal::Refusal;
+use slipline_link::simulator::loopback::{Loopback, LoopbackError};
+use slipline_link::table::{DeviceTable, DeviceTableError};
+use slipline_link::{DriveRequest, Request};
+use slipline_plate::{
+    Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
+    TimeLine, ToneDrive, predict_envelope, respond,
+};
+use std::sync::Arc;
+
+/// Samples per second of the simulated device, in Hz.
+pub const SAMPLE_RATE_HZ: u32 = 400_000;
+/// Knots of a table: the most a device takes.
+pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
+/// Places along the plate at which the field is taken.
+pub const PLACES: usize = 513;
+/// The longest simulation, in seconds.
+pub const MAX_SECONDS: f64 = 600.0;
+/// The measuring window holds so many periods of the lowest tone, and of the smallest difference of two tones.
+const PERIODS: f64 = 12.0;
+/// The window is no longer than this, in seconds.
+const MAX_WINDOW_S: f64 = 2.0;
+
+/// What to simulate.
+#[derive(Clone, Debug)]
+pub struct Simulation<'a> {
+    /// The plate the table is made for.
+    pub plate: &'a Plate,
+    /// The plate the waves run on.
+    pub actual: &'a Plate,
+    /// (boundary in metres from the driven end, level 0..=1) of each tone, 1 to 16.
+    pub tones: &'a [(f64, f64)],
+    /// Whether the table's gains are used; without them every tone is driven at the same DAC amplitude.
+    pub has_gains: bool,
+    /// How long the drive lasts, in seconds; `None`: until the plate has settled and the window is full.
+    pub seconds: Option<f64>,
+}
+
+/// Why a simulation cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// No table can be made for the plate.
+    #[error("no table can be made for this plate: {0}")]
+    Table(#[from] TableError),
+    /// The table cannot be put into the device's units.
+    #[error(transparent)]
+    DeviceTable(#[from] DeviceTableError),
+    /// The frequency that is played does not fit the plate.
+    #[error(transparent)]
+    Respond(#[from] RespondError),
+    /// The plate cannot be simulated in time.
+    #[error(transparent)]
+    Line(#[from] LineError),
+    /// The tones add up to too much.
+    #[error("{0}")]
+    Sum(Refusal),
+    /// The link or the device refused.
+    #[error(transparent)]
+    Loopback(#[from] LoopbackError),
+}
+
+/// One tone, commanded, predicted and measured.
+#[derive(Clone, Debug)]
+pub struct ToneResult {
+    /// The boundary that was asked for, in metres.
+    pub boundary_m: f64,
+    /// Its level.
+    pub level: f64,
+    /// What the device plays, in Hz.
+    pub frequency_hz: f64,
+    /// What the frequency domain says for the actual plate at that frequency, at the same places.
+    pub predicted: Response,
+    /// The peak displacement it says, in metres.
+    pub predicted_peak_m: Option<f64>,
+    /// The tone's measured complex amplitude at each place, in metres.
+    pub field_m: Vec<Complex64>,
+    /// The measured peak; its amplitude is in metres.
+    pub measured: Option<Peak>,
+    /// Where the measured amplitude has fallen to the share of the peak that the turning point has, in metres.
+    pub measured_turning_point_m: Option<f64>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// The tones, in the order asked for.
+    pub tones: Vec<ToneResult>,
+    /// Places along the plate, in metres.
+    pub position_m: Vec<f64>,
+    /// Largest displacement at each place while measured, in metres.
+    pub maximum_m: Vec<f32>,
+    /// RMS displacement at each place while measured, in metres.
+    pub rms_m: Vec<f32>,
+    /// RMS displacement that the frequency domain says, in metres.
+    pub predicted_rms_m: Vec<f64>,
+    /// Codes that had to be clamped to the DAC's range.
+    pub clipped_samples: u32,
+    /// How long was driven, in seconds.
+    pub seconds: f64,
+    /// The part of it that was measured, in seconds.
+    pub window_s: f64,
+    /// The table's peak displacement at level 1, in metres.
+    pub peak_at_full_scale_m: f64,
+}
+
+/// The table for a plate, in both forms.
+///
+/// # Errors
+/// [`SimulationError`] if the plate or the rate allows none.
+pub fn table_for(
+    plate: &Plate,
+    sample_rate_hz: u32,
+) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
+    table_for_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
+}
+
+/// [`table_for`] that tells how far it is and can be stopped.
+///
+/// # Errors
+/// As [`table_for`], and when it was stopped.
+pub fn table_for_watched(
+    plate: &Plate,
+    sample_rate_hz: u32,
+    progress: &mut Progress<'_>,
+) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
+    let table = DriveTable::build_watched(plate, f64::from(sample_rate_hz), KNOTS, progress)?;
+    let device_table = Arc::new(device_table(&table)?);
+    Ok((table, device_table))
+}
+
+/// A plate's table as the device takes it.
+///
+/// # Errors
+/// [`DeviceTableError`]: what does not fit the device's units.
+pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
+    let span_m = (table.span_start_m, table.span_end_m);
+    let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
+    DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)
+}
+
+/// The same table with every gain at full scale.
+fn without_gains(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
+    let span_m = (table.span_start_m, table.span_end_m);
+    let knots = table.knots.iter().map(|knot| (knot.frequency_hz, 1.0));
+    DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)
+}
+
+impl Simulation<'_> {
+    /// Builds the table and runs.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: what does not fit, and why.
+    pub fn run(&self) -> Result<Simulated, SimulationError> {
+        let (table, _) = table_for(self.plate, SAMPLE_RATE_HZ)?;
+        self.run_with(&table)
+    }
+
+    /// Runs with a table that was built before.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: what does not fit, and why.
+    pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
+        let device_table =
+            Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
+        device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
+        let mut chain = Loopback::connect(SAMPLE_RATE_HZ)?;
+        chain.perform(Request::Upload(device_table.clone()), |_| ())?;
+
+        let rate_hz = f64::from(SAMPLE_RATE_HZ);
+        let mut line = TimeLine::new(self.actual, rate_hz, PLACES, 1)?;
+        let drive = DriveRequest::at(self.tones);
+        let glide_s = drive.glide_s;
+        chain.perform(Request::Drive(drive), |codes| line.push_codes(codes, 12))?;
+
+        let sounding = self.sounding(&device_table)?;
+        let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
+        let settle_s = glide_s + line.settle_time_s();
+        let (settle_s, window_s) = match self.seconds {
+            None => (settle_s, window_s(&frequencies)),
+            Some(seconds) => {
+                let settle_s = settle_s.min(0.6 * seconds);
+                (settle_s, (seconds - settle_s).min(MAX_WINDOW_S))
+            }
+        };
+        chain.pass(in_samples(settle_s), |codes| line.push_codes(codes, 12));
+        line.reset_envelope();
+        let mut demodulator = Demodulator::new(&line, rate_hz, &frequencies, window_s);
+        chain.pass(in_samples(window_s), |codes| demodulator.push(&mut line, codes));
+
+        // The counter travels in the status, which is read again after a request.
+        chain.perform(Request::Refresh, |_| ())?;
+        let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
+        let predicted = predict_envelope(self.actual, &sounding, rate_hz, PLACES)?;
+        let fields = demodulator.fields();
+        let tones = self
+            .tones
+            .iter()
+            .zip(&sounding)
+            .zip(fields)
+            .zip(&predicted.tones)
+            .map(|(((&(boundary_m, level), tone), field_m), predicted_field)| {
+                self.tone_result(boundary_m, level, tone.frequency_hz, field_m, predicted_field)
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Simulated {
+            tones,
+            position_m: line.positions_m().to_vec(),
+            maximum_m: line.envelope().maximum_m(),
+            rms_m: line.envelope().rms_m(),
+            predicted_rms_m: predicted.rms_m,
+            clipped_samples,
+            seconds: settle_s + window_s,
+            window_s,
+            peak_at_full_scale_m: device_table.peak_at_full_scale_m(),
+        })
+    }
+
+    /// What the device plays for each tone.
+    fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
+        self.tones
+            .iter()
+            .map(|&(boundary_m, level)| {
+                let position = table.position(boundary_m).ok_or_else(|| {
+                    LoopbackError::Refused("a boundary lies outside the table's span".to_owned())
+                })?;
+                let gain = f64::from(table.setting(position.fine()).gain.0) / f64::from(1u32 << 31);
+                Ok(ToneDrive {
+                    frequency_hz: table.frequency_hz(position),
+                    amplitude: gain * level,
+                    phase_rad: 0.0,
+                })
+            })
+            .collect()
+    }
+
+    fn tone_result(
+        &self,
+        boundary_m: f64,
+        level: f64,
+        frequency_hz: f64,
+        field_m: Vec<Complex64>,
+        predicted_field: &[Complex64],
+    ) -> Result<ToneResult, RespondError> {
+        let predicted = respond(self.actual, frequency_hz, PLACES, Equation::Corrected)?;
+        let measured = Peak::of(&field_m, self.actual, frequency_hz);
+        let predicted_peak_m =
+            Peak::of(predicted_field, self.actual, frequency_hz).map(|peak| peak.amplitude);
+        let measured_turning_point_m = measured.zip(predicted.peak).and_then(|(measured, peak)| {
+            let share = predicted.amplitude_at_turning_point / peak.amplitude;
+            let step_m = self.actual.length_m() / (PLACES - 1) as f64;
+            falls_to(&field_m, step_m, measured.position_m, share * measured.amplitude)
+        });
+        Ok(ToneResult {
+            boundary_m,
+            level,
+            frequency_hz,
+            predicted,
+            predicted_peak_m,
+            field_m,
+            measured,
+            measured_turning_point_m,
+        })
+    }
+}
+
+fn in_samples(seconds: f64) -> u64 {
+    (seconds * f64::from(SAMPLE_RATE_HZ)).ceil() as u64
+}
+
+/// Long enough to tell each tone from rest, from its own mirror image and from the other tones.
+fn window_s(frequencies: &[f64]) -> f64 {
+    let lowest = frequencies.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut sorted = frequencies.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let nearest =
+        sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 0.0).fold(lowest, f64::min);
+    (PERIODS / nearest.max(1e-3)).clamp(0.01, MAX_WINDOW_S)
+}
+
+/// The first place past `from_m` where |field| has fallen to `to`.
+fn falls_to(field: &[Complex64], step_m: f64, from_m: f64, to: f64) -> Option<f64> {
+    let first = (from_m / step_m).ceil() as usize;
+    let magnitude = |i: usize| field.get(i).map(|value| value.norm());
+    let at = (first + 1..field.len()).find(|&i| magnitude(i).is_some_and(|value| value <= to))?;
+    let (before, after) = (magnitude(at - 1)?, magnitude(at)?);
+    let share = if before > after { ((before - to) / (before - after)).clamp(0.0, 1.0) } else { 1.0 };
+    Some(((at - 1) as f64 + share) * step_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_boundary_asked_for_is_where_the_wave_turns() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let run = Simulation {
+            plate: &plate,
+            actual: &plate,
+            tones: &[(0.16, 0.8)],
+            has_gains: true,
+            seconds: None,
+        };
+        let result = run.run().unwrap();
+        let tone = &result.tones[0];
+        let measured = tone.measured.unwrap();
+        let peak = tone.predicted.peak.unwrap();
+        assert!((measured.position_m - peak.position_m).abs() < tone.predicted.edge_width_m / 20.0);
+        assert!((tone.measured_turning_point_m.unwrap() - 0.16).abs() < tone.predicted.edge_width_m / 20.0);
+        let wanted_m = 0.8 * result.peak_at_full_scale_m;
+        assert!(
+            (20.0 * (measured.amplitude / wanted_m).log10()).abs() < 0.2,
+            "{} {wanted_m}",
+            measured.amplitude
+        );
+        assert_eq!(result.clipped_samples, 0);
+    }
+
+    #[test]
+    fn tones_together_are_told_apart() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let tones = [(0.12, 0.4), (0.2, 0.3)];
+        let run = Simulation { plate: &plate, actual: &plate, tones: &tones, has_gains: true, seconds: None };
+        let result = run.run().unwrap();
+        for tone in &result.tones {
+            let (measured, predicted_m) = (tone.measured.unwrap(), tone.predicted_peak_m.unwrap());
+            assert!(
+                (measured.amplitude / predicted_m - 1.0).abs() < 0.02,
+                "{} {predicted_m}",
+                measured.amplitude
+            );
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! What the plate does under a set of steady tones, as the views draw it: computed by the frequency-domain solver.
+//!
+//! One solution costs tens of microseconds, so a picture is made anew for every step of a drag.
+
+use crate::setup::{BoundaryMode, Setup, ToneSetup};
+use slipline_plate::{Complex64, Equation, Plate, respond};
+
+/// Points of a picture along the plate.
+pub const POINTS: usize = 401;
+
+/// A steady tone on the plate: its frequency and how high its turning-point peak stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyTone {
+    /// Which slot.
+    pub slot: u8,
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Displacement of its peak, in metres.
+    pub peak_m: f64,
+}
+
+/// The wave of one tone.
+#[derive(Clone, Debug)]
+pub struct ToneWave {
+    /// The tone.
+    pub tone: SteadyTone,
+    /// Turning point x0 in metres; beyond the plate's end if the wave reaches it.
+    pub turning_point_m: f64,
+    /// From the peak to a tenth of it, in metres.
+    pub edge_width_m: f64,
+    /// Where the peak is, in metres; `None` where loss or a near drive leaves none.
+    pub peak_position_m: Option<f64>,
+    /// Displacement amplitude at each of [`POINTS`] places, in metres: u = Re(f e^(-j omega t)).
+    pub wave: Vec<Complex64>,
+}
+
+/// The plate under all tones.
+#[derive(Clone, Debug, Default)]
+pub struct Picture {
+    /// Length of the plate in metres; the places are uniform from 0 to it.
+    pub length_m: f64,
+    /// The tones that enter the plate.
+    pub tones: Vec<ToneWave>,
+    /// Largest displacement the sum can reach at each place, in metres.
+    pub bound_m: Vec<f64>,
+    /// Root mean square of the displacement at each place, in metres.
+    pub rms_m: Vec<f64>,
+}
+
+impl Picture {
+    /// Solves for these tones. Tones that cannot enter the plate are left out.
+    #[must_use]
+    pub fn solve(plate: &Plate, tones: &[SteadyTone]) -> Self {
+        let tones: Vec<ToneWave> = tones.iter().filter_map(|tone| solve_tone(plate, tone)).collect();
+        let mut bound_m = vec![0.0; POINTS];
+        let mut square = vec![0.0; POINTS];
+        for tone in &tones {
+            for (i, amplitude) in tone.wave.iter().enumerate() {
+                bound_m[i] += amplitude.norm();
+                square[i] += 0.5 * amplitude.norm_sqr();
+            }
+        }
+        let rms_m = square.into_iter().map(f64::sqrt).collect();
+        Self { length_m: plate.length_m(), tones, bound_m, rms_m }
+    }
+
+    /// The wave in a slot.
+    #[must_use]
+    pub fn tone(&self, slot: u8) -> Option<&ToneWave> {
+        self.tones.iter().find(|wave| wave.tone.slot == slot)
+    }
+
+    /// The largest displacement anywhere, in metres.
+    #[must_use]
+    pub fn highest_m(&self) -> f64 {
+        self.bound_m.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Largest possible displacement at `x`, in metres, by linear interpolation; 0 off the plate.
+    #[must_use]
+    pub fn bound_at(&self, x_m: f64) -> f64 {
+        interpolate(&self.bound_m, x_m / self.length_m)
+    }
+
+    /// The mean frequency at `x`, weighted by what each tone gives there, in Hz; what a finger would call the pitch.
+    #[must_use]
+    pub fn frequency_at(&self, x_m: f64) -> f64 {
+        let (mut weighted, mut total) = (0.0, 0.0);
+        for tone in &self.tones {
+            let share = x_m / self.length_m * (POINTS - 1) as f64;
+            let power = tone.wave.get(share.round() as usize).map_or(0.0, |amplitude| amplitude.norm_sqr());
+            weighted += power * tone.tone.frequency_hz;
+            total += power;
+        }
+        if total > 0.0 { weighted / total } else { 0.0 }
+    }
+}
+
+/// The value at `share` (0..=1) of the way along uniform samples.
+#[must_use]
+pub fn interpolate(samples: &[f64], share: f64) -> f64 {
+    if samples.is_empty() || !(0.0..=1.0).contains(&share) {
+        return 0.0;
+    }
+    let t = share * (samples.len() - 1) as f64;
+    let i = t.floor() as usize;
+    let next = samples[(i + 1).min(samples.len() - 1)];
+    samples[i] + (next - samples[i]) * (t - t.floor())
+}
+
+fn solve_tone(plate: &Plate, tone: &SteadyTone) -> Option<ToneWave> {
+    let response = respond(plate, tone.frequency_hz, POINTS, Equation::Corrected).ok()?;
+    // Where there is no peak the table levels the amplitude at the turning point, 66.28 % of an Airy peak.
+    let reference =
+        response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
+    let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
+    Some(ToneWave {
+        tone: *tone,
+        turning_point_m: response.turning_point_m,
+        edge_width_m: response.edge_width_m,
+        peak_position_m: response.peak.as_ref().map(|peak| peak.position_m),
+        wave: response.amplitude.into_iter().map(|amplitude| amplitude * scale).collect(),
+    })
+}
+
+impl SteadyTone {
+    /// A tone of a setup, with the peak the table gives it; `full_peak_m` is the table's peak at level 1.
+    #[must_use]
+    pub fn of(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> Self {
+        Self {
+            slot: tone.slot,
+            frequency_hz: setup.plate.frequency_for_boundary_hz(tone.position_m),
+            peak_m: tone.level * setup.master() * full_peak_m,
+        }
+    }
+}
+
+/// The tones of a setup; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
+    setup.tones.iter().map(|tone| SteadyTone::of(setup, tone, full_peak_m)).collect()
+}
+
+/// Where the boundary of a tone shows, in metres: its turning point, or the place where it is just felt.
+///
+/// `None` when nothing of it is felt, or it cannot enter.
+#[must_use]
+pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) -> Option<f64> {
+    match mode {
+        BoundaryMode::TurningPoint => plate.turning_point_m(tone.frequency_hz),
+        BoundaryMode::FeltEdge { threshold_m } => {
+            plate.threshold_boundary_m(tone.frequency_hz, threshold_m / tone.peak_m)
+        }
+    }
+}
+
+/// Where the boundary of a setup's tone is drawn, in metres: where it shows, or its turning point where nothing of it
+/// is felt, or not known to be; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> f64 {
+    full_peak_m
+        .map(|full_peak_m| SteadyTone::of(setup, tone, full_peak_m))
+        .and_then(|steady| shown_boundary_m(&setup.plate, &steady, setup.boundary))
+        .unwrap_or(tone.position_m)
+}
+
+/// The unit in which a displacement of this size is written, and its size in metres.
+#[must_use]
+pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
+    match metres {
+        m if m >= 2e-3 => ("mm", 1e-3),
+        m if m >= 2e-6 => ("µm", 1e-6),
+        _ => ("nm", 1e-9),
+    }
+}
+
+/// The displacement that full colour stands for, in metres; `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn full_colour_m(sounding: Option<&Picture>, full_peak_m: f64) -> f64 {
+    full_peak_m.max(sounding.map_or(0.0, Picture::highest_m)).max(1e-12)
+}
+
+/// The top of an envelope's axis, in metres: room for level 1 at least, so that the level is seen; it grows with the
+/// sum. `full_peak_m` is the table's peak at level 1.
+#[must_use]
+pub fn envelope_top_m(picture: &Picture, full_peak_m: f64) -> f64 {
+    (full_peak_m * 1.08).max(picture.highest_m() * 1.05).max(1e-12)
+}
+
+/// The turning point that puts the shown boundary at `x`, in metres: the inverse of [`shown_boundary_m`].
+#[must_use]
+pub fn turning_point_for(plate: &Plate, x_m: f64, peak_m: f64, mode: BoundaryMode) -> Option<f64> {
+    match mode {
+        BoundaryMode::TurningPoint => Some(x_m),
+        BoundaryMode::FeltEdge { threshold_m } => plate
+            .frequency_for_threshold_hz(x_m, threshold_m / peak_m)
+            .and_then(|frequency_hz| plate.turning_point_m(frequency_hz)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_peak_stands_as_high_as_the_table_makes_it() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        for x in [0.12, 0.16, 0.2] {
+            let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x), peak_m: 1e-4 };
+            let picture = Picture::solve(&plate, &[tone]);
+            let wave = picture.tone(0).unwrap();
+            assert!((wave.turning_point_m - x).abs() < 1e-6);
+            let at_peak = picture.bound_at(wave.peak_position_m.unwrap());
+            assert!((at_peak / 1e-4 - 1.0).abs() < 0.01, "{at_peak}");
+        }
+    }
+
+    #[test]
+    fn a_tone_that_cannot_enter_leaves_the_picture_empty() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let tone = SteadyTone { slot: 0, frequency_hz: 1.0, peak_m: 1e-4 };
+        let picture = Picture::solve(&plate, &[tone]);
+        assert!(picture.tones.is_empty() && picture.highest_m() == 0.0 && picture.bound_at(f64::NAN) == 0.0);
+    }
+
+    #[test]
+    fn the_felt_edge_is_dragged_to_where_the_pointer_is() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let mode = BoundaryMode::FeltEdge { threshold_m: 1e-5 };
+        let x0 = turning_point_for(&plate, 0.2, 1e-4, mode).unwrap();
+        let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x0), peak_m: 1e-4 };
+        let shown = shown_boundary_m(&plate, &tone, mode).unwrap();
+        assert!((shown - 0.2).abs() < 1e-4 && x0 < 0.2, "{x0} {shown}");
+        assert!(turning_point_for(&plate, 0.2, 1e-6, mode).is_none(), "too faint to be felt");
+    }
+}

@@ -1,0 +1,147 @@
+//! The simulated plate under the device's codes: what the acknowledged drive does to it, in the time domain.
+//!
+//! ```text
+//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::TimeLine --> settle --> envelope
+//! ```
+//! It shares nothing with the solver that predicts the envelope but the plate: that the two agree is the check.
+
+use crate::jobs::Task;
+use slipline_link::BLOCK;
+use slipline_link::mirror::Mirror;
+use slipline_link::protocol::command::Drive;
+use slipline_link::table::DeviceTable;
+use slipline_plate::{Plate, TimeLine};
+use std::sync::Arc;
+
+/// Places along the plate.
+const POINTS: usize = 128;
+/// Turns of the slowest tone that are watched once the plate has settled.
+const TURNS: f64 = 6.0;
+/// The longest watch, in seconds: a beat slower than this is not seen to its top.
+const WATCH_MAX_S: f64 = 0.25;
+/// The longest run, in seconds of the device's time.
+pub(crate) const RUN_MAX_S: f64 = 12.0;
+/// Codes from the table to the drive, so that the table is in place.
+const AHEAD: u64 = 8 * BLOCK as u64;
+/// Blocks between two looks at whether the result is still wanted.
+const BLOCKS_AT_ONCE: u64 = 64;
+
+/// Largest displacement at places along the simulated plate.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// Which acknowledged change it belongs to.
+    pub number: u64,
+    /// Places in metres.
+    pub position_m: Vec<f64>,
+    /// Largest displacement seen at each place, in metres.
+    pub maximum_m: Vec<f64>,
+}
+
+impl Measured {
+    /// Place and displacement of each point, in metres.
+    pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.position_m.iter().copied().zip(self.maximum_m.iter().copied())
+    }
+}
+
+/// A drive to be tried on a plate.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Which acknowledged change it is.
+    pub number: u64,
+    /// The plate.
+    pub plate: Arc<Plate>,
+    /// The device's table.
+    pub table: Arc<DeviceTable>,
+    /// The drive the device has accepted.
+    pub drive: Arc<Drive>,
+    /// The device's bits per code.
+    pub dac_bits: u8,
+}
+
+/// How long the settled plate is watched so that its largest displacement is seen, in seconds.
+pub(crate) fn watch_s(job: &Job) -> f64 {
+    let tones = &job.drive.tones;
+    let slowest_hz =
+        tones.iter().map(|tone| job.table.frequency_hz(tone.position)).fold(f64::INFINITY, f64::min);
+    if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
+}
+
+/// Runs the drive on the plate until it has settled, and watches it. `None` when the plate cannot be run at the
+/// device's rate, the drive could not be replayed, or the task was over before.
+#[must_use]
+pub fn run(job: &Job, task: &Task) -> Option<Measured> {
+    let rate = job.table.header().sample_rate_hz;
+    let mut line = TimeLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
+    let mut mirror = Mirror::new(rate, 0);
+    mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
+    mirror.acknowledge_drive(&job.drive, AHEAD).ok()?;
+    let samples = |seconds: f64| (seconds * f64::from(rate)) as u64;
+    let glide_s = f64::from(job.drive.glide) / f64::from(rate);
+    let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
+    let bits = u32::from(job.dac_bits);
+    let end = settled + samples(watch_s(job)).max(2 * BLOCK as u64);
+    for (until, is_watch) in [(settled, false), (end, true)] {
+        if is_watch {
+            line.reset_envelope();
+        }
+        while mirror.now() + (BLOCK as u64) <= until {
+            let part = (mirror.now() + BLOCKS_AT_ONCE * BLOCK as u64).min(until);
+            mirror.render(part, |_, codes| line.push_codes(codes, bits));
+            if !task.tell(mirror.now() as f64 / end as f64) {
+                return None;
+            }
+        }
+    }
+    let maximum_m = line.envelope().maximum_m().into_iter().map(f64::from).collect();
+    mirror.is_true().then(|| Measured {
+        number: job.number,
+        position_m: line.positions_m().to_vec(),
+        maximum_m,
+    })
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::field::simulation::device_table;
+    use crate::field::steady_field::{Picture, SteadyTone};
+    use slipline_link::protocol::command::{Apply, Drive, Tone};
+    use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
+    use slipline_plate::DriveTable;
+
+    /// One tone at full level.
+    pub(crate) fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
+        let tone = Tone { slot, position, level: Level::FULL, phase: Phase(0) };
+        Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next }
+    }
+
+    #[test]
+    fn the_simulated_plate_stands_where_the_solver_predicts_it() {
+        for name in ["membrane", "al-bending"] {
+            let plate = Arc::new(slipline_plate::preset(name).unwrap());
+            let (start, end) = plate.span_m();
+            let table = DriveTable::build(&plate, 400_000.0, 257).unwrap();
+            let table = Arc::new(device_table(&table).unwrap());
+            let x0 = start + 0.7 * (end - start);
+            let position = table.position(x0).unwrap();
+            let drive = one_tone(0, position, 8000);
+            let job = Job {
+                number: 1,
+                plate: Arc::clone(&plate),
+                table: Arc::clone(&table),
+                drive: Arc::new(drive),
+                dac_bits: 12,
+            };
+            let measured = run(&job, &Task::default()).unwrap();
+            let frequency_hz = table.frequency_hz(position);
+            let peak_m = table.peak_at_full_scale_m();
+            let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
+            let worst = measured
+                .points()
+                .map(|(x, metres)| (metres - picture.bound_at(x)).abs() / peak_m)
+                .fold(0.0, f64::max);
+            assert!(worst < 0.08, "{name}: {worst}");
+        }
+    }
+}

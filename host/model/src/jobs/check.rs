@@ -1,0 +1,94 @@
+//! The validity lights of the plate on the screen at its boundary, made in the background.
+
+use crate::jobs::Task;
+use slipline_plate::check::{CheckError, Checker, Colour, Conditions, Report};
+use slipline_plate::{Plate, Progress};
+use std::sync::Arc;
+
+/// A plate and a boundary to be checked.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// The plate.
+    pub plate: Arc<Plate>,
+    /// The boundary, in metres.
+    pub boundary_m: f64,
+    /// Rate, level and the other tones.
+    pub conditions: Conditions,
+}
+
+impl PartialEq for Job {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.plate, &other.plate)
+            && self.boundary_m == other.boundary_m
+            && self.conditions == other.conditions
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Verdict {
+    /// What was checked.
+    pub job: Job,
+    /// The lights, or a sentence that says why there are none.
+    pub report: Result<Report, String>,
+}
+
+impl Verdict {
+    /// How many lights have a colour.
+    #[must_use]
+    pub fn count(&self, colour: Colour) -> usize {
+        let lights = self.report.as_ref().map_or(&[][..], |report| &report.lights);
+        lights.iter().filter(|light| light.colour == colour).count()
+    }
+}
+
+/// The work of the thread that checks: what was prepared for a plate is kept while the plate stays.
+pub fn work() -> impl FnMut(Job, &Task) -> Option<Verdict> + Send {
+    let mut kept: Option<(Arc<Plate>, Checker)> = None;
+    move |job, task| {
+        let report = match check(&mut kept, &job, task) {
+            Ok(report) => Ok(report),
+            Err(CheckError::Stopped(_)) => return None,
+            Err(error) => Err(error.to_string()),
+        };
+        Some(Verdict { job, report })
+    }
+}
+
+fn check(kept: &mut Option<(Arc<Plate>, Checker)>, job: &Job, task: &Task) -> Result<Report, CheckError> {
+    let conditions = job.conditions.clone();
+    match kept {
+        Some((plate, checker)) if Arc::ptr_eq(plate, &job.plate) => {
+            checker.set_conditions(conditions)?;
+            checker.at(job.boundary_m)
+        }
+        _ => {
+            let mut tell = |share| task.tell(share);
+            let checker = Checker::watched(&job.plate, conditions, &mut Progress::new(&mut tell))?;
+            let (_, checker) = kept.insert((Arc::clone(&job.plate), checker));
+            checker.at(job.boundary_m)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plate_that_is_kept_gives_the_same_lights_as_a_fresh_one() {
+        let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
+        let job = |boundary_m: f64, level: f64| Job {
+            plate: Arc::clone(&plate),
+            boundary_m,
+            conditions: Conditions { level, ..Conditions::default() },
+        };
+        let task = Task::default();
+        let mut kept = work();
+        kept(job(0.12, 1.0), &task).unwrap();
+        let again = kept(job(0.2, 0.3), &task).unwrap().report.unwrap();
+        let fresh = work()(job(0.2, 0.3), &task).unwrap().report.unwrap();
+        assert_eq!(again, fresh);
+        assert!(kept(job(9.0, 1.0), &task).unwrap().report.unwrap_err().contains("boundary"));
+    }
+}

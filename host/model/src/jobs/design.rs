@@ -1,0 +1,203 @@
+//! The plate designer in the app: what is wanted, and the plate that came of it. The rules are those of
+//! `slipline design`.
+
+use crate::jobs::Task;
+use slipline_plate::PlateError;
+use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
+use std::sync::Arc;
+
+/// How the sheet carries the wave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Bending, edges on a knife edge.
+    Supported,
+    /// Bending, edges in a stiff frame.
+    Clamped,
+    /// A stretched membrane.
+    Membrane,
+    /// The shear-horizontal wave.
+    Shear,
+}
+
+impl Kind {
+    /// Every kind, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::Supported, Self::Clamped, Self::Membrane, Self::Shear];
+
+    /// Its name in the menu.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Supported => "Bending, supported",
+            Self::Clamped => "Bending, clamped",
+            Self::Membrane => "Stretched membrane",
+            Self::Shear => "Shear-horizontal",
+        }
+    }
+}
+
+/// How a membrane's stretch is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stretch {
+    /// Wave speed in m/s.
+    WaveSpeed(f64),
+    /// Tension in N per metre of width.
+    Tension(f64),
+}
+
+/// What is wanted of a plate. `None` is the library's own choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Draft {
+    /// The plate's name.
+    pub name: String,
+    /// The library's name of the sheet's material.
+    pub material: &'static str,
+    /// The sheet's thickness in metres.
+    pub thickness_m: f64,
+    /// How it carries the wave.
+    pub kind: Kind,
+    /// A bending plate without shear and rotary inertia.
+    pub thin: bool,
+    /// A membrane's stretch.
+    pub stretch: Stretch,
+    /// The boundary's lowest and highest frequency in Hz.
+    pub band_hz: (f64, f64),
+    /// From the driven end to the narrow end, in metres.
+    pub length_m: f64,
+    /// From the driven end to the nearest boundary, in metres.
+    pub start_margin_m: Option<f64>,
+    /// From the farthest boundary to the narrow end, in metres.
+    pub end_margin_m: Option<f64>,
+    /// Loss factor.
+    pub loss_factor: Option<f64>,
+    /// The drive's displacement at DAC full scale, in metres.
+    pub full_scale_m: Option<f64>,
+    /// Width of the frame's rim, in metres.
+    pub rim_m: f64,
+}
+
+impl Default for Draft {
+    /// The aluminium plate of `slipline design --help`.
+    fn default() -> Self {
+        Self {
+            name: "designed".to_owned(),
+            material: "aluminium",
+            thickness_m: 2e-3,
+            kind: Kind::Supported,
+            thin: false,
+            stretch: Stretch::WaveSpeed(12.0),
+            band_hz: (20e3, 40e3),
+            length_m: 0.3,
+            start_margin_m: None,
+            end_margin_m: None,
+            loss_factor: None,
+            full_scale_m: None,
+            rim_m: 0.02,
+        }
+    }
+}
+
+impl Draft {
+    /// What the library is asked for.
+    ///
+    /// # Errors
+    /// [`PlateError`] when the library has no such material.
+    pub fn request(&self) -> Result<Request, PlateError> {
+        let mut material = Material::named(self.material)?;
+        if let Some(loss_factor) = self.loss_factor {
+            material.loss_factor = loss_factor;
+        }
+        let thick_plate = !self.thin;
+        let wave = match self.kind {
+            Kind::Supported => Wave::Bending { edge: Edge::Supported, thick_plate },
+            Kind::Clamped => Wave::Bending { edge: Edge::Clamped, thick_plate },
+            Kind::Shear => Wave::ShearHorizontal,
+            Kind::Membrane => match self.stretch {
+                Stretch::WaveSpeed(wave_speed_m_per_s) => Wave::Membrane { wave_speed_m_per_s },
+                Stretch::Tension(tension) => Wave::under_tension(tension, &material, self.thickness_m),
+            },
+        };
+        let mut request =
+            Request::new(&self.name, material, self.thickness_m, wave, self.band_hz, self.length_m);
+        request.start_margin_m = self.start_margin_m;
+        request.end_margin_m = self.end_margin_m;
+        request.rim_m = self.rim_m;
+        if let Some(full_scale_m) = self.full_scale_m {
+            request.full_scale_m = full_scale_m;
+        }
+        Ok(request)
+    }
+}
+
+/// What came of a draft.
+#[derive(Clone, Debug)]
+pub struct Designed {
+    /// The draft.
+    pub draft: Draft,
+    /// The plate, or why there is none.
+    pub result: Result<Arc<Design>, PlateError>,
+}
+
+/// Designs the plate; `None` when the task was over before.
+#[must_use]
+pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
+    if task.is_over() {
+        return None;
+    }
+    let designed = draft.request().and_then(|request| design(&request));
+    Some(Designed { draft, result: designed.map(Arc::new) })
+}
+
+/// The cut files of plate and frame: their names and texts.
+#[must_use]
+pub fn cut_files(designed: &Design) -> Vec<(String, String)> {
+    let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
+    [
+        ("plate.svg", plate.to_svg()),
+        ("plate.dxf", plate.to_dxf()),
+        ("frame.svg", frame.to_svg()),
+        ("frame.dxf", frame.to_dxf()),
+    ]
+    .map(|(name, text)| (name.to_owned(), text))
+    .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_draft_is_designed_as_the_command_line_does_it() {
+        let designed = work(Draft::default(), &Task::default()).unwrap().result.unwrap();
+        let (low, high) = designed.plate.band_hz();
+        assert!((low - 20e3).abs() < 1e-2 && (high - 40e3).abs() < 1e-2, "{low} {high}");
+        assert_eq!(cut_files(&designed).len(), 4);
+        // 68.4 N/m over 950 kg/m^3 x 0.5 mm is (12 m/s)^2.
+        let membrane = |stretch| Draft {
+            material: "latex",
+            thickness_m: 5e-4,
+            kind: Kind::Membrane,
+            stretch,
+            band_hz: (80.0, 220.0),
+            length_m: 0.4,
+            ..Draft::default()
+        };
+        let by_tension = membrane(Stretch::Tension(68.4)).request().unwrap();
+        let Wave::Membrane { wave_speed_m_per_s } = by_tension.wave else { panic!("no membrane") };
+        assert!((wave_speed_m_per_s - 12.0).abs() < 1e-9);
+        assert_eq!(by_tension.full_scale_m, 1e-4);
+    }
+
+    #[test]
+    fn a_bad_value_is_named_by_its_field() {
+        let refusal = |change: fn(&mut Draft)| {
+            let mut draft = Draft::default();
+            change(&mut draft);
+            work(draft, &Task::default()).unwrap().result.unwrap_err()
+        };
+        assert_eq!(refusal(|draft| draft.thickness_m = 5.0).field(), "thickness_m");
+        assert_eq!(refusal(|draft| draft.band_hz.1 = 20e3).field(), "band high");
+        assert_eq!(refusal(|draft| draft.loss_factor = Some(f64::NAN)).field(), "material.loss_factor");
+        assert_eq!(refusal(|draft| draft.start_margin_m = Some(1.0)).field(), "start_margin_m");
+        assert!(refusal(|draft| draft.length_m = 0.01).to_string().contains("longer"));
+    }
+}

@@ -1,0 +1,228 @@
+//! Work that takes longer than a frame, off the UI thread: only the newest job counts, and each can be given up.
+
+pub mod check;
+pub mod design;
+pub mod table;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+
+/// What a job tells while it is done, and whether anybody still wants it.
+#[derive(Debug, Default)]
+pub struct Task {
+    /// The share done, in millionths.
+    millionths: AtomicU32,
+    is_over: AtomicBool,
+}
+
+impl Task {
+    /// Tells that this share (0..=1) is done; returns whether to go on.
+    pub fn tell(&self, share: f64) -> bool {
+        self.millionths.store((share.clamp(0.0, 1.0) * 1e6) as u32, Ordering::Relaxed);
+        !self.is_over()
+    }
+
+    /// Whether the job is to end now: it was cancelled, or a newer one has been asked for.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.is_over.load(Ordering::Relaxed)
+    }
+
+    fn end(&self) {
+        self.is_over.store(true, Ordering::Relaxed);
+    }
+
+    fn share(&self) -> f32 {
+        self.millionths.load(Ordering::Relaxed) as f32 * 1e-6
+    }
+}
+
+/// A place where jobs of one kind are done.
+///
+/// [`Workshop::threaded`] does them on a thread of its own; [`Workshop::inline`] at once, which makes tests
+/// repeatable. The work gives `None` when nothing came of a job, such as when its [`Task`] was over; nothing comes of one
+/// that panics on the thread either, and the next is done all the same.
+pub struct Workshop<Job, Done> {
+    way: Way<Job, Done>,
+    done: Receiver<(u64, Option<Done>)>,
+    task: Arc<Task>,
+    /// Number of the newest job.
+    asked: u64,
+    /// Every job up to this one has ended or was given up.
+    ended: u64,
+    /// Results up to this job's are not wanted.
+    unwanted: u64,
+}
+
+/// What is done with a job.
+type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
+
+enum Way<Job, Done> {
+    Thread(Sender<(u64, Job, Arc<Task>)>),
+    Inline(Box<Work<Job, Done>>, Sender<(u64, Option<Done>)>),
+}
+
+impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
+    /// Does jobs on a thread named `name` and calls `wake` after each. The thread ends with the workshop.
+    ///
+    /// # Errors
+    /// What the system says when it gives no thread.
+    pub fn threaded(
+        name: &str,
+        mut work: impl FnMut(Job, &Task) -> Option<Done> + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let (jobs, queue) = channel::<(u64, Job, Arc<Task>)>();
+        let (finished, done) = channel();
+        thread::Builder::new().name(name.to_owned()).spawn(move || {
+            while let Ok(mut next) = queue.recv() {
+                // What was asked for meanwhile makes the older jobs needless.
+                while let Ok(newer) = queue.try_recv() {
+                    next = newer;
+                }
+                let (number, job, task) = next;
+                let done = catch_unwind(AssertUnwindSafe(|| work(job, &task))).unwrap_or(None);
+                if finished.send((number, done)).is_err() {
+                    return;
+                }
+                wake();
+            }
+        })?;
+        Ok(Self::new(Way::Thread(jobs), done))
+    }
+
+    /// Does every job at once, on the caller's thread.
+    #[must_use]
+    pub fn inline(work: impl FnMut(Job, &Task) -> Option<Done> + 'static) -> Self {
+        let (finished, done) = channel();
+        Self::new(Way::Inline(Box::new(work), finished), done)
+    }
+
+    fn new(way: Way<Job, Done>, done: Receiver<(u64, Option<Done>)>) -> Self {
+        Self { way, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
+    }
+
+    /// Asks for a job; an older one that is still being done is told that it is over.
+    pub fn ask(&mut self, job: Job) {
+        self.task.end();
+        self.task = Arc::default();
+        self.asked += 1;
+        match &mut self.way {
+            // A thread that has gone answers no more; the app stays usable without it.
+            Way::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
+            Way::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
+        }
+    }
+
+    /// The newest result since the last call.
+    pub fn take(&mut self) -> Option<Done> {
+        let mut newest = None;
+        for (number, done) in self.done.try_iter() {
+            self.ended = self.ended.max(number);
+            if number > self.unwanted {
+                newest = done.or(newest);
+            }
+        }
+        newest
+    }
+
+    /// How much of the newest job is done, 0..=1; `None` when nothing is being done.
+    #[must_use]
+    pub fn progress(&self) -> Option<f32> {
+        (self.ended < self.asked).then(|| self.task.share())
+    }
+
+    /// Gives up what is being done: nothing comes of it, even if it is done by now.
+    pub fn cancel(&mut self) {
+        self.task.end();
+        self.ended = self.asked;
+        self.unwanted = self.asked;
+    }
+}
+
+impl<Job, Done> Drop for Workshop<Job, Done> {
+    fn drop(&mut self) {
+        self.task.end();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_job_is_done_and_the_caller_is_woken() {
+        let (woken, waking) = channel();
+        let mut workshop =
+            Workshop::threaded("test", |n: u32, _| Some(n * 2), move || woken.send(()).unwrap_or_default())
+                .unwrap();
+        for n in 1..=5 {
+            workshop.ask(n);
+        }
+        let mut latest = None;
+        while latest != Some(10) {
+            waking.recv().unwrap();
+            latest = workshop.take().or(latest);
+        }
+        assert_eq!(workshop.progress(), None);
+    }
+
+    #[test]
+    fn a_job_that_panics_ends_and_the_next_one_is_done() {
+        let (woken, waking) = channel();
+        let work = |fails: bool, _: &Task| {
+            assert!(!fails, "a mistake in the work");
+            Some(7)
+        };
+        let mut workshop =
+            Workshop::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
+        for (fails, done) in [(true, None), (false, Some(7))] {
+            workshop.ask(fails);
+            waking.recv().unwrap();
+            assert_eq!(workshop.take(), done);
+            assert_eq!(workshop.progress(), None);
+        }
+    }
+
+    #[test]
+    fn inline_work_is_done_when_asked() {
+        let mut workshop = Workshop::inline(|n: u32, _| Some(n + 1));
+        workshop.ask(1);
+        workshop.ask(2);
+        assert_eq!(workshop.take(), Some(3));
+        assert_eq!(workshop.take(), None);
+    }
+
+    #[test]
+    fn a_cancelled_job_ends_and_nothing_comes_of_it() {
+        let (half_way, told) = channel();
+        let (woken, waking) = channel();
+        let work = move |forever: bool, task: &Task| {
+            while forever && task.tell(0.5) {
+                half_way.send(()).unwrap_or_default();
+                thread::yield_now();
+            }
+            Some(forever)
+        };
+        let mut workshop =
+            Workshop::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
+        workshop.ask(true);
+        told.recv().unwrap();
+        assert_eq!(workshop.progress(), Some(0.5));
+        workshop.cancel();
+        assert_eq!(workshop.progress(), None);
+        waking.recv().unwrap();
+        assert_eq!(workshop.take(), None, "it did end, and is not wanted");
+        // A newer job ends an older one, too.
+        workshop.ask(true);
+        workshop.ask(false);
+        let mut latest = None;
+        while latest != Some(false) {
+            waking.recv().unwrap();
+            latest = workshop.take().or(latest);
+        }
+    }
+}

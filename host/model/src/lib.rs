@@ -1,0 +1,20 @@
+//! What a user of Slipline sets up and sees, without a window: the setup and its edits, the fields on the plate, the
+//! waveform, jobs, the automatic drive of the device, and exports.
+//!
+//! ```text
+//! setup (edits, undo, file) --> jobs (table, lights, design) --> autopilot --> requests to the link
+//!                          \--> field (steady, time domain, sheet)  \
+//! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
+//! ```
+//! It builds for a browser. The feature `native` adds what a browser lacks: files and figures.
+
+pub mod autopilot;
+pub mod colour_map;
+#[cfg(feature = "native")]
+pub mod disk;
+pub mod export;
+pub mod field;
+pub mod jobs;
+pub mod numbers;
+pub mod setup;
+pub mod waveform;

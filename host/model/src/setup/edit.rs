@@ -1,0 +1,292 @@
+//! What a user can change in a setup, the rule each change obeys, and what it asks of the device.
+//!
+//! ```text
+//! view --Edit--> apply (limits) --> Setup --> drive --> DriveRequest --> link worker
+//!                                     \--> crate::setup::undo (undo, redo)
+//! ```
+
+use crate::numbers::quantity::{show_length, show_place};
+use crate::setup::{
+    BoundaryMode, GLIDE_RANGE_S, MASTER_MIN_DB, MAX_TONES, Setup, THRESHOLD_RANGE_M, ToneSetup,
+};
+use slipline_link::protocol::command::Apply;
+use slipline_link::{DriveRequest, ToneRequest};
+use slipline_plate::Plate;
+use std::sync::Arc;
+
+/// One change of the setup.
+#[derive(Clone, Debug)]
+pub enum Edit {
+    /// Put a tone's turning point here, in metres; a place beyond the span is taken as the span's end.
+    Move {
+        /// Which tone.
+        slot: u8,
+        /// Where to.
+        position_m: f64,
+    },
+    /// Set a tone's level, 0..=1.
+    Level {
+        /// Which tone.
+        slot: u8,
+        /// How much.
+        level: f64,
+    },
+    /// Set the phase a tone starts with, in turns.
+    Phase {
+        /// Which tone.
+        slot: u8,
+        /// Any number of turns; whole turns are dropped.
+        turns: f64,
+    },
+    /// Add a tone in the lowest free slot, with its turning point here.
+    Add {
+        /// Where, in metres.
+        position_m: f64,
+    },
+    /// Take a tone away. The last one stays.
+    Remove {
+        /// Which tone.
+        slot: u8,
+    },
+    /// Set the master level, in dB.
+    Master(f64),
+    /// Set the glide time, in seconds.
+    Glide(f64),
+    /// Choose what the handle holds.
+    Boundary(BoundaryMode),
+    /// Take another plate; the tones keep their places as far as its span allows.
+    Plate(Arc<Plate>),
+    /// Take a whole setup, such as one read from a file.
+    Replace(Box<Setup>),
+    /// Begin anew with this setup.
+    New(Box<Setup>),
+}
+
+/// Why a change is not made. The setup is as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EditError {
+    /// A value is outside its range, or no number.
+    #[error("{field}: {got} is outside {allowed}")]
+    OutOfRange {
+        /// The field as the user knows it.
+        field: &'static str,
+        /// What came, with its unit.
+        got: String,
+        /// The range, with its unit.
+        allowed: String,
+    },
+    /// There is no tone in this slot.
+    #[error("there is no tone {0}")]
+    NoTone(u8),
+    /// All slots are taken.
+    #[error("all {MAX_TONES} tones are in use")]
+    Full,
+    /// The boundary itself cannot be taken away.
+    #[error("the last tone stays: stop the drive instead")]
+    LastTone,
+}
+
+impl Edit {
+    /// What a menu calls it: `Undo move`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Move { .. } => "move",
+            Self::Level { .. } => "level",
+            Self::Phase { .. } => "phase",
+            Self::Add { .. } => "add tone",
+            Self::Remove { .. } => "remove tone",
+            Self::Master(_) => "master level",
+            Self::Glide(_) => "glide",
+            Self::Boundary(_) => "boundary mode",
+            Self::Plate(_) => "plate",
+            Self::Replace(_) => "open setup",
+            Self::New(_) => "new setup",
+        }
+    }
+
+    /// Which tone it is about, if it is about one.
+    pub(crate) const fn slot(&self) -> Option<u8> {
+        match *self {
+            Self::Move { slot, .. }
+            | Self::Level { slot, .. }
+            | Self::Phase { slot, .. }
+            | Self::Remove { slot } => Some(slot),
+            _ => None,
+        }
+    }
+}
+
+/// The setup after a change.
+///
+/// # Errors
+/// [`EditError`], naming the field and its range; the setup given stays as it is.
+pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
+    let mut next = setup.clone();
+    match *edit {
+        Edit::Move { slot, position_m } => {
+            let span = setup.plate.span_m();
+            finite("boundary", position_m, || span_text(span))?;
+            tone_mut(&mut next, slot)?.position_m = position_m.clamp(span.0, span.1);
+        }
+        Edit::Level { slot, level } => {
+            tone_mut(&mut next, slot)?.level = within("level", level, (0.0, 1.0), |v| format!("{v:.2}"))?;
+        }
+        Edit::Phase { slot, turns } => {
+            finite("phase", turns, || "0 to 1 turn".to_owned())?;
+            tone_mut(&mut next, slot)?.phase_turns = turns.rem_euclid(1.0);
+        }
+        Edit::Add { position_m } => {
+            let span = setup.plate.span_m();
+            finite("tone", position_m, || span_text(span))?;
+            let slot = setup.free_slot().ok_or(EditError::Full)?;
+            let level = setup.tones.first().map_or(0.5, |tone| tone.level);
+            let position_m = position_m.clamp(span.0, span.1);
+            next.tones.push(ToneSetup { slot, position_m, level, phase_turns: 0.0 });
+        }
+        Edit::Remove { slot } => {
+            setup.tone(slot).ok_or(EditError::NoTone(slot))?;
+            if setup.tones.len() == 1 {
+                return Err(EditError::LastTone);
+            }
+            next.tones.retain(|tone| tone.slot != slot);
+        }
+        Edit::Master(db) => {
+            next.master_db = within("master level", db, (MASTER_MIN_DB, 0.0), |v| format!("{v:.1} dB"))?;
+        }
+        Edit::Glide(seconds) => {
+            next.glide_s = within("glide", seconds, GLIDE_RANGE_S, |v| format!("{:.0} ms", v * 1e3))?;
+        }
+        Edit::Boundary(mode) => {
+            if let BoundaryMode::FeltEdge { threshold_m } = mode {
+                within("threshold", threshold_m, THRESHOLD_RANGE_M, show_length)?;
+            }
+            next.boundary = mode;
+        }
+        Edit::Plate(ref plate) => {
+            let (start, end) = plate.span_m();
+            let (old_start, old_end) = setup.plate.span_m();
+            let fits = setup.tones.iter().all(|tone| (start..=end).contains(&tone.position_m));
+            for tone in &mut next.tones {
+                // Clamping would heap the tones up at an end, so a plate with another span keeps the proportions.
+                if !fits {
+                    let share = (tone.position_m - old_start) / (old_end - old_start);
+                    tone.position_m = (start + share * (end - start)).clamp(start, end);
+                }
+            }
+            next.plate = Arc::clone(plate);
+        }
+        Edit::Replace(ref setup) | Edit::New(ref setup) => next = (**setup).clone(),
+    }
+    Ok(next)
+}
+
+/// What the device is asked to sound for a setup.
+#[must_use]
+pub fn drive(setup: &Setup) -> DriveRequest {
+    let tones = setup
+        .tones
+        .iter()
+        .map(|tone| ToneRequest {
+            slot: tone.slot,
+            boundary_m: tone.position_m,
+            level: tone.level,
+            phase_turns: tone.phase_turns,
+        })
+        .collect();
+    DriveRequest { tones, master_db: setup.master_db, glide_s: setup.glide_s, apply: Apply::Next }
+}
+
+fn tone_mut(setup: &mut Setup, slot: u8) -> Result<&mut ToneSetup, EditError> {
+    setup.tones.iter_mut().find(|tone| tone.slot == slot).ok_or(EditError::NoTone(slot))
+}
+
+fn span_text((start, end): (f64, f64)) -> String {
+    format!("{} to {}", show_place(start), show_place(end))
+}
+
+fn finite(field: &'static str, value: f64, allowed: impl FnOnce() -> String) -> Result<(), EditError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(EditError::OutOfRange { field, got: value.to_string(), allowed: allowed() })
+    }
+}
+
+/// The value if it lies in the range; NaN never does.
+fn within(
+    field: &'static str,
+    value: f64,
+    (min, max): (f64, f64),
+    show: impl Fn(f64) -> String,
+) -> Result<f64, EditError> {
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        let allowed = format!("{} to {}", show(min), show(max));
+        Err(EditError::OutOfRange { field, got: show(value), allowed })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn setup() -> Setup {
+        let preset = &slipline_plate::presets()[0];
+        Setup::new(Arc::new(slipline_plate::preset(preset.name).unwrap()))
+    }
+
+    #[test]
+    fn a_tone_cannot_be_moved_off_the_span_and_nan_is_refused() {
+        let setup = setup();
+        let (start, end) = setup.plate.span_m();
+        for (to, want) in [(-1.0, start), (9.0, end), (0.5 * (start + end), 0.5 * (start + end))] {
+            let moved = apply(&setup, &Edit::Move { slot: 0, position_m: to }).unwrap();
+            assert_eq!(moved.tones[0].position_m, want);
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(apply(&setup, &Edit::Move { slot: 0, position_m: bad }).is_err());
+            assert!(apply(&setup, &Edit::Level { slot: 0, level: bad }).is_err());
+            assert!(apply(&setup, &Edit::Master(bad)).is_err());
+            assert!(apply(&setup, &Edit::Glide(bad)).is_err());
+            assert!(apply(&setup, &Edit::Phase { slot: 0, turns: bad }).is_err());
+        }
+    }
+
+    #[test]
+    fn a_refused_value_names_its_field_and_range() {
+        let error = apply(&setup(), &Edit::Master(3.0)).unwrap_err().to_string();
+        assert_eq!(error, "master level: 3.0 dB is outside -96.0 dB to 0.0 dB");
+        assert!(apply(&setup(), &Edit::Glide(0.001)).unwrap_err().to_string().contains("5 ms to 10000 ms"));
+    }
+
+    #[test]
+    fn sixteen_tones_fit_and_slots_stay_when_one_goes() {
+        let mut setup = setup();
+        for _ in 1..MAX_TONES {
+            setup = apply(&setup, &Edit::Add { position_m: 0.1 }).unwrap();
+        }
+        assert_eq!(apply(&setup, &Edit::Add { position_m: 0.1 }).unwrap_err(), EditError::Full);
+        setup = apply(&setup, &Edit::Remove { slot: 5 }).unwrap();
+        assert_eq!(setup.tones.iter().map(|tone| tone.slot).filter(|&slot| slot > 5).count(), 10);
+        assert_eq!(apply(&setup, &Edit::Remove { slot: 5 }).unwrap_err(), EditError::NoTone(5));
+        setup = apply(&setup, &Edit::Add { position_m: 0.1 }).unwrap();
+        assert!(setup.tone(5).is_some());
+    }
+
+    #[test]
+    fn tones_keep_their_proportions_on_a_plate_with_another_span() {
+        let setup = setup();
+        for preset in slipline_plate::presets() {
+            let plate = Arc::new(slipline_plate::preset(preset.name).unwrap());
+            let (start, end) = plate.span_m();
+            let next = apply(&setup, &Edit::Plate(plate)).unwrap();
+            assert!(
+                next.tones.iter().all(|tone| (start..=end).contains(&tone.position_m)),
+                "{}",
+                preset.name
+            );
+        }
+    }
+}

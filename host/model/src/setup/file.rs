@@ -1,0 +1,325 @@
+//! Setups as TOML files, and plates opened as if they were setups.
+//!
+//! ```toml
+//! slipline_setup = 1            # version of this format
+//! master_db = -6.0              # -96 to 0 dB
+//! glide_s = 0.02                # 0.005 to 10 s
+//! [boundary]
+//! holds = "turning-point"       # or "felt-edge"
+//! threshold_m = 1e-6            # felt-edge only: 1e-9 to 1e-2 m
+//! [[tones]]                     # 1 to 16
+//! slot = 0                      # 0 to 15, each once
+//! position_m = 0.16             # within the plate's span
+//! level = 0.8                   # 0 to 1
+//! phase_turns = 0.0             # 0 to 1
+//! [plate]                       # a plate file
+//! ```
+
+use crate::setup::edit::{Edit, EditError, apply};
+use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
+use serde::{Deserialize, Serialize};
+use slipline_plate::{Plate, PlateFileError};
+use std::sync::Arc;
+
+/// The largest file that is read, in bytes: a plate file with every taper point fits.
+pub const FILE_BYTES_MAX: usize = 1 << 20;
+/// The version this program writes.
+const VERSION: i64 = 1;
+
+/// Why a file was not taken. Nothing was changed.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupFileError {
+    /// Too big.
+    #[error("the file has {bytes} bytes; at most {FILE_BYTES_MAX} are read")]
+    TooBig {
+        /// Its size.
+        bytes: usize,
+    },
+    /// Not TOML, or not of this form.
+    #[error("line {line}: {message}")]
+    Syntax {
+        /// Where, from 1.
+        line: usize,
+        /// What.
+        message: String,
+    },
+    /// A version this program does not know.
+    #[error("slipline_setup = {0}: this program reads version {VERSION}; install a newer one")]
+    Version(i64),
+    /// The plate in it is refused.
+    #[error("plate: {0}")]
+    Plate(#[from] PlateFileError),
+    /// A value is outside its range.
+    #[error("{0}")]
+    Value(#[from] EditError),
+    /// The number of tones is wrong.
+    #[error("tones: {0} of them; allowed are 1 to {MAX_TONES}")]
+    Tones(usize),
+    /// A slot is out of range or named twice.
+    #[error("tones: slot {0} is named twice or outside 0 to 15")]
+    Slot(i64),
+    /// What the handle holds is a word this program does not know.
+    #[error("boundary.holds = {0:?}: allowed are \"turning-point\" and \"felt-edge\"")]
+    Holds(String),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetupText {
+    slipline_setup: i64,
+    #[serde(default)]
+    master_db: f64,
+    #[serde(default = "default_glide")]
+    glide_s: f64,
+    #[serde(default)]
+    boundary: BoundaryText,
+    tones: Vec<ToneText>,
+    plate: toml::Table,
+}
+
+fn default_glide() -> f64 {
+    0.02
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundaryText {
+    holds: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    threshold_m: Option<f64>,
+}
+
+impl Default for BoundaryText {
+    fn default() -> Self {
+        Self { holds: "turning-point".to_owned(), threshold_m: None }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ToneText {
+    slot: i64,
+    position_m: f64,
+    level: f64,
+    #[serde(default)]
+    phase_turns: f64,
+}
+
+/// A setup read from a file, or a plate read from one.
+#[derive(Debug)]
+pub enum Opened {
+    /// A whole setup.
+    Setup(Box<Setup>),
+    /// A plate alone.
+    Plate(Arc<Plate>),
+}
+
+/// Reads a setup or a plate from TOML text.
+///
+/// # Errors
+/// [`SetupFileError`]: too big, not TOML, a field that is missing, unknown or out of range.
+pub fn read(text: &str) -> Result<Opened, SetupFileError> {
+    if text.len() > FILE_BYTES_MAX {
+        return Err(SetupFileError::TooBig { bytes: text.len() });
+    }
+    let syntax = |fault: toml::de::Error| {
+        let start = fault.span().map_or(0, |span| span.start.min(text.len()));
+        let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
+    };
+    let table: toml::Table = toml::from_str(text).map_err(syntax)?;
+    // By what only a setup has: a plate file whose sections are mistyped is still told what a plate file must have.
+    let is_setup =
+        ["slipline_setup", "tones", "plate", "boundary"].iter().any(|key| table.contains_key(*key));
+    if !is_setup {
+        return Ok(Opened::Plate(Arc::new(Plate::from_toml(text)?)));
+    }
+    // First of all: what another version has more is no mistake in the file.
+    if let Some(version) = table.get("slipline_setup").and_then(toml::Value::as_integer)
+        && version != VERSION
+    {
+        return Err(SetupFileError::Version(version));
+    }
+    let parsed: SetupText = toml::from_str(text).map_err(syntax)?;
+    build(parsed).map(|setup| Opened::Setup(Box::new(setup)))
+}
+
+fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
+    let plate_text = toml::to_string(&parsed.plate).unwrap_or_default();
+    let plate = match Plate::from_toml(&plate_text) {
+        Ok(plate) => Arc::new(plate),
+        // The line would be one of the rewritten text and mislead.
+        Err(PlateFileError::Plate { error, .. }) => {
+            return Err(PlateFileError::Plate { line: None, error }.into());
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if !(1..=MAX_TONES).contains(&parsed.tones.len()) {
+        return Err(SetupFileError::Tones(parsed.tones.len()));
+    }
+    let mut setup = Setup { tones: Vec::new(), ..Setup::new(plate) };
+    let mut edits = vec![Edit::Master(parsed.master_db), Edit::Glide(parsed.glide_s)];
+    for tone in &parsed.tones {
+        let slot = u8::try_from(tone.slot)
+            .ok()
+            .filter(|&slot| usize::from(slot) < MAX_TONES && setup.tone(slot).is_none())
+            .ok_or(SetupFileError::Slot(tone.slot))?;
+        let (start, end) = setup.plate.span_m();
+        if !(start..=end).contains(&tone.position_m) {
+            return Err(SetupFileError::Value(EditError::OutOfRange {
+                field: "tones.position_m",
+                got: tone.position_m.to_string(),
+                allowed: format!("{start} to {end} m, the plate's span"),
+            }));
+        }
+        setup.tones.push(ToneSetup { slot, position_m: tone.position_m, level: 0.0, phase_turns: 0.0 });
+        edits.push(Edit::Level { slot, level: tone.level });
+        edits.push(Edit::Phase { slot, turns: tone.phase_turns });
+    }
+    edits.push(Edit::Boundary(match (parsed.boundary.holds.as_str(), parsed.boundary.threshold_m) {
+        ("turning-point", _) => BoundaryMode::TurningPoint,
+        ("felt-edge", threshold_m) => BoundaryMode::FeltEdge { threshold_m: threshold_m.unwrap_or(1e-6) },
+        (other, _) => return Err(SetupFileError::Holds(other.chars().take(40).collect())),
+    }));
+    for edit in &edits {
+        setup = apply(&setup, edit)?;
+    }
+    Ok(setup)
+}
+
+/// The setup as TOML text that [`read`] reads back to the same setup.
+#[must_use]
+pub fn write(setup: &Setup) -> String {
+    let boundary = match setup.boundary {
+        BoundaryMode::TurningPoint => BoundaryText::default(),
+        BoundaryMode::FeltEdge { threshold_m } => {
+            BoundaryText { holds: "felt-edge".to_owned(), threshold_m: Some(threshold_m) }
+        }
+    };
+    let tones = setup
+        .tones
+        .iter()
+        .map(|tone| ToneText {
+            slot: i64::from(tone.slot),
+            position_m: tone.position_m,
+            level: tone.level,
+            phase_turns: tone.phase_turns,
+        })
+        .collect();
+    let text = SetupText {
+        slipline_setup: VERSION,
+        master_db: setup.master_db,
+        glide_s: setup.glide_s,
+        boundary,
+        tones,
+        plate: toml::from_str(&setup.plate.to_toml()).unwrap_or_default(),
+    };
+    toml::to_string(&text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn sample() -> Setup {
+        let mut setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
+        for edit in [
+            Edit::Add { position_m: 0.12 },
+            Edit::Level { slot: 1, level: 0.25 },
+            Edit::Phase { slot: 1, turns: 0.5 },
+            Edit::Master(-6.5),
+            Edit::Glide(0.1),
+            Edit::Boundary(BoundaryMode::FeltEdge { threshold_m: 2e-6 }),
+        ] {
+            setup = apply(&setup, &edit).unwrap();
+        }
+        setup
+    }
+
+    fn setup_of(text: &str) -> Result<Setup, SetupFileError> {
+        read(text).map(|opened| match opened {
+            Opened::Setup(setup) => *setup,
+            Opened::Plate(_) => panic!("a setup was wanted"),
+        })
+    }
+
+    #[test]
+    fn a_setup_reads_back_as_it_was_written() {
+        let setup = sample();
+        assert_eq!(setup_of(&write(&setup)).unwrap(), setup);
+        for preset in slipline_plate::presets() {
+            let setup = Setup::new(Arc::new(preset.plate().unwrap()));
+            assert_eq!(setup_of(&write(&setup)).unwrap(), setup, "{}", preset.name);
+        }
+    }
+
+    #[test]
+    fn a_plate_file_opens_as_a_plate() {
+        let preset = slipline_plate::presets()[1];
+        assert!(
+            matches!(read(preset.toml), Ok(Opened::Plate(plate)) if plate.name() == preset.plate().unwrap().name())
+        );
+    }
+
+    #[test]
+    fn a_mistyped_plate_file_is_told_what_a_plate_file_has_and_a_setup_what_a_setup_has() {
+        let plate = slipline_plate::presets()[0].toml;
+        let setup = write(&sample());
+        for (text, from, to, want) in [
+            (plate, "[taper]", "[tapper]", "did you mean [taper]?"),
+            (plate, "length_m", "lenght_m", "did you mean length_m?"),
+            (&setup, "slipline_setup", "slipline_setap", "unknown field `slipline_setap`"),
+            (&setup, "slipline_setup = 1\n", "", "missing field `slipline_setup`"),
+            (&setup, "[plate]", "[plait]", "unknown field `plait`"),
+        ] {
+            assert!(text.contains(from), "{from}");
+            let error = read(&text.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(error.contains(want), "{to}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_file_of_a_newer_version_asks_for_a_newer_program_whatever_else_it_has() {
+        let newer = write(&sample()).replacen("slipline_setup = 1", "slipline_setup = 2\nstrange = true", 1);
+        let error = setup_of(&newer).unwrap_err().to_string();
+        assert!(error.contains("install a newer one"), "{error}");
+    }
+
+    #[test]
+    fn a_bad_value_is_named_with_its_range() {
+        let good = write(&sample());
+        for (from, to, want) in [
+            ("master_db = -6.5", "master_db = 6.5", "master level"),
+            ("master_db = -6.5", "master_db = nan", "master level"),
+            ("glide_s = 0.1", "glide_s = inf", "glide"),
+            ("level = 0.25", "level = 25.0", "level"),
+            ("position_m = 0.12", "position_m = 9.0", "tones.position_m"),
+            ("position_m = 0.12", "position_m = nan", "tones.position_m"),
+            ("slot = 1", "slot = 0", "slot 0"),
+            ("slot = 1", "slot = 99", "slot 99"),
+            ("holds = \"felt-edge\"", "holds = \"x\"", "felt-edge"),
+            ("slipline_setup = 1", "slipline_setup = 7", "version 1"),
+            ("glide_s = 0.1", "glyde_s = 0.1", "glyde_s"),
+            ("loss_factor = ", "loss_factor = 9", "loss_factor"),
+        ] {
+            assert!(good.contains(from), "{from} is not in\n{good}");
+            let error = setup_of(&good.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(error.contains(want), "{to}: {error}");
+        }
+        assert!(setup_of("\n\nnonsense").unwrap_err().to_string().starts_with("line 3"));
+        assert!(matches!(read(&" ".repeat(FILE_BYTES_MAX + 1)), Err(SetupFileError::TooBig { .. })));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn damaged_files_never_panic(at in 0usize..900, byte in 0u8..128, cut in 0usize..900) {
+            let mut bytes = write(&sample()).into_bytes();
+            let length = bytes.len();
+            bytes[at % length] = byte;
+            bytes.truncate(length - cut % length);
+            let _ = read(&String::from_utf8_lossy(&bytes));
+        }
+    }
+}

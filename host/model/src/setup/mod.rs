@@ -1,0 +1,111 @@
+//! What the user has set up: the plate, the tones on it, the levels.
+//!
+//! A [`Setup`] is always valid: it is made from a valid plate and changed only through [`crate::setup::edit`], which holds
+//! the limits below.
+
+pub mod edit;
+pub mod file;
+pub mod undo;
+
+use slipline_plate::Plate;
+use std::sync::Arc;
+
+/// Tones a setup may have; the device may allow fewer.
+pub const MAX_TONES: usize = slipline_link::protocol::limits::MAX_TONES;
+/// The quietest master level, in dB.
+pub const MASTER_MIN_DB: f64 = slipline_link::protocol::limits::MIN_MASTER_CDB as f64 / 100.0;
+/// The quietest master level the slider offers, in dB; typing reaches [`MASTER_MIN_DB`].
+pub const MASTER_SLIDER_MIN_DB: f64 = -48.0;
+/// Glide times a setup may have, in seconds: the protocol's own range.
+pub const GLIDE_RANGE_S: (f64, f64) = (
+    slipline_link::protocol::limits::MIN_GLIDE_MS as f64 * 1e-3,
+    slipline_link::protocol::limits::MAX_GLIDE_MS as f64 * 1e-3,
+);
+/// Thresholds of feeling a setup may have, in metres of displacement.
+pub const THRESHOLD_RANGE_M: (f64, f64) = (1e-9, 1e-2);
+
+/// One tone: one peak on the plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneSetup {
+    /// The device's slot, 0..16; it stays when other tones go, so that they glide on undisturbed.
+    pub slot: u8,
+    /// Where its turning point lies, in metres from the driven end, within the plate's span.
+    pub position_m: f64,
+    /// Its peak relative to the table's full scale, 0..=1.
+    pub level: f64,
+    /// Phase at its start from silence, in turns, 0..1.
+    pub phase_turns: f64,
+}
+
+/// Which of the two boundaries the handle holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum BoundaryMode {
+    /// The turning point x0 of the tone.
+    #[default]
+    TurningPoint,
+    /// The place past the peak where the amplitude falls to what a finger just feels.
+    FeltEdge {
+        /// Peak displacement that is just felt, in metres. Illustrative: calibrate on your own plate.
+        threshold_m: f64,
+    },
+}
+
+/// Everything the user has set up.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The plate; the table is made for it.
+    pub plate: Arc<Plate>,
+    /// The tones in the order they were added; the first is the boundary.
+    pub tones: Vec<ToneSetup>,
+    /// Scales all tones, in dB, -96..=0.
+    pub master_db: f64,
+    /// How long a change takes, in seconds.
+    pub glide_s: f64,
+    /// What the boundary's handle holds.
+    pub boundary: BoundaryMode,
+}
+
+impl PartialEq for Setup {
+    fn eq(&self, other: &Self) -> bool {
+        (Arc::ptr_eq(&self.plate, &other.plate) || self.plate.spec() == other.plate.spec())
+            && self.tones == other.tones
+            && self.master_db == other.master_db
+            && self.glide_s == other.glide_s
+            && self.boundary == other.boundary
+    }
+}
+
+impl Setup {
+    /// One boundary in the middle of the plate's span.
+    #[must_use]
+    pub fn new(plate: Arc<Plate>) -> Self {
+        let (start, end) = plate.span_m();
+        let tone = ToneSetup { slot: 0, position_m: 0.5 * (start + end), level: 0.8, phase_turns: 0.0 };
+        Self { plate, tones: vec![tone], master_db: 0.0, glide_s: 0.02, boundary: BoundaryMode::TurningPoint }
+    }
+
+    /// The master level in dB by which tones fit the DAC that add up to `sum` of full scale, more than 1. It is a
+    /// little lower than needed, because the device rounds to hundredths of a decibel.
+    #[must_use]
+    pub fn fitting_master_db(&self, sum: f64) -> f64 {
+        (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)
+    }
+
+    /// The tone in a slot.
+    #[must_use]
+    pub fn tone(&self, slot: u8) -> Option<&ToneSetup> {
+        self.tones.iter().find(|tone| tone.slot == slot)
+    }
+
+    /// The master level as a factor, 0..=1.
+    #[must_use]
+    pub fn master(&self) -> f64 {
+        10f64.powf(self.master_db / 20.0)
+    }
+
+    /// The lowest slot that no tone has.
+    #[must_use]
+    pub fn free_slot(&self) -> Option<u8> {
+        (0..MAX_TONES as u8).find(|&slot| self.tone(slot).is_none())
+    }
+}

@@ -1,0 +1,99 @@
+//! The spectrum of DAC codes, for the plot.
+
+use realfft::{RealFftPlanner, RealToComplex};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// One line of a spectrum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Amplitude against the DAC's full scale, in dB.
+    pub level_db: f64,
+}
+
+/// Bins below this one have a line each; above, a line holds as many more bins as its frequency is higher, so that
+/// slow and fast tones are both sharp.
+const SINGLE_BINS: usize = 800;
+/// Below this nothing is drawn, in dB: the noise of 12 bits spread over the bins.
+const FLOOR_DB: f64 = -140.0;
+
+/// Makes spectra; keeps the plan and the window of the last length.
+pub(super) struct Spectrum {
+    planner: RealFftPlanner<f64>,
+    plan: Option<(Arc<dyn RealToComplex<f64>>, Vec<f64>)>,
+}
+
+impl Default for Spectrum {
+    fn default() -> Self {
+        Self { planner: RealFftPlanner::new(), plan: None }
+    }
+}
+
+impl Spectrum {
+    /// The spectrum of the last power of two of these codes (mid-scale 2048), under a Blackman-Harris window.
+    /// Where bins share a line it shows the strongest. Empty for fewer than 64 codes.
+    pub(super) fn of(&mut self, codes: &[u16], sample_rate_hz: f64) -> Vec<Line> {
+        if codes.len() < 64 {
+            return Vec::new();
+        }
+        let length = 1usize << codes.len().ilog2();
+        let codes = &codes[codes.len() - length..];
+        if self.plan.as_ref().is_none_or(|(_, window)| window.len() != length) {
+            let window = (0..length).map(|i| blackman_harris(i as f64 / length as f64)).collect();
+            self.plan = Some((self.planner.plan_fft_forward(length), window));
+        }
+        let Some((plan, window)) = &self.plan else { return Vec::new() };
+        let mut input: Vec<f64> = codes
+            .iter()
+            .zip(window)
+            .map(|(&code, weight)| (f64::from(code) - 2048.0) / 2048.0 * weight)
+            .collect();
+        let mut output = plan.make_output_vec();
+        if plan.process(&mut input, &mut output).is_err() {
+            return Vec::new();
+        }
+        // A sine of amplitude 1 gives sum(window)/2 in its bin.
+        let scale = 2.0 / window.iter().sum::<f64>();
+        let bin_hz = sample_rate_hz / length as f64;
+        let mut lines = Vec::new();
+        let mut first = 0;
+        while first < output.len() {
+            let end = (first + (first / SINGLE_BINS).max(1)).min(output.len());
+            let strongest = (first..end).max_by(|&a, &b| output[a].norm().total_cmp(&output[b].norm()));
+            let bin = strongest.unwrap_or(first);
+            lines.push(Line {
+                frequency_hz: bin as f64 * bin_hz,
+                level_db: (20.0 * (output[bin].norm() * scale).log10()).max(FLOOR_DB),
+            });
+            first = end;
+        }
+        lines
+    }
+}
+
+/// The four-term Blackman-Harris window at `share` of its length: side lobes below -92 dB.
+fn blackman_harris(share: f64) -> f64 {
+    0.358_75 - 0.488_29 * (TAU * share).cos() + 0.141_28 * (2.0 * TAU * share).cos()
+        - 0.011_68 * (3.0 * TAU * share).cos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sine_shows_at_its_frequency_and_level() {
+        let rate = 400_000.0;
+        let codes: Vec<u16> = (0..1 << 15)
+            .map(|i| (2048.0 + 1024.0 * (TAU * 40_000.0 * f64::from(i) / rate).sin()).round() as u16)
+            .collect();
+        let lines = Spectrum::default().of(&codes, rate);
+        let top = lines.iter().max_by(|a, b| a.level_db.total_cmp(&b.level_db)).unwrap();
+        assert!((top.frequency_hz - 40_000.0).abs() < 20.0 && (top.level_db + 6.02).abs() < 0.9, "{top:?}");
+        let far = lines.iter().filter(|line| (line.frequency_hz - 40_000.0).abs() > 500.0);
+        assert!(far.map(|line| line.level_db).fold(-200.0, f64::max) < -70.0);
+        assert!(lines.len() < 8000 && Spectrum::default().of(&[2048; 10], rate).is_empty());
+    }
+}

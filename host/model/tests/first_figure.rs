@@ -1,0 +1,36 @@
+//! The first figure of a process is like every later one. Alone in its program, so that no other test can have drawn.
+
+use slipline_model::export::figures::plate::{Subject, png};
+use slipline_model::field::steady_field::{Picture, steady_tones};
+use slipline_model::setup::{Setup, ToneSetup};
+use std::sync::Arc;
+
+#[test]
+fn the_first_figure_of_a_process_is_as_large_as_the_second_and_looks_like_it() {
+    let mut setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
+    let first = setup.tones[0];
+    // A caption of more than one line.
+    setup.tones.extend([1, 2].map(|slot| ToneSetup {
+        slot,
+        position_m: 0.1 + 0.05 * f64::from(slot),
+        ..first
+    }));
+    let predicted = Picture::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let subject = Subject {
+        sounding: Some(predicted.clone()),
+        setup,
+        predicted,
+        sheet: None,
+        measured: None,
+        full_peak_m: 1e-4,
+        is_largest: false,
+        wave_time_s: 0.0,
+    };
+    let size = |file: &[u8]| {
+        let reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+        reader.info().size()
+    };
+    let (first, second) = (png(&subject).unwrap(), png(&subject).unwrap());
+    assert_eq!(size(&first), size(&second));
+    assert!(first == second, "of one size, but not alike");
+}
