@@ -66,6 +66,10 @@ def unframe(coded):
     return session, sequence, message, bytes(raw[8:-4])
 
 
+def hello_body(nonce):
+    return bytes([1, 0]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
+
+
 class Reader:
     """Takes a postcard body apart."""
 
@@ -159,9 +163,8 @@ class Host:
 
     def hello(self):
         self.nonce += 1
-        body = bytes([1, 0]) + struct.pack("<I", SCHEMA) + struct.pack("<I", self.nonce)
         self.session, self.sequence = 0, 0
-        session, message, body = self.exchange(HELLO, body)
+        session, message, body = self.exchange(HELLO, hello_body(self.nonce))
         assert message == HELLO_REPLY, f"{message:#x}"
         self.session, self.beat = session, 0
         self.beat_due = self.board.seconds

@@ -4,8 +4,8 @@ import struct
 import pytest
 
 from host import (
-    BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, DRIVE, KEEP_ALIVE, RATE_HZ, STOP, STORE, TABLE_DIGEST, TABLE_REPLY,
-    TOKEN_REPLY, Reader, drive, frame, varint,
+    BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, DRIVE, HELLO, KEEP_ALIVE, RATE_HZ, STOP, STORE, TABLE_DIGEST, TABLE_REPLY,
+    TOKEN_REPLY, Reader, drive, frame, hello_body, varint,
 )  # fmt: skip
 from stm32f407 import PowerCut
 
@@ -148,6 +148,31 @@ def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):
     status = armed.host.status()
     armed.host.accept(STOP)
     assert status["dropped"] > 0 and status["state"] == "driving" and status["underruns"] == 0
+
+
+def test_a_bus_reset_while_a_reply_is_cut_does_not_stop_the_program(bench):
+    """R-22. The host takes no packet, so the rest of the reply is dropped after its time: only a delimiter is owed. The
+    bus reset disables the endpoint, and every write fails at once. Afterwards the first packet, which was never
+    fetched, must not block the endpoint."""
+    bench.host.connect()
+    bench.usb.reads = False
+    bench.usb.send(frame(0, 0, HELLO, hello_body(99)))
+    bench.board.run(0.1)
+    bench.usb.unplug()
+    bench.board.run(0.01)
+    bench.usb.plug()
+    # The host does not configure the device, as a computer that boots: nobody enables the endpoint.
+    bench.usb.enumerates = False
+    bench.board.is_hasty = True
+    bench.board.run(1.2 * WATCHDOG_SECONDS)
+    assert bench.board.resets == [], "the supervisor has fed the watchdog"
+    bench.usb.enumerates = bench.usb.reads = True
+    bench.usb.unplug()
+    bench.usb.plug()
+    bench.board.is_hasty = False
+    bench.host.inbox.clear()
+    bench.host.connect()
+    assert bench.host.status()["state"] == "idle"
 
 
 def test_a_dma_that_does_not_deliver_is_counted_and_fades_out(armed):

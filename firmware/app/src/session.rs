@@ -45,7 +45,8 @@ pub struct Session {
     outbox: Deque<Encoded, OUTBOX>,
     /// Bytes of the outbox's first that have gone.
     sent: usize,
-    /// A reply went in part and was dropped: a delimiter is due before the next, lest the host glues them together.
+    /// A reply was sent in part and then dropped: a delimiter goes before the next reply, or the host would take both
+    /// for one frame.
     owes_delimiter: bool,
     /// When the outbox's first began to wait.
     waiting_since: SampleIndex,
@@ -252,9 +253,12 @@ impl Session {
     }
 
     /// The bytes to send next; empty when there are none.
+    ///
+    /// A delimiter that is owed waits for a reply. So every failed write drops a reply, and a port that fails at once
+    /// cannot keep the loop busy.
     #[must_use]
     pub fn unsent(&self) -> &[u8] {
-        if self.owes_delimiter {
+        if self.owes_delimiter && !self.outbox.is_empty() {
             return &[0];
         }
         self.outbox.front().and_then(|reply| reply.get(self.sent..)).unwrap_or_default()

@@ -9,10 +9,10 @@ use embassy_executor::Spawner;
 use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb::{self, Driver};
-use embassy_stm32::{Peri, bind_interrupts};
+use embassy_stm32::{Peri, bind_interrupts, pac};
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
-use embassy_usb::{Builder, UsbDevice};
+use embassy_usb::{Builder, Handler, UsbDevice};
 use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
 use static_cell::StaticCell;
 
@@ -46,6 +46,7 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     static BOS: StaticCell<[u8; 32]> = StaticCell::new();
     static CONTROL: StaticCell<[u8; PACKET]> = StaticCell::new();
     static STATE: StaticCell<State<'static>> = StaticCell::new();
+    static BUS_RESET: StaticCell<BusReset> = StaticCell::new();
 
     // Whether the cable carries 5 V says nothing about the host's health: the dead-man alone decides, so the sense stays
     // off and its pin, PA9, free.
@@ -68,6 +69,7 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
         &mut [],
         CONTROL.init([0; PACKET]),
     );
+    builder.handler(BUS_RESET.init(BusReset));
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
     let (sender, receiver) = class.split();
     interrupt::OTG_FS.set_priority(priority::USB);
@@ -75,6 +77,31 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
         spawner.spawn(task);
     }
     (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
+}
+
+/// IN endpoints of the OTG_FS core, the control endpoint included (RM0090, 34.3).
+const IN_ENDPOINTS: usize = 4;
+
+/// Withdraws the packet that the host had not fetched when it reset the bus.
+///
+/// The driver flushes the endpoint's FIFO but leaves EPENA set (embassy-usb-synopsys-otg 0.3), and its `write` waits
+/// until the core clears EPENA. The core clears it when the packet has gone, so it never would: the device would
+/// answer nothing until the next power cycle.
+struct BusReset;
+
+impl Handler for BusReset {
+    fn reset(&mut self) {
+        for endpoint in 0..IN_ENDPOINTS {
+            let control = pac::USB_OTG_FS.diepctl(endpoint);
+            if control.read().epena() {
+                // RM0090, 34.17.6: an IN endpoint is disabled by EPDIS, with NAK set.
+                control.modify(|w| {
+                    w.set_snak(true);
+                    w.set_epdis(true);
+                });
+            }
+        }
+    }
 }
 
 /// The device's side of the bus.

@@ -1,7 +1,7 @@
 """The OTG_FS core in device mode (RM0090 chapter 34) and a small full-speed host on the other end of the cable.
 
 The host resets the bus, enumerates, sets line coding and DTR, and then moves bulk packets, every `POLL` seconds of the
-board's time. It may be unplugged, and it may stop reading.
+board's time. It may be unplugged, it may stop reading, and it may reset the bus without enumerating.
 """
 import struct
 
@@ -29,7 +29,7 @@ class UsbHost:
     def __init__(self, board):
         self.board = board
         board.usb = self
-        self.is_plugged = self.reads = True
+        self.is_plugged = self.reads = self.enumerates = True
         self.sessions = 0
         self.reset()
 
@@ -195,7 +195,7 @@ class UsbHost:
     def speed_known(self):
         self.status |= ENUMDNE
         self.raise_interrupt()
-        self.transfer = self.enumerate()
+        self.transfer = self.enumerate() if self.enumerates else None
         self.plan(5e-4, self.poll)
 
     def unplug(self):

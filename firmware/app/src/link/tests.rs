@@ -49,6 +49,8 @@ struct Wire {
     /// Bytes the host still takes before it stops reading.
     room: usize,
     reads: u32,
+    /// Writes that the port has refused.
+    refused_writes: u32,
 }
 
 struct End<'a>(&'a RefCell<Wire>);
@@ -84,6 +86,8 @@ impl Write for End<'_> {
         poll_fn(|_| {
             let mut wire = self.0.borrow_mut();
             if wire.write_size == 0 {
+                wire.refused_writes += 1;
+                assert!(wire.refused_writes < 1000, "the loop does not yield");
                 return Poll::Ready(Err(ErrorKind::BrokenPipe));
             }
             let count = bytes.len().min(wire.write_size).min(wire.room);
@@ -128,6 +132,7 @@ fn wire() -> RefCell<Wire> {
         write_size: 64,
         room: usize::MAX,
         reads: 0,
+        refused_writes: 0,
     })
 }
 
@@ -203,6 +208,30 @@ fn a_reply_that_was_cut_off_half_way_does_not_spoil_the_next() {
             say_hello(&wire);
             pass(1);
             assert_eq!(replies(&wire), 1, "after {taken} bytes and {blocks} blocks");
+        });
+    }
+}
+
+#[test]
+fn the_loop_yields_when_only_a_delimiter_is_owed_and_the_port_refuses_it() {
+    for taken in 1..60 {
+        let wire = wire();
+        wire.borrow_mut().room = taken;
+        play(&wire, |pass| {
+            say_hello(&wire);
+            // The reply is dropped after 20 ms, 62.5 blocks.
+            pass(80);
+            wire.borrow_mut().write_size = 0;
+            pass(80);
+            say_hello(&wire);
+            pass(80);
+            let refused = wire.borrow().refused_writes;
+            assert!((1..10).contains(&refused), "{refused} writes after {taken} bytes");
+            wire.borrow_mut().write_size = 64;
+            wire.borrow_mut().room = usize::MAX;
+            say_hello(&wire);
+            pass(1);
+            assert_eq!(replies(&wire), 1, "after {taken} bytes");
         });
     }
 }
