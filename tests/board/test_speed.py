@@ -9,11 +9,12 @@ import pytest
 
 import m4_cycles
 from conftest import ROOT, TARGET, cargo
-from host import DIGEST_START, DRIVE, TABLE_COMMIT, drive, varint
+from host import DIGEST_START, DRIVE, STOP, TABLE_COMMIT, drive, varint
 
 TONES, BLOCK = 16, 128
 BLOCK_PERIOD_CYCLES = 168_000_000 * BLOCK // 400_000
 README = (ROOT / "README.md").read_text()
+PRIORITIES = (ROOT / "firmware/stm32/src/priority.rs").read_text()
 # A later compiler may save or cost a few instructions.
 TOLERANCE = 0.03
 # Cycles per tone and sample, everything included: phases, seeds, mix, conversion to codes, store.
@@ -94,3 +95,23 @@ def test_a_block_of_the_renderer_takes_less_than_half_its_time_whatever_comes_to
     worst("and another table is blended in, and a digest made")
     # What the device itself counts is the same without the executor and the copy.
     assert host.status()["max_cycles"] < BLOCK_PERIOD_CYCLES / 2
+
+
+def test_interrupts_are_never_masked_for_longer_than_the_priorities_file_says(armed):
+    """Nothing long is copied under the mask: not the motion that a drive publishes, not the one that a status reads."""
+    board, host = armed.board, armed.host
+    tones = [(slot, slot / 17, 0.06) for slot in range(TONES)]
+    board.worst_masked = 0, 0
+    host.accept(DRIVE, drive(tones, 200 * MILLISECOND))
+    host.live(0.003)
+    host.stage(40)
+    host.accept(TABLE_COMMIT)
+    host.accept(DIGEST_START, varint(host.status()["now"] + 10 * MILLISECOND) + varint(20 * MILLISECOND))
+    host.live(0.012)
+    host.accept(STOP)
+    host.live(0.05)
+    cycles, _ = board.worst_masked
+    told = int(re.search(r"at most (\d+) cycles", PRIORITIES).group(1))
+    print(f"interrupts masked: at most {cycles:.0f} cycles, {cycles / board.CORE_HZ * 1e6:.2f} us")
+    assert 0 < cycles < 2e-6 * board.CORE_HZ, "a byte of the UART takes 10.9 us"
+    assert told == pytest.approx(cycles, rel=0.1)

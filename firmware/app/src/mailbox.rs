@@ -1,16 +1,28 @@
-//! The one thing both halves share.
+//! The mailbox between thread side and interrupt side: all state that both use.
 //!
 //! ```text
-//! link's half                      Mailbox                      renderer's half
+//! thread side (link, controller)      Mailbox                     interrupt side (renderer)
 //!   publish(motion) ----------->   pending, at its start   ---->  begin_block() -> Orders, place()
 //!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
 //!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
-//!   write(slot, knot)        --->  table slots             ---->  evaluate
+//!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
 //! ```
-//! All that has to agree stands under one lock. It is held for some copies, and by the renderer while it evaluates the
-//! motion, which is quicker than to copy it first: a twentieth of a block, in which nothing has to happen but that the
-//! DMA goes on by itself. The renderer's index moves on under that lock, so what is published for the next block begins
-//! at the next block, exactly.
+//! What must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
+//! guards copies of a few words. The renderer's index moves on under that lock, so what is published for the next block
+//! begins at the next block, exactly.
+//!
+//! The sixteen trajectories of a motion are too many for that. There are two motions, each with one writer at a time,
+//! and the lock guards only which of them is in force:
+//! - The motion *in force* is read and written by the interrupt side alone. It writes when it begins a ramp to silence:
+//!   `is_fading` is set before and reset after, together with a new count of changes. [`Mailbox::view`] copies the
+//!   motion without the lock and compares the count before and after: if it differs or a ramp is being written, it
+//!   copies again (a sequence lock).
+//! - The *spare* motion is written by the thread side alone, and only while none is pending. The interrupt side does not
+//!   read it before it is pending: then it swaps the two under the lock.
+//!
+//! A reader that has seen any part of a ramp finds `is_fading` or the new count afterwards: the writer took the lock
+//! before its first store, and had the reader's second look come before that, its loads would have happened before the
+//! stores and could not have seen them.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -43,6 +55,7 @@ use crate::digest::DigestState;
 use crate::faults::FaultLatch;
 use crate::motion::Motion;
 use crate::motion::cell::MotionCell;
+use crate::motion::outline::Outline;
 use crate::slots::{SlotIndex, TableSlots};
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
 
@@ -57,12 +70,17 @@ pub enum NotPublished {
 
 struct Shared {
     next: Cell<SampleIndex>,
-    /// The motion in force and room for the one that is pending: to take that up is to swap the two.
-    motions: [MotionCell; 2],
-    /// Whether the second is the one in force.
-    is_swapped: Cell<bool>,
+    /// The outlines of the two motions, in force and pending.
+    outlines: [Cell<Outline>; 2],
+    /// Which of the two motions is in force; the other one is pending or spare.
+    live: Cell<Which>,
+    /// How often the motion in force has become another one.
     changes: Cell<u32>,
-    /// What is pending; its motion lies in [`Self::spare`].
+    /// The renderer is writing the trajectories of the motion in force.
+    is_fading: Cell<bool>,
+    /// The thread side is writing the trajectories of the spare motion.
+    is_publishing: Cell<bool>,
+    /// What is pending; its motion is the one that is not in force.
     pending: Cell<Option<Pending>>,
     stop: Cell<Option<Stop>>,
     armed: Cell<bool>,
@@ -74,17 +92,34 @@ struct Shared {
     digest: Cell<DigestState>,
 }
 
-impl Shared {
-    /// The motion in force.
-    fn live(&self) -> &MotionCell {
-        let [first, second] = &self.motions;
-        if self.is_swapped.get() { second } else { first }
+/// One of the two motions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    First,
+    Second,
+}
+
+impl Which {
+    const fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+        }
     }
 
-    /// The other one.
-    fn spare(&self) -> &MotionCell {
-        let [first, second] = &self.motions;
-        if self.is_swapped.get() { first } else { second }
+    /// Its element of a pair.
+    const fn of<T>(self, [first, second]: &[T; 2]) -> &T {
+        match self {
+            Self::First => first,
+            Self::Second => second,
+        }
+    }
+}
+
+impl Shared {
+    /// The outline of the motion in force.
+    fn outline(&self) -> Outline {
+        self.live.get().of(&self.outlines).get()
     }
 
     fn count_change(&self) {
@@ -92,9 +127,21 @@ impl Shared {
     }
 }
 
+/// A [`View`] without its motion.
+struct Moment {
+    next: SampleIndex,
+    pending: Option<SampleIndex>,
+    stopping: bool,
+    armed: bool,
+    ready_at: SampleIndex,
+    report: Report,
+    faults: FaultLatch,
+}
+
 /// What both halves share: a `static` in a firmware, an `Arc` in a host.
 pub struct Mailbox<M: RawMutex> {
     shared: Mutex<M, Shared>,
+    motions: [MotionCell; 2],
     slots: TableSlots,
     tick: Signal<M, ()>,
     pulses: [AtomicU32; 3],
@@ -113,9 +160,11 @@ impl<M: RawMutex> Mailbox<M> {
         Self {
             shared: Mutex::new(Shared {
                 next: Cell::new(0),
-                motions: [const { MotionCell::silent() }; 2],
-                is_swapped: Cell::new(false),
+                outlines: [const { Cell::new(Outline::SILENT) }; 2],
+                live: Cell::new(Which::First),
                 changes: Cell::new(0),
+                is_fading: Cell::new(false),
+                is_publishing: Cell::new(false),
                 pending: Cell::new(None),
                 stop: Cell::new(None),
                 armed: Cell::new(false),
@@ -126,6 +175,7 @@ impl<M: RawMutex> Mailbox<M> {
                 faults: Cell::new(FaultLatch::new()),
                 digest: Cell::new(DigestState::None),
             }),
+            motions: [const { MotionCell::silent() }; 2],
             slots: TableSlots::new(),
             tick: Signal::new(),
             pulses: [const { AtomicU32::new(0) }; 3],
@@ -149,19 +199,35 @@ impl<M: RawMutex> Mailbox<M> {
         Pulses { renderer: read(renderer), link: read(link), safety: read(safety) }
     }
 
-    /// Everything at one moment.
+    /// Everything at one moment. Not for an interrupt above the renderer's, which would wait for it in vain.
     pub fn view(&self) -> View {
-        self.shared.lock(|shared| View {
-            next: shared.next.get(),
-            motion: shared.live().get(),
-            changes: shared.changes.get(),
-            pending: shared.pending.get().map(|pending| pending.at),
-            stopping: shared.stop.get().is_some() || shared.report.get().stopping,
-            armed: shared.armed.get(),
-            ready_at: shared.ready_at.get(),
-            report: shared.report.get(),
-            faults: shared.faults.get(),
-        })
+        loop {
+            let Some((live, outline, changes)) = self.shared.lock(|shared| {
+                (!shared.is_fading.get()).then(|| (shared.live.get(), shared.outline(), shared.changes.get()))
+            }) else {
+                // On a host with true parallelism only: the renderer is never interrupted by this side.
+                core::hint::spin_loop();
+                continue;
+            };
+            let mut motion = Motion::with_outline(outline);
+            live.of(&self.motions).load(&mut motion);
+            let rest = self.shared.lock(|shared| {
+                (!shared.is_fading.get() && shared.changes.get() == changes).then(|| Moment {
+                    next: shared.next.get(),
+                    pending: shared.pending.get().map(|pending| pending.at),
+                    stopping: shared.stop.get().is_some() || shared.report.get().stopping,
+                    armed: shared.armed.get(),
+                    ready_at: shared.ready_at.get(),
+                    report: shared.report.get(),
+                    faults: shared.faults.get(),
+                })
+            });
+            if let Some(Moment { next, pending, stopping, armed, ready_at, report, faults }) = rest {
+                return View { next, motion, changes, pending, stopping, armed, ready_at, report, faults };
+            }
+            // The motion became another one meanwhile. That happens a few times at most: a motion begins, a ramp
+            // begins, and a new motion would have to come from this side.
+        }
     }
 
     /// Hands over a motion that goes on from that of `view`: it is pending until its start.
@@ -169,17 +235,32 @@ impl<M: RawMutex> Mailbox<M> {
     /// # Errors
     /// [`NotPublished`]; nothing has changed then.
     pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
-        self.shared.lock(|shared| {
+        let refusal = |shared: &Shared| {
+            let is_late = motion.start() < shared.next.get()
+                || shared.changes.get() != view.changes
+                || shared.stop.get().is_some();
             if shared.pending.get().is_some() {
+                Err(NotPublished::Pending)
+            } else if is_late {
+                Err(NotPublished::Late)
+            } else {
+                Ok(())
+            }
+        };
+        // With nothing pending the renderer does not swap, and reads the spare motion never.
+        let spare = self.shared.lock(|shared| {
+            if shared.is_publishing.get() {
                 return Err(NotPublished::Pending);
             }
-            if motion.start() < shared.next.get()
-                || shared.changes.get() != view.changes
-                || shared.stop.get().is_some()
-            {
-                return Err(NotPublished::Late);
-            }
-            shared.spare().set(&motion);
+            refusal(shared)?;
+            shared.is_publishing.set(true);
+            Ok(shared.live.get().other())
+        })?;
+        spare.of(&self.motions).store(&motion);
+        self.shared.lock(|shared| {
+            shared.is_publishing.set(false);
+            refusal(shared)?;
+            spare.of(&shared.outlines).set(motion.outline());
             shared.pending.set(Some(Pending {
                 at: motion.start(),
                 slot: motion.table().slot,
@@ -196,7 +277,7 @@ impl<M: RawMutex> Mailbox<M> {
             // With what was pending gone, silence stays silence: there is nothing to ramp. The motion is asked, not
             // the report, which lags: the block that is being rendered may have begun to sound.
             let last = shared.next.get().saturating_sub(BLOCK_SAMPLES);
-            if !shared.live().outline().is_silent_from(last) {
+            if !shared.outline().is_silent_from(last) {
                 shared.stop.set(Some(stop.quicker(shared.stop.get())));
             }
             shared.next.get()
@@ -263,7 +344,7 @@ impl<M: RawMutex> Mailbox<M> {
     /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
     pub fn slot_is_free(&self, slot: SlotIndex) -> bool {
         self.shared.lock(|shared| {
-            let outline = shared.live().outline();
+            let outline = shared.outline();
             (outline.table.slot != slot || outline.is_silent_from(shared.next.get()))
                 && shared.pending.get().is_none_or(|pending| pending.slot != slot)
         })

@@ -53,6 +53,15 @@ impl Motion {
         Self { outline: Outline::SILENT, tones: [ToneTrajectory::SILENT; MAX_TONES] }
     }
 
+    /// Silence, with the outline of another motion; the trajectories follow.
+    pub(crate) fn with_outline(outline: Outline) -> Self {
+        Self { outline, ..Self::silent() }
+    }
+
+    pub(crate) const fn outline(&self) -> Outline {
+        self.outline
+    }
+
     /// The table it goes by.
     #[must_use]
     pub const fn table(&self) -> TableRef {
@@ -95,7 +104,7 @@ impl Motion {
     #[must_use]
     pub fn at(&self, index: SampleIndex, slots: &TableSlots, shape: &RampShape) -> [Placement; MAX_TONES] {
         let mut all = [Placement::default(); MAX_TONES];
-        place(&self.outline, self.tones.iter().copied(), index, slots, shape, &mut all);
+        place(&self.outline, &self.tones, index, slots, shape, &mut all);
         all
     }
 

@@ -277,7 +277,7 @@ impl Renderer {
             self.is_steady = false;
             let limit = Gain(self.limit);
             let mut sum: u64 = 0;
-            mailbox.place(next, &self.shape, &mut self.here);
+            mailbox.place(&self.outline, next, &self.shape, &mut self.here);
             for (tone, here) in self.tones.iter_mut().zip(&self.here) {
                 let amplitude_end = here.amplitude().times(limit).0;
                 *tone = ToneBlock {

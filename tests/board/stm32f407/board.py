@@ -9,7 +9,7 @@ from unicorn import (
 )  # fmt: skip
 from unicorn.arm_const import (
     UC_ARM_REG_BASEPRI, UC_ARM_REG_LR, UC_ARM_REG_PC, UC_ARM_REG_PRIMASK, UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2,
-    UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
+    UC_ARM_REG_R3, UC_ARM_REG_R4, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR, UC_CPU_ARM_CORTEX_M4,
 )  # fmt: skip
 
 from m4_timing import REFILL, Timing
@@ -32,6 +32,12 @@ RESET_FLAGS = RCC + 0x74
 DWT, DWT_LAR, DWT_KEY, DEMCR = 0xE0001000, 0xE0001FB0, 0xC5ACCE55, 0xE000EDFC
 # RCC_CSR (7.3.21): every reset sets PINRSTF (bit 26) too; power-on sets BORRSTF (25) and PORRSTF (27).
 CAUSES = {"power": 0b111 << 25, "brown-out": 0b11 << 25, "pin": 1 << 26, "software": 0b101 << 26, "watchdog": 0b1001 << 26}
+
+
+REGISTERS = (
+    UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, *range(UC_ARM_REG_R4, UC_ARM_REG_R4 + 8),
+    UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_LR,
+)  # fmt: skip
 
 
 class PowerCut(Exception):
@@ -78,6 +84,8 @@ class Board:
         self.cpu.mem_write(SYSTEM_MEMORY, struct.pack("<II", SRAM + 0x1000, SYSTEM_MEMORY + 0x101))
         self.cpu.mem_write(SYSTEM_MEMORY + 0x100, b"\xfe\xe7")
         self.symbols = {}
+        # Where `cpsid i` stands, and where `cpsie i` or `msr primask, rN` does.
+        self.masks, self.unmasks = [], []
         self.timing, self.costs = Timing(self.cpu.mem_read), {}
         # What comes next in memory after a block of code that may jump.
         self.follows = None
@@ -93,8 +101,14 @@ class Board:
         self.cpu.hook_add(UC_HOOK_MEM_WRITE, self.on_flash_store, begin=CODE, end=CODE + flash.SIZE - 1)
         for sleep in self.sleeps:
             self.cpu.hook_add(UC_HOOK_CODE, self.on_sleep, begin=sleep, end=sleep + 1)
+        for address in self.masks:
+            self.cpu.hook_add(UC_HOOK_CODE, self.on_mask, begin=address, end=address + 1)
+        for address in self.unmasks:
+            self.cpu.hook_add(UC_HOOK_CODE, self.on_unmask, begin=address, end=address + 1)
         self.usb = None
         self.now = 0.0
+        # The most cycles for which all interrupts were masked, and who called the function that ended it.
+        self.masked_since, self.worst_masked = None, (0, 0)
         # By exception: the most cycles it has taken, without those that interrupted it. By priority: the deepest stack.
         self.worst_cycles, self.worst_depth = {}, {}
         self.events, self.planned = [], 0
@@ -114,8 +128,17 @@ class Board:
                     self.symbols |= {symbol.name: symbol["st_value"] for symbol in section.iter_symbols()}
             text = elf.get_section_by_name(".text")
             data, start = text.data(), text["sh_addr"]
+        def places(*codes):
+            return [start + i for i in range(0, len(data) - 1, 2) if data[i : i + 2] in codes]
+
         # WFE and WFI.
-        self.sleeps = [start + i for i in range(0, len(data) - 1, 2) if data[i : i + 2] in (b"\x20\xbf", b"\x30\xbf")]
+        self.sleeps = places(b"\x20\xbf", b"\x30\xbf")
+        self.masks, self.unmasks = places(b"\x72\xb6"), places(b"\x62\xb6")
+        self.unmasks += [
+            start + i
+            for i in range(0, len(data) - 3, 2)
+            if data[i] >> 4 == 8 and data[i + 1 : i + 4] == b"\xf3\x10\x88"
+        ]
 
     # --- reset and power
 
@@ -147,6 +170,7 @@ class Board:
         self.is_thread_frozen = self.is_locked_up = False
         self.faults = []
         self.slept = self.returned = self.fresh = False
+        self.masked_since = None
         self.cpu.reg_write(UC_ARM_REG_PRIMASK, 0)
         stack, entry = struct.unpack("<II", self.cpu.mem_read(CODE, 8))
         self.cpu.reg_write(UC_ARM_REG_SP, stack)
@@ -256,10 +280,28 @@ class Board:
         # A jump is known for one when the next block of code begins elsewhere.
         self.now += known[0] + (REFILL if self.follows not in (None, address) else 0)
         self.follows = address + size if known[1] else None
+        self.block_end = address + size
 
     def on_sleep(self, *_):
         self.slept = True
         self.cpu.emu_stop()
+
+    def instant(self, address):
+        """The time at an instruction of the block of code under way, which has been paid for as a whole."""
+        return self.now - self.timing.straight(address, self.block_end - address)[0]
+
+    def on_mask(self, _, address, *__):
+        if not self.cpu.reg_read(UC_ARM_REG_PRIMASK) & 1:
+            self.masked_since = self.instant(address)
+
+    def on_unmask(self, _, address, *__):
+        # What restores the mask inside another masked section ends none: the outermost counts.
+        register = self.cpu.mem_read(address, 2)
+        still = register[1] == 0xF3 and self.cpu.reg_read(REGISTERS[register[0] & 15]) & 1
+        if self.masked_since is not None and not still:
+            caller = self.cpu.reg_read(UC_ARM_REG_LR) & ~1
+            self.worst_masked = max(self.worst_masked, (self.instant(address) - self.masked_since, caller))
+            self.masked_since = None
 
     def on_return(self, *_):
         self.returned = True

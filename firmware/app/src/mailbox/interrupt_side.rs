@@ -7,8 +7,9 @@ use slipline_protocol::event::Fault;
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
-use super::{Mailbox, Orders, Report};
+use super::{Mailbox, Orders, Report, Shared};
 use crate::digest::DigestState;
+use crate::motion::cell::MotionCell;
 use crate::motion::outline::Outline;
 use crate::motion::{Onset, Placement};
 use crate::ramp::RampShape;
@@ -46,7 +47,7 @@ impl<M: RawMutex> Mailbox<M> {
                 shared.pending.set(None);
                 orders.begins = may_begin(&orders);
                 if orders.begins {
-                    shared.is_swapped.set(!shared.is_swapped.get());
+                    shared.live.set(shared.live.get().other());
                     shared.count_change();
                 }
             }
@@ -56,30 +57,48 @@ impl<M: RawMutex> Mailbox<M> {
 
     /// The outline of the motion in force.
     pub(crate) fn outline(&self) -> Outline {
-        self.shared.lock(|shared| shared.live().outline())
+        self.shared.lock(Shared::outline)
+    }
+
+    /// The trajectories of the motion in force. No lock guards them: this side alone decides which motion is in force,
+    /// and alone writes it.
+    fn live(&self) -> &MotionCell {
+        self.shared.lock(|shared| shared.live.get()).of(&self.motions)
     }
 
     /// Tells how each tone begins, by its slot, that starts from silence.
     pub(crate) fn onsets(&self, mut begin: impl FnMut(usize, Onset)) {
-        self.shared.lock(|shared| {
-            for (slot, onset) in shared.live().onsets().enumerate() {
-                if let Some(onset) = onset {
-                    begin(slot, onset);
-                }
+        for (slot, onset) in self.live().onsets().enumerate() {
+            if let Some(onset) = onset {
+                begin(slot, onset);
             }
-        });
+        }
     }
 
-    /// Writes where each tone is at an index to `places`.
-    pub(crate) fn place(&self, index: SampleIndex, shape: &RampShape, places: &mut [Placement; MAX_TONES]) {
-        self.shared.lock(|shared| shared.live().place(index, &self.slots, shape, places));
+    /// Writes where each tone is at an index to `places`, by the motion in force and its outline.
+    pub(crate) fn place(
+        &self,
+        outline: &Outline,
+        index: SampleIndex,
+        shape: &RampShape,
+        places: &mut [Placement; MAX_TONES],
+    ) {
+        self.live().place(outline, index, &self.slots, shape, places);
     }
 
     /// The motion in force becomes a ramp to silence from `here`, at an index, in `ramp` samples.
     pub(crate) fn fade(&self, here: &[Placement; MAX_TONES], index: SampleIndex, ramp: u32) {
+        let table = self.shared.lock(|shared| {
+            shared.is_fading.set(true);
+            shared.outline().table
+        });
+        self.live().fade(here);
+        // Not under the lock: it divides.
+        let outline = Outline::fading(here, index, ramp, table);
         self.shared.lock(|shared| {
-            shared.live().fade(here, index, ramp);
+            shared.live.get().of(&shared.outlines).set(outline);
             shared.count_change();
+            shared.is_fading.set(false);
         });
     }
 

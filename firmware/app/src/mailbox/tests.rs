@@ -158,3 +158,53 @@ fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
     assert_eq!(render(&mut renderer, &mailbox, 40), [crate::bank::code::MID_SCALE; BLOCK]);
     assert!(renderer.is_muted());
 }
+
+/// A lock between true threads.
+struct BetweenThreads(std::sync::Mutex<()>);
+
+#[expect(unsafe_code, reason = "the trait is unsafe")]
+// SAFETY: the standard library's mutex lets one thread in at a time; no lock is taken within another.
+unsafe impl RawMutex for BetweenThreads {
+    #[expect(clippy::declare_interior_mutable_const, reason = "each mailbox gets its own")]
+    const INIT: Self = Self(std::sync::Mutex::new(()));
+
+    fn lock<R>(&self, f: impl FnOnce() -> R) -> R {
+        let _held = self.0.lock().unwrap();
+        f()
+    }
+}
+
+#[test]
+fn a_view_never_mixes_two_motions() {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    const ROUNDS: u64 = 20_000;
+    let mailbox = Box::new(Mailbox::<BetweenThreads>::new());
+    let is_over = AtomicBool::new(false);
+    // Every tone of one motion has the same level, so a mixture shows.
+    let levels = |round: u64| {
+        let here = Placement { level: Gain(round as u32 + 1), ..Placement::NOWHERE };
+        [here; MAX_TONES]
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for round in 0..ROUNDS {
+                mailbox.fade(&levels(round), round * BLOCK_SAMPLES, 1000);
+            }
+            is_over.store(true, Ordering::Relaxed);
+        });
+        let shape = crate::ramp::RampShape::new();
+        let mut last = 0;
+        while !is_over.load(Ordering::Relaxed) {
+            let motion = mailbox.view().motion;
+            let here = motion.at(motion.start(), mailbox.slots(), &shape);
+            assert!(here.iter().all(|placement| placement.level == here[0].level), "{here:?}");
+            let round = u64::from(here[0].level.0.saturating_sub(1));
+            assert!(
+                motion.start() == round * BLOCK_SAMPLES && round >= last,
+                "the outline is the same motion's"
+            );
+            last = round;
+        }
+    });
+}

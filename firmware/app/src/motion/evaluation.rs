@@ -2,7 +2,7 @@
 
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::table::Setting;
-use slipline_protocol::units::SampleIndex;
+use slipline_protocol::units::{Gain, SampleIndex};
 
 use super::outline::Outline;
 use super::placement::Placement;
@@ -10,11 +10,37 @@ use super::trajectory::{SettingTrajectory, ToneTrajectory, between_levels, betwe
 use crate::ramp::{ONE, RampShape};
 use crate::slots::TableSlots;
 
+/// One tone's trajectory, read part by part: what is not asked for is not loaded.
+pub(super) trait ReadTrajectory {
+    /// From where to where, Q1.31.
+    fn positions(&self) -> (u32, u32);
+    /// From which level to which.
+    fn levels(&self) -> (Gain, Gain);
+    fn setting(&self) -> SettingTrajectory;
+}
+
+impl ReadTrajectory for ToneTrajectory {
+    #[inline(always)]
+    fn positions(&self) -> (u32, u32) {
+        (self.from.raw(), self.to.raw())
+    }
+
+    #[inline(always)]
+    fn levels(&self) -> (Gain, Gain) {
+        (self.from_level, self.to_level)
+    }
+
+    #[inline(always)]
+    fn setting(&self) -> SettingTrajectory {
+        self.setting
+    }
+}
+
 /// Writes where each tone is at an index to `places`.
 #[inline(always)]
 pub(super) fn place(
     outline: &Outline,
-    tones: impl Iterator<Item = ToneTrajectory> + Clone,
+    tones: &[impl ReadTrajectory; MAX_TONES],
     index: SampleIndex,
     slots: &TableSlots,
     shape: &RampShape,
@@ -24,19 +50,21 @@ pub(super) fn place(
     let s = shape.at(u);
     let table = slots.table(outline.table);
     // In three rounds: a processor has too few registers for all at once.
-    for (place, tone) in places.iter_mut().zip(tones.clone()) {
-        place.position = between_positions(tone.from, tone.to, u);
-        place.level = between_levels(tone.from_level, tone.to_level, s);
+    for (place, tone) in places.iter_mut().zip(tones) {
+        let (from, to) = tone.positions();
+        place.position = between_positions(from, to, u);
+        let (from, to) = tone.levels();
+        place.level = between_levels(from, to, s);
     }
-    for (place, tone) in places.iter_mut().zip(tones.clone()) {
-        place.setting = match tone.setting {
+    for (place, tone) in places.iter_mut().zip(tones) {
+        place.setting = match tone.setting() {
             SettingTrajectory::Hold { step, gain } => Setting { step, gain },
             SettingTrajectory::Along | SettingTrajectory::Join { .. } => table.evaluate(place.position),
         };
     }
     let left = ONE.saturating_sub(s);
     for (place, tone) in places.iter_mut().zip(tones) {
-        if let SettingTrajectory::Join { step_upper, step_lower, gain } = tone.setting {
+        if let SettingTrajectory::Join { step_upper, step_lower, gain } = tone.setting() {
             place.setting = blend(place.setting, (step_upper, step_lower), gain, left);
         }
     }

@@ -1,7 +1,9 @@
 //! The time of a motion and its table.
 
+use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
+use super::placement::Placement;
 use crate::ramp::ONE;
 use crate::slots::{SlotIndex, TableRef};
 
@@ -28,6 +30,18 @@ impl Outline {
         let glide = if glide == 0 { 1 } else { glide };
         let sample = (1 << 63) / glide as u64;
         Self { start, glide, sample, table, begins_silent: true, ends_silent: true }
+    }
+
+    /// Of a ramp to silence of the tones that are at `here`.
+    pub(crate) fn fading(
+        here: &[Placement; MAX_TONES],
+        start: SampleIndex,
+        ramp: u32,
+        table: TableRef,
+    ) -> Self {
+        let mut outline = Self::new(start, ramp, table);
+        outline.begins_silent = here.iter().all(Placement::is_silent);
+        outline
     }
 
     /// As [`Motion::end`].

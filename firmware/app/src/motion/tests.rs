@@ -103,9 +103,14 @@ proptest! {
         let (slots, shape) = (slots(), RampShape::new());
         let motion = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 20_000, SlotIndex::First, &targets), &slots);
         let cell = MotionCell::silent();
-        cell.set(&motion);
-        cell.fade(&motion.at(cut, &slots, &shape), cut, ramp);
-        let fade = cell.get();
+        cell.store(&motion);
+        let mut copy = Motion::with_outline(motion.outline());
+        cell.load(&mut copy);
+        prop_assert_eq!(&copy, &motion);
+        let here = motion.at(cut, &slots, &shape);
+        cell.fade(&here);
+        let mut fade = Motion::with_outline(Outline::fading(&here, cut, ramp, motion.table()));
+        cell.load(&mut fade);
         prop_assert!(fade.ends_silent());
         prop_assert!(fade.is_silent_from(fade.end()));
         let sounded = motion.at(cut, &slots, &shape).iter().any(|placement| !placement.is_silent());

@@ -95,8 +95,9 @@ fn between(a: u32, b: u32, u: u32) -> u32 {
     ((u64::from(a) * u64::from(rest) + u64::from(b) * u64::from(u)) >> 31) as u32
 }
 
-pub(super) fn between_positions(a: FinePosition, b: FinePosition, u: u32) -> FinePosition {
-    FinePosition::saturating(between(a.raw(), b.raw(), u))
+/// As [`between`], of two raw positions.
+pub(super) fn between_positions(a: u32, b: u32, u: u32) -> FinePosition {
+    FinePosition::saturating(between(a, b, u))
 }
 
 pub(super) fn between_levels(a: Gain, b: Gain, s: u32) -> Gain {
