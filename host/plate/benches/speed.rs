@@ -5,8 +5,8 @@
 //! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
 
 use slipline_plate::sheet::EnvelopeScope;
-use slipline_plate::sheet::Lattice;
-use slipline_plate::{Equation, Sheet, SheetGrid, TimeLine, preset, respond_batch};
+use slipline_plate::sheet::FdtdGrid;
+use slipline_plate::{Equation, Sheet, SheetGrid, TimeDomainLine, preset, respond_batch};
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};
 
@@ -63,7 +63,7 @@ fn lattice(report: &Report) {
         let mut one = 0.0;
         for threads in [1, 2] {
             let make = || {
-                let mut lattice = Lattice::rectangle(cells, rows, COURANT_SQUARED, threads);
+                let mut lattice = FdtdGrid::rectangle(cells, rows, COURANT_SQUARED, threads);
                 lattice.release(|cell, row| {
                     let part = |i: usize, count: usize| (PI * (i + 1) as f32 / (count + 1) as f32).sin();
                     part(cell, cells) * part(row, rows)
@@ -104,7 +104,7 @@ fn time_lines(report: &Report) {
     let rate = 400_000.0;
     let codes: Vec<f32> = (0..8_000).map(|n| 0.5 * (2.0 * PI * 0.075 * n as f32).sin()).collect();
     for points in [128, 512] {
-        let Ok(mut line) = TimeLine::new(&plate, rate, points, 1) else { continue };
+        let Ok(mut line) = TimeDomainLine::new(&plate, rate, points, 1) else { continue };
         let time = report.fastest(|| line.push(&codes));
         let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
         let factor = codes.len() as f64 / rate / time.as_secs_f64();

@@ -4,7 +4,7 @@
 //! plate file -> PlateSpec -> Plate -+-> turning point, edge, kappa          (turning)
 //!                                   +-> respond: amplitude over x           (numerov, fourth order)
 //!                                   +-> DriveTable: place -> step and gain  (inverse of DAC to peak)
-//! DAC codes ------------------------+-> TimeLine -> Envelope                (oscillators, exact steps)
+//! DAC codes ------------------------+-> TimeDomainLine -> Envelope          (modal oscillators, exact steps)
 //! ```
 //!
 //! SI units throughout. x = 0 is the driven, wide end. Time goes as e^(-j omega t), so a wave into the plate is
@@ -44,4 +44,4 @@ pub use table::{
     DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, sensitivity, sensitivity_per_percent,
     sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
 };
-pub use time::{Envelope, LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};
+pub use time::{Envelope, LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};

@@ -4,12 +4,12 @@
 use proptest::prelude::*;
 use slipline_plate::{
     Actuator, Bending, Complex64, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec, Taper,
-    TimeLine, preset, presets, respond,
+    TimeDomainLine, preset, presets, respond,
 };
 use std::f64::consts::TAU;
 
 /// Settles a tone of 12-bit codes on the line and leaves its envelope to be read.
-fn settle(line: &mut TimeLine, rate: f64, frequency: f64, amplitude: f64) {
+fn settle(line: &mut TimeDomainLine, rate: f64, frequency: f64, amplitude: f64) {
     let code = |n: usize| {
         let value = amplitude * (TAU * frequency * n as f64 / rate).cos();
         (2048.0 + 2047.0 * value).round() as u16
@@ -28,7 +28,7 @@ fn rate_for(plate: &Plate) -> f64 {
     (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
 }
 
-fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeLine, rate: f64) -> Result<(), String> {
+fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeDomainLine, rate: f64) -> Result<(), String> {
     settle(line, rate, frequency, 0.9);
     let exact = respond(plate, frequency, 401, Equation::Corrected).map_err(|error| error.to_string())?;
     let found = line.envelope().peak(plate, frequency);
@@ -65,7 +65,7 @@ fn every_preset_peaks_in_time_where_the_frequency_domain_puts_it() {
     for entry in presets() {
         let plate = entry.plate().expect("a preset");
         let rate = rate_for(&plate);
-        let mut line = TimeLine::new(&plate, rate, 257, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 257, 1).expect("a line");
         let (start, end) = plate.span_m();
         for i in 0..4 {
             let x = start + (end - start) * (f64::from(i) + 0.4) / 4.0;
@@ -81,7 +81,7 @@ fn dragged_in_steps_with_the_table_the_settled_peak_stays_within_1_db_for_every_
         let plate = entry.plate().expect("a preset");
         let rate = rate_for(&plate);
         let table = DriveTable::build(&plate, rate, 1025).expect("a table");
-        let mut line = TimeLine::new(&plate, rate, 193, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 193, 1).expect("a line");
         for i in 0..5 {
             let x =
                 table.span_start_m + (table.span_end_m - table.span_start_m) * (f64::from(i) + 0.61) / 5.0;
@@ -118,7 +118,7 @@ fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
     ];
     for spec in variations {
         let plate = Plate::new(spec).expect("a valid plate");
-        let mut line = TimeLine::new(&plate, 400e3, 257, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, 400e3, 257, 1).expect("a line");
         for x in [0.13, 0.26] {
             peaks_agree(&plate, plate.frequency_for_boundary_hz(x), &mut line, 400e3)
                 .unwrap_or_else(|fault| panic!("{:?}: {fault}", plate.spec()));
@@ -129,7 +129,7 @@ fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
 #[test]
 fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
     let plate = preset("membrane").expect("a preset");
-    let mut line = TimeLine::new(&plate, 4e3, 64, 1).expect("a line");
+    let mut line = TimeDomainLine::new(&plate, 4e3, 64, 1).expect("a line");
     line.push(&[0.0; 4000]);
     let mut field = vec![1.0_f32; 64];
     line.field_m(&mut field);
@@ -147,7 +147,7 @@ fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
 fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitude() {
     let plate = preset("al-bending").expect("a preset");
     let (rate, frequency) = (400e3, 30e3);
-    let mut line = TimeLine::new(&plate, rate, 65, 1).expect("a line");
+    let mut line = TimeDomainLine::new(&plate, rate, 65, 1).expect("a line");
     settle(&mut line, rate, frequency, 0.9);
     let codes_per_field = (rate / line.step_rate_hz()).round() as usize;
     let place = 40;
@@ -180,7 +180,7 @@ fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitu
 fn a_line_that_cannot_be_made_says_why() {
     let plate = preset("al-bending").expect("a preset");
     let fault = |rate: f64, points: usize, mode: u32| {
-        TimeLine::new(&plate, rate, points, mode).err().expect("refused")
+        TimeDomainLine::new(&plate, rate, points, mode).err().expect("refused")
     };
     let told = "sample rate = 50000 Hz: must be 88657 to 1e8 Hz, the plate's band ends at 39895.5 Hz";
     assert_eq!(fault(50e3, 64, 1).to_string(), told);
@@ -195,7 +195,7 @@ fn the_third_width_mode_dies_out_before_the_first() {
     let plate = preset("al-sh").expect("a preset");
     let frequency = plate.frequency_for_boundary_hz(0.45);
     let reach = |mode: u32| {
-        let mut line = TimeLine::new(&plate, 400e3, 257, mode).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, 400e3, 257, mode).expect("a line");
         settle(&mut line, 400e3, frequency, 0.5);
         let rms = line.envelope().rms_m();
         let top = rms.iter().copied().fold(0.0, f32::max);
@@ -268,7 +268,7 @@ proptest! {
         let (start, end) = plate.span_m();
         let frequency = plate.frequency_for_boundary_hz(start + part * (end - start));
         let rate = (plate.band_hz().1 * 10.0).clamp(200.0, 1e7);
-        let mut line = TimeLine::new(&plate, rate, 201, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 201, 1).expect("a line");
         if let Err(fault) = peaks_agree(&plate, frequency, &mut line, rate) {
             return Err(TestCaseError::fail(fault));
         }

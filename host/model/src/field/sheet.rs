@@ -18,7 +18,7 @@ use slipline_link::mirror::Mirror;
 use slipline_link::protocol::command::Drive;
 use slipline_link::table::DeviceTable;
 use slipline_plate::sheet::EnvelopeScope;
-use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeLine};
+use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -142,7 +142,7 @@ impl Run {
         let rate = job.table.header().sample_rate_hz;
         let rate_hz = f64::from(rate);
         let sheet = Sheet::new(&job.plate, rate_hz, grid(&job.plate)).ok()?;
-        let settle_s = TimeLine::new(&job.plate, rate_hz, LINE_POINTS.0, 1).ok()?.settle_time_s();
+        let settle_s = TimeDomainLine::new(&job.plate, rate_hz, LINE_POINTS.0, 1).ok()?.settle_time_s();
         Some(Self {
             plate: Arc::clone(&job.plate),
             number: None,

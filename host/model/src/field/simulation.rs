@@ -1,7 +1,7 @@
 //! A plate driven through the whole chain, measured and compared with what the frequency domain says.
 //!
 //! ```text
-//! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeLine of the actual plate -> demodulation
+//! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeDomainLine of the actual plate -> demodulation
 //!                                                        |                                           |
 //!                                       frequency played +--> respond(actual plate) --- compared ----+
 //! ```
@@ -17,7 +17,7 @@ use slipline_link::table::{DeviceTable, DeviceTableError};
 use slipline_link::{DriveRequest, Request};
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
-    TimeLine, ToneDrive, predict_envelope, respond,
+    TimeDomainLine, ToneDrive, predict_envelope, respond,
 };
 use std::sync::Arc;
 
@@ -180,7 +180,7 @@ impl Simulation<'_> {
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;
 
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
-        let mut line = TimeLine::new(self.actual, rate_hz, PLACES, 1)?;
+        let mut line = TimeDomainLine::new(self.actual, rate_hz, PLACES, 1)?;
         let drive = DriveRequest::at(self.tones);
         let glide_s = drive.glide_s;
         chain.perform(Request::Drive(drive), |codes| line.push_codes(codes, 12))?;

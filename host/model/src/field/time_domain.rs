@@ -1,7 +1,7 @@
 //! The simulated plate under the device's codes: what the acknowledged drive does to it, in the time domain.
 //!
 //! ```text
-//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::TimeLine --> settle --> envelope
+//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::TimeDomainLine --> settle --> envelope
 //! ```
 //! It shares nothing with the solver that predicts the envelope but the plate: that the two agree is the check.
 
@@ -10,7 +10,7 @@ use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
 use slipline_link::protocol::command::Drive;
 use slipline_link::table::DeviceTable;
-use slipline_plate::{Plate, TimeLine};
+use slipline_plate::{Plate, TimeDomainLine};
 use std::sync::Arc;
 
 /// Places along the plate.
@@ -72,7 +72,7 @@ pub(crate) fn watch_s(job: &Job) -> f64 {
 #[must_use]
 pub fn run(job: &Job, task: &Task) -> Option<Measured> {
     let rate = job.table.header().sample_rate_hz;
-    let mut line = TimeLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
+    let mut line = TimeDomainLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
     let mut mirror = Mirror::new(rate, 0);
     mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
     mirror.acknowledge_drive(&job.drive, AHEAD).ok()?;

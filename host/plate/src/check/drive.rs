@@ -7,15 +7,15 @@ use super::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
-use crate::table::level::{Chain, levelled};
+use crate::table::level::{DriveToPeak, levelled_amplitude};
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
 ///
 /// 0 for a force drive, infinite for a displacement drive, `None` when the wave cannot enter.
 pub fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
-    let guide = plate.guide(1);
+    let width_mode = plate.width_mode(1);
     let k0 = |frequency_hz: f64| {
-        let square = guide.wavenumber_squared(0.0, frequency_hz);
+        let square = width_mode.wavenumber_squared(0.0, frequency_hz);
         (square > 0.0).then(|| square.sqrt())
     };
     match plate.spec().drive_end {
@@ -52,11 +52,11 @@ pub(super) fn match_light(site: &Site<'_>) -> Finding {
 
 pub(super) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
     let rate = site.prepared.conditions.sample_rate_hz;
-    let intended = levelled(site.plate, &site.prepared.speeds, rate, site.frequency_hz)?;
+    let intended = levelled_amplitude(site.plate, &site.prepared.speeds, rate, site.frequency_hz)?;
     let mut worst: f64 = 0.0;
     for actual in &site.prepared.detuned {
         // Its band may end a little above what the rate carries; this frequency does not.
-        let found = Chain::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
+        let found = DriveToPeak::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
         worst = worst.max((20.0 * (found / intended).log10()).abs());
     }
     Ok(site.graded(

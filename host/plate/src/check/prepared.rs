@@ -4,7 +4,7 @@ use super::conditions::Conditions;
 use super::error::CheckError;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
-use crate::table::level::{Chain, other_speeds};
+use crate::table::level::{DriveToPeak, other_speeds};
 
 /// Places over the span that [`super::Checker::over_span`] looks at.
 pub const SPAN_PLACES: usize = 41;
@@ -16,7 +16,7 @@ pub(super) struct Prepared {
     pub(super) conditions: Conditions,
     /// The plate with its waves 1 %, 0.5 % slower and faster.
     pub(super) detuned: Vec<Plate>,
-    /// The plate at the other speeds that its table is levelled over.
+    /// The plate at the other speeds that its table is levelled_amplitude over.
     pub(super) speeds: Vec<Plate>,
     /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
     lowest_gain: f64,
@@ -29,12 +29,12 @@ impl Prepared {
         progress: &mut Progress<'_>,
     ) -> Result<Self, CheckError> {
         conditions.validate(plate)?;
-        let chain = Chain::new(plate, conditions.sample_rate_hz)?;
+        let drive_to_peak = DriveToPeak::new(plate, conditions.sample_rate_hz)?;
         let mut lowest_gain = f64::INFINITY;
         let count = 2 * SPAN_PLACES - 1;
         for (number, x) in places(plate, count).enumerate() {
             progress.at(number as f64 / count as f64)?;
-            lowest_gain = lowest_gain.min(chain.level(plate.frequency_for_boundary_hz(x))?.amplitude);
+            lowest_gain = lowest_gain.min(drive_to_peak.level(plate.frequency_for_boundary_hz(x))?.amplitude);
         }
         // A material at the very end of its allowed range has neighbours on one side only.
         let detuned =

@@ -31,7 +31,7 @@ pub fn edge_curvature(plate: &Plate, to_m: f64) -> f64 {
 
 /// Wavelengths from the driven end to the boundary at `boundary_m`.
 pub fn wavelengths(plate: &Plate, boundary_m: f64) -> f64 {
-    plate.guide(1).phase_to(boundary_m, plate.frequency_for_boundary_hz(boundary_m)) / TAU
+    plate.width_mode(1).phase_to(boundary_m, plate.frequency_for_boundary_hz(boundary_m)) / TAU
 }
 
 fn largest(plate: &Plate, to_m: f64, value: impl Fn(f64) -> f64) -> f64 {

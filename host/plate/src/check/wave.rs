@@ -21,16 +21,16 @@ pub(super) const POINTS: usize = 513;
 /// With k^2 = a (K^2 (1 + j eta) - (q/W)^2) it is the integral of a K^2 eta/(2 k); (eta/2) nu acosh(nu/s0) for an
 /// exponential taper.
 pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
-    let guide = plate.guide(1);
+    let width_mode = plate.width_mode(1);
     let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
-    let numerator = 0.5 * plate.wave_loss() * guide.axial_squared(frequency_hz);
+    let numerator = 0.5 * plate.wave_loss() * width_mode.axial_squared(frequency_hz);
     // 1/k has a root singularity at the turning point: x = boundary (1 - u^2) removes it.
     let steps = 400;
     let total: f64 = (0..steps)
         .map(|i| {
             let u = (f64::from(i) + 0.5) / f64::from(steps);
             let place = boundary_m * (1.0 - u * u);
-            2.0 * u / guide.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt()
+            2.0 * u / width_mode.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt()
         })
         .sum();
     numerator * total * boundary_m / f64::from(steps)

@@ -27,9 +27,10 @@ const BAND_PLACES: usize = 201;
 /// Frequency in the band where omega/k0 is the geometric mean of its extremes, and r over the band for a damper that
 /// matches there.
 pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)) {
-    let guide = plate.guide(1);
-    let slowness =
-        |frequency_hz: f64| frequency_hz / guide.wavenumber_squared(0.0, frequency_hz).max(1e-300).sqrt();
+    let width_mode = plate.width_mode(1);
+    let slowness = |frequency_hz: f64| {
+        frequency_hz / width_mode.wavenumber_squared(0.0, frequency_hz).max(1e-300).sqrt()
+    };
     let places: Vec<(f64, f64)> = (0..BAND_PLACES)
         .map(|i| {
             let t = i as f64 / (BAND_PLACES - 1) as f64;
@@ -50,12 +51,12 @@ pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)
 
 /// Z at the driven end, N s/m, for a sheet of `surface_density` kg/m^2.
 pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: f64) -> f64 {
-    let guide = plate.guide(1);
-    let k0 = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    let width_mode = plate.width_mode(1);
+    let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     // d(k^2)/d omega by central difference: k^2 is smooth in omega in every model.
     let step = 1e-4;
-    let rise =
-        guide.axial_squared(frequency_hz * (1.0 + step)) - guide.axial_squared(frequency_hz * (1.0 - step));
+    let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
+        - width_mode.axial_squared(frequency_hz * (1.0 - step));
     let group_speed = 2.0 * k0 / (rise / (2.0 * step * TAU * frequency_hz));
     surface_density * group_speed * mode_square(&plate.spec().model) * plate.half_width_m(0.0)
 }

@@ -117,7 +117,7 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
     let alone_to = |mode: u32| {
-        let enters_at_hz = plate.guide(mode).cut_off_hz(0.0);
+        let enters_at_hz = plate.width_mode(mode).cut_off_hz(0.0);
         plate.turning_point_m(enters_at_hz).unwrap_or(0.0).min(taper.far_m)
     };
     Ok(Design {

@@ -10,7 +10,7 @@
 //! evanescent partner wave may be left out.
 
 use crate::frequency::error::RespondError;
-use crate::frequency::numerov::{EndLaw, end_law};
+use crate::frequency::numerov::{EndCondition, end_condition};
 use crate::frequency::respond::POINTS_MIN;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
@@ -107,9 +107,9 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
     start[0] = Complex64::ONE;
     let (first, second) = (&ratios[1] * &start, &ratios[2] * (&ratios[1] * &start));
     let f = [Complex64::ONE, first[0] * root(1), second[0] * root(2)];
-    let scale = match end_law(plate, frequency_hz) {
-        EndLaw::Value => Complex64::ONE,
-        EndLaw::Mixed { a, b } => b / ((-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step) + a * f[0]),
+    let scale = match end_condition(plate, frequency_hz) {
+        EndCondition::Dirichlet => Complex64::ONE,
+        EndCondition::Robin { a, b } => b / ((-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step) + a * f[0]),
     };
     let mut g = start * scale;
     let mut fields = vec![Vec::with_capacity(points); modes];

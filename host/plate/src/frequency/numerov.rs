@@ -11,7 +11,7 @@
 use crate::frequency::equation::Equation;
 use crate::frequency::sweep::{LANES, Sweep};
 use crate::spec::drive::DriveEnd;
-use crate::spec::plate::{Guide, Plate};
+use crate::spec::plate::{Plate, WidthMode};
 use num_complex::Complex64;
 use pulp::Arch;
 
@@ -47,25 +47,25 @@ impl Grid {
         points: usize,
         refinement: usize,
     ) -> Self {
-        let guide = plate.guide(mode);
+        let width_mode = plate.width_mode(mode);
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
         let barrier_at = |x: f64| match equation {
-            Equation::Corrected => guide.width_term(x) + plate.width.at(x).root_curvature(),
-            Equation::Paper => guide.width_term(x),
+            Equation::Corrected => width_mode.width_term(x) + plate.width.at(x).root_curvature(),
+            Equation::Paper => width_mode.width_term(x),
         };
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
         barrier.push(barrier_at(-step_m));
         barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
         // The wave that turns at the plate's end is the one that decays slowest there.
-        let end_term = guide.width_term(plate.length_m());
+        let end_term = width_mode.width_term(plate.length_m());
         let (mut exponents, mut i) = (0.0, on_plate);
         while exponents < BEYOND_EXPONENTS && barrier.len() < 4 * on_plate + 64 {
             let x = i as f64 * step_m;
             if x > 0.98 * plate.width.reach_m() {
                 break;
             }
-            exponents += (guide.width_term(x) - end_term).max(0.0).sqrt() * step_m;
+            exponents += (width_mode.width_term(x) - end_term).max(0.0).sqrt() * step_m;
             barrier.push(barrier_at(x));
             i += 1;
         }
@@ -86,12 +86,13 @@ impl Grid {
 
 /// How much finer than `step_m` the grid must be for an error of about 1e-9 at `frequency_hz`.
 pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize {
-    let guide = plate.guide(1);
-    let wavenumber = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    let width_mode = plate.width_mode(1);
+    let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(0.0);
     // Numerov's phase error is (kh)^4/480 per radian; the deepest tail on the plate counts by its own exponent.
-    let phase = guide.phase_to(plate.length_m(), frequency_hz).max(1.0);
-    let tail = (guide.width_term(plate.length_m()) - guide.axial_squared(frequency_hz)).max(0.0).sqrt();
+    let phase = width_mode.phase_to(plate.length_m(), frequency_hz).max(1.0);
+    let tail =
+        (width_mode.width_term(plate.length_m()) - width_mode.axial_squared(frequency_hz)).max(0.0).sqrt();
     let steepest = wavenumber.max(kappa).max(0.5 * tail);
     let wanted = (480.0 * 1e-9 / phase).sqrt().sqrt() / steepest.max(1e-9);
     let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
@@ -99,37 +100,37 @@ pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize
 }
 
 /// f'(0) + a f(0) = b of the driven end at `frequency_hz`, or a prescribed f(0).
-pub(crate) enum EndLaw {
-    Value,
-    Mixed { a: Complex64, b: Complex64 },
+pub(crate) enum EndCondition {
+    Dirichlet,
+    Robin { a: Complex64, b: Complex64 },
 }
 
 /// The driven end's law for a drive of 1.
-pub(crate) fn end_law(plate: &Plate, frequency_hz: f64) -> EndLaw {
-    let guide = plate.guide(1);
-    let k0 = |frequency_hz: f64| guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+pub(crate) fn end_condition(plate: &Plate, frequency_hz: f64) -> EndCondition {
+    let width_mode = plate.width_mode(1);
+    let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     match plate.spec().drive_end {
-        DriveEnd::Displacement => EndLaw::Value,
+        DriveEnd::Displacement => EndCondition::Dirichlet,
         DriveEnd::Force { at_frequency_hz } => {
-            EndLaw::Mixed { a: Complex64::ZERO, b: Complex64::new(-k0(at_frequency_hz), 0.0) }
+            EndCondition::Robin { a: Complex64::ZERO, b: Complex64::new(-k0(at_frequency_hz), 0.0) }
         }
         DriveEnd::Resistance { ratio, at_frequency_hz } => {
             // r k0 = (R/T) omega with R/T constant.
             let a = Complex64::new(0.0, ratio * k0(at_frequency_hz) * frequency_hz / at_frequency_hz);
-            EndLaw::Mixed { a, b: 2.0 * a }
+            EndCondition::Robin { a, b: 2.0 * a }
         }
     }
 }
 
 /// a K^2 (1 + j eta), eta = [`Plate::wave_loss`].
-pub(crate) fn lossy_axial_squared(plate: &Plate, guide: &Guide<'_>, frequency_hz: f64) -> Complex64 {
-    guide.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
+pub(crate) fn lossy_axial_squared(plate: &Plate, width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
+    width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
 }
 
 /// f on the grid's points on the plate.
 pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Complex64> {
-    let guide = plate.guide(grid.mode);
-    let axial = lossy_axial_squared(plate, &guide, frequency_hz);
+    let width_mode = plate.width_mode(grid.mode);
+    let axial = lossy_axial_squared(plate, &width_mode, frequency_hz);
     let h2 = grid.step_m * grid.step_m / 12.0;
     let q = |i: usize| axial - grid.barrier[i];
     let start = tail_start(grid, axial.re);
@@ -163,9 +164,9 @@ pub(crate) fn end_gain(
     slope: Complex64,
 ) -> Complex64 {
     // f = g/sqrt(W/W0): f(0) = g, f'(0) = g' - (sqrt W)'/sqrt W g.
-    match end_law(plate, frequency_hz) {
-        EndLaw::Value => 1.0 / g,
-        EndLaw::Mixed { a, b } => b / (slope + (a - grid.root_slope) * g),
+    match end_condition(plate, frequency_hz) {
+        EndCondition::Dirichlet => 1.0 / g,
+        EndCondition::Robin { a, b } => b / (slope + (a - grid.root_slope) * g),
     }
 }
 
@@ -195,7 +196,7 @@ pub(crate) fn solve_each(
     mut visit: impl FnMut(usize, &[Complex64]),
 ) {
     let arch = Arch::new();
-    let guide = plate.guide(grid.mode);
+    let width_mode = plate.width_mode(grid.mode);
     let h2 = grid.step_m * grid.step_m / 12.0;
     let barrier: Vec<f64> = grid.barrier.iter().map(|barrier| barrier * h2).collect();
     let mut g_re = vec![[0.0; LANES]; barrier.len()];
@@ -205,7 +206,7 @@ pub(crate) fn solve_each(
         // A last group that is not full repeats its last frequency.
         let frequency: [f64; LANES] =
             std::array::from_fn(|lane| frequencies[lane.min(frequencies.len() - 1)]);
-        let axial = frequency.map(|frequency_hz| lossy_axial_squared(plate, &guide, frequency_hz));
+        let axial = frequency.map(|frequency_hz| lossy_axial_squared(plate, &width_mode, frequency_hz));
         let start = axial.map(|axial| tail_start(grid, axial.re));
         let ratio: [Complex64; LANES] = std::array::from_fn(|lane| {
             let q = axial[lane] - grid.barrier[start[lane]];

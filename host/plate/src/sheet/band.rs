@@ -1,10 +1,10 @@
-//! One thread's share of a lattice: its rows, and those that it takes over and leaves again.
+//! One thread's band of rows: its part of the field, and the halos that it sends and receives.
 
-use super::block::{Course, Handover, Slant, Stretch, Turn};
-use super::exchange::{Exchange, Parcel};
-use super::kernel::{self, Hush};
+use super::block::{HaloRows, Schedule, Skew, Transfer, Wavefronts};
+use super::halo::{Halo, HaloExchange};
+use super::kernel::{self, FlushDenormals};
 use super::plan::Plan;
-use super::record::{Record, overlap, refill};
+use super::record::{EnvelopeRecord, overlap, refill};
 use super::row::Row;
 use super::vector::{LANES, Line};
 use std::ops::Range;
@@ -13,7 +13,7 @@ use std::ops::Range;
 #[derive(Debug)]
 pub(super) struct Band {
     pub(super) owned: Range<usize>,
-    /// All rows that are stored: those that are ever owned, and one that they lean on at each seam.
+    /// All rows that are stored: those that are ever owned, and one more at each boundary, which their update reads.
     stored: Range<usize>,
     /// Number of the band, and how many there are.
     number: usize,
@@ -21,7 +21,7 @@ pub(super) struct Band {
     stride: usize,
     first: Field,
     second: Field,
-    record: Record,
+    record: EnvelopeRecord,
 }
 
 /// The field at one time, in memory that starts on a cache line.
@@ -55,7 +55,7 @@ impl Band {
         let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
         // Room for a row before and one after: the edge's outer side, which is zero, or never read.
         let count = (stored.len() + 2) * plan.stride + 1;
-        let record = Record::new(overlap(&plan.recorded, &stored), plan.stride);
+        let record = EnvelopeRecord::new(overlap(&plan.recorded, &stored), plan.stride);
         Self {
             owned,
             stored,
@@ -73,42 +73,42 @@ impl Band {
         (row + 1 - self.stored.start) * self.stride
     }
 
-    /// Advances the band by one step for each number of `drive`, the seams going as `slant` says.
+    /// Advances the band by one step for each number of `drive`; the boundaries move as `skew` says.
     pub(super) fn block(
         &mut self,
         plan: &Plan,
         drive: &[f32],
         flipped: bool,
-        slant: Slant,
-        exchange: &Exchange,
+        skew: Skew,
+        exchange: &HaloExchange,
     ) {
-        let (steps, seams) = (drive.len(), [self.number > 0, self.number + 1 < self.bands]);
-        let course = Course::new(slant, steps, &self.owned, seams, plan.group);
+        let (steps, boundaries) = (drive.len(), [self.number > 0, self.number + 1 < self.bands]);
+        let schedule = Schedule::new(skew, steps, &self.owned, boundaries, plan.group);
         let flipped_then = flipped ^ (steps % 2 == 1);
-        for (fronts, turn) in course.parts() {
+        for (fronts, transfer) in schedule.parts() {
             let first_row = self.stored.start;
             let (newest, older, record) = self.parts(flipped);
-            let course = &course;
-            plan.width.run(Stretch { plan, course, fronts, newest, older, first_row, drive, record });
-            match turn {
-                Some(Turn::Leave(rows)) => {
-                    exchange.leave(self.number, slant, |parcel| self.pack(rows, flipped_then, parcel));
+            let schedule = &schedule;
+            plan.width.run(Wavefronts { plan, schedule, fronts, newest, older, first_row, drive, record });
+            match transfer {
+                Some(Transfer::Send(rows)) => {
+                    exchange.send(self.number, skew, |halo| self.pack(rows, flipped_then, halo));
                 }
-                Some(Turn::TakeOver(rows)) => {
-                    exchange.take(self.number, slant, |parcel| self.unpack(rows, flipped_then, parcel));
+                Some(Transfer::Receive(rows)) => {
+                    exchange.receive(self.number, skew, |halo| self.unpack(rows, flipped_then, halo));
                 }
                 None => {}
             }
         }
-        self.owned = course.end();
+        self.owned = schedule.end();
     }
 
-    /// What is due every some tens of steps: vanishing numbers become zero, and the record is summed up.
-    pub(super) fn tidy(&mut self, plan: &Plan) {
-        self.record.settle(&self.owned);
+    /// Flushes denormal numbers to zero and adds up the record.
+    pub(super) fn flush(&mut self, plan: &Plan) {
+        self.record.accumulate(&self.owned);
         let lines = self.line_of(self.owned.start)..self.line_of(self.owned.end);
-        plan.width.run(Hush(&mut self.first.lines_mut()[lines.clone()]));
-        plan.width.run(Hush(&mut self.second.lines_mut()[lines]));
+        plan.width.run(FlushDenormals(&mut self.first.lines_mut()[lines.clone()]));
+        plan.width.run(FlushDenormals(&mut self.second.lines_mut()[lines]));
     }
 
     pub(super) fn row(&self, plan: &Plan, row: usize, flipped: bool) -> Row<'_> {
@@ -129,7 +129,7 @@ impl Band {
         }
     }
 
-    /// As [`Record::read`].
+    /// As [`EnvelopeRecord::read`].
     pub(super) fn envelope(&self, plan: &Plan, row: usize) -> Option<impl Iterator<Item = (f32, f64)>> {
         self.record.read(row, plan.reach[row])
     }
@@ -138,20 +138,20 @@ impl Band {
         self.record.reset();
     }
 
-    /// Packs rows that change hands: both fields, and the envelope where it is recorded.
-    fn pack(&self, handover: &Handover, flipped: bool, parcel: &mut Parcel) {
+    /// Copies rows that the neighbour gets: both fields, and the envelope where it is recorded.
+    fn pack(&self, halo_rows: &HaloRows, flipped: bool, halo: &mut Halo) {
         let (newest, older) = if flipped { (&self.second, &self.first) } else { (&self.first, &self.second) };
-        refill(&mut parcel.newest, &newest.lines()[self.lines_of(&handover.rows)]);
-        refill(&mut parcel.older, &older.lines()[self.lines_of(&handover.with_support)]);
-        self.record.pack(&handover.rows, &mut parcel.record);
+        refill(&mut halo.newest, &newest.lines()[self.lines_of(&halo_rows.rows)]);
+        refill(&mut halo.older, &older.lines()[self.lines_of(&halo_rows.with_support)]);
+        self.record.pack(&halo_rows.rows, &mut halo.record);
     }
 
-    fn unpack(&mut self, handover: &Handover, flipped: bool, parcel: &Parcel) {
-        let (rows, with_support) = (self.lines_of(&handover.rows), self.lines_of(&handover.with_support));
+    fn unpack(&mut self, halo_rows: &HaloRows, flipped: bool, halo: &Halo) {
+        let (rows, with_support) = (self.lines_of(&halo_rows.rows), self.lines_of(&halo_rows.with_support));
         let (newest, older, record) = self.parts(flipped);
-        newest[rows].copy_from_slice(&parcel.newest);
-        older[with_support].copy_from_slice(&parcel.older);
-        record.unpack(&handover.rows, &parcel.record);
+        newest[rows].copy_from_slice(&halo.newest);
+        older[with_support].copy_from_slice(&halo.older);
+        record.unpack(&halo_rows.rows, &halo.record);
     }
 
     fn lines_of(&self, rows: &Range<usize>) -> Range<usize> {
@@ -159,7 +159,7 @@ impl Band {
     }
 
     /// The newest field, the one a step before, and the record.
-    fn parts(&mut self, flipped: bool) -> (&mut [Line], &mut [Line], &mut Record) {
+    fn parts(&mut self, flipped: bool) -> (&mut [Line], &mut [Line], &mut EnvelopeRecord) {
         let (first, second) = (self.first.lines_mut(), self.second.lines_mut());
         let (newest, older) = if flipped { (second, first) } else { (first, second) };
         (newest, older, &mut self.record)

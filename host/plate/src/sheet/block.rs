@@ -1,111 +1,116 @@
-//! A block of steps of one band: which rows each step takes, and in which order.
+//! A block of steps of one band (time skewing): which rows each step updates, and in which order.
 //!
 //! ```text
-//!            row       .. 57 58 59 60 61 62 63 | 64 65 66 ..      a rising block of 3 steps: the seam, which was
-//!  step 1           above's              a  |  b  b  b  below's   before row 64, goes up by a row a step. The band
-//!  step 2                             a  |  b  b  b  b            above leaves what it cannot compute without its
-//!  step 3                          a  |  b  b  b  b  b            neighbour, and the band below takes it over.
+//!            row       .. 57 58 59 60 61 62 63 | 64 65 66 ..      a rising block of 3 steps: the boundary stood
+//!  step 1           above's              a  |  b  b  b  below's   before row 64 and moves up by one row a step. The
+//!  step 2                             a  |  b  b  b  b            band above sends the rows that it cannot update
+//!  step 3                          a  |  b  b  b  b  b            without its neighbour, and the band below receives them.
 //! ```
 //!
-//! So neighbours need nothing of each other but the rows that one of them leaves, at a time when it has left them: a
-//! rising block begins at the band's lower seam, where rows are left, and ends at the upper one, where they are taken
-//! over. The next block is a falling one, the other way round, and brings the seams back.
+//! So neighbours exchange one halo per block, and the sender never waits for the receiver's work: a rising block begins
+//! at the band's lower boundary, where it sends, and ends at the upper one, where it receives. The next block is a
+//! falling one, the other way round, and brings the boundaries back.
 
-use super::kernel::{self, COLUMNS, Place, Spread};
+use super::kernel::{self, COLUMNS, Place, WeightVectors};
 use super::plan::{Extent, Plan};
-use super::record::Record;
+use super::record::EnvelopeRecord;
 use super::vector::{LANES, Lanes, Line, Work};
 use std::mem::replace;
 use std::ops::Range;
 
-/// Which way the seams go during a block.
+/// Which way the boundaries between bands move during a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Slant {
+pub(super) enum Skew {
     /// Up, towards row 0.
     Rising,
     Falling,
 }
 
-/// The order of a block.
+/// The order of the updates in a block.
 #[derive(Debug)]
-pub(super) struct Course {
-    slant: Slant,
-    /// Rows that each step takes.
+pub(super) struct Schedule {
+    skew: Skew,
+    /// Rows that each step updates.
     rows: Vec<Range<usize>>,
     /// Rows in a group, and the group in which the block begins.
     group: usize,
     origin: usize,
-    /// Fronts of the whole block. In front f step s (from 0) takes the group that is f - s away from the origin.
+    /// Wavefronts of the whole block. In front f, step s (from 0) updates the group that is f - s away from the origin.
     fronts: usize,
-    /// What is done with the neighbours, each before a front, in their order.
-    turns: Vec<(usize, Turn)>,
+    /// The halo transfers, each with the front that it precedes, in order.
+    transfers: Vec<(usize, Transfer)>,
 }
 
-/// What a band does with its neighbours in the course of a block.
+/// A halo transfer with a neighbour within a block.
 #[derive(Debug)]
-pub(super) enum Turn {
-    /// Leaves rows, which are complete now, to one neighbour.
-    Leave(Handover),
-    /// Takes over rows, which are needed now, from the other.
-    TakeOver(Handover),
+pub(super) enum Transfer {
+    /// Sends rows, which are complete now, to one neighbour.
+    Send(HaloRows),
+    /// Receives rows, which are needed now, from the other.
+    Receive(HaloRows),
 }
 
-/// Rows that change hands.
+/// Rows that one band sends and its neighbour receives.
 #[derive(Debug)]
-pub(super) struct Handover {
+pub(super) struct HaloRows {
     pub(super) rows: Range<usize>,
-    /// These and the row that the one furthest from the seam leans on; of that row only the older field is needed.
+    /// These, and one row more on the sender's side, which the update of the outermost reads; of it only the older field
+    /// is needed.
     pub(super) with_support: Range<usize>,
 }
 
-impl Handover {
-    /// As many rows as there are `steps`, from where the seam is when the block begins.
-    fn new(slant: Slant, seam: usize, steps: usize) -> Self {
-        match slant {
-            Slant::Rising => Self { rows: seam - steps..seam, with_support: seam - steps - 1..seam },
-            Slant::Falling => Self { rows: seam..seam + steps, with_support: seam..seam + steps + 1 },
+impl HaloRows {
+    /// One row per step, from where the boundary is when the block begins.
+    fn new(skew: Skew, boundary: usize, steps: usize) -> Self {
+        match skew {
+            Skew::Rising => {
+                Self { rows: boundary - steps..boundary, with_support: boundary - steps - 1..boundary }
+            }
+            Skew::Falling => {
+                Self { rows: boundary..boundary + steps, with_support: boundary..boundary + steps + 1 }
+            }
         }
     }
 }
 
-impl Course {
-    /// Of `steps` steps of the rows `owned`, with seams above and below them or not.
+impl Schedule {
+    /// The schedule of `steps` steps of the rows `owned`, with or without a band above and below.
     pub(super) fn new(
-        slant: Slant,
+        skew: Skew,
         steps: usize,
         owned: &Range<usize>,
         [above, below]: [bool; 2],
         group: usize,
     ) -> Self {
-        let moved = |row: usize, by: usize, is_seam: bool| match (is_seam, slant) {
+        let moved = |row: usize, by: usize, is_boundary: bool| match (is_boundary, skew) {
             (false, _) => row,
-            (true, Slant::Rising) => row - by,
-            (true, Slant::Falling) => row + by,
+            (true, Skew::Rising) => row - by,
+            (true, Skew::Falling) => row + by,
         };
         let rows: Vec<Range<usize>> =
             (1..=steps).map(|by| moved(owned.start, by, above)..moved(owned.end, by, below)).collect();
         let (first, last) = (&rows[0], &rows[steps - 1]);
         let (lowest, highest) = (first.start.min(last.start) / group, (first.end.max(last.end) - 1) / group);
-        let origin = if slant == Slant::Rising { highest } else { lowest };
+        let origin = if skew == Skew::Rising { highest } else { lowest };
         let place_of = |row: usize| origin.abs_diff(row / group);
-        // Rows are left at the seam where the block begins, and taken over at the one where it ends.
+        // Rows are sent at the boundary where the block begins, and received at the one where it ends.
         let (upper, lower) = (above.then_some(owned.start), below.then_some(owned.end));
-        let (left_at, taken_at) = if slant == Slant::Rising { (lower, upper) } else { (upper, lower) };
-        let mut turns = Vec::with_capacity(2);
-        if let Some(seam) = left_at {
-            let handover = Handover::new(slant, seam, steps);
-            // Of the supporting row the field before the last step is needed: it is there a front before the last.
-            let support = if slant == Slant::Rising { seam - steps - 1 } else { seam + steps };
-            turns.push((place_of(support) + steps - 1, Turn::Leave(handover)));
+        let (sent_at, received_at) = if skew == Skew::Rising { (lower, upper) } else { (upper, lower) };
+        let mut transfers = Vec::with_capacity(2);
+        if let Some(boundary) = sent_at {
+            let halo_rows = HaloRows::new(skew, boundary, steps);
+            // Of the supporting row the field before the last step is needed: it is ready one front before the last.
+            let support = if skew == Skew::Rising { boundary - steps - 1 } else { boundary + steps };
+            transfers.push((place_of(support) + steps - 1, Transfer::Send(halo_rows)));
         }
-        if let Some(seam) = taken_at {
-            let handover = Handover::new(slant, seam, steps);
-            // The own row beside the seam leans on the first that is taken over, from the first step on.
-            let leaning = if slant == Slant::Rising { seam } else { seam - 1 };
-            turns.push((place_of(leaning), Turn::TakeOver(handover)));
+        if let Some(boundary) = received_at {
+            let halo_rows = HaloRows::new(skew, boundary, steps);
+            // The own row beside the boundary reads the first received row from the first step on.
+            let reader = if skew == Skew::Rising { boundary } else { boundary - 1 };
+            transfers.push((place_of(reader), Transfer::Receive(halo_rows)));
         }
-        turns.sort_by_key(|turn| turn.0);
-        Self { slant, rows, group, origin, fronts: highest - lowest + steps, turns }
+        transfers.sort_by_key(|transfer| transfer.0);
+        Self { skew, rows, group, origin, fronts: highest - lowest + steps, transfers }
     }
 
     /// The rows that are owned after the block.
@@ -113,51 +118,52 @@ impl Course {
         self.rows[self.rows.len() - 1].clone()
     }
 
-    /// All fronts, in parts, and the turn that comes after each part.
-    pub(super) fn parts(&self) -> impl Iterator<Item = (Range<usize>, Option<&Turn>)> {
-        let ends = self.turns.iter().map(|(front, turn)| ((*front).min(self.fronts), Some(turn)));
-        ends.chain([(self.fronts, None)]).scan(0, |from, (to, turn)| Some((replace(from, to)..to, turn)))
+    /// All fronts, in parts, and the transfer that comes after each part.
+    pub(super) fn parts(&self) -> impl Iterator<Item = (Range<usize>, Option<&Transfer>)> {
+        let ends = self.transfers.iter().map(|(front, transfer)| ((*front).min(self.fronts), Some(transfer)));
+        ends.chain([(self.fronts, None)])
+            .scan(0, |from, (to, transfer)| Some((replace(from, to)..to, transfer)))
     }
 
-    /// The rows that a step takes at a place; `None` if it does not reach so far back.
+    /// The rows that a step updates at a distance from the origin; `None` if it has none there.
     #[inline(always)]
     fn rows_at(&self, place: usize, step: usize) -> Option<Range<usize>> {
-        let group = match self.slant {
-            Slant::Rising => self.origin.checked_sub(place)?,
-            Slant::Falling => self.origin + place,
+        let group = match self.skew {
+            Skew::Rising => self.origin.checked_sub(place)?,
+            Skew::Falling => self.origin + place,
         };
         let rows = &self.rows[step];
         let (from, to) = ((group * self.group).max(rows.start), ((group + 1) * self.group).min(rows.end));
         (from < to).then_some(from..to)
     }
 
-    /// Whether a step has no rows at a place or beyond.
+    /// Whether a step has no rows at that distance from the origin or beyond.
     #[inline(always)]
     fn is_passed(&self, place: usize, step: usize) -> bool {
-        match self.slant {
-            Slant::Rising => {
+        match self.skew {
+            Skew::Rising => {
                 self.origin < place || (self.origin - place + 1) * self.group <= self.rows[step].start
             }
-            Slant::Falling => (self.origin + place) * self.group >= self.rows[step].end,
+            Skew::Falling => (self.origin + place) * self.group >= self.rows[step].end,
         }
     }
 }
 
-/// Some fronts of a block.
-pub(super) struct Stretch<'a> {
+/// Some wavefronts of a block.
+pub(super) struct Wavefronts<'a> {
     pub(super) plan: &'a Plan,
-    pub(super) course: &'a Course,
+    pub(super) schedule: &'a Schedule,
     pub(super) fronts: Range<usize>,
     /// The newest field when the block begins, and the one a step before.
     pub(super) newest: &'a mut [Line],
     pub(super) older: &'a mut [Line],
-    /// The first row that these hold; there is room for one before it, which is zero or never read.
+    /// The first row that the fields hold; there is room for one before it, which is zero or never read.
     pub(super) first_row: usize,
     pub(super) drive: &'a [f32],
-    pub(super) record: &'a mut Record,
+    pub(super) record: &'a mut EnvelopeRecord,
 }
 
-impl Work for Stretch<'_> {
+impl Work for Wavefronts<'_> {
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) {
         match (self.plan.group, self.plan.weights.keep_all()) {
@@ -169,31 +175,31 @@ impl Work for Stretch<'_> {
     }
 }
 
-impl Stretch<'_> {
+impl Wavefronts<'_> {
     #[inline(always)]
     fn sweep<L: Lanes, const N: usize, const KEEP_ALL: bool>(self, lanes: L) {
-        let Self { plan, course, fronts, newest, older, first_row, drive, record } = self;
+        let Self { plan, schedule, fronts, newest, older, first_row, drive, record } = self;
         let (steps, stride) = (drive.len(), plan.stride);
-        let spread = Spread::new(lanes, plan.weights);
+        let weights = WeightVectors::new(lanes, plan.weights);
         // Rows before the first are not stored: this may be "negative".
         let offset = stride.wrapping_sub(first_row * stride);
         // The first steps have passed the last group (`passed` counts them), the last ones have not reached the first.
         let mut passed = 0;
         for front in fronts {
-            while passed < steps && passed <= front && course.is_passed(front - passed, passed) {
+            while passed < steps && passed <= front && schedule.is_passed(front - passed, passed) {
                 passed += 1;
             }
             for (step, &drive) in drive.iter().enumerate().skip(passed) {
                 let Some(place) = front.checked_sub(step) else { break };
-                let Some(rows) = course.rows_at(place, step) else { break };
+                let Some(rows) = schedule.rows_at(place, step) else { break };
                 let (past, now): (&mut [Line], &[Line]) =
                     if step % 2 == 0 { (&mut *older, &*newest) } else { (&mut *newest, &*older) };
-                let mut stage = Stage { plan, past, now, stride, offset, drive };
+                let mut stage = StepRows { plan, past, now, stride, offset, drive };
                 if rows.len() == N {
-                    stage.advance::<L, N, KEEP_ALL>(lanes, spread, rows.start);
+                    stage.advance::<L, N, KEEP_ALL>(lanes, weights, rows.start);
                 } else {
                     for row in rows.clone() {
-                        stage.advance::<L, 1, KEEP_ALL>(lanes, spread, row);
+                        stage.advance::<L, 1, KEEP_ALL>(lanes, weights, row);
                     }
                 }
                 for row in rows {
@@ -208,8 +214,8 @@ impl Stretch<'_> {
     }
 }
 
-/// One step of some rows.
-struct Stage<'a> {
+/// One time step of some rows.
+struct StepRows<'a> {
     plan: &'a Plan,
     /// The field that is overwritten.
     past: &'a mut [Line],
@@ -221,23 +227,23 @@ struct Stage<'a> {
     drive: f32,
 }
 
-impl Stage<'_> {
+impl StepRows<'_> {
     /// Advances `N` rows from `row` on.
     #[inline(always)]
     fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
         &mut self,
         lanes: L,
-        spread: Spread<L::Vector>,
+        weights: WeightVectors<L::Vector>,
         row: usize,
     ) {
         let Self { plan, past, now, stride, offset, drive } = self;
         let (stride, offset, drive) = (*stride, *offset, *drive);
-        let Extent { line, chunks, fringe } = plan.extent::<N>(row);
+        let Extent { line, chunks, ghosts } = plan.extent::<N>(row);
         let at = line.wrapping_add(offset);
         // A mirrored first row has its neighbour below above it, too.
         let over = if row == 0 && plan.mirrored { at + stride } else { at - stride };
-        let place = Place { at, over, stride, chunks, fringe };
-        kernel::advance::<L, N, KEEP_ALL>(lanes, spread, (past, now), place);
+        let place = Place { at, over, stride, chunks, ghosts };
+        kernel::advance::<L, N, KEEP_ALL>(lanes, weights, (past, now), place);
         let Some(column) = &plan.column else { return };
         let lane = |line: usize| now[line][LANES - 1];
         for (row, at) in (row..row + N).zip((at..).step_by(stride)) {

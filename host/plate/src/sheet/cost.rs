@@ -1,8 +1,8 @@
 //! What a sheet takes, told before it is built.
 
+use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
-use super::intake::Pace;
-use super::outline::Outline;
+use super::source::StepRatio;
 use crate::spec::plate::Plate;
 
 /// Courant number of the step (1 is the limit of stability).
@@ -26,8 +26,8 @@ impl Cost {
 
 /// The frame of a sheet: where its cells are and how long a step is.
 pub(super) struct Layout {
-    pub(super) outline: Outline,
-    pub(super) pace: Pace,
+    pub(super) edge: EmbeddedBoundary,
+    pub(super) ratio: StepRatio,
     pub(super) step_s: f64,
     pub(super) speed_m_per_s: f64,
     /// Whether only one half is computed.
@@ -44,16 +44,16 @@ impl Layout {
         if cells > CELLS_MAX {
             return Err(SheetError::TooBig { cells, limit: CELLS_MAX });
         }
-        let outline = Outline::new(plate, grid.along, grid.across);
-        let longest = COURANT / (speed_m_per_s * (outline.dx.powi(-2) + outline.dz.powi(-2)).sqrt());
-        let pace = Pace::new(sample_rate_hz, longest);
+        let edge = EmbeddedBoundary::new(plate, grid.along, grid.across);
+        let longest = COURANT / (speed_m_per_s * (edge.dx.powi(-2) + edge.dz.powi(-2)).sqrt());
+        let ratio = StepRatio::new(sample_rate_hz, longest);
         let mirrored = !grid.whole && grid.drive.is_symmetric();
-        Ok(Self { step_s: pace.step_s(sample_rate_hz), outline, pace, speed_m_per_s, mirrored })
+        Ok(Self { step_s: ratio.step_s(sample_rate_hz), edge, ratio, speed_m_per_s, mirrored })
     }
 
     fn cost(&self) -> Cost {
-        let half: usize = self.outline.reach.iter().map(|reach| reach + 1).sum();
-        let centre = self.outline.reach.first().map_or(0, |reach| reach + 1);
+        let half: usize = self.edge.reach.iter().map(|reach| reach + 1).sum();
+        let centre = self.edge.reach.first().map_or(0, |reach| reach + 1);
         let cells = if self.mirrored { half } else { 2 * half - centre };
         Cost { cells, step_rate_hz: 1.0 / self.step_s }
     }

@@ -4,25 +4,31 @@
 //! links: multiply M (v+ - 2 v + v-)/dt^2 = -K v by (v+ - v-) and sum, K being symmetric. It is positive as long as
 //! dt^2 K/M < 4, which is the stability limit.
 
-use super::lattice::Lattice;
-use super::outline::Outline;
+use super::embedded_boundary::EmbeddedBoundary;
+use super::fdtd::FdtdGrid;
 use super::row::Row;
 use std::cmp::Ordering;
 
-/// Energy per surface density with v in the lattice's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2) over the
+/// Energy per surface density with v in the grid's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2) over the
 /// whole plate, m^2/s^2 times the unit squared.
-pub(super) fn energy(lattice: &Lattice, outline: &Outline, mirrored: bool, step_s: f64, speed: f64) -> f64 {
-    let middle = if mirrored { 0 } else { outline.rows() - 1 };
+pub(super) fn energy(
+    fdtd: &FdtdGrid,
+    edge: &EmbeddedBoundary,
+    mirrored: bool,
+    step_s: f64,
+    speed: f64,
+) -> f64 {
+    let middle = if mirrored { 0 } else { edge.rows() - 1 };
     // The newest field and the one before it; zero outside.
     let at = |row: Option<usize>, station: usize| match row {
-        Some(row) if row < lattice.rows() => {
+        Some(row) if row < fdtd.rows() => {
             let value = |row: Row<'_>| row.get(station).map_or(0.0, f64::from);
-            (value(lattice.newest(row)), value(lattice.row_before(row)))
+            (value(fdtd.newest(row)), value(fdtd.row_before(row)))
         }
         _ => (0.0, 0.0),
     };
     let (mut moving, mut along, mut across) = (0.0, 0.0, 0.0);
-    for row in 0..lattice.rows() {
+    for row in 0..fdtd.rows() {
         let from_centre = row.abs_diff(middle);
         let twins = if mirrored && row > 0 { 2.0 } else { 1.0 };
         // Links outward; the centre line has one to either side.
@@ -32,21 +38,21 @@ pub(super) fn energy(lattice: &Lattice, outline: &Outline, mirrored: bool, step_
             (false, Ordering::Less) => &[(row.checked_sub(1), 1.0)],
             (false, Ordering::Equal) => &[(Some(row + 1), 1.0), (row.checked_sub(1), 1.0)],
         };
-        for station in outline.stations(from_centre) {
+        for station in edge.stations(from_centre) {
             // The driven column is half a cell wide.
             let share = if station == 0 { 0.5 } else { 1.0 };
             let (new, old) = at(Some(row), station);
             moving += twins * share * (new - old).powi(2);
             let (next_new, next_old) = at(Some(row), station + 1);
-            along += twins * outline.along_link(station, from_centre) * (next_new - new) * (next_old - old);
-            let weight = share * outline.across_link(station, from_centre);
+            along += twins * edge.along_link(station, from_centre) * (next_new - new) * (next_old - old);
+            let weight = share * edge.across_link(station, from_centre);
             for &(other, count) in outward {
                 let (other_new, other_old) = at(other, station);
                 across += count * weight * (other_new - new) * (other_old - old);
             }
         }
     }
-    let cell = outline.dx * outline.dz;
-    let stiff = speed * speed * (along / outline.dx.powi(2) + across / outline.dz.powi(2));
+    let cell = edge.dx * edge.dz;
+    let stiff = speed * speed * (along / edge.dx.powi(2) + across / edge.dz.powi(2));
     0.5 * cell * (moving / step_s.powi(2) + stiff)
 }

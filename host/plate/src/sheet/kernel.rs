@@ -1,6 +1,6 @@
-//! The inner loops of the sheet: rows of the leapfrog update, and the end of vanishing numbers.
+//! The inner loops of the sheet: the leapfrog update of rows, and the flush of denormal numbers.
 //!
-//! A row lies in memory by chunks of 64 cells, each as four columns of 16:
+//! A row is stored in chunks of 64 cells, each as four columns of 16 lanes:
 //!
 //! ```text
 //!           lane  0  1  2 ..  15
@@ -38,7 +38,7 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// Whether nothing is lost: the number before then needs no weight, and a multiplication is saved.
+    /// Whether there is no loss: the past field then needs no weight, which saves a multiplication.
     pub(super) fn keep_all(&self) -> bool {
         self.past == 1.0
     }
@@ -47,16 +47,18 @@ impl Weights {
 /// The four lines of a chunk.
 pub(super) type Chunk = [Line; COLUMNS];
 
-/// What is special about the cells of a chunk beside the edge.
+/// A chunk of cells beside the plate's edge and of ghost cells beyond it, which stay zero.
+///
+/// The ghost value that the fixed edge asks for is eliminated: it changes the own weight of the cell inside.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Fringe {
+pub(super) struct GhostCells {
     /// Own weight of each cell.
     pub(super) own: Chunk,
     /// 1 inside the plate, 0 outside.
     pub(super) inside: Chunk,
 }
 
-/// Where rows next to each other lie in a field, and what is special about them.
+/// Where neighbouring rows are stored in a field, and their chunks with ghost cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place<'a> {
     /// The line before the first row's first chunk.
@@ -67,20 +69,20 @@ pub(super) struct Place<'a> {
     pub(super) stride: usize,
     /// Chunks of every row. (Of 32 bits, so that the compiler sees that no sum overflows.)
     pub(super) chunks: u32,
-    /// The last chunks, as far as they are beside the edge, of one row after the other.
-    pub(super) fringe: &'a [Fringe],
+    /// The last chunks of each row, those beside the edge, row after row.
+    pub(super) ghosts: &'a [GhostCells],
 }
 
-/// The weights, once per lane.
+/// The weights as vectors, the same number in each lane.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spread<V> {
+pub(super) struct WeightVectors<V> {
     own: V,
     minus_past: V,
     along: V,
     across: V,
 }
 
-impl<V> Spread<V> {
+impl<V> WeightVectors<V> {
     #[inline(always)]
     pub(super) fn new<L: Lanes<Vector = V>>(lanes: L, weights: Weights) -> Self {
         Self {
@@ -92,27 +94,27 @@ impl<V> Spread<V> {
     }
 }
 
-/// Takes `N` rows one step on: `past`, the field one step before `now`, becomes the field one step after it.
+/// Advances `N` rows by one step: `past`, the field one step before `now`, becomes the field one step after it.
 ///
 /// `KEEP_ALL`: [`Weights::keep_all`].
 #[inline(always)]
 pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
     lanes: L,
-    spread: Spread<L::Vector>,
+    weights: WeightVectors<L::Vector>,
     (past, now): (&mut [Line], &[Line]),
     place: Place<'_>,
 ) {
     let rows = Rows::<N>::new(past, now, place);
-    let mut before = [spread.own; N];
+    let mut before = [weights.own; N];
     for (before, row) in before.iter_mut().zip((place.at..).step_by(place.stride)) {
         *before = lanes.load(&now[row]);
     }
     let chunks = place.chunks as usize;
-    let beside = place.fringe.len() / N;
+    let beside = place.ghosts.len() / N;
     let plain = chunks.saturating_sub(beside);
     for chunk in 0..plain {
-        let own = [[spread.own; COLUMNS]; N];
-        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, spread);
+        let own = [[weights.own; COLUMNS]; N];
+        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, weights);
         for row in 0..N {
             for column in 0..COLUMNS {
                 lanes.store(next[row][column], &mut rows.past[row][chunk][column]);
@@ -120,18 +122,18 @@ pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
         }
     }
     for chunk in plain..chunks {
-        let mut own = [[spread.own; COLUMNS]; N];
+        let mut own = [[weights.own; COLUMNS]; N];
         for row in 0..N {
-            let fringe = &place.fringe[row * beside + chunk - plain];
+            let ghosts = &place.ghosts[row * beside + chunk - plain];
             for column in 0..COLUMNS {
-                own[row][column] = lanes.load(&fringe.own[column]);
+                own[row][column] = lanes.load(&ghosts.own[column]);
             }
         }
-        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, spread);
+        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, weights);
         for row in 0..N {
-            let fringe = &place.fringe[row * beside + chunk - plain];
+            let ghosts = &place.ghosts[row * beside + chunk - plain];
             for column in 0..COLUMNS {
-                let inside = lanes.load(&fringe.inside[column]);
+                let inside = lanes.load(&ghosts.inside[column]);
                 lanes.store(lanes.multiply(next[row][column], inside), &mut rows.past[row][chunk][column]);
             }
         }
@@ -178,7 +180,7 @@ impl<'a, const N: usize> Rows<'a, N> {
         rows
     }
 
-    /// A chunk one step on. `before` is the line before it, and then the line before the next.
+    /// A chunk after the step. `before` is the line before it, and on return the line before the next chunk.
     #[inline(always)]
     fn next<L: Lanes, const KEEP_ALL: bool>(
         &self,
@@ -186,7 +188,7 @@ impl<'a, const N: usize> Rows<'a, N> {
         chunk: usize,
         before: &mut [L::Vector; N],
         own: [[L::Vector; COLUMNS]; N],
-        spread: Spread<L::Vector>,
+        weights: WeightVectors<L::Vector>,
     ) -> [[L::Vector; COLUMNS]; N] {
         const LAST: usize = COLUMNS - 1;
         let (above, below) = (&self.above[chunk], &self.below[chunk]);
@@ -208,11 +210,11 @@ impl<'a, const N: usize> Rows<'a, N> {
                 let (beside, across) = (lanes.add(left, right), lanes.add(up, down));
                 let past = lanes.load(&self.past[row][chunk][column]);
                 let rest = if KEEP_ALL {
-                    lanes.multiply_subtract(spread.across, across, past)
+                    lanes.multiply_subtract(weights.across, across, past)
                 } else {
-                    lanes.multiply_add(spread.minus_past, past, lanes.multiply(spread.across, across))
+                    lanes.multiply_add(weights.minus_past, past, lanes.multiply(weights.across, across))
                 };
-                let others = lanes.multiply_add(spread.along, beside, rest);
+                let others = lanes.multiply_add(weights.along, beside, rest);
                 next[row][column] = lanes.multiply_add(own[row][column], cells[column], others);
             }
             before[row] = cells[LAST];
@@ -221,10 +223,10 @@ impl<'a, const N: usize> Rows<'a, N> {
     }
 }
 
-/// Sets to zero what is too small to matter, most of it before it becomes a denormal number that costs a hundred cycles.
-pub(super) struct Hush<'a>(pub(super) &'a mut [Line]);
+/// Flushes to zero what is below 1e-30, before it becomes a denormal number: one costs some hundred cycles.
+pub(super) struct FlushDenormals<'a>(pub(super) &'a mut [Line]);
 
-impl Work for Hush<'_> {
+impl Work for FlushDenormals<'_> {
     #[inline(always)]
     fn with<L: Lanes>(self, _lanes: L) {
         for value in self.0.as_flattened_mut() {

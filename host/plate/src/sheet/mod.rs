@@ -1,7 +1,7 @@
 //! The plate in two dimensions and in time: the scalar wave equation on the tapered plate, driven by DAC codes.
 //!
 //! ```text
-//!  codes -> mean or hold per step -> actuator -> driven column -> lattice (rows x stations) -> field, envelope
+//!  codes -> mean or hold per step -> actuator -> driven column -> FDTD grid (rows x stations) -> field, envelope
 //! ```
 //!
 //! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid that the plate's edge cuts. It is the
@@ -11,36 +11,36 @@
 mod band;
 mod block;
 mod cost;
+mod embedded_boundary;
 mod energy;
-mod exchange;
+mod fdtd;
 mod grid;
-mod intake;
+mod halo;
 mod kernel;
-mod lattice;
 #[cfg(test)]
 mod naive;
-mod outline;
 mod plan;
 mod record;
 mod row;
 mod scheme;
+mod source;
 #[cfg(test)]
 mod tests;
 mod vector;
 
 pub use cost::Cost;
+pub use fdtd::FdtdGrid;
 pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
-pub use lattice::Lattice;
 
 use crate::spec::plate::Plate;
 use cost::Layout;
-use intake::{EndLaw, Intake};
-use outline::Outline;
+use embedded_boundary::EmbeddedBoundary;
 use scheme::Scheme;
+use source::{DriveCondition, Source};
 use std::f64::consts::TAU;
 use std::iter::repeat;
 
-/// Steps that are collected before the lattice runs, or a single code's if those are more.
+/// Steps that are collected before the grid advances, or a single code's if those are more.
 const STEPS_AT_ONCE: usize = 4096;
 
 /// The largest and the root-mean-square displacement since the last reset.
@@ -57,9 +57,9 @@ pub struct SheetEnvelope {
 /// A tapered plate in two dimensions, at one moment.
 #[derive(Debug)]
 pub struct Sheet {
-    lattice: Lattice,
-    outline: Outline,
-    intake: Intake,
+    fdtd: FdtdGrid,
+    edge: EmbeddedBoundary,
+    source: Source,
     mirrored: bool,
     positions_m: Vec<f64>,
     widths_m: Vec<f64>,
@@ -77,37 +77,37 @@ impl Sheet {
     /// # Errors
     /// [`SheetError`] when the plate bends, or the grid or the rate is out of range.
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
-        let Layout { outline, pace, step_s, speed_m_per_s: speed, mirrored } =
+        let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let (low, high) = plate.band_hz();
         let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
         // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
         let damping = plate.wave_loss() * TAU * loss_at_hz;
-        let scheme = Scheme { outline: &outline, speed, step_s, damping, mirrored, grid: &grid };
-        let (plan, feed) = scheme.plan(EndLaw::of(plate));
-        let side = outline.rows() as isize - 1;
+        let scheme = Scheme { edge: &edge, speed, step_s, damping, mirrored, grid: &grid };
+        let (plan, term) = scheme.plan(DriveCondition::of(plate));
+        let side = edge.rows() as isize - 1;
         Ok(Self {
-            lattice: Lattice::new(plan, grid.threads),
-            intake: Intake::new(pace, step_s, feed, plate.spec().actuator.as_ref()),
+            fdtd: FdtdGrid::new(plan, grid.threads),
+            source: Source::new(ratio, step_s, term, plate.spec().actuator.as_ref()),
             mirrored,
-            positions_m: (0..=grid.along).map(|station| station as f64 * outline.dx).collect(),
-            widths_m: (-side..=side).map(|row| row as f64 * outline.dz).collect(),
+            positions_m: (0..=grid.along).map(|station| station as f64 * edge.dx).collect(),
+            widths_m: (-side..=side).map(|row| row as f64 * edge.dz).collect(),
             step_s,
             speed_m_per_s: speed,
             full_scale_m: plate.spec().full_scale_m,
             scope: grid.envelope,
             recorded_since: 0,
-            outline,
+            edge,
             steps: Vec::with_capacity(STEPS_AT_ONCE),
         })
     }
 
     /// Plays codes (-1 to 1 of full scale; anything else is clamped, what is no number counts as 0).
     pub fn push(&mut self, codes: &[f32]) {
-        for part in codes.chunks(self.intake.codes_for(STEPS_AT_ONCE)) {
+        for part in codes.chunks(self.source.codes_for(STEPS_AT_ONCE)) {
             self.steps.clear();
-            self.intake.take(part, &mut self.steps);
-            self.lattice.advance(&self.steps);
+            self.source.take(part, &mut self.steps);
+            self.fdtd.advance(&self.steps);
         }
     }
 
@@ -138,7 +138,7 @@ impl Sheet {
     /// Writes line `line` of the field in metres, zero beyond its last cell.
     fn line_m(&self, line: usize, out: &mut [f32]) {
         let scale = self.full_scale_m as f32;
-        let row = self.lattice.row(self.lattice_row(line));
+        let row = self.fdtd.row(self.fdtd_row(line));
         for (out, value) in out.iter_mut().zip(row.map(|value| scale * value).chain(repeat(0.0))) {
             *out = value;
         }
@@ -146,7 +146,7 @@ impl Sheet {
 
     /// The envelope since the last reset.
     pub fn envelope(&self) -> SheetEnvelope {
-        let steps = self.lattice.steps() - self.recorded_since;
+        let steps = self.fdtd.steps() - self.recorded_since;
         let stations = self.positions_m.len();
         let middle = self.widths_m.len() / 2;
         let lines = match self.scope {
@@ -156,7 +156,7 @@ impl Sheet {
         let count = lines.len() * stations;
         let mut envelope = SheetEnvelope { steps, maximum_m: vec![0.0; count], rms_m: vec![0.0; count] };
         for (place, line) in lines.enumerate() {
-            let Some(cells) = self.lattice.envelope(self.lattice_row(line)) else { continue };
+            let Some(cells) = self.fdtd.envelope(self.fdtd_row(line)) else { continue };
             let to = place * stations;
             for (station, (maximum, squares)) in cells.take(stations).enumerate() {
                 envelope.maximum_m[to + station] = (f64::from(maximum) * self.full_scale_m) as f32;
@@ -169,16 +169,15 @@ impl Sheet {
 
     /// Begins the envelope anew.
     pub fn reset_envelope(&mut self) {
-        self.recorded_since = self.lattice.steps();
-        self.lattice.reset_envelope();
+        self.recorded_since = self.fdtd.steps();
+        self.fdtd.reset_envelope();
     }
 
     /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 |grad v|^2 over the plate.
     ///
     /// Steps conserve it to rounding when there is no loss and the driven end is held or free.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let unit =
-            energy::energy(&self.lattice, &self.outline, self.mirrored, self.step_s, self.speed_m_per_s);
+        let unit = energy::energy(&self.fdtd, &self.edge, self.mirrored, self.step_s, self.speed_m_per_s);
         unit * self.full_scale_m.powi(2)
     }
 
@@ -189,7 +188,7 @@ impl Sheet {
 
     /// Cells that a step updates.
     pub fn cells(&self) -> usize {
-        self.lattice.plan().reach.iter().map(|reach| reach + 1).sum()
+        self.fdtd.plan().reach.iter().map(|reach| reach + 1).sum()
     }
 
     /// Cell updates that one second of plate time takes: below some 1e9 per core a sheet runs live.
@@ -197,8 +196,8 @@ impl Sheet {
         self.cells() as f64 * self.step_rate_hz()
     }
 
-    /// The lattice row that holds line `line` of the field.
-    fn lattice_row(&self, line: usize) -> usize {
+    /// The grid row that holds line `line` of the field.
+    fn fdtd_row(&self, line: usize) -> usize {
         if self.mirrored { line.abs_diff(self.widths_m.len() / 2) } else { line }
     }
 }

@@ -1,16 +1,16 @@
-//! The sheet's steps as plain loops over rows of cells: what every layout, pace, width and number of threads must equal,
+//! The sheet's steps as plain loops over rows of cells: what every layout, tiling, width and number of threads must equal,
 //! to the bit.
 
+use super::fdtd::FdtdGrid;
 use super::kernel::Weights;
-use super::lattice::Lattice;
 use super::plan::{Cells, Column, plan_at};
 use super::vector::Width;
 use proptest::prelude::*;
 
-/// Steps after which vanishing numbers are set to zero, as the lattice promises.
-const HUSH_EVERY: u64 = 64;
+/// Steps between two flushes of denormal numbers, as the grid promises.
+const FLUSH_EVERY: u64 = 64;
 
-/// A lattice as it is written on paper: station 0 of a row is the driven column.
+/// An FDTD grid as plain loops: station 0 of a row is the driven column.
 struct Naive {
     case: Case,
     now: Vec<Vec<f32>>,
@@ -28,7 +28,7 @@ impl Naive {
         Self { case, now: blank.clone(), past: blank.clone(), maximum: blank, squares, steps: 0 }
     }
 
-    /// As [`Lattice::release`].
+    /// As [`FdtdGrid::release`].
     fn release(&mut self, shape: impl Fn(usize, usize) -> f32) {
         for (row, &reach) in self.case.reach.iter().enumerate() {
             for cell in 0..reach {
@@ -72,7 +72,7 @@ impl Naive {
         }
         self.past = std::mem::replace(&mut self.now, next);
         self.steps += 1;
-        if self.steps.is_multiple_of(HUSH_EVERY) {
+        if self.steps.is_multiple_of(FLUSH_EVERY) {
             let vanishing = |value: &&mut f32| value.abs() < 1e-30;
             self.now
                 .iter_mut()
@@ -83,20 +83,20 @@ impl Naive {
         }
     }
 
-    fn assert_equals(&self, lattice: &Lattice) {
+    fn assert_equals(&self, fdtd: &FdtdGrid) {
         for (row, &reach) in self.case.reach.iter().enumerate() {
             let bits = |numbers: &mut dyn Iterator<Item = f32>| -> Vec<u32> {
                 // Zero has two signs; they are the same displacement.
                 numbers.map(|value| (value + 0.0).to_bits()).collect()
             };
             let expected = |field: &[Vec<f32>]| bits(&mut field[row][..=reach].iter().copied());
-            assert_eq!(bits(&mut lattice.row(row)), expected(&self.now), "newest field, row {row}");
+            assert_eq!(bits(&mut fdtd.row(row)), expected(&self.now), "newest field, row {row}");
             assert_eq!(
-                bits(&mut lattice.row_before(row).numbers()),
+                bits(&mut fdtd.row_before(row).numbers()),
                 expected(&self.past),
                 "field before, row {row}"
             );
-            let Some(recorded) = lattice.envelope(row) else { panic!("row {row} is recorded") };
+            let Some(recorded) = fdtd.envelope(row) else { panic!("row {row} is recorded") };
             let (maximum, squares): (Vec<f32>, Vec<f64>) = recorded.unzip();
             assert_eq!(bits(&mut maximum.into_iter()), expected(&self.maximum), "maximum, row {row}");
             assert_eq!(squares.len(), reach + 1);
@@ -108,7 +108,7 @@ impl Naive {
     }
 }
 
-/// What a lattice is made of.
+/// What a grid is made of.
 #[derive(Debug, Clone)]
 struct Case {
     reach: Vec<usize>,
@@ -155,12 +155,12 @@ impl Case {
         Self { reach, plain, own, mirrored, weights, column }
     }
 
-    fn lattice(&self, pace: (usize, usize), threads: usize, width: Width) -> Lattice {
+    fn fdtd(&self, tiling: (usize, usize), threads: usize, width: Width) -> FdtdGrid {
         let cells = Cells { reach: &self.reach, plain: &self.plain, own: &self.own, mirrored: self.mirrored };
-        let plan = plan_at(pace, cells, self.weights, self.column.clone(), 0..self.reach.len());
-        let mut lattice = Lattice::new(plan, threads);
-        lattice.use_width(width);
-        lattice
+        let plan = plan_at(tiling, cells, self.weights, self.column.clone(), 0..self.reach.len());
+        let mut fdtd = FdtdGrid::new(plan, threads);
+        fdtd.use_width(width);
+        fdtd
     }
 }
 
@@ -168,7 +168,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_lattice_equals_the_plain_loops_to_the_bit(
+    fn any_grid_equals_the_plain_loops_to_the_bit(
         cells in prop_oneof![1usize..20, 60usize..70, 120usize..200, 250usize..265],
         spare_rows in 0usize..9,
         (bands, group, depth) in (1usize..5, prop_oneof![Just(2), Just(4)], prop_oneof![Just(1), Just(4), Just(8), Just(16)]),
@@ -181,27 +181,27 @@ proptest! {
         let rows = bands * (2 * depth + 2) + spare_rows;
         let case = Case::new(cells, rows, taper, mirrored, is_lossy, is_driven);
         let widths = Width::all();
-        let mut lattice = case.lattice((group, depth), bands, widths[width % widths.len()]);
-        prop_assert_eq!(lattice.threads(), bands);
+        let mut fdtd = case.fdtd((group, depth), bands, widths[width % widths.len()]);
+        prop_assert_eq!(fdtd.threads(), bands);
         let start = |cell: usize, row: usize| scale * (scattered(row * 4096 + cell, 3) - 0.5);
-        lattice.release(start);
+        fdtd.release(start);
         let mut naive = Naive::new(case);
         naive.release(start);
         let mut sent = 0;
         for steps in calls {
             let drive: Vec<f32> = (sent..sent + steps).map(|n| scale * (scattered(n, 4) - 0.5)).collect();
             sent += steps;
-            lattice.advance(&drive);
+            fdtd.advance(&drive);
             drive.iter().for_each(|&drive| naive.step(drive));
-            naive.assert_equals(&lattice);
+            naive.assert_equals(&fdtd);
         }
     }
 }
 
 #[test]
-fn a_rectangle_is_the_lattice_it_says_at_every_pace_it_chooses() {
-    // Sizes about the borders of lines, chunks and caches, and the pace and the bands that come of them.
-    for (cells, rows, threads, pace, bands) in [
+fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
+    // Sizes about the borders of lines, chunks and caches, and the tiling and the bands that come of them.
+    for (cells, rows, threads, tiling, bands) in [
         (1, 1, 1, (4, 16), 1),
         (64, 70, 2, (4, 16), 2),
         (65, 40, 2, (4, 8), 2),
@@ -209,12 +209,12 @@ fn a_rectangle_is_the_lattice_it_says_at_every_pace_it_chooses() {
         (300, 40, 3, (2, 4), 3),
         (700, 110, 3, (2, 16), 3),
     ] {
-        let mut lattice = Lattice::rectangle(cells, rows, 0.25, threads);
-        assert_eq!((lattice.plan().group, lattice.depth()), pace, "{cells} x {rows}");
-        assert_eq!(lattice.threads(), bands, "{cells} x {rows}");
+        let mut fdtd = FdtdGrid::rectangle(cells, rows, 0.25, threads);
+        assert_eq!((fdtd.plan().group, fdtd.depth()), tiling, "{cells} x {rows}");
+        assert_eq!(fdtd.threads(), bands, "{cells} x {rows}");
         let start = |cell: usize, row: usize| scattered(row * 4096 + cell, 5) - 0.5;
-        lattice.release(start);
-        lattice.advance(&[0.0; 150]);
+        fdtd.release(start);
+        fdtd.advance(&[0.0; 150]);
         let weights = Weights { own: 1.0, past: 1.0, along: 0.25, across: 0.25 };
         let own = vec![vec![1.0; cells]; rows];
         let reach = vec![cells; rows];
@@ -224,7 +224,7 @@ fn a_rectangle_is_the_lattice_it_says_at_every_pace_it_chooses() {
         (0..150).for_each(|_| naive.step(0.0));
         for row in 0..rows {
             assert!(
-                lattice.row(row).eq(naive.now[row][..=cells].iter().copied()),
+                fdtd.row(row).eq(naive.now[row][..=cells].iter().copied()),
                 "{cells} x {rows}: row {row}"
             );
         }
@@ -238,8 +238,8 @@ fn a_band_that_panics_ends_the_call_instead_of_hanging_it() {
         // A bug: the band in the middle has no drive for its rows.
         column.profile.truncate(30);
     }
-    let mut lattice = case.lattice((2, 4), 3, Width::detect());
-    assert_eq!(lattice.threads(), 3);
-    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| lattice.advance(&[0.0; 100])));
+    let mut fdtd = case.fdtd((2, 4), 3, Width::detect());
+    assert_eq!(fdtd.threads(), 3);
+    let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| fdtd.advance(&[0.0; 100])));
     assert!(ended.is_err());
 }

@@ -1,4 +1,4 @@
-//! The envelope: the largest magnitude and the sum of squares of every cell of the rows that are recorded.
+//! The record of the envelope: largest magnitude and sum of squares of every cell of the recorded rows.
 //!
 //! Squares are first summed as `f32`, over at most some tens of steps, and those sums as `f64`: two thirds of the
 //! memory traffic that sums in `f64` alone would take, and an error below 1e-5 of the sum.
@@ -7,28 +7,28 @@ use super::row::Row;
 use super::vector::{LANES, Lanes, Line};
 use std::ops::Range;
 
-/// What has been recorded of `rows`, laid out as the field is.
+/// The record of `rows`, laid out as the field is.
 #[derive(Debug)]
-pub(super) struct Record {
+pub(super) struct EnvelopeRecord {
     pub(super) rows: Range<usize>,
     /// Lines of a row.
     stride: usize,
     maximum: Vec<Line>,
-    /// Squares since the last [`Record::settle`].
+    /// Squares since the last [`EnvelopeRecord::accumulate`].
     recent: Vec<Line>,
     /// Squares before it.
     squares: Vec<[f64; LANES]>,
 }
 
-/// The record of rows on their way to another band.
+/// The record of rows that a band sends to another.
 #[derive(Debug, Default)]
-pub(super) struct Extract {
+pub(super) struct RecordHalo {
     maximum: Vec<Line>,
     recent: Vec<Line>,
     squares: Vec<[f64; LANES]>,
 }
 
-impl Record {
+impl EnvelopeRecord {
     /// Of `rows`, each `stride` lines.
     pub(super) fn new(rows: Range<usize>, stride: usize) -> Self {
         let count = rows.len() * stride;
@@ -44,7 +44,7 @@ impl Record {
         at(rows.start)..at(rows.end)
     }
 
-    /// Takes a step of a row, if it is recorded: its first lines, those with cells inside.
+    /// Records one step of a row: its first lines, those with cells inside. Rows that are not recorded are ignored.
     #[inline(always)]
     pub(super) fn take<L: Lanes>(&mut self, lanes: L, row: usize, lines: &[Line]) {
         let range = self.lines(&(row..row + 1));
@@ -56,8 +56,8 @@ impl Record {
         }
     }
 
-    /// Sums up what is recent, of `rows`.
-    pub(super) fn settle(&mut self, rows: &Range<usize>) {
+    /// Adds the recent squares of `rows` to the sums in `f64`.
+    pub(super) fn accumulate(&mut self, rows: &Range<usize>) {
         let range = self.lines(rows);
         let squares = self.squares[range.clone()].as_flattened_mut();
         for (squares, recent) in squares.iter_mut().zip(self.recent[range].as_flattened_mut()) {
@@ -87,15 +87,15 @@ impl Record {
     }
 
     /// Copies out what is recorded of `rows`.
-    pub(super) fn pack(&self, rows: &Range<usize>, extract: &mut Extract) {
+    pub(super) fn pack(&self, rows: &Range<usize>, extract: &mut RecordHalo) {
         let range = self.lines(rows);
         refill(&mut extract.maximum, &self.maximum[range.clone()]);
         refill(&mut extract.recent, &self.recent[range.clone()]);
         refill(&mut extract.squares, &self.squares[range]);
     }
 
-    /// Puts in its place what [`Record::pack`] copied out of the same rows of another record.
-    pub(super) fn unpack(&mut self, rows: &Range<usize>, extract: &Extract) {
+    /// Puts in its place what [`EnvelopeRecord::pack`] copied out of the same rows of another record.
+    pub(super) fn unpack(&mut self, rows: &Range<usize>, extract: &RecordHalo) {
         let range = self.lines(rows);
         self.maximum[range.clone()].copy_from_slice(&extract.maximum);
         self.recent[range.clone()].copy_from_slice(&extract.recent);

@@ -1,4 +1,4 @@
-//! One row of a lattice, as it is read from outside: by station, wherever its cells lie in memory.
+//! One row of an FDTD grid, read by station: hides the order of its cells in memory.
 
 use super::kernel::place;
 use super::vector::LANES;

@@ -1,14 +1,14 @@
-//! The finite-difference scheme: what the weights of the update are, and how the driven end moves.
+//! The finite-difference scheme: the weights of the update, and the condition at the driven end.
 
+use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{EnvelopeScope, SheetGrid};
-use super::intake::{EndLaw, Feed};
 use super::kernel::Weights;
-use super::outline::Outline;
 use super::plan::{Cells, Column, Plan, plan_of};
+use super::source::{DriveCondition, SourceTerm};
 
-/// What the weights of the update follow from.
+/// What the weights of the update are computed from.
 pub(super) struct Scheme<'a> {
-    pub(super) outline: &'a Outline,
+    pub(super) edge: &'a EmbeddedBoundary,
     pub(super) speed: f64,
     pub(super) step_s: f64,
     /// r of r v_t, 1/s.
@@ -19,10 +19,10 @@ pub(super) struct Scheme<'a> {
 
 impl Scheme<'_> {
     /// (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/2dt = c^2 (second differences), solved for v+.
-    pub(super) fn plan(&self, law: EndLaw) -> (Plan, Feed) {
-        let outline = self.outline;
-        let along = (self.speed * self.step_s / outline.dx).powi(2);
-        let across = (self.speed * self.step_s / outline.dz).powi(2);
+    pub(super) fn plan(&self, law: DriveCondition) -> (Plan, SourceTerm) {
+        let edge = self.edge;
+        let along = (self.speed * self.step_s / edge.dx).powi(2);
+        let across = (self.speed * self.step_s / edge.dz).powi(2);
         let loss = 0.5 * self.damping * self.step_s;
         let divisor = 1.0 + loss;
         let weights = Weights {
@@ -31,7 +31,7 @@ impl Scheme<'_> {
             along: (along / divisor) as f32,
             across: (across / divisor) as f32,
         };
-        let side = outline.rows() - 1;
+        let side = edge.rows() - 1;
         let rows: Vec<usize> = if self.mirrored {
             (0..=side).collect()
         } else {
@@ -39,32 +39,32 @@ impl Scheme<'_> {
         };
         // Links of a point to its two neighbours in z; the centre line has two outward ones.
         let across_links = |station: usize, row: usize| {
-            let outward = outline.across_link(station, row);
+            let outward = edge.across_link(station, row);
             if row == 0 { 2.0 * outward } else { 1.0 + outward }
         };
         let own = |station: usize, row: usize| {
-            let held = along * (1.0 + outline.along_link(station, row)) + across * across_links(station, row);
+            let held = along * (1.0 + edge.along_link(station, row)) + across * across_links(station, row);
             ((2.0 - held) / divisor) as f32
         };
         let own_by_row: Vec<Vec<f32>> = rows
             .iter()
-            .map(|&row| (1..=outline.reach[row]).map(|station| own(station, row)).collect())
+            .map(|&row| (1..=edge.reach[row]).map(|station| own(station, row)).collect())
             .collect();
 
         // The driven column is half a cell wide: v_tt = c^2 (2/dx ((v1 - v0)/dx - v_x(0)) + v_zz).
-        let (resisted, feed) = match law {
-            EndLaw::Held => (0.0, Feed::Value),
-            EndLaw::Pushed { slope_per_m } => {
-                (0.0, Feed::Scaled(2.0 * along * outline.dx * slope_per_m / divisor))
+        let (resisted, term) = match law {
+            DriveCondition::Displacement => (0.0, SourceTerm::Value),
+            DriveCondition::Force { slope_per_m } => {
+                (0.0, SourceTerm::Scaled(2.0 * along * edge.dx * slope_per_m / divisor))
             }
-            EndLaw::Resisted { rho_s_per_m } => {
-                let b = along * outline.dx * rho_s_per_m / self.step_s;
-                (b, Feed::Change(2.0 * b / (divisor + b)))
+            DriveCondition::Resistance { rho_s_per_m } => {
+                let b = along * edge.dx * rho_s_per_m / self.step_s;
+                (b, SourceTerm::Change(2.0 * b / (divisor + b)))
             }
         };
-        let moves = if law == EndLaw::Held { 0.0 } else { 1.0 / (divisor + resisted) };
+        let moves = if law == DriveCondition::Displacement { 0.0 } else { 1.0 / (divisor + resisted) };
         let column_own = |row: usize| {
-            let links = 2.0 * along * outline.along_link(0, row) + across * across_links(0, row);
+            let links = 2.0 * along * edge.along_link(0, row) + across * across_links(0, row);
             (moves * (2.0 - links)) as f32
         };
         let column = Column {
@@ -84,9 +84,9 @@ impl Scheme<'_> {
             EnvelopeScope::CentreLine if self.mirrored => 0..1,
             EnvelopeScope::CentreLine => side..side + 1,
         };
-        let reach: Vec<usize> = rows.iter().map(|&row| outline.reach[row]).collect();
-        let plain: Vec<usize> = rows.iter().map(|&row| outline.plain(row)).collect();
+        let reach: Vec<usize> = rows.iter().map(|&row| edge.reach[row]).collect();
+        let plain: Vec<usize> = rows.iter().map(|&row| edge.plain(row)).collect();
         let cells = Cells { reach: &reach, plain: &plain, own: &own_by_row, mirrored: self.mirrored };
-        (plan_of(cells, weights, Some(column), recorded), feed)
+        (plan_of(cells, weights, Some(column), recorded), term)
     }
 }

@@ -140,11 +140,11 @@ fn threads_and_vector_widths_do_not_change_a_bit() {
             ..SheetGrid::new(256, 40)
         };
         let mut sheet = Sheet::new(&plate, RATE, grid).unwrap();
-        sheet.lattice.use_width(width);
+        sheet.fdtd.use_width(width);
         for codes in tone(160.0, 0, 9000).chunks(chunk) {
             sheet.push(codes);
         }
-        (sheet.lattice.threads(), field(&sheet), sheet.envelope())
+        (sheet.fdtd.threads(), field(&sheet), sheet.envelope())
     };
     for whole in [false, true] {
         let (_, field, envelope) = run(1, whole, Width::Portable, 9000);

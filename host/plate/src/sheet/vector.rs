@@ -36,7 +36,7 @@ pub(super) trait Lanes: Copy {
     fn down(self, vector: Self::Vector, after: Self::Vector) -> Self::Vector;
 }
 
-/// Plain Rust, which the compiler turns into the vectors of the instruction set it compiles for.
+/// Plain Rust, which the compiler transfers into the vectors of the instruction set it compiles for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plain;
 

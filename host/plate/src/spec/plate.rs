@@ -26,7 +26,7 @@ pub struct PlateSpec {
     pub model: Model,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
-    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled over every speed
+    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled_amplitude over every speed
     /// within it, not for the nominal speed alone. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
     /// What is held at x = 0.
@@ -90,7 +90,7 @@ impl Plate {
         if high > low * BAND_RATIO_MAX {
             return at_start(Consequence::BandRatio(low, high));
         }
-        let wavelengths = self.guide(1).phase_to(self.spec.span_end_m, high) / TAU;
+        let wavelengths = self.width_mode(1).phase_to(self.spec.span_end_m, high) / TAU;
         if wavelengths.is_nan() || wavelengths > WAVELENGTHS_MAX {
             return at_end(Consequence::Wavelengths(wavelengths));
         }
@@ -142,12 +142,12 @@ impl Plate {
 
     /// Lowest frequency that enters the plate at all, Hz (its wave turns at x = 0).
     pub fn cut_off_hz(&self) -> f64 {
-        self.guide(1).cut_off_hz(0.0)
+        self.width_mode(1).cut_off_hz(0.0)
     }
 
     /// The frequency whose turning point is `x`, Hz.
     pub fn frequency_for_boundary_hz(&self, x: f64) -> f64 {
-        self.guide(1).cut_off_hz(x)
+        self.width_mode(1).cut_off_hz(x)
     }
 
     /// Frequencies of the two ends of the span, Hz.
@@ -177,8 +177,8 @@ impl Plate {
     }
 
     /// The wave of one width mode in this plate.
-    pub(crate) fn guide(&self, mode: u32) -> Guide<'_> {
-        Guide {
+    pub(crate) fn width_mode(&self, mode: u32) -> WidthMode<'_> {
+        WidthMode {
             plate: self,
             number: self.spec.model.width_number(mode),
             slope: self.spec.model.width_slope(mode),
@@ -188,7 +188,7 @@ impl Plate {
 
 /// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Guide<'a> {
+pub(crate) struct WidthMode<'a> {
     pub(crate) plate: &'a Plate,
     /// q.
     pub(crate) number: f64,
@@ -196,7 +196,7 @@ pub(crate) struct Guide<'a> {
     pub(crate) slope: f64,
 }
 
-impl Guide<'_> {
+impl WidthMode<'_> {
     /// a K^2 without loss, 1/m^2.
     pub(crate) fn axial_squared(&self, frequency_hz: f64) -> f64 {
         self.slope * self.plate.spec.model.wavenumber_squared(TAU * frequency_hz)

@@ -20,13 +20,13 @@ impl Plate {
     ///
     /// A drive on the centre line excites m = 3, 5, ..; an off-centre one m = 2, 3, ..
     pub fn ghost_boundary_m(&self, frequency_hz: f64, mode: u32) -> Option<f64> {
-        let place = self.guide(mode).turning_point_m(frequency_hz);
+        let place = self.width_mode(mode).turning_point_m(frequency_hz);
         (place.is_finite() && place > 0.0).then_some(place)
     }
 
     /// kappa of the Airy form at the turning point, 1/m.
     pub fn kappa_per_m(&self, frequency_hz: f64) -> Option<f64> {
-        self.turning_point_m(frequency_hz).map(|x0| self.guide(1).fall(x0).cbrt())
+        self.turning_point_m(frequency_hz).map(|x0| self.width_mode(1).fall(x0).cbrt())
     }
 
     /// Distance from the peak to a tenth of it, metres (2.729/kappa).

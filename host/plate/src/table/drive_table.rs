@@ -9,7 +9,7 @@
 
 use super::error::{KNOTS_MAX, TableError};
 use super::knots::{onto_resonances, rising, share_error};
-use super::level::{Chain, amid, chains, other_speeds};
+use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_speeds};
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 
@@ -73,26 +73,26 @@ impl DriveTable {
         if !(2..=KNOTS_MAX).contains(&knots) {
             return Err(TableError::Knots { knots });
         }
-        let chain = Chain::new(plate, sample_rate_hz)?;
+        let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
         let (start, end) = plate.span_m();
         let place = |k: f64| start + (end - start) * k / (knots - 1) as f64;
         let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
         // Halves: knots at even indices, middles at odd ones.
         let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
         let others = other_speeds(plate);
-        let others = chains(&others, sample_rate_hz);
+        let others = drives_to_peak(&others, sample_rate_hz);
         // Frequencies that each stage solves, per knot: they share out the progress.
         let speeds = 1.0 + others.len() as f64;
         let whole = 2.0 + 2.0 * speeds + 4.0;
         let ends = [0.0, 2.0, 2.0 + speeds, 2.0 + 2.0 * speeds, whole].map(|end| end / whole);
-        let levels = chain.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
-        let shifted = onto_resonances(&chain, &places, &halves, &levels);
+        let levels = drive_to_peak.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
+        let shifted = onto_resonances(&drive_to_peak, &places, &halves, &levels);
 
         let mut frequency: Vec<f64> = shifted.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
         rising(&mut frequency);
-        let at_knots = amid(&chain, &others, &frequency, &mut progress.part(ends[1], ends[2]))?;
+        let at_knots = mid_levels(&drive_to_peak, &others, &frequency, &mut progress.part(ends[1], ends[2]))?;
         let middles: Vec<f64> = frequency.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-        let between = amid(&chain, &others, &middles, &mut progress.part(ends[2], ends[3]))?;
+        let between = mid_levels(&drive_to_peak, &others, &middles, &mut progress.part(ends[2], ends[3]))?;
         let mut gain: Vec<f64> = at_knots.iter().map(|level| 1.0 / level.amplitude).collect();
         share_error(&mut gain, &at_knots, &between);
         let largest = gain.iter().copied().fold(0.0, f64::max);
@@ -120,7 +120,7 @@ impl DriveTable {
             swing_without_gain_db: 20.0 * (high / low).log10(),
             knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
         };
-        table.measure(plate, &chain, level, &mut progress.part(ends[3], ends[4]))?;
+        table.measure(plate, &drive_to_peak, level, &mut progress.part(ends[3], ends[4]))?;
         Ok(table)
     }
 
@@ -147,7 +147,7 @@ impl DriveTable {
     fn measure(
         &mut self,
         plate: &Plate,
-        chain: &Chain<'_>,
+        drive_to_peak: &DriveToPeak<'_>,
         level: f64,
         progress: &mut Progress<'_>,
     ) -> Result<(), TableError> {
@@ -158,7 +158,7 @@ impl DriveTable {
             })
             .collect();
         let frequencies: Vec<f64> = places.iter().map(|&x| self.frequency_hz(x)).collect();
-        let levels = chain.levels(&frequencies, progress)?;
+        let levels = drive_to_peak.levels(&frequencies, progress)?;
         for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {
             let error_db = 20.0 * (self.gain(x) * found.amplitude / level).log10();
             self.worst_error_db = self.worst_error_db.max(error_db.abs());

@@ -1,10 +1,10 @@
 //! Where the knots of a table are put and what gains they get, for a device that interpolates linearly between them.
 
-use super::level::{Chain, Level};
+use super::level::{DriveToPeak, Level};
 
 /// Moves knots so that each sharp resonance of the level falls on a knot; between resonances the shift is linear.
 pub(super) fn onto_resonances(
-    chain: &Chain<'_>,
+    drive_to_peak: &DriveToPeak<'_>,
     places: &[f64],
     halves: &[f64],
     levels: &[Level],
@@ -17,8 +17,8 @@ pub(super) fn onto_resonances(
             continue;
         }
         let at = |x: f64| {
-            let frequency = chain.plate.frequency_for_boundary_hz(x);
-            chain.level(frequency).map_or(0.0, |level| level.amplitude)
+            let frequency = drive_to_peak.plate.frequency_for_boundary_hz(x);
+            drive_to_peak.level(frequency).map_or(0.0, |level| level.amplitude)
         };
         let top = golden_maximum(halves[i - 1], halves[i + 1], at);
         let knot = ((top - places[0]) / spacing).round() as usize;

@@ -1,4 +1,4 @@
-//! The level that a table makes equal: the peak per unit of DAC amplitude, at one wave speed or amid several.
+//! The level that a table makes equal: the peak per unit of DAC amplitude, at one wave speed or mid_levels several.
 //!
 //! A wave speed that is known to a tolerance only shifts the ripple of an imperfect match along the plate. A table
 //! that undoes the ripple where it is supposed to be doubles it where it is not. So with a tolerance the gain at each
@@ -33,14 +33,14 @@ pub struct Level {
 }
 
 /// Everything between the DAC and the plate's peak, prepared for many frequencies of one plate.
-pub(crate) struct Chain<'a> {
+pub(crate) struct DriveToPeak<'a> {
     pub(super) plate: &'a Plate,
     grid: Grid,
     step_m: f64,
     sample_rate_hz: f64,
 }
 
-impl<'a> Chain<'a> {
+impl<'a> DriveToPeak<'a> {
     pub(crate) fn new(plate: &'a Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
         sample_rate::check(plate, sample_rate_hz)?;
         Ok(Self::unchecked(plate, sample_rate_hz))
@@ -68,7 +68,7 @@ impl<'a> Chain<'a> {
         for part in frequencies_hz.chunks(FREQUENCIES_AT_ONCE) {
             progress.at(levels.len() as f64 / count as f64)?;
             numerov::solve_each(&self.grid, self.plate, part, |number, field| {
-                levels.push(self.judge(part[number], field));
+                levels.push(self.level_of(part[number], field));
             });
         }
         levels.into_iter().collect()
@@ -85,10 +85,10 @@ impl<'a> Chain<'a> {
     }
 
     pub(crate) fn level(&self, frequency_hz: f64) -> Result<Level, TableError> {
-        self.judge(frequency_hz, &numerov::solve(&self.grid, self.plate, frequency_hz))
+        self.level_of(frequency_hz, &numerov::solve(&self.grid, self.plate, frequency_hz))
     }
 
-    fn judge(&self, frequency_hz: f64, field: &[Complex64]) -> Result<Level, TableError> {
+    fn level_of(&self, frequency_hz: f64, field: &[Complex64]) -> Result<Level, TableError> {
         let turning_point_m = self.plate.turning_point_m(frequency_hz).unwrap_or(0.0);
         let kappa = self.plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
         let found = peak::find(field, self.step_m, turning_point_m, kappa);
@@ -116,15 +116,15 @@ impl<'a> Chain<'a> {
 
 /// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude; `others` are its
 /// [`other_speeds`].
-pub(crate) fn levelled(
+pub(crate) fn levelled_amplitude(
     plate: &Plate,
     others: &[Plate],
     sample_rate_hz: f64,
     frequency_hz: f64,
 ) -> Result<f64, TableError> {
-    let chain = Chain::new(plate, sample_rate_hz)?;
-    let others = chains(others, sample_rate_hz);
-    let levels = amid(&chain, &others, &[frequency_hz], &mut Progress::new(&mut |_| true))?;
+    let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
+    let others = drives_to_peak(others, sample_rate_hz);
+    let levels = mid_levels(&drive_to_peak, &others, &[frequency_hz], &mut Progress::new(&mut |_| true))?;
     Ok(levels[0].amplitude)
 }
 
@@ -141,24 +141,24 @@ pub(crate) fn other_speeds(plate: &Plate) -> Vec<Plate> {
         .collect()
 }
 
-pub(super) fn chains(plates: &[Plate], sample_rate_hz: f64) -> Vec<Chain<'_>> {
-    plates.iter().map(|plate| Chain::unchecked(plate, sample_rate_hz)).collect()
+pub(super) fn drives_to_peak(plates: &[Plate], sample_rate_hz: f64) -> Vec<DriveToPeak<'_>> {
+    plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect()
 }
 
 /// The nominal plate's levels, each moved to the middle, in dB, of the lowest and the highest that all plates give.
-pub(super) fn amid(
-    nominal: &Chain<'_>,
-    others: &[Chain<'_>],
+pub(super) fn mid_levels(
+    nominal: &DriveToPeak<'_>,
+    others: &[DriveToPeak<'_>],
     frequencies_hz: &[f64],
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Level>, TableError> {
     let speeds = 1.0 + others.len() as f64;
     let levels = nominal.levels(frequencies_hz, &mut progress.part(0.0, 1.0 / speeds))?;
     let mut ranges: Vec<_> = levels.iter().map(|level| (level.amplitude, level.amplitude)).collect();
-    for (number, chain) in others.iter().enumerate() {
+    for (number, drive_to_peak) in others.iter().enumerate() {
         let done = 1.0 + number as f64;
         let part = &mut progress.part(done / speeds, (done + 1.0) / speeds);
-        for ((low, high), other) in ranges.iter_mut().zip(chain.levels(frequencies_hz, part)?) {
+        for ((low, high), other) in ranges.iter_mut().zip(drive_to_peak.levels(frequencies_hz, part)?) {
             *low = low.min(other.amplitude);
             *high = high.max(other.amplitude);
         }

@@ -2,7 +2,7 @@
 
 use super::drive_table::DriveTable;
 use super::error::{KNOTS_MAX, TableError};
-use super::level::Chain;
+use super::level::DriveToPeak;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 
@@ -55,14 +55,14 @@ fn watched(
 ) -> Result<Sensitivity, TableError> {
     let intended = table.peak_at_full_scale_m / table_plate.spec().full_scale_m;
     // The actual plate's own band may end elsewhere: only the table's frequencies have to be carried.
-    let chain = Chain::unchecked(actual_plate, table.sample_rate_hz);
+    let drive_to_peak = DriveToPeak::unchecked(actual_plate, table.sample_rate_hz);
     let mut result =
         Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_start_m };
     let place = |i: usize| {
         table.span_start_m + (table.span_end_m - table.span_start_m) * i as f64 / (PLACES - 1) as f64
     };
     let frequencies: Vec<f64> = (0..PLACES).map(|i| table.frequency_hz(place(i))).collect();
-    for (i, level) in chain.levels(&frequencies, progress)?.into_iter().enumerate() {
+    for (i, level) in drive_to_peak.levels(&frequencies, progress)?.into_iter().enumerate() {
         let x = place(i);
         let error_db = 20.0 * (level.amplitude * table.gain(x) / intended).log10();
         result.highest_db = result.highest_db.max(error_db);

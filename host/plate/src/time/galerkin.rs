@@ -5,14 +5,14 @@
 //! (f'(0) = 0) answer to a force, those with a held end (f(0) = 0) to a displacement. Loss and frequency enter
 //! only through A's eigenvalues, so the functions are real and are computed once.
 
-use crate::spec::plate::Guide;
+use crate::spec::plate::WidthMode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Decay exponents kept beyond the plate's end (what comes back from there is squared: e^-14).
 const BEYOND_EXPONENTS: f64 = 7.0;
 
 /// Eigenfunctions of the plate for one kind of driven end, as columns over the output places.
-pub(crate) struct Oscillations {
+pub(crate) struct EigenFunctions {
     /// Eigenvalues lambda of A, 1/m^2, rising.
     pub(crate) eigenvalue: Vec<f64>,
     /// How the drive excites each one: phi(0) for a force, see [`held`] for a displacement.
@@ -34,28 +34,28 @@ struct Projection {
 }
 
 /// How many polynomials carry waves up to `frequency_hz`, and how far the taper is continued.
-fn size(guide: &Guide<'_>, frequency_hz: f64) -> (usize, f64) {
-    let plate = guide.plate;
+fn size(width_mode: &WidthMode<'_>, frequency_hz: f64) -> (usize, f64) {
+    let plate = width_mode.plate;
     let length = plate.length_m();
     let step = length / 400.0;
-    let slowest = guide.width_term(length);
+    let slowest = width_mode.width_term(length);
     let (mut reach, mut exponents) = (length, 0.0);
     while exponents < BEYOND_EXPONENTS && reach < 3.0 * length && reach + step < 0.97 * plate.width.reach_m()
     {
         reach += step;
-        exponents += (guide.width_term(reach) - slowest).max(0.0).sqrt() * step;
+        exponents += (width_mode.width_term(reach) - slowest).max(0.0).sqrt() * step;
     }
     // A polynomial basis follows a wave once there are more than pi terms per wavelength, plus a margin that grows
     // slowly; the barrier's own steepness asks for some as well.
-    let wavenumber = guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+    let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let waves = 0.5 * wavenumber * reach;
     let count = waves + 6.0 * waves.cbrt() + 16.0 + 2.0 * plate.narrowing_per_m(0.0).abs() * reach;
     (count.ceil() as usize, reach)
 }
 
-fn project(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Projection {
-    let (count, reach) = size(guide, frequency_hz);
-    let width = &guide.plate.width;
+fn project(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> Projection {
+    let (count, reach) = size(width_mode, frequency_hz);
+    let width = &width_mode.plate.width;
     let log_start = width.at(0.0).value;
     let (node, weight) = gauss_legendre(2 * count + 24);
     let mut stiffness = DMatrix::zeros(count, count);
@@ -64,7 +64,7 @@ fn project(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Projection
         let x = 0.5 * reach * (xi + 1.0);
         let (value, slope) = legendre(*xi, count, reach);
         let local = 0.5 * reach * weight * (width.at(x).value - log_start).exp();
-        let barrier = local * guide.width_term(x);
+        let barrier = local * width_mode.width_term(x);
         mass.ger(local, &value, &value, 1.0);
         stiffness.ger(local, &slope, &slope, 1.0);
         stiffness.ger(barrier, &value, &value, 1.0);
@@ -78,12 +78,12 @@ fn project(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Projection
     Projection { stiffness, mass, at_places, at_drive }
 }
 
-/// Oscillations with a free driven end, excited by f'(0): f = -f'(0) sum phi(0) phi(x)/(lambda - a K^2).
-pub(crate) fn free(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Oscillations {
-    let projection = project(guide, frequency_hz, places_m);
+/// EigenFunctions with a free driven end, excited by f'(0): f = -f'(0) sum phi(0) phi(x)/(lambda - a K^2).
+pub(crate) fn free(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> EigenFunctions {
+    let projection = project(width_mode, frequency_hz, places_m);
     let (eigenvalue, vector) = eigen(&projection.stiffness, &projection.mass);
     let at_drive = vector.tr_mul(&projection.at_drive);
-    Oscillations {
+    EigenFunctions {
         eigenvalue,
         excitation: at_drive.iter().map(|value| -value).collect(),
         at_drive: at_drive.iter().copied().collect(),
@@ -92,12 +92,12 @@ pub(crate) fn free(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Os
     }
 }
 
-/// Oscillations with a held driven end, excited by f(0) = s.
+/// EigenFunctions with a held driven end, excited by f(0) = s.
 ///
 /// With f = s (1 + h), h(0) = 0: h = -sum phi (m + (k - lambda m)/(lambda - a K^2)), where k and m are the
 /// projections of A 1 and 1. The m part follows at once (`direct`), the rest rings.
-pub(crate) fn held(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Oscillations {
-    let projection = project(guide, frequency_hz, places_m);
+pub(crate) fn held(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> EigenFunctions {
+    let projection = project(width_mode, frequency_hz, places_m);
     let count = projection.at_drive.len();
     // Columns P[n]/P[n](0) - P[n-1]/P[n-1](0), each of which vanishes at the driven end.
     let mut basis = DMatrix::zeros(count, count - 1);
@@ -115,7 +115,7 @@ pub(crate) fn held(guide: &Guide<'_>, frequency_hz: f64, places_m: &[f64]) -> Os
     let k = vector.tr_mul(&(&projection.stiffness * &lift));
     let shape = &projection.at_places * &vector;
     let direct = &projection.at_places * &lift - &shape * &m;
-    Oscillations {
+    EigenFunctions {
         excitation: (0..eigenvalue.len()).map(|n| eigenvalue[n] * m[n] - k[n]).collect(),
         at_drive: vec![0.0; eigenvalue.len()],
         eigenvalue,

@@ -1,17 +1,17 @@
 //! The steps of the oscillators, integrated exactly for a drive that is a spline.
 
-use super::analytic::{BSPLINE, Plan};
-use super::kernel::Oscillators;
-use super::modal::Bank;
+use super::analytic_signal::{BSPLINE, BandPlan};
+use super::kernel::ModalStates;
+use super::modal::ModalBank;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// The steps of every oscillator.
-pub(super) fn prepare(bank: &Bank, plan: &Plan) -> Oscillators {
-    let mut oscillators = Oscillators {
+pub(super) fn prepare(bank: &ModalBank, plan: &BandPlan) -> ModalStates {
+    let mut oscillators = ModalStates {
         re: vec![0.0; bank.pole.len()],
         im: vec![0.0; bank.pole.len()],
-        ..Oscillators::default()
+        ..ModalStates::default()
     };
     for pole in &bank.pole {
         let (advance, inject) = integrate(*pole, plan.centre_hz, 1.0 / plan.rate_hz());

@@ -39,9 +39,9 @@ impl WithSimd for Filter<'_> {
     }
 }
 
-/// Oscillators as separate real and imaginary parts.
+/// ModalStates as separate real and imaginary parts.
 #[derive(Default)]
-pub(crate) struct Oscillators {
+pub(crate) struct ModalStates {
     pub(crate) re: Vec<f64>,
     pub(crate) im: Vec<f64>,
     pub(crate) advance_re: Vec<f64>,
@@ -53,7 +53,7 @@ pub(crate) struct Oscillators {
 
 /// One step of all oscillators: z = z e^(..) + sum of inject times coefficient.
 pub(crate) struct Step<'a> {
-    pub(crate) oscillators: &'a mut Oscillators,
+    pub(crate) oscillators: &'a mut ModalStates,
     pub(crate) coefficient_re: [f64; 6],
     pub(crate) coefficient_im: [f64; 6],
 }

@@ -5,11 +5,11 @@
 //! ```
 //! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
 
-use super::analytic::{Drive, Plan};
+use super::analytic_signal::{AnalyticDrive, BandPlan};
 use super::envelope::Envelope;
 use super::integration::prepare;
-use super::kernel::{self, Oscillators};
-use super::modal::{self, Bank, Input};
+use super::kernel::{self, ModalStates};
+use super::modal::{self, Input, ModalBank};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
@@ -19,7 +19,7 @@ use thiserror::Error;
 
 /// Fewest and most places of a line.
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
-/// Oscillators further from the middle of the band than this many half bands follow the drive at once.
+/// ModalStates further from the middle of the band than this many half bands follow the drive at once.
 const REACH: f64 = 3.5;
 /// Highest width mode of a line.
 pub const WIDTH_MODE_MAX: u32 = 9;
@@ -51,12 +51,12 @@ pub enum LineError {
 }
 
 /// One width mode of a plate, running.
-pub struct TimeLine {
+pub struct TimeDomainLine {
     arch: Arch,
-    drive: Drive,
-    plan: Plan,
+    drive: AnalyticDrive,
+    plan: BandPlan,
     position_m: Vec<f64>,
-    oscillators: Oscillators,
+    oscillators: ModalStates,
     /// The last six spline coefficients, oldest first.
     coefficient: [Complex64; 6],
     /// Field in metres per signal (see [`kernel::tiles`]): the drive, its change, its bend, and each oscillator.
@@ -73,7 +73,7 @@ pub struct TimeLine {
     settle_s: f64,
 }
 
-impl TimeLine {
+impl TimeDomainLine {
     /// Prepares `points` places (16 to 4096, uniform from 0 to the plate's end) of width mode `mode` (1 = the first).
     ///
     /// # Errors
@@ -87,22 +87,23 @@ impl TimeLine {
         if !(1..=WIDTH_MODE_MAX).contains(&mode) {
             return Err(LineError::Mode { mode, high: WIDTH_MODE_MAX });
         }
-        let plan = Plan::new(sample_rate_hz, low_hz, high_hz);
+        let plan = BandPlan::new(sample_rate_hz, low_hz, high_hz);
         let position_m: Vec<f64> =
             (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();
         let bank = modal::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &position_m);
         let settle_s = settle_time(&bank, low_hz, high_hz);
-        let (bank, quick) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
+        let (bank, quasi_static) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
         let scale = plate.spec().full_scale_m;
         let shape = kernel::tiles(points, 3 + bank.pole.len(), |row, signal| {
             let value =
-                if signal < 3 { quick.shape[(row, signal)] } else { bank.shape[(row, signal - 3)] } * scale;
+                if signal < 3 { quasi_static.shape[(row, signal)] } else { bank.shape[(row, signal - 3)] }
+                    * scale;
             [value.re as f32, value.im as f32]
         });
         let covered = points.div_ceil(kernel::TILE) * kernel::TILE;
         Ok(Self {
             arch: Arch::new(),
-            drive: Drive::new(plan, bank.input == Input::DriveRate),
+            drive: AnalyticDrive::new(plan, bank.input == Input::DriveRate),
             plan,
             oscillators: prepare(&bank, &plan),
             coefficient: [Complex64::ZERO; 6],
@@ -163,8 +164,8 @@ impl TimeLine {
         let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
         let slope = (c[5] - c[1] + (c[4] - c[2]) * 10.0) * (rate / 24.0);
         let bend = (c[1] + c[5] + (c[2] + c[4]) * 2.0 - c[3] * 6.0) * (rate * rate / 6.0);
-        let quick = [drive, slope * Complex64::I, -bend];
-        for (signal, value) in self.signal.iter_mut().zip(quick) {
+        let quasi_static = [drive, slope * Complex64::I, -bend];
+        for (signal, value) in self.signal.iter_mut().zip(quasi_static) {
             *signal = [value.re as f32, value.im as f32];
         }
         let states = self.oscillators.re.iter().zip(&self.oscillators.im);
@@ -195,7 +196,7 @@ impl TimeLine {
     }
 
     /// Writes the analytic displacement at the latest step of the field, metres, as far as `out` reaches: its real
-    /// part is [`TimeLine::field_m`], and a tone of frequency f turns in it as e^(-j 2 pi f t), with nothing at -f.
+    /// part is [`TimeDomainLine::field_m`], and a tone of frequency f turns in it as e^(-j 2 pi f t), with nothing at -f.
     ///
     /// A new field comes every `1/step_rate_hz()` seconds.
     pub fn analytic_m(&self, out: &mut [Complex64]) {
@@ -210,7 +211,7 @@ impl TimeLine {
         Complex64::cis(-TAU * (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract())
     }
 
-    /// Maximum and RMS since the last [`TimeLine::reset_envelope`].
+    /// Maximum and RMS since the last [`TimeDomainLine::reset_envelope`].
     pub fn envelope(&self) -> &Envelope {
         &self.envelope
     }
@@ -248,7 +249,7 @@ impl TimeLine {
 }
 
 /// ln(1000) over the slowest decay of an oscillator in the band; at most ten seconds for a plate without loss.
-fn settle_time(bank: &Bank, low_hz: f64, high_hz: f64) -> f64 {
+fn settle_time(bank: &ModalBank, low_hz: f64, high_hz: f64) -> f64 {
     let slowest = bank
         .pole
         .iter()
@@ -271,7 +272,7 @@ mod tests {
             let plate = preset.plate().expect("a preset");
             let rate = 400e3;
             let (low, high) = plate.band_hz();
-            let mut line = TimeLine::new(&plate, rate, 257, 1).expect("a preset fits 400 kS/s");
+            let mut line = TimeDomainLine::new(&plate, rate, 257, 1).expect("a preset fits 400 kS/s");
             for frequency in [low * 1.05, (low * high).sqrt(), high] {
                 line.rest();
                 let settle = (line.settle_time_s() * rate) as usize;

@@ -1,6 +1,6 @@
 //! The plate in time: one width mode, driven by DAC codes at the device's sample rate.
 
-mod analytic;
+mod analytic_signal;
 mod envelope;
 mod galerkin;
 mod integration;
@@ -9,4 +9,4 @@ mod line;
 mod modal;
 
 pub use envelope::Envelope;
-pub use line::{LINE_POINTS, LineError, TimeLine, WIDTH_MODE_MAX};
+pub use line::{LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};

@@ -1,6 +1,6 @@
 //! Each tone's complex amplitude, out of the field of all of them.
 
-use slipline_plate::{Complex64, TimeLine};
+use slipline_plate::{Complex64, TimeDomainLine};
 use std::f64::consts::TAU;
 
 /// Takes each tone's complex amplitude out of the field.
@@ -18,7 +18,7 @@ pub(super) struct Demodulator {
 }
 
 impl Demodulator {
-    pub(super) fn new(line: &TimeLine, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
+    pub(super) fn new(line: &TimeDomainLine, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
         let places = line.positions_m().len();
         Self {
             stride: (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
@@ -32,7 +32,7 @@ impl Demodulator {
         }
     }
 
-    pub(super) fn push(&mut self, line: &mut TimeLine, mut codes: &[u16]) {
+    pub(super) fn push(&mut self, line: &mut TimeDomainLine, mut codes: &[u16]) {
         while !codes.is_empty() {
             let count = (self.stride - self.waiting).min(codes.len());
             let (now, later) = codes.split_at(count);
@@ -46,7 +46,7 @@ impl Demodulator {
         }
     }
 
-    fn take(&mut self, line: &TimeLine) {
+    fn take(&mut self, line: &TimeDomainLine) {
         if self.step >= self.steps {
             return;
         }

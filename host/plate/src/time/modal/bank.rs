@@ -17,7 +17,7 @@ pub(crate) enum Input {
 }
 
 /// Independent oscillators and what they do to the plate.
-pub(crate) struct Bank {
+pub(crate) struct ModalBank {
     pub(crate) input: Input,
     /// Complex angular frequencies p, rad/s; the imaginary part is not positive.
     pub(crate) pole: Vec<Complex64>,
@@ -27,29 +27,29 @@ pub(crate) struct Bank {
     pub(crate) direct: DVector<Complex64>,
 }
 
-/// Oscillators far from the band, summed up: their answer as a quadratic in omega about the band's middle.
-pub(crate) struct Quick {
+/// ModalStates far from the band, summed up: their answer as a quadratic in omega about the band's middle.
+pub(crate) struct QuasiStatic {
     /// Field per unit of the input, of (omega - centre) times it, and of its square: one column each.
     pub(crate) shape: DMatrix<Complex64>,
 }
 
-impl Bank {
+impl ModalBank {
     /// Takes out the oscillators further than `reach_hz` from `centre_hz`; what they did follows the input at once.
     ///
     /// 1/(p - omega) = sum (omega - centre)^k/(p - centre)^(k + 1), cut after k = 2: with `reach_hz` 3.5 times the
     /// half band that leaves (1/3.5)^3 of a small part, at the ends of the band.
-    pub(crate) fn condense(self, centre_hz: f64, reach_hz: f64) -> (Self, Quick) {
+    pub(crate) fn condense(self, centre_hz: f64, reach_hz: f64) -> (Self, QuasiStatic) {
         let centre = TAU * centre_hz;
         let (near, far): (Vec<usize>, Vec<usize>) =
             (0..self.pole.len()).partition(|&i| (self.pole[i] - centre).norm() < TAU * reach_hz);
-        let mut quick = DMatrix::zeros(self.shape.nrows(), 3);
-        quick.set_column(0, &self.direct);
+        let mut quasi_static = DMatrix::zeros(self.shape.nrows(), 3);
+        quasi_static.set_column(0, &self.direct);
         for i in far {
             let inverse = 1.0 / (self.pole[i] - centre);
             let mut factor = inverse;
             for k in 0..3 {
                 for row in 0..self.shape.nrows() {
-                    quick[(row, k)] += self.shape[(row, i)] * factor;
+                    quasi_static[(row, k)] += self.shape[(row, i)] * factor;
                 }
                 factor *= inverse;
             }
@@ -60,7 +60,7 @@ impl Bank {
             shape: self.shape.select_columns(&near),
             direct: DVector::zeros(self.shape.nrows()),
         };
-        (bank, Quick { shape: quick })
+        (bank, QuasiStatic { shape: quasi_static })
     }
 
     /// Steady field at `frequency_hz` per unit of drive: what the time steps converge to.

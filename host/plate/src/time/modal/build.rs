@@ -1,10 +1,10 @@
 //! The bank of one width mode: the poles and residues of the plate, its driven end and its actuator.
 
-use super::bank::Bank;
+use super::bank::ModalBank;
 use super::coupling::{Uncoupled, couple};
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::{Bending, Model};
-use crate::spec::plate::{Guide, Plate};
+use crate::spec::plate::{Plate, WidthMode};
 use crate::time::galerkin;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -23,12 +23,12 @@ fn shared_pole(centre: f64) -> Complex64 {
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
-pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> Bank {
-    let guide = plate.guide(mode);
+pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> ModalBank {
+    let width_mode = plate.width_mode(mode);
     let resistance = resistance_over_tension(plate);
     let osc = match plate.spec().drive_end {
-        DriveEnd::Displacement => galerkin::held(&guide, top_hz, places_m),
-        DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => galerkin::free(&guide, top_hz, places_m),
+        DriveEnd::Displacement => galerkin::held(&width_mode, top_hz, places_m),
+        DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => galerkin::free(&width_mode, top_hz, places_m),
     };
     let centre = TAU * centre_hz;
     let mut pole = Vec::new();
@@ -36,7 +36,7 @@ pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, place
     let mut weight = Vec::new();
     let mut shared = Vec::new();
     for (n, &eigenvalue) in osc.eigenvalue.iter().enumerate() {
-        let terms = terms(&guide, eigenvalue, centre);
+        let terms = terms(&width_mode, eigenvalue, centre);
         for (p, c) in terms.own {
             pole.push(p);
             owner.push(n);
@@ -58,7 +58,7 @@ pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, place
     let direct = osc.direct.map(Complex64::from);
     let scale = match plate.spec().drive_end {
         DriveEnd::Force { at_frequency_hz } => {
-            -plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt()
+            -plate.width_mode(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt()
         }
         _ => 1.0,
     };
@@ -69,17 +69,17 @@ pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, place
 fn resistance_over_tension(plate: &Plate) -> Option<f64> {
     match plate.spec().drive_end {
         DriveEnd::Resistance { ratio, at_frequency_hz } => {
-            let k0 = plate.guide(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt();
+            let k0 = plate.width_mode(1).wavenumber_squared(0.0, at_frequency_hz).max(0.0).sqrt();
             Some(ratio * k0 / (TAU * at_frequency_hz))
         }
         _ => None,
     }
 }
 
-fn terms(guide: &Guide<'_>, eigenvalue: f64, centre: f64) -> Terms {
-    let lossy = Complex64::new(1.0, guide.plate.wave_loss()) * guide.slope;
+fn terms(width_mode: &WidthMode<'_>, eigenvalue: f64, centre: f64) -> Terms {
+    let lossy = Complex64::new(1.0, width_mode.plate.wave_loss()) * width_mode.slope;
     let alone = |own| Terms { own, shared: Complex64::ZERO };
-    match &guide.plate.spec().model {
+    match &width_mode.plate.spec().model {
         Model::BendingSupported(bending) | Model::BendingClamped(bending) if bending.thick_plate => {
             thick(bending, eigenvalue, lossy, centre)
         }

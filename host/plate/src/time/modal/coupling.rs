@@ -1,6 +1,6 @@
 //! The source's resistance and the actuator: what ties the oscillators together, and how they are separated again.
 
-use super::bank::{Bank, Input, J};
+use super::bank::{Input, J, ModalBank};
 use crate::spec::drive::Actuator;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -17,10 +17,10 @@ pub(super) struct Uncoupled {
 }
 
 /// Adds the source's resistance and the actuator, and separates the result into independent oscillators again.
-pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Actuator>) -> Bank {
+pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Actuator>) -> ModalBank {
     let count = free.pole.len();
     if resistance.is_none() && actuator.is_none() {
-        return Bank {
+        return ModalBank {
             input: Input::Drive,
             pole: free.pole.clone(),
             shape: free.shape.map(|value| value * free.scale),
@@ -95,7 +95,7 @@ fn separate(
     drive: &DVector<Complex64>,
     output: &DMatrix<Complex64>,
     input: Input,
-) -> Bank {
+) -> ModalBank {
     let size = matrix.nrows();
     // Scaled to order one; Schur's form is unitary, its eigenvectors follow by back-substitution.
     let scale = matrix.iter().map(|value| value.norm()).fold(0.0, f64::max).max(1e-300);
@@ -117,7 +117,7 @@ fn separate(
     let amplitude = vector.solve_upper_triangular(&reduced).unwrap_or(reduced);
     let shape = output * right;
     // z = b u/(j (p - omega)): with b folded into the shape the oscillator is z' = -j p z + j u.
-    Bank {
+    ModalBank {
         input,
         pole: (0..size).map(|i| J * triangle[(i, i)] * scale).collect(),
         shape: DMatrix::from_fn(shape.nrows(), size, |row, i| shape[(row, i)] * amplitude[i] * -J),

@@ -8,5 +8,5 @@ mod bank;
 mod build;
 mod coupling;
 
-pub(super) use bank::{Bank, Input};
+pub(super) use bank::{Input, ModalBank};
 pub(super) use build::build;

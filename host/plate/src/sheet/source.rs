@@ -1,19 +1,19 @@
-//! From DAC codes to the driven column: the step rate, the actuator, and what the end holds.
+//! The source: from DAC codes to the driven column, by way of the step rate, the actuator and the driven end.
 
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::plate::Plate;
 use std::f64::consts::PI;
 
-/// How many codes and steps go together, so that steps stay on the sample clock.
+/// Steps per code or codes per step: a whole number, so that steps stay on the sample clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Pace {
+pub(super) enum StepRatio {
     /// One step takes the mean of this many codes (a coarse grid is slower than the DAC).
     CodesPerStep(u32),
     /// One code is held for this many steps (a fine grid is faster than the DAC).
     StepsPerCode(u32),
 }
 
-impl Pace {
+impl StepRatio {
     /// The longest step on the sample clock that is not above `longest_step_s`.
     pub(super) fn new(sample_rate_hz: f64, longest_step_s: f64) -> Self {
         let codes = longest_step_s * sample_rate_hz;
@@ -32,9 +32,9 @@ impl Pace {
     }
 }
 
-/// What the column's update is given for each step.
+/// What the source adds to the column's update in each step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Feed {
+pub(super) enum SourceTerm {
     /// The displacement itself.
     Value,
     /// This factor times the displacement (a force).
@@ -43,41 +43,41 @@ pub(super) enum Feed {
     Change(f64),
 }
 
-/// The column's law at x = 0 in the time domain: v_x = rho v_t - (feed), or a prescribed v.
+/// The column's law at x = 0 in the time domain: v_x = rho v_t - (term), or a prescribed v.
 ///
 /// f' + j (R/T) omega f = 2 j (R/T) omega u of the frequency domain is v_x = rho (v_t - 2 u_t), rho = R/T.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum EndLaw {
-    Held,
+pub(super) enum DriveCondition {
+    Displacement,
     /// v_x = -slope u.
-    Pushed {
+    Force {
         slope_per_m: f64,
     },
     /// v_x = rho (v_t - 2 u_t).
-    Resisted {
+    Resistance {
         rho_s_per_m: f64,
     },
 }
 
-impl EndLaw {
+impl DriveCondition {
     pub(super) fn of(plate: &Plate) -> Self {
-        let guide = plate.guide(1);
-        let k0 = |frequency_hz: f64| guide.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+        let width_mode = plate.width_mode(1);
+        let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
         match plate.spec().drive_end {
-            DriveEnd::Displacement => Self::Held,
-            DriveEnd::Force { at_frequency_hz } => Self::Pushed { slope_per_m: k0(at_frequency_hz) },
+            DriveEnd::Displacement => Self::Displacement,
+            DriveEnd::Force { at_frequency_hz } => Self::Force { slope_per_m: k0(at_frequency_hz) },
             DriveEnd::Resistance { ratio, at_frequency_hz } => {
-                Self::Resisted { rho_s_per_m: ratio * k0(at_frequency_hz) / (2.0 * PI * at_frequency_hz) }
+                Self::Resistance { rho_s_per_m: ratio * k0(at_frequency_hz) / (2.0 * PI * at_frequency_hz) }
             }
         }
     }
 }
 
-/// Turns codes into the numbers the driven column is given.
+/// Turns codes into the source terms of the driven column.
 #[derive(Debug, Clone)]
-pub(super) struct Intake {
-    pace: Pace,
-    feed: Feed,
+pub(super) struct Source {
+    ratio: StepRatio,
+    term: SourceTerm,
     actuator: Option<Resonator>,
     sum: f64,
     taken: u32,
@@ -85,17 +85,17 @@ pub(super) struct Intake {
     last: [f64; 2],
 }
 
-impl Intake {
-    pub(super) fn new(pace: Pace, step_s: f64, feed: Feed, actuator: Option<&Actuator>) -> Self {
+impl Source {
+    pub(super) fn new(ratio: StepRatio, step_s: f64, term: SourceTerm, actuator: Option<&Actuator>) -> Self {
         let actuator = actuator.and_then(|actuator| Resonator::new(actuator, step_s));
-        Self { pace, feed, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
+        Self { ratio, term, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
     /// How many codes make at most `steps` steps; one at least.
     pub(super) fn codes_for(&self, steps: usize) -> usize {
-        match self.pace {
-            Pace::StepsPerCode(count) => (steps / count as usize).max(1),
-            Pace::CodesPerStep(_) => steps,
+        match self.ratio {
+            StepRatio::StepsPerCode(count) => (steps / count as usize).max(1),
+            StepRatio::CodesPerStep(_) => steps,
         }
     }
 
@@ -103,13 +103,13 @@ impl Intake {
     pub(super) fn take(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
         for &code in codes {
             let code = if code.is_finite() { f64::from(code.clamp(-1.0, 1.0)) } else { 0.0 };
-            match self.pace {
-                Pace::StepsPerCode(count) => {
+            match self.ratio {
+                StepRatio::StepsPerCode(count) => {
                     for _ in 0..count {
                         self.step(code, steps);
                     }
                 }
-                Pace::CodesPerStep(count) => {
+                StepRatio::CodesPerStep(count) => {
                     self.sum += code;
                     self.taken += 1;
                     if self.taken == count {
@@ -127,14 +127,14 @@ impl Intake {
             Some(actuator) => actuator.step(code),
             None => code,
         };
-        let fed = match self.feed {
-            Feed::Value => displacement,
+        let value = match self.term {
+            SourceTerm::Value => displacement,
             // The update to step n + 1 has the force of step n.
-            Feed::Scaled(factor) => factor * self.last[0],
-            Feed::Change(factor) => factor * (displacement - self.last[1]),
+            SourceTerm::Scaled(factor) => factor * self.last[0],
+            SourceTerm::Change(factor) => factor * (displacement - self.last[1]),
         };
         self.last = [displacement, self.last[0]];
-        steps.push(fed as f32);
+        steps.push(value as f32);
     }
 }
 

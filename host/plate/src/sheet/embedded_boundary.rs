@@ -3,7 +3,7 @@
 //! Grid points closer to the edge than half a cell count as edge (v = 0); so every point inside has 0.5 to 1.5 cells
 //! of way across to the edge, and the link over that way weighs 1/(its length) instead of 1. This changes only the
 //! diagonal of the (symmetric) stiffness, keeps its rows below the uniform grid's bound 4/dx^2 + 4/dz^2, and so the
-//! scheme is stable up to the Courant number of a uniform grid, whatever the outline; its error stays second order
+//! scheme is stable up to the Courant number of a uniform grid, whatever the edge; its error stays second order
 //! (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
 use crate::spec::plate::Plate;
@@ -14,7 +14,7 @@ const BEYOND_EXPONENTS: f64 = 6.0;
 
 /// The plate on a grid of stations along x (0 = the driven column) and rows z = j dz from the centre line.
 #[derive(Debug, Clone)]
-pub(super) struct Outline {
+pub(super) struct EmbeddedBoundary {
     pub(super) dx: f64,
     pub(super) dz: f64,
     /// Stations inside each row, besides station 0; never rising from row to row.
@@ -25,7 +25,7 @@ pub(super) struct Outline {
     row_end: Vec<f64>,
 }
 
-impl Outline {
+impl EmbeddedBoundary {
     /// `along` cells on the plate's length and `across` cells on the half-width at the driven end.
     pub(super) fn new(plate: &Plate, along: usize, across: usize) -> Self {
         let dx = plate.length_m() / along as f64;
@@ -82,14 +82,14 @@ impl Outline {
 }
 
 /// The first station that is not part of the grid: the taper goes on beyond the plate's end until the wave that
-/// turns last has decayed, as in the frequency domain, or until the plate is narrower than the grid can show.
+/// transfers last has decayed, as in the frequency domain, or until the plate is narrower than the grid can show.
 fn station_of_end(plate: &Plate, along: usize, dx: f64, dz: f64) -> usize {
-    let guide = plate.guide(1);
-    let axial = guide.axial_squared(plate.band_hz().1);
+    let width_mode = plate.width_mode(1);
+    let axial = width_mode.axial_squared(plate.band_hz().1);
     let mut exponents = 0.0;
     for station in 0..2 * along {
         let x = station as f64 * dx;
-        exponents += (guide.width_term(x) - axial).max(0.0).sqrt() * dx;
+        exponents += (width_mode.width_term(x) - axial).max(0.0).sqrt() * dx;
         let gone = x > 0.98 * plate.width.reach_m() || plate.half_width_m(x) < dz;
         if station > along && (exponents > BEYOND_EXPONENTS || gone) {
             return station;

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Which part of the spectrum is kept and how it is sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Plan {
+pub(crate) struct BandPlan {
     pub(crate) sample_rate_hz: f64,
     /// First decimation, by a triangle of two blocks.
     pub(crate) coarse: usize,
@@ -35,7 +35,7 @@ const CYCLE: usize = 256;
 /// Kaiser's beta for a stop band of 90 dB.
 const KAISER_BETA: f64 = 8.96;
 
-impl Plan {
+impl BandPlan {
     pub(crate) fn new(sample_rate_hz: f64, low_hz: f64, high_hz: f64) -> Self {
         // Below: from 0.6 of the lowest boundary's frequency down to 0.1; the mirror image lies below zero.
         let transition_hz = 0.5 * low_hz;
@@ -128,9 +128,9 @@ fn bessel_i0(x: f64) -> f64 {
 }
 
 /// The running filter: codes in, spline coefficients out.
-pub(crate) struct Drive {
+pub(crate) struct AnalyticDrive {
     arch: Arch,
-    plan: Plan,
+    plan: BandPlan,
     /// Taps in time order (oldest first), split for the dot product.
     tap_re: Vec<f64>,
     tap_im: Vec<f64>,
@@ -146,8 +146,8 @@ pub(crate) struct Drive {
     phase: usize,
 }
 
-impl Drive {
-    pub(crate) fn new(plan: Plan, rate_of_drive: bool) -> Self {
+impl AnalyticDrive {
+    pub(crate) fn new(plan: BandPlan, rate_of_drive: bool) -> Self {
         let taps = plan.taps(rate_of_drive);
         let count = taps.len();
         Self {
@@ -240,9 +240,9 @@ mod tests {
         for (rate, low, high) in
             [(400e3, 6400.0, 40e3), (400e3, 87.0, 219.0), (200e3, 20e3, 40e3), (400e3, 5e3, 170e3)]
         {
-            let plan = Plan::new(rate, low, high);
+            let plan = BandPlan::new(rate, low, high);
             for tone in [low, (low * high).sqrt(), high] {
-                let mut drive = Drive::new(plan, false);
+                let mut drive = AnalyticDrive::new(plan, false);
                 let mut found = Vec::new();
                 let samples = (drive.delay_s() * rate * 2.5) as usize + 12 * plan.coarse * plan.fine;
                 for n in 0..samples {

@@ -1,4 +1,4 @@
-//! The grid of the sheet and the order in which it is advanced: rows, wavefront, bands for threads.
+//! FDTD on the grid of the sheet: rows of cells, advanced by leapfrog in time-skewed blocks, in bands for threads.
 //!
 //! ```text
 //!            driven column     cells 0, 1, 2, ..  (x grows)
@@ -8,33 +8,33 @@
 //!  row 3     |d|o o e e e e e|. . . . . . . . .|      .: outside, always zero
 //! ```
 //!
-//! Two arrays hold the field at two times; a step overwrites the older one. Within a block of [`Lattice::depth`]
+//! Two arrays hold the field at two times; a step overwrites the older one. Within a block of [`FdtdGrid::depth`]
 //! steps a group of rows takes step s + 1 as soon as the next group has taken step s (a wavefront), so a row is
-//! advanced many times while it is in the cache. With more threads each owns a band of rows, whose ends go up and down
-//! with the blocks (see [`super::block`]). Whichever thread computes a cell does the same arithmetic, so the result
-//! does not depend on the number of threads, to the bit.
+//! advanced many times while it is in the cache. With several threads, each owns a band of rows; the boundaries between
+//! the bands move up and down with the blocks (time skewing, see [`super::block`]). Every thread does the same
+//! arithmetic for a cell, so the result does not depend on the number of threads, to the bit.
 
 use super::band::Band;
-use super::block::Slant;
-use super::exchange::Exchange;
+use super::block::Skew;
+use super::halo::HaloExchange;
 use super::kernel::Weights;
 use super::plan::{Cells, Plan, plan_of};
 use super::row::Row;
 use super::vector::LANES;
 use std::ops::Range;
 
-/// Steps after which vanishing numbers are set to zero; blocks never cross a multiple of it.
-const HUSH_EVERY: u64 = 64;
+/// Steps between two flushes of denormal numbers to zero; blocks never cross a multiple of it.
+const FLUSH_EVERY: u64 = 64;
 
 /// A field on a grid of rows that is advanced by the 5-point leapfrog scheme.
 #[derive(Debug)]
-pub struct Lattice {
+pub struct FdtdGrid {
     plan: Plan,
     bands: Vec<Band>,
     clock: Clock,
 }
 
-impl Lattice {
+impl FdtdGrid {
     /// A rectangle of `cells` x `rows` between fixed edges, without loss, at rest: the benchmark's problem.
     ///
     /// `cells` and `rows` from 1; `courant_squared` is (c dt/h)^2, stable up to 0.5; `threads` from 1. The update is
@@ -55,6 +55,8 @@ impl Lattice {
     }
 
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
+        // A browser starts no threads.
+        let threads = if cfg!(target_family = "wasm") { 1 } else { threads };
         let cuts = cut(&plan.reach, threads, plan.depth);
         let count = cuts.len();
         let bands = cuts.into_iter().enumerate().map(|(number, rows)| Band::new(&plan, rows, number, count));
@@ -82,28 +84,28 @@ impl Lattice {
 
     /// One step for each number of `drive`, which goes to the driven column (a rectangle has none).
     ///
-    /// After a panic, which only a bug or a system without threads to give can cause, the lattice is of no use.
+    /// After a panic, which only a bug or a system without threads to give can cause, the grid is of no use.
     #[cfg_attr(
         not(test),
         expect(
             clippy::disallowed_methods,
-            reason = "threads are started for two and more bands only; a browser asks for one"
+            reason = "threads are started for two and more bands only; on wasm there is one"
         )
     )]
     pub fn advance(&mut self, drive: &[f32]) {
         if drive.is_empty() {
             return;
         }
-        let exchange = Exchange::new(self.bands.len());
+        let exchange = HaloExchange::new(self.bands.len());
         let (plan, clock) = (&self.plan, self.clock);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
                 // For the first band, and for a thread that cannot be started.
-                let _presence = exchange.join();
+                let _guard = exchange.guard();
                 for band in others {
                     let exchange = &exchange;
                     scope.spawn(move || {
-                        let _presence = exchange.join();
+                        let _guard = exchange.guard();
                         run(band, plan, drive, clock, exchange);
                     });
                 }
@@ -120,12 +122,12 @@ impl Lattice {
         self.newest(row).numbers()
     }
 
-    /// As [`Lattice::row`], by station.
+    /// As [`FdtdGrid::row`], by station.
     pub(super) fn newest(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, self.clock.flipped)
     }
 
-    /// The field one step before [`Lattice::row`].
+    /// The field one step before [`FdtdGrid::row`].
     pub(super) fn row_before(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, !self.clock.flipped)
     }
@@ -142,7 +144,7 @@ impl Lattice {
         }
     }
 
-    /// Largest magnitude and sum of squares of each cell of a recorded row (as [`Lattice::row`] is laid out).
+    /// Largest magnitude and sum of squares of each cell of a recorded row (as [`FdtdGrid::row`] is laid out).
     pub(super) fn envelope(&self, row: usize) -> Option<impl Iterator<Item = (f32, f64)>> {
         self.band_of(row).envelope(&self.plan, row)
     }
@@ -164,52 +166,52 @@ impl Lattice {
     }
 }
 
-/// Where a lattice stands in time.
+/// Where the grid stands in time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Clock {
     steps: u64,
     /// Whether the newest field is in the bands' second array.
     flipped: bool,
-    /// Rows by which the seams are up: 0 to the depth. It stays between calls.
-    lift: usize,
+    /// Rows by which the boundaries between bands are shifted up: 0 to the depth. It is kept between calls.
+    shift: usize,
 }
 
 impl Clock {
-    /// The next block, when `left` steps are left to take: how many of them, and which way the seams go.
-    fn block(self, left: usize, depth: usize) -> (usize, Slant) {
-        let to_hush = (HUSH_EVERY - self.steps % HUSH_EVERY) as usize;
-        let steps = left.min(depth).min(to_hush);
-        if self.lift == 0 { (steps, Slant::Rising) } else { (steps.min(self.lift), Slant::Falling) }
+    /// The next block, when `left` steps are to be taken: its number of steps, and which way the boundaries move.
+    fn block(self, left: usize, depth: usize) -> (usize, Skew) {
+        let to_flush = (FLUSH_EVERY - self.steps % FLUSH_EVERY) as usize;
+        let steps = left.min(depth).min(to_flush);
+        if self.shift == 0 { (steps, Skew::Rising) } else { (steps.min(self.shift), Skew::Falling) }
     }
 
-    fn pass(&mut self, steps: usize, slant: Slant) {
+    fn pass(&mut self, steps: usize, skew: Skew) {
         self.steps += steps as u64;
         self.flipped ^= steps % 2 == 1;
-        match slant {
-            Slant::Rising => self.lift += steps,
-            Slant::Falling => self.lift -= steps,
+        match skew {
+            Skew::Rising => self.shift += steps,
+            Skew::Falling => self.shift -= steps,
         }
     }
 }
 
 /// Runs one band through all steps, from the given time to the time that it returns.
-fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &Exchange) -> Clock {
+fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &HaloExchange) -> Clock {
     let mut rest = drive;
     while !rest.is_empty() {
-        let (steps, slant) = clock.block(rest.len(), plan.depth);
+        let (steps, skew) = clock.block(rest.len(), plan.depth);
         let (now, later) = rest.split_at(steps);
-        band.block(plan, now, clock.flipped, slant, exchange);
-        clock.pass(steps, slant);
-        if clock.steps.is_multiple_of(HUSH_EVERY) {
-            band.tidy(plan);
+        band.block(plan, now, clock.flipped, skew, exchange);
+        clock.pass(steps, skew);
+        if clock.steps.is_multiple_of(FLUSH_EVERY) {
+            band.flush(plan);
         }
         rest = later;
     }
     clock
 }
 
-/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. `depth` + 2 rows would do for a band; with
-/// twice that it leaves rows without waiting for those that it takes over.
+/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. A band needs `depth` + 2 rows; with
+/// twice that it can send its halo before it has received one.
 fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
     let (rows, fewest) = (reach.len(), 2 * depth + 2);
     let bands = threads.clamp(1, (rows / fewest).max(1));
@@ -221,7 +223,7 @@ fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
             sum += reach[row] + LANES;
             row += 1;
         }
-        // The seam is up by `depth` half of the time. Leave enough rows for the bands on either side.
+        // The boundary is shifted up by `depth` half of the time. Leave enough rows for the bands on either side.
         let least = edges[band - 1] + fewest;
         let most = rows - fewest * (bands - band);
         edges.push((row + depth / 2).clamp(least, most));
