@@ -49,6 +49,7 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         "slipline-link",
         "slipline-model",
         "slipline-plate",
+        "slipline-window",
         "slipline-tests",
     ];
     assert_eq!(crates, expected.map(str::to_owned).into());
@@ -63,6 +64,10 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         ("slipline", "slipline-link"),
         ("slipline", "slipline-model"),
         ("slipline", "slipline-plate"),
+        ("slipline", "slipline-window"),
+        ("slipline-window", "slipline-link"),
+        ("slipline-window", "slipline-model"),
+        ("slipline-window", "slipline-plate"),
         ("slipline-tests", "slipline"),
         ("slipline-tests", "slipline-app"),
         ("slipline-tests", "slipline-link"),
@@ -84,6 +89,7 @@ fn every_crate_takes_its_lints_from_the_one_table() {
         "host/link",
         "host/model",
         "host/plate",
+        "host/window",
         "tests",
     ] {
         let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("manifest");

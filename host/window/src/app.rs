@@ -1,0 +1,265 @@
+//! The app: takes what the views ask for, changes the setup, asks the link, and keeps what the views show current.
+//!
+//! ```text
+//! views --Intent--> App --Edit--> Setup --DriveRequest--> link worker --> device
+//!   ^                |  <--Snapshot-- link worker <-- device
+//!   +--- Scene ------+  <--table, lights, design, sheet, files, simulated plate-- threads
+//! ```
+//! Nothing here waits: what takes longer than a frame is done by the link worker, a [`Workshop`] or [`Files`].
+
+mod background;
+mod device;
+mod input;
+mod notices;
+mod paths;
+mod perform;
+mod playback;
+mod setup;
+mod window;
+
+pub use window::run;
+
+use crate::files::{FileJob, Files};
+use crate::intent::{Dialog, Grab};
+use crate::scene::{Notice, Scene};
+use crate::settings::{Settings, ThemeChoice};
+use crate::view::{self, ViewState, theme};
+use eframe::egui;
+use notices::Notices;
+use playback::Hearing;
+use slipline_link::native::Worker;
+use slipline_link::{Port, PortInfo, Request, Snapshot, Ticket};
+use slipline_model::autopilot::Pilot;
+use slipline_model::export::csv_wav;
+use slipline_model::export::figures::plate::Subject;
+use slipline_model::field::sheet;
+use slipline_model::field::steady_field::Picture;
+use slipline_model::field::time_domain::{self, Measured};
+use slipline_model::jobs::Workshop;
+use slipline_model::jobs::check::{self, Verdict};
+use slipline_model::jobs::design::{Designed, Draft};
+pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+use slipline_model::setup::Setup;
+use slipline_model::setup::undo::History;
+use slipline_model::waveform::{self, Live};
+use slipline_plate::Plate;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+/// The link as the app needs it: the worker, or a test's record of what was asked.
+pub trait Link {
+    /// Asks for something; never blocks.
+    fn send(&self, request: Request) -> Ticket;
+    /// What is known.
+    fn snapshot(&self) -> Arc<Snapshot>;
+}
+
+impl Link for Worker {
+    fn send(&self, request: Request) -> Ticket {
+        Self::send(self, request)
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Self::snapshot(self)
+    }
+}
+
+/// What the app works with; tests give their own.
+pub struct Parts {
+    /// The link.
+    pub link: Box<dyn Link>,
+    /// Where tables are made.
+    pub tables: Workshop<TableJob, TableState>,
+    /// Where validity lights are made.
+    pub checks: Workshop<check::Job, Verdict>,
+    /// Where plates are designed.
+    pub designs: Workshop<Draft, Designed>,
+    /// Where the 2-D sheet is run.
+    pub sheets: Workshop<sheet::Job, sheet::Frame>,
+    /// Where the mirror follows the device.
+    pub live: Workshop<waveform::Job, Live>,
+    /// Where the simulated plate is run.
+    pub trials: Workshop<time_domain::Job, Measured>,
+    /// Where figures are drawn.
+    pub figures: Workshop<Subject, Result<Vec<u8>, String>>,
+    /// Files.
+    pub files: Box<dyn Files>,
+    /// Lists the ports that exist, the simulated plate's first.
+    pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
+}
+
+/// The app.
+pub struct App {
+    parts: Parts,
+    setup: Setup,
+    history: History,
+    settings: Settings,
+    pilot: Pilot,
+    /// The latest connection that was asked for.
+    connect_sent: Option<Ticket>,
+    /// The latest drive that was sent, until it is known why it was refused.
+    drive_sent: Option<Ticket>,
+    /// The slot of the tone that keys and fields are for.
+    selected: u8,
+    grab: Option<Grab>,
+    /// Rises with every press of pointer or key: a drag is one step of the history.
+    gesture: u64,
+    snapshot: Arc<Snapshot>,
+    ports: Vec<PortInfo>,
+    table: TableState,
+    /// The plate and rate that the table was asked for.
+    table_asked: Option<(Arc<Plate>, u32)>,
+    /// The wave that the setup would make on its plate.
+    predicted: Picture,
+    hearing: Hearing,
+    background: background::Work,
+    notices: Notices,
+    dialog: Option<Dialog>,
+    /// The job that waits for a path to be typed.
+    asked: Option<FileJob>,
+    view: ViewState,
+    screenshots: (Sender<Arc<egui::ColorImage>>, Receiver<Arc<egui::ColorImage>>),
+}
+
+impl App {
+    /// An app with these parts, this setup and these settings, connecting to the port used last.
+    #[must_use]
+    pub fn new(ctx: &egui::Context, parts: Parts, setup: Setup, settings: Settings) -> Self {
+        theme::install(ctx);
+        set_theme(ctx, settings.theme);
+        let ports = (parts.ports)();
+        let selected = setup.tones.first().map_or(0, |tone| tone.slot);
+        let mut app = Self {
+            parts,
+            setup,
+            history: History::default(),
+            settings,
+            pilot: Pilot::default(),
+            connect_sent: None,
+            drive_sent: None,
+            selected,
+            grab: None,
+            gesture: 0,
+            snapshot: Arc::default(),
+            ports,
+            table: TableState::Waiting,
+            table_asked: None,
+            predicted: Picture::default(),
+            hearing: Hearing::default(),
+            background: background::Work::default(),
+            notices: Notices::default(),
+            dialog: None,
+            asked: None,
+            view: ViewState::default(),
+            screenshots: channel(),
+        };
+        app.parts.link.send(Request::AutoReconnect(app.settings.auto_reconnect));
+        let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);
+        app.connect(port);
+        app.predict();
+        app
+    }
+
+    /// What the user has set up.
+    #[must_use]
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// What is remembered.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The latest message that stands, if one does.
+    #[must_use]
+    pub fn notice(&self) -> Option<&Notice> {
+        self.notices.iter().max_by_key(|notice| notice.number)
+    }
+
+    /// Takes in all that happened since the last frame. Paints nothing.
+    pub fn logic(&mut self, ctx: &egui::Context) {
+        self.look_at_link();
+        self.take_results();
+        self.keys(ctx);
+        self.follow_pointer(ctx);
+        self.dropped_files(ctx);
+        self.look_after_background(ctx);
+        self.advance(ctx);
+    }
+
+    fn take_results(&mut self) {
+        self.take_table();
+        self.take_heard();
+        self.take_background();
+        while let Some(event) = self.parts.files.take() {
+            self.file_event(event);
+        }
+        match self.parts.figures.take() {
+            Some(Ok(bytes)) => self.save("figure.png", "Picture", "png", bytes),
+            Some(Err(reason)) => self.fail(format!("The figure could not be made: {reason}")),
+            None => {}
+        }
+        if let Ok(image) = self.screenshots.1.try_recv() {
+            match screenshot_png(&image) {
+                Ok(bytes) => self.save("screenshot.png", "Picture", "png", bytes),
+                Err(error) => self.fail(format!("The screenshot could not be made: {error}")),
+            }
+        }
+    }
+
+    fn fail(&mut self, text: String) {
+        self.notices.fail(text);
+    }
+
+    /// Shows the window in all of `ui`, then carries out what its views ask for.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        let mut view = std::mem::take(&mut self.view);
+        let scene = Scene {
+            setup: &self.setup,
+            selected: self.selected,
+            grab: self.grab,
+            snapshot: &self.snapshot,
+            drive_wanted: self.pilot.wants_drive(),
+            predicted: &self.predicted,
+            sounding: self.heard_on_screen(),
+            full_peak_m: self.full_peak_m(),
+            table: &self.table,
+            live: &self.hearing.live,
+            measured: self.current_measured(),
+            background: &self.background.shown,
+            sheet: self.shown_sheet(),
+            waiting: self.background.waiting(&self.parts),
+            settings: &self.settings,
+            ports: &self.ports,
+            notices: self.notices.iter().collect(),
+            dialog: self.dialog.as_ref(),
+            undo: (self.history.undo_name(), self.history.redo_name()),
+            wave_time_s: self.hearing.wave_time_s,
+        };
+        let intents = view::show(ui, &scene, &mut view);
+        self.view = view;
+        self.perform(&ui.ctx().clone(), intents);
+    }
+}
+
+fn screenshot_png(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+    let [width, height] = image.size.map(|pixels| pixels as u32);
+    let rgba: Vec<[u8; 4]> = image.pixels.iter().map(egui::Color32::to_srgba_unmultiplied).collect();
+    csv_wav::png((width, height), &rgba)
+}
+
+fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {
+    ctx.set_theme(match choice {
+        ThemeChoice::Light => egui::ThemePreference::Light,
+        ThemeChoice::Dark => egui::ThemePreference::Dark,
+        ThemeChoice::System => egui::ThemePreference::System,
+    });
+}
+
+/// The setup of a first start: the first preset. `None` when that is damaged.
+#[must_use]
+pub fn first_setup() -> Option<Setup> {
+    slipline_plate::presets().first()?.plate().map(|plate| Setup::new(Arc::new(plate)))
+}

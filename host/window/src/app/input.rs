@@ -1,0 +1,129 @@
+//! What keys, pointer and dropped files ask for, taken in before anything is painted.
+
+use super::App;
+use crate::files::FileJob;
+use crate::intent::{Dialog, Grab, Intent, Intents};
+use crate::view::arrow_step_m;
+use eframe::egui::{self, Key, Modifiers};
+use slipline_model::field::steady_field::turning_point_for;
+use slipline_model::setup::edit::Edit;
+
+/// The least that the window is zoomed to, in points: below it the panels cover each other.
+const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
+
+impl App {
+    pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        end_zoom(ctx);
+        let is_typing = ctx.text_edit_focused();
+        let focused = ctx.memory(egui::Memory::focused);
+        let mut asked = Intents::new();
+        let presses = ctx.input_mut(|input| {
+            let is_press = |event: &&egui::Event| {
+                matches!(
+                    event,
+                    egui::Event::Key { pressed: true, repeat: false, .. }
+                        | egui::Event::PointerButton { pressed: true, .. }
+                )
+            };
+            let presses = input.events.iter().filter(is_press).count() as u64;
+            // Escape is looked at, not taken: it also closes pages and leaves fields.
+            if input.key_pressed(Key::Escape) {
+                asked.push(Intent::Stop);
+            }
+            if !is_typing {
+                if input.consume_key(Modifiers::NONE, Key::Space) {
+                    asked.push(Intent::Stop);
+                }
+                if input.consume_key(Modifiers::NONE, Key::P) {
+                    self.settings.animate = !self.settings.animate;
+                }
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::Enter) {
+                asked.push(Intent::Start);
+            }
+            let redo = input.consume_key(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+                || input.consume_key(Modifiers::COMMAND, Key::Y);
+            if redo {
+                asked.push(Intent::Redo);
+            } else if input.consume_key(Modifiers::COMMAND, Key::Z) {
+                asked.push(Intent::Undo);
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::O) {
+                asked.push(Intent::OpenDialog);
+            }
+            if input.consume_key(Modifiers::COMMAND, Key::S) {
+                asked.push(Intent::SaveDialog);
+            }
+            if input.consume_key(Modifiers::NONE, Key::F1) {
+                asked.push(Intent::Dialog(Some(Dialog::Shortcuts)));
+            }
+            for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
+                if input.consume_key(Modifiers::COMMAND, key) {
+                    self.view.open_tab(index);
+                }
+            }
+            // A focused slider or field keeps its arrow keys.
+            if focused.is_none() || self.view.is_handle(focused) {
+                let step_m = arrow_step_m(input);
+                if step_m != 0.0
+                    && let Some(tone) = self.setup.tone(self.selected)
+                {
+                    let position_m = tone.position_m + step_m;
+                    asked.push(Intent::Edit(Edit::Move { slot: self.selected, position_m }));
+                }
+            }
+            presses
+        });
+        self.gesture += presses;
+        self.perform(ctx, asked);
+    }
+
+    /// A drag: each move of the pointer is a move of the tone, sent before anything is painted.
+    pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
+        let Some(grab) = self.grab else { return };
+        let (moves, is_down) = ctx.input(|input| {
+            let moves: Vec<egui::Pos2> = input
+                .events
+                .iter()
+                .filter_map(|event| if let egui::Event::PointerMoved(to) = event { Some(*to) } else { None })
+                .collect();
+            (moves, input.pointer.primary_down())
+        });
+        for to in moves {
+            self.drag_to(grab, to);
+        }
+        if !is_down {
+            self.grab = None;
+        }
+    }
+
+    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
+        let Some(tone) = self.setup.tone(grab.slot) else { return };
+        let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
+        let plate = &self.setup.plate;
+        let position_m = self
+            .full_peak_m()
+            .map(|full_peak_m| tone.level * self.setup.master() * full_peak_m)
+            .and_then(|peak_m| turning_point_for(plate, shown_m, peak_m, self.setup.boundary))
+            .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
+        self.settings.has_dragged = true;
+        self.edit(&Edit::Move { slot: grab.slot, position_m });
+    }
+
+    pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if let Some(file) = dropped.first() {
+            self.parts.files.begin(FileJob::Open(file.path().to_owned()));
+        }
+    }
+}
+
+/// Takes back a zoom that leaves less than [`LEAST_ROOM`]; in a window that is small by itself, one above 1.
+fn end_zoom(ctx: &egui::Context) {
+    let zoom = ctx.zoom_factor();
+    let steps = 10.0 * zoom * (ctx.content_rect().size() / LEAST_ROOM).min_elem();
+    let most = (steps.floor() / 10.0).max(1.0);
+    if zoom > most {
+        ctx.set_zoom_factor(most);
+    }
+}

@@ -1,0 +1,54 @@
+//! Paths that are typed, where the system has no dialog for files.
+
+use super::App;
+use crate::files::FileJob;
+use crate::intent::{Dialog, PathQuestion};
+use std::path::{Path, PathBuf};
+
+impl App {
+    /// Asks for the path of a job; `existing` was typed, and names a file that is there.
+    pub(super) fn ask_for_path(&mut self, job: FileJob, existing: Option<&Path>) {
+        let (title, verb, name) = match &job {
+            FileJob::Choose => ("Open a setup or a plate", "Open", ""),
+            FileJob::Save(save) => ("Save as", "Save", save.name.as_str()),
+            FileJob::SaveFolder(_) => ("A folder for the files", "Save", ""),
+            // Their path is known.
+            FileJob::Open(_) | FileJob::SaveAs { .. } | FileJob::SaveInto(..) => return,
+        };
+        let existing = existing.map(|path| path.display().to_string());
+        let offered =
+            existing.clone().unwrap_or_else(|| self.usual_folder().join(name).display().to_string());
+        self.dialog = Some(Dialog::Path(PathQuestion { title, verb, offered, existing }));
+        self.asked = Some(job);
+    }
+
+    /// Does the job that waited for this path.
+    pub(super) fn take_path(&mut self, text: &str, may_replace: bool) {
+        self.dialog = None;
+        let path = self.typed_path(text);
+        let job = match self.asked.take() {
+            Some(FileJob::Choose) => FileJob::Open(path),
+            Some(FileJob::Save(save)) => FileJob::SaveAs { path, save, may_replace },
+            Some(FileJob::SaveFolder(files)) => FileJob::SaveInto(path, files),
+            Some(FileJob::Open(_) | FileJob::SaveAs { .. } | FileJob::SaveInto(..)) | None => return,
+        };
+        self.parts.files.begin(job);
+    }
+
+    /// What was typed as a path: `~` is the home folder, and what does not begin at the root begins in the usual
+    /// folder.
+    fn typed_path(&self, text: &str) -> PathBuf {
+        let text = text.trim();
+        match (text.strip_prefix("~/"), std::env::home_dir()) {
+            (Some(rest), Some(home)) => home.join(rest),
+            _ => self.usual_folder().join(text),
+        }
+    }
+
+    /// Where the file used last is, else the home folder.
+    fn usual_folder(&self) -> PathBuf {
+        let last = self.settings.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
+        let last = last.filter(|folder| folder.is_dir());
+        last.or_else(std::env::home_dir).unwrap_or_default()
+    }
+}

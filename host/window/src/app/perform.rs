@@ -1,0 +1,231 @@
+//! Carrying out what the views ask for.
+
+use super::{App, first_setup, set_theme};
+use crate::files::{FileEvent, FileJob, Save};
+use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use crate::scene::DesignState;
+use eframe::egui;
+use slipline_link::{Request, Severity};
+use slipline_model::export::csv_wav;
+use slipline_model::export::figures::plate::Subject;
+use slipline_model::export::report;
+use slipline_model::jobs::design::cut_files;
+use slipline_model::setup::edit::Edit;
+use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_plate::design::Design;
+use std::path::Path;
+use std::sync::Arc;
+
+impl App {
+    pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
+        for intent in intents {
+            match intent {
+                Intent::Edit(edit) => self.edit(&edit),
+                Intent::Request(request) => {
+                    if let Request::AutoReconnect(looks) = request {
+                        self.settings.auto_reconnect = looks;
+                    }
+                    self.parts.link.send(request);
+                }
+                Intent::Connect(port) => self.connect(port),
+                Intent::Start => self.start(),
+                Intent::Stop => self.stop(),
+                Intent::Disarm => {
+                    self.stop();
+                    self.parts.link.send(Request::Disarm);
+                }
+                Intent::Select(slot) => self.selected = slot,
+                Intent::Grab(grab) => {
+                    self.grab = Some(grab);
+                }
+                Intent::Undo => {
+                    if let Some(setup) = self.history.undo(&self.setup) {
+                        self.take(setup);
+                    }
+                }
+                Intent::Redo => {
+                    if let Some(setup) = self.history.redo(&self.setup) {
+                        self.take(setup);
+                    }
+                }
+                Intent::New => {
+                    if let Some(setup) = first_setup() {
+                        self.edit(&Edit::New(Box::new(setup)));
+                    }
+                }
+                Intent::OpenDialog => self.parts.files.begin(FileJob::Choose),
+                Intent::Open(path) => self.parts.files.begin(FileJob::Open(path)),
+                Intent::SaveDialog => {
+                    let text = setup_file::write(&self.setup);
+                    self.save("setup.toml", "Setup", "toml", text.into_bytes());
+                }
+                Intent::SavePlateDialog => {
+                    let text = self.setup.plate.to_toml();
+                    self.save("plate.toml", "Plate", "toml", text.into_bytes());
+                }
+                Intent::Design(draft) => self.design(*draft),
+                Intent::UseDesign => {
+                    if let Some(designed) = self.designed() {
+                        self.edit(&Edit::Plate(Arc::new(designed.plate.clone())));
+                    }
+                }
+                Intent::SaveDesign => {
+                    if let Some(designed) = self.designed() {
+                        let text = designed.plate.to_toml();
+                        self.save("plate.toml", "Plate", "toml", text.into_bytes());
+                    }
+                }
+                Intent::SaveCutFiles => {
+                    if let Some(designed) = self.designed() {
+                        self.parts.files.begin(FileJob::SaveFolder(cut_files(&designed)));
+                    }
+                }
+                Intent::CancelWork => self.cancel_work(),
+                Intent::MakeTable => {
+                    self.table_asked = None;
+                    self.ask_for_table();
+                }
+                Intent::Wave(wish) => self.settings.wave = wish,
+                Intent::Export(export) => self.export(ctx, export),
+                Intent::Upload => {
+                    if let Some(made) = self.table.made() {
+                        self.parts.link.send(Request::Upload(Arc::clone(&made.device_table)));
+                    }
+                }
+                Intent::Theme(choice) => {
+                    self.settings.theme = choice;
+                    set_theme(ctx, choice);
+                }
+                Intent::Dialog(dialog) => self.dialog = dialog,
+                Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
+                Intent::Confirmed(confirm) => {
+                    self.dialog = None;
+                    self.parts.link.send(match confirm {
+                        Confirm::Arm => Request::Arm,
+                        Confirm::Store => Request::Store,
+                        Confirm::Forget => Request::Forget,
+                        Confirm::Bootloader => Request::Bootloader,
+                    });
+                }
+                Intent::DismissNotice(number) => self.notices.dismiss(number),
+                Intent::RefreshPorts => self.ports = (self.parts.ports)(),
+                Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
+                Intent::Animate(animate) => self.settings.animate = animate,
+                Intent::Copy(text) => ctx.copy_text(text),
+                Intent::CopyDiagnostics => {
+                    ctx.copy_text(self.diagnostics());
+                    self.dialog = Some(Dialog::Diagnostics);
+                }
+            }
+            ctx.request_repaint();
+        }
+    }
+
+    /// The plate that was designed for the present draft.
+    fn designed(&self) -> Option<Arc<Design>> {
+        let DesignState::Ready(designed) = &self.background.shown.design else { return None };
+        designed.result.as_ref().ok().cloned()
+    }
+
+    fn diagnostics(&self) -> String {
+        report::text(&self.snapshot, &self.setup, &self.table)
+    }
+
+    pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
+        let save = Save { name: name.to_owned(), kind, extension, bytes: bytes.into() };
+        self.parts.files.begin(FileJob::Save(save));
+    }
+
+    fn export(&mut self, ctx: &egui::Context, what: Export) {
+        match what {
+            Export::Figure => {
+                let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
+                let subject = Subject {
+                    setup: self.setup.clone(),
+                    predicted: self.predicted.clone(),
+                    sounding: self.heard_on_screen().cloned(),
+                    sheet: self.shown_sheet().cloned(),
+                    measured: self.current_measured().cloned(),
+                    full_peak_m,
+                    is_largest: self.settings.show_amplitude,
+                    wave_time_s: self.hearing.wave_time_s,
+                };
+                self.parts.figures.ask(subject);
+            }
+            Export::Screenshot => {
+                let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
+                let taken = egui::ScreenshotCallback::new(move |image| {
+                    // Nobody waits for it once the window is closed.
+                    let _ = sender.send(image);
+                    waker.request_repaint();
+                });
+                ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
+            }
+            Export::Envelope => {
+                let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
+                let measured = self.current_measured();
+                let text = csv_wav::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
+                self.save("envelope.csv", "Table", "csv", text.into_bytes());
+            }
+            Export::Waveform => match csv_wav::waveform_csv(&self.hearing.live) {
+                Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
+                None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
+            },
+            Export::Sound => match csv_wav::wav(&self.hearing.live) {
+                Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
+                Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
+                Err(error) => self.fail(format!("The sound could not be made: {error}")),
+            },
+            Export::Diagnostics => {
+                let text = self.diagnostics();
+                self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
+            }
+        }
+    }
+
+    fn fail_unknown(&mut self) {
+        let text =
+            "The plate's table is not made yet, so its heights are not known: connect, and wait for it";
+        self.fail(text.to_owned());
+    }
+
+    pub(super) fn file_event(&mut self, event: FileEvent) {
+        // The log is part of the diagnostics: it holds the names of files, not where in whose folders they are.
+        let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        match event {
+            FileEvent::Opened(path, text) => {
+                let name = name_of(&path);
+                let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
+                match opened {
+                    Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
+                    Ok(Opened::Plate(plate)) => self.edit(&Edit::Plate(plate)),
+                    Err(reason) => {
+                        let text = format!("{name} was not opened, nothing has changed. {reason}");
+                        self.note(Severity::Error, text.clone());
+                        return self.fail(text);
+                    }
+                }
+                self.settings.used(&path);
+                self.note(Severity::Info, format!("Opened {name}."));
+                self.notices.tell(format!("Opened {name}"));
+            }
+            FileEvent::Saved(path, Ok(())) => {
+                if path.extension().is_some_and(|extension| extension == "toml") {
+                    self.settings.used(&path);
+                }
+                self.note(Severity::Info, format!("Saved {}.", name_of(&path)));
+                self.notices.tell(format!("Saved {}", path.display()));
+            }
+            FileEvent::Saved(path, Err(reason)) => {
+                self.note(Severity::Error, format!("{} was not saved: {reason}", name_of(&path)));
+                self.fail(format!("{} was not saved: {reason}", path.display()));
+            }
+            FileEvent::NoDialog(job) => self.ask_for_path(job, None),
+            FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),
+        }
+    }
+
+    fn note(&self, severity: Severity, text: String) {
+        self.parts.link.send(Request::Note(severity, text));
+    }
+}

@@ -1,0 +1,17 @@
+//! Slipline's window.
+//!
+//! ```text
+//! view (what is shown) --Intent--> app --Edit--> model's setup --Request--> link --> device
+//!   ^                               |  <--Snapshot-- link
+//!   +---------- Scene --------------+  <--results-- model's jobs, files
+//! ```
+
+pub mod app;
+pub mod axis;
+pub mod caption;
+pub mod files;
+pub mod intent;
+pub mod plate_fault;
+pub mod scene;
+pub mod settings;
+pub mod view;

@@ -1,0 +1,38 @@
+//! The row at the bottom: waveform, spectrum, meters, log.
+
+use super::{Scene, ViewState, log, meters, plots};
+use crate::intent::Intents;
+use eframe::egui::{self, Rect, UiBuilder, pos2};
+
+/// Height of the row, in points.
+pub(super) const HEIGHT: f32 = 194.0;
+
+/// Shares of the width; the gaps between them hold a line each.
+const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
+const GAP: f32 = 21.0;
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let area = ui.available_rect_before_wrap();
+    let free = area.width() - GAP * (SHARES.len() - 1) as f32;
+    let mut left = area.left();
+    for (i, share) in SHARES.into_iter().enumerate() {
+        let rect =
+            Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
+        // A child of its own: a column that needs more room than it has must not move its neighbours.
+        let mut column = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(i));
+        column.shrink_clip_rect(rect.expand(4.0));
+        match i {
+            0 => plots::waveform(&mut column, scene, view, intents),
+            1 => plots::spectrum(&mut column, scene, view, intents),
+            2 => meters::show(&mut column, scene),
+            _ => log::show(&mut column, scene, view, intents),
+        }
+        left = rect.right() + GAP;
+        if i + 1 < SHARES.len() {
+            let x = (rect.right() + 0.5 * GAP).round() + 0.5;
+            let stroke = ui.visuals().widgets.noninteractive.bg_stroke;
+            ui.painter().vline(x, area.y_range(), stroke);
+        }
+    }
+    ui.allocate_rect(area, egui::Sense::hover());
+}

@@ -1,0 +1,264 @@
+//! The boundary panel: where it is, what is sent for it, how strong it is.
+
+use super::field::{Field, UNKNOWN, row};
+use super::{Scene, ViewState, stage, theme};
+use crate::intent::{Intent, Intents};
+use eframe::egui::{self, RichText, Slider, text::LayoutJob};
+use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
+use slipline_model::numbers::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
+use slipline_model::numbers::ticks;
+use slipline_model::setup::edit::Edit;
+use slipline_model::setup::{BoundaryMode, MASTER_SLIDER_MIN_DB, ToneSetup};
+use slipline_plate::Plate;
+use slipline_plate::sensation::SLIPPERY_FROM_HZ;
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let setup = scene.setup;
+    let Some(tone) = setup.tone(scene.selected).copied() else { return };
+    let slot = tone.slot;
+    let plate = &setup.plate;
+    let frequency_hz = plate.frequency_for_boundary_hz(tone.position_m);
+    let steady = scene.full_peak_m.map(|full_peak_m| SteadyTone::of(setup, &tone, full_peak_m));
+    let palette = theme::palette(ui);
+
+    let kind = if frequency_hz >= SLIPPERY_FROM_HZ { "Slippery boundary" } else { "Vibration boundary" };
+    let explanation = if frequency_hz >= SLIPPERY_FROM_HZ {
+        "Slippery up to the line, the plate's own friction beyond."
+    } else {
+        "Vibration up to the line, stillness beyond it. Slipperiness needs 20 kHz and more."
+    };
+    ui.label(RichText::new(kind).strong().size(15.0));
+    ui.label(RichText::new(explanation).color(palette.weak).small());
+    if setup.tones.len() > 1 {
+        ui.label(RichText::new(format!("Selected: {}", stage::handle_name(scene, slot))).small());
+    }
+    ui.add_space(4.0);
+
+    let mut reason = None;
+    ui.horizontal_top(|ui| {
+        let value = position_words(scene, &tone, steady.as_ref());
+        let place = Field {
+            name: "Boundary position",
+            value: &value,
+            hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
+            width: 124.0,
+            caption: Some("Position"),
+        };
+        let taken = place
+            .show_apart(ui, &mut view.fields, &mut reason, |text| position(scene, steady.as_ref(), text));
+        let value = show_frequency(frequency_hz);
+        let pitch = Field {
+            name: "Boundary frequency",
+            value: &value,
+            hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
+            width: 124.0,
+            caption: Some("Frequency"),
+        };
+        let taken = pitch
+            .show_apart(ui, &mut view.fields, &mut reason, |text| position(scene, steady.as_ref(), text))
+            .or(taken);
+        if let Some(position_m) = taken {
+            intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+        }
+    });
+    range(ui, plate, reason);
+    if let Some(wave) = scene.predicted.tone(slot) {
+        row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
+        row(ui, "Peak height", steady.map_or(UNKNOWN.to_owned(), |steady| show_length(steady.peak_m)));
+        row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));
+    }
+    ui.add_space(6.0);
+    ui.separator();
+    theme::heading(ui, "The line holds");
+    mode(ui, scene, view, frequency_hz, intents);
+
+    ui.add_space(6.0);
+    ui.separator();
+    theme::heading(ui, "Strength");
+    level(ui, "Level", tone.level, intents, |level| Edit::Level { slot, level });
+    let mut master = setup.master_db.max(MASTER_SLIDER_MIN_DB);
+    let slider = Slider::new(&mut master, MASTER_SLIDER_MIN_DB..=0.0)
+        .suffix(" dB")
+        .fixed_decimals(1)
+        .custom_formatter(|decibel, _| ticks::label(decibel, 0.1));
+    let response = named_slider(ui, "Master", slider, "Scales all tones");
+    if response.changed() {
+        intents.push(Intent::Edit(Edit::Master(master)));
+    }
+    let mut glide_ms = setup.glide_s * 1e3;
+    let slider = Slider::new(&mut glide_ms, 5.0..=2000.0).logarithmic(true).suffix(" ms").fixed_decimals(0);
+    if named_slider(ui, "Glide", slider, "How long a change takes; the device ramps, so nothing clicks")
+        .changed()
+    {
+        intents.push(Intent::Edit(Edit::Glide(glide_ms * 1e-3)));
+    }
+}
+
+/// A level slider from 0 to 1.
+pub(super) fn level(
+    ui: &mut egui::Ui,
+    name: &str,
+    mut level: f64,
+    intents: &mut Intents,
+    edit: impl FnOnce(f64) -> Edit,
+) {
+    let slider = Slider::new(&mut level, 0.0..=1.0).fixed_decimals(2);
+    if named_slider(ui, name, slider, "Its peak relative to the most the table allows").changed() {
+        intents.push(Intent::Edit(edit(level)));
+    }
+}
+
+/// Width of the box with a slider's value, in points: the longest is "2000 ms".
+const VALUE: f32 = 76.0;
+/// The shortest a slider is, in points.
+const LEAST_SLIDER: f32 = 60.0;
+
+/// A slider with its name at the left, so that names and sliders line up.
+pub(super) fn named_slider(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui::Response {
+    ui.horizontal(|ui| {
+        let size = egui::vec2(58.0, ui.spacing().interact_size.y);
+        let label = ui
+            .scope(|ui| {
+                ui.set_min_size(size);
+                ui.set_max_width(size.x);
+                ui.label(name)
+            })
+            .inner;
+        // Boxes of one width at the right end, whatever stands in them.
+        ui.spacing_mut().interact_size.x = VALUE;
+        ui.spacing_mut().slider_width =
+            (ui.available_width() - VALUE - ui.spacing().item_spacing.x).max(LEAST_SLIDER);
+        let response = ui.add(slider).labelled_by(label.id).on_hover_text(help);
+        if response.has_focus() {
+            // The slider's own look hardly changes when the keys are its.
+            let ring = response.rect.expand(2.0);
+            let stroke = egui::Stroke::new(2.0, theme::palette(ui).accent);
+            ui.painter().rect_stroke(ring, 6.0, stroke, egui::StrokeKind::Inside);
+        }
+        response
+    })
+    .inner
+}
+
+/// What may be typed, or why what was typed is not taken. The room for it is always there, so that a reason moves
+/// nothing.
+fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
+    let palette = theme::palette(ui);
+    let ((start, end), (low, high)) = (plate.span_m(), plate.band_hz());
+    let span = format!(
+        "{:.0} to {:.0} mm, or {} to {}",
+        start * 1e3,
+        end * 1e3,
+        show_frequency(low),
+        show_frequency(high)
+    );
+    let (text, colour) = match reason {
+        // What names the range already needs no second one.
+        Some(reason) if reason.starts_with("outside") => (reason, palette.wrong),
+        Some(reason) => (format!("{reason}. Type {span}."), palette.wrong),
+        None => (span, palette.weak),
+    };
+    let size = egui::vec2(ui.available_width(), 2.0 * ui.text_style_height(&egui::TextStyle::Small));
+    ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.set_min_size(size);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let mut lines = LayoutJob::simple(text, font, colour, size.x);
+        lines.wrap.max_rows = 2;
+        ui.label(lines);
+    });
+}
+
+/// Where the boundary is, in words; a felt edge is not known before the height of its tone is.
+fn position_words(scene: &Scene<'_>, tone: &ToneSetup, steady: Option<&SteadyTone>) -> String {
+    let setup = scene.setup;
+    match (setup.boundary, steady) {
+        (BoundaryMode::TurningPoint, _) => show_place(tone.position_m),
+        (BoundaryMode::FeltEdge { .. }, None) => UNKNOWN.to_owned(),
+        (mode, Some(steady)) => {
+            shown_boundary_m(&setup.plate, steady, mode).map_or_else(|| "not felt".to_owned(), show_place)
+        }
+    }
+}
+
+/// The turning point that a typed place or frequency asks for.
+fn position(scene: &Scene<'_>, tone: Option<&SteadyTone>, text: &str) -> Result<f64, String> {
+    let plate = &scene.setup.plate;
+    let (start, end) = plate.span_m();
+    let x_m = match quantity::place_or_frequency(text).map_err(|error| error.to_string())? {
+        PlaceOrFrequency::Place(x_m) if scene.setup.boundary == BoundaryMode::TurningPoint => x_m,
+        PlaceOrFrequency::Place(x_m) => {
+            let tone = tone.ok_or("not known until the table is made: type a frequency")?;
+            turning_point_for(plate, x_m, tone.peak_m, scene.setup.boundary)
+                .ok_or("no tone of this level has its felt edge there")?
+        }
+        PlaceOrFrequency::Frequency(hertz) => plate.turning_point_m(hertz).ok_or_else(|| {
+            format!(
+                "{} cannot enter this plate: its cut-off is {}",
+                show_frequency(hertz),
+                show_frequency(plate.cut_off_hz())
+            )
+        })?,
+    };
+    // A rounding in the text must not refuse the very ends.
+    if (start - 1e-5..=end + 1e-5).contains(&x_m) {
+        return Ok(x_m);
+    }
+    let (low, high) = plate.band_hz();
+    Err(format!(
+        "outside {:.0} to {:.0} mm ({} to {})",
+        start * 1e3,
+        end * 1e3,
+        show_frequency(low),
+        show_frequency(high)
+    ))
+}
+
+fn mode(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    view: &mut ViewState,
+    frequency_hz: f64,
+    intents: &mut Intents,
+) {
+    let setup = scene.setup;
+    // A tenth of the full peak: where the edge's width ends. Illustrative until it is calibrated.
+    let default_threshold_m = scene.full_peak_m.map(|full_peak_m| (0.1 * full_peak_m).clamp(1e-9, 1e-2));
+    let is_felt = matches!(setup.boundary, BoundaryMode::FeltEdge { .. });
+    ui.horizontal(|ui| {
+        let turning = ui.radio(!is_felt, "Turning point");
+        if turning.on_hover_text("Where the wave turns back: set by the frequency alone").clicked() {
+            intents.push(Intent::Edit(Edit::Boundary(BoundaryMode::TurningPoint)));
+        }
+        let felt =
+            ui.add_enabled(default_threshold_m.is_some(), egui::RadioButton::new(is_felt, "Felt edge"));
+        let felt = felt.on_hover_text("Past the peak, where the motion falls below what is just felt");
+        if let Some(threshold_m) = default_threshold_m.filter(|_| felt.clicked()) {
+            let mode = BoundaryMode::FeltEdge { threshold_m };
+            intents.push(Intent::Edit(Edit::Boundary(mode)));
+        }
+    });
+    if let BoundaryMode::FeltEdge { threshold_m } = setup.boundary {
+        ui.horizontal_top(|ui| {
+            ui.label("just felt at");
+            let value = show_length(threshold_m);
+            let field = Field {
+                name: "Threshold of feeling",
+                value: &value,
+                hint: "Peak displacement that is just felt: 1 nm to 10 mm. Illustrative: calibrate on your own plate",
+                width: 90.0, caption: None,
+            };
+            let taken = field.show(ui, &mut view.fields, |text| {
+                let metres = quantity::length_m(text).map_err(|error| error.to_string())?;
+                let mode = BoundaryMode::FeltEdge { threshold_m: metres };
+                slipline_model::setup::edit::apply(setup, &Edit::Boundary(mode)).map_err(|error| error.to_string())?;
+                Ok(mode)
+            });
+            if let Some(mode) = taken {
+                intents.push(Intent::Edit(Edit::Boundary(mode)));
+            }
+        });
+        if frequency_hz >= SLIPPERY_FROM_HZ {
+            ui.label(RichText::new("A film of air needs about 1 µm.").small().weak());
+        }
+    }
+}

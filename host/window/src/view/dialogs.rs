@@ -1,0 +1,182 @@
+//! Pages in front of the window: shortcuts, port help, about, diagnostics, a path to be typed, confirmations.
+
+mod path;
+
+pub(crate) use path::TypedPath;
+
+use super::{Scene, ViewState};
+use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use eframe::egui::{self, RichText};
+use slipline_model::export::report;
+
+/// Every key and what it does.
+pub(super) const SHORTCUTS: [(&str, &str); 14] = [
+    ("Esc", "STOP, in every state, even while typing"),
+    ("Space", "STOP, in every state but while typing"),
+    ("Ctrl+Enter", "Drive"),
+    ("Left, Right", "Move the boundary by 1 mm"),
+    ("Shift+Left, Shift+Right", "Move the boundary by 0.1 mm"),
+    ("Tab, Shift+Tab", "Next, previous control"),
+    ("Enter", "Press the control; take a typed value"),
+    ("Ctrl+Z, Ctrl+Y", "Undo, redo"),
+    ("Ctrl+O, Ctrl+S", "Open, save the setup"),
+    ("Ctrl+1 … Ctrl+4", "Boundary, tones, plate, device"),
+    ("P", "Pause the wave and the plots"),
+    ("Double click", "On the plate: add a tone there"),
+    ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
+    ("F1", "This page"),
+];
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let Some(dialog) = scene.dialog else {
+        view.typed_path = None;
+        return;
+    };
+    let frame = egui::Frame::popup(ui.style()).inner_margin(16);
+    let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
+        ui.set_width(if *dialog == Dialog::Diagnostics { 620.0 } else { 460.0 });
+        match dialog {
+            Dialog::Shortcuts => shortcuts(ui),
+            Dialog::PortHelp => port_help(ui, intents),
+            Dialog::About => about(ui),
+            Dialog::Diagnostics => diagnostics(ui, scene, intents),
+            Dialog::Path(question) => return path::show(ui, question, view, intents),
+            Dialog::Confirm(confirm) => return confirmation(ui, *confirm, intents),
+        }
+        ui.add_space(8.0);
+        ui.horizontal(|ui| ui.button("Close").clicked()).inner
+    });
+    if response.inner || response.should_close() {
+        intents.push(Intent::Dialog(None));
+    }
+}
+
+fn shortcuts(ui: &mut egui::Ui) {
+    ui.heading("Shortcuts");
+    ui.add_space(6.0);
+    egui::Grid::new("shortcuts").num_columns(2).spacing([28.0, 6.0]).show(ui, |ui| {
+        for (keys, action) in SHORTCUTS {
+            ui.label(RichText::new(keys).strong());
+            ui.label(action);
+            ui.end_row();
+        }
+    });
+}
+
+/// The udev rule that lets the user at the screen open a device.
+pub(crate) const UDEV_RULE: &str = concat!(
+    "SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"1209\", ATTRS{idProduct}==\"0001\", ",
+    "ENV{ID_MM_DEVICE_IGNORE}=\"1\", TAG+=\"uaccess\""
+);
+
+fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
+    ui.heading("Ports and permissions");
+    ui.add_space(6.0);
+    for (question, answer) in [
+        (
+            "The device is not listed",
+            "Use a cable that carries data, not a charging cable. The board shows up a second after it is plugged in; then press Look again.",
+        ),
+        (
+            "Linux: no permission",
+            "Put the rule below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
+        ),
+        (
+            "Windows",
+            "The port works with the system's own driver. If it is listed but busy, close other serial programs.",
+        ),
+        ("macOS", "Choose the port that begins with /dev/cu."),
+    ] {
+        ui.label(RichText::new(question).strong());
+        ui.add(egui::Label::new(answer).wrap());
+        ui.add_space(4.0);
+    }
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        ui.add(egui::Label::new(RichText::new(UDEV_RULE).monospace().small()).wrap());
+    });
+    if ui.button("Copy the rule").clicked() {
+        intents.push(Intent::Copy(UDEV_RULE.to_owned()));
+    }
+}
+
+fn about(ui: &mut egui::Ui) {
+    ui.heading(format!("Slipline {}", env!("CARGO_PKG_VERSION")));
+    ui.add_space(6.0);
+    for text in [
+        "A tactile display on a tapered plate: a wave travels to its turning point, peaks and dies out. The frequency sets where.",
+        "What a finger feels is illustrative: calibrate on your own plate.",
+        "MIT OR Apache-2.0. Fonts: Ubuntu (Ubuntu font licence), Noto and Hack as they come with egui.",
+    ] {
+        ui.add(egui::Label::new(text).wrap());
+        ui.add_space(4.0);
+    }
+}
+
+/// Height of the text of the diagnostics, in points: less in a small window.
+const DIAGNOSTICS: f32 = 380.0;
+
+fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    ui.heading("Diagnostics");
+    ui.add_space(6.0);
+    ui.label("What helps to find a fault is on the clipboard now: read it before you send it.");
+    ui.label("It holds no name of yours or of your machine.");
+    let text = report::text(scene.snapshot, scene.setup, scene.table);
+    ui.horizontal(|ui| {
+        if ui.button("Copy again").clicked() {
+            intents.push(Intent::CopyDiagnostics);
+        }
+        if ui.button("Save diagnostics…").clicked() {
+            intents.push(Intent::Export(Export::Diagnostics));
+        }
+    });
+    let height = (ui.ctx().content_rect().height() - 200.0).clamp(60.0, DIAGNOSTICS);
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        let area = egui::ScrollArea::both().max_height(height).auto_shrink([false, false]);
+        area.show(ui, |ui| {
+            ui.add(egui::Label::new(RichText::new(text).monospace()).extend());
+        });
+    });
+}
+
+/// Title, what happens, and the word on the button.
+const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
+    match confirm {
+        Confirm::Arm => (
+            "Arm the device?",
+            "The amplifier is unmuted and the plate can move as soon as it is driven. Keep hands and loose things off the actuator. STOP, Esc and Space stop it.",
+            "Arm",
+        ),
+        Confirm::Store => (
+            "Overwrite what the device keeps?",
+            "The device's present table replaces the one in its flash and is used from the next start on.",
+            "Overwrite",
+        ),
+        Confirm::Forget => (
+            "Erase what the device keeps?",
+            "The table in the device's flash is erased. The one in use stays.",
+            "Erase",
+        ),
+        Confirm::Bootloader => (
+            "Restart into the bootloader?",
+            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again.",
+            "Restart",
+        ),
+    }
+}
+
+fn confirmation(ui: &mut egui::Ui, confirm: Confirm, intents: &mut Intents) -> bool {
+    let (title, text, verb) = words(confirm);
+    ui.heading(title);
+    ui.add_space(6.0);
+    ui.add(egui::Label::new(text).wrap());
+    ui.add_space(10.0);
+    ui.horizontal(|ui| {
+        let is_cancelled = ui.button("Cancel").clicked();
+        let is_confirmed = ui.button(RichText::new(verb).strong()).clicked();
+        if is_confirmed {
+            intents.push(Intent::Confirmed(confirm));
+        }
+        is_cancelled || is_confirmed
+    })
+    .inner
+}

@@ -1,0 +1,61 @@
+//! A path that is typed, where the system has no dialog for files.
+
+use crate::intent::{Intent, Intents, PathQuestion};
+use crate::view::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, Key, RichText};
+
+/// What is typed, and for which question.
+pub(crate) struct TypedPath {
+    question: PathQuestion,
+    text: String,
+}
+
+/// Shows the question; returns whether it was given up.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    question: &PathQuestion,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) -> bool {
+    let is_new = view.typed_path.as_ref().is_none_or(|typed| typed.question != *question);
+    let typed = match &mut view.typed_path {
+        Some(typed) if !is_new => typed,
+        state => state.insert(TypedPath { question: question.clone(), text: question.offered.clone() }),
+    };
+    let palette = theme::palette(ui);
+    ui.heading(question.title);
+    ui.add_space(6.0);
+    let why = "This system offers no dialog for files (a desktop portal or zenity would): type the path.";
+    ui.add(egui::Label::new(RichText::new(why).color(palette.weak)).wrap());
+    ui.add_space(4.0);
+    let edit = egui::TextEdit::singleline(&mut typed.text).desired_width(f32::INFINITY);
+    let field = ui.add(edit);
+    field.widget_info(|| {
+        let mut info = egui::WidgetInfo::text_edit(true, &question.offered, &typed.text, "");
+        info.label = Some("File path".to_owned());
+        info
+    });
+    if is_new {
+        field.request_focus();
+    }
+    // Only of the very file that was found there may it be said that it is replaced.
+    let is_replacing = question.existing.as_deref() == Some(typed.text.trim());
+    if is_replacing {
+        let text = "There is a file of that name. Replace it, or type another name.";
+        ui.label(RichText::new(text).color(palette.warn));
+    }
+    ui.add_space(10.0);
+    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    ui.horizontal(|ui| {
+        let verb = if is_replacing { "Replace" } else { question.verb };
+        let button = egui::Button::new(RichText::new(verb).strong());
+        let is_pressed = ui.add_enabled(!typed.text.trim().is_empty(), button).clicked();
+        // Replacing takes a press of the button that says so.
+        if is_pressed || (is_entered && !is_replacing && !typed.text.trim().is_empty()) {
+            intents.push(Intent::Path(typed.text.trim().to_owned(), is_replacing));
+        }
+        ui.button("Cancel").clicked()
+    })
+    .inner
+}

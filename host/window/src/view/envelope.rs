@@ -1,0 +1,163 @@
+//! How far the plate moves at each x: predicted by the solver, and as the simulated plate did.
+
+use super::field::UNKNOWN;
+use super::{Scene, theme};
+use crate::axis::Axis;
+use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
+use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_top_m};
+use slipline_model::numbers::ticks::Ticks;
+use slipline_model::setup::BoundaryMode;
+
+/// Displacement against the screen: 0 at the bottom.
+struct Height {
+    rect: Rect,
+    top_m: f64,
+}
+
+impl Height {
+    fn screen(&self, metres: f64) -> f32 {
+        let share = (metres / self.top_m).clamp(0.0, 1.0) as f32;
+        self.rect.bottom() - share * (self.rect.height() - 6.0)
+    }
+}
+
+/// Shows the envelope in `rect`.
+pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let predicted = scene.predicted;
+    let is_known = scene.full_peak_m.is_some();
+    let top_m = envelope_top_m(predicted, scene.full_peak_m.unwrap_or(1.0));
+    let height = Height { rect, top_m };
+    scale(ui, axis, &height, is_known);
+    let painter = ui.painter().with_clip_rect(rect.expand(1.0));
+    let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
+    let line = |values: &[f64]| -> Vec<Pos2> {
+        values.iter().enumerate().map(|(i, &metres)| pos2(place(i), height.screen(metres))).collect()
+    };
+    let is_sounding = scene.sounding.is_some();
+    let ink = if is_known { palette.accent } else { palette.weak };
+    let bound = line(&predicted.bound_m);
+    let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
+    painter.add(area(&bound, rect.bottom(), fill));
+    if is_sounding {
+        painter.add(Shape::line(bound, Stroke::new(1.8, ink)));
+    } else {
+        painter.extend(Shape::dashed_line(&bound, Stroke::new(1.5, ink), 6.0, 4.0));
+    }
+    if predicted.tones.len() > 1 {
+        let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
+        painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
+    }
+    if let Some(measured) = scene.measured.filter(|_| is_known) {
+        for (x_m, metres) in measured.points().step_by(2) {
+            let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
+            painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
+        }
+    }
+    edge(ui, scene, axis, &height);
+    if let BoundaryMode::FeltEdge { threshold_m } = scene.setup.boundary
+        && is_known
+        && threshold_m < top_m
+    {
+        let y = height.screen(threshold_m);
+        let line = [pos2(axis.screen().min, y), pos2(axis.screen().max, y)];
+        painter.extend(Shape::dashed_line(&line, Stroke::new(1.0, palette.warn), 5.0, 4.0));
+        let place = pos2(axis.screen().max - 4.0, y - 2.0);
+        painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.warn);
+    }
+}
+
+fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
+    let mut mesh = Mesh::default();
+    for point in line {
+        mesh.colored_vertex(*point, fill);
+        mesh.colored_vertex(pos2(point.x, bottom), fill);
+    }
+    for i in 0..line.len().saturating_sub(1) as u32 {
+        mesh.add_triangle(2 * i, 2 * i + 1, 2 * i + 2);
+        mesh.add_triangle(2 * i + 1, 2 * i + 2, 2 * i + 3);
+    }
+    Shape::mesh(mesh)
+}
+
+fn scale(ui: &egui::Ui, axis: &Axis, height: &Height, is_known: bool) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    painter.hline(axis.screen(), height.rect.bottom() + 0.5, Stroke::new(1.0, palette.line));
+    if !is_known {
+        let place = pos2(axis.screen().min - 8.0, height.rect.center().y);
+        painter.text(place, Align2::RIGHT_CENTER, UNKNOWN, font, palette.weak);
+        return;
+    }
+    let (unit, unit_m) = displacement_unit(height.top_m);
+    let top = height.top_m / unit_m;
+    let ticks = Ticks::between(0.0, top, top / 3.5);
+    for &tick in &ticks.places {
+        let y = height.screen(tick * unit_m).round() + 0.5;
+        if tick > 0.0 {
+            painter.hline(axis.screen(), y, Stroke::new(1.0, palette.grid));
+        }
+        let place = pos2(axis.screen().min - 8.0, y);
+        painter.text(place, Align2::RIGHT_CENTER, ticks.label(tick), font.clone(), palette.weak);
+    }
+    let left = Rangef::new(height.rect.left(), axis.screen().min);
+    let place = pos2(left.min, height.rect.top() - 1.0);
+    painter.text(place, Align2::LEFT_TOP, unit, font, palette.weak);
+}
+
+/// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.
+fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
+    let palette = theme::palette(ui);
+    let Some(wave) = scene.predicted.tone(scene.selected) else { return };
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let Some(peak_m) = wave.peak_position_m else {
+        let place = pos2(axis.screen_from_place(wave.turning_point_m) - 8.0, height.rect.top() + 6.0);
+        let text = "no peak: the loss leaves none here";
+        painter.text(place, Align2::RIGHT_TOP, text, font, palette.warn);
+        return;
+    };
+    let y = height.rect.bottom() - 7.0;
+    let range = Rangef::new(
+        axis.screen_from_place(peak_m),
+        axis.screen_from_place((peak_m + wave.edge_width_m).min(axis.length_m())),
+    );
+    let stroke = Stroke::new(1.5, palette.text);
+    painter.hline(range, y, stroke);
+    for x in [range.min, range.max] {
+        painter.vline(x, Rangef::new(y - 3.5, y + 3.5), stroke);
+    }
+}
+
+/// What the lines and points are, in a box: what runs through the envelope must not run through the words.
+pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let box_behind = painter.add(Shape::Noop);
+    let font = FontId::proportional(11.5);
+    let mut right = axis.screen().max - 6.0;
+    let y = rect.top() + 11.0;
+    let mut entry = |text: &str, sample: &dyn Fn(f32)| {
+        let drawn = painter.text(pos2(right, y), Align2::RIGHT_CENTER, text, font.clone(), palette.weak);
+        sample(drawn.left() - 24.0);
+        right = drawn.left() - 38.0;
+    };
+    if scene.measured.is_some() {
+        entry("simulated plate", &|left| {
+            painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, palette.text));
+        });
+    }
+    if scene.predicted.tones.len() > 1 {
+        entry("mean of all tones", &|left| {
+            let line = [pos2(left, y), pos2(left + 18.0, y)];
+            painter.extend(Shape::dashed_line(&line, Stroke::new(1.2, palette.weak), 3.0, 3.0));
+        });
+    }
+    let what = if scene.predicted.tones.len() > 1 { "largest, predicted" } else { "predicted" };
+    entry(what, &|left| {
+        painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
+    });
+    let behind = Rect::from_min_max(pos2(right + 8.0, y - 9.0), pos2(axis.screen().max, y + 9.0));
+    painter.set(box_behind, Shape::rect_filled(behind, 4.0, palette.well.gamma_multiply(0.9)));
+}

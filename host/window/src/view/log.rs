@@ -1,0 +1,111 @@
+//! The log: what was done and what went wrong, filtered, to be copied.
+
+use super::aligned::{self, Width};
+use super::{Scene, ViewState, theme};
+use crate::intent::{Intent, Intents};
+use eframe::egui::{self, RichText, ScrollArea};
+use slipline_link::{LogEntry, Severity};
+
+/// What of the log is shown.
+pub(crate) struct LogView {
+    least: Severity,
+    filter: String,
+}
+
+impl Default for LogView {
+    fn default() -> Self {
+        Self { least: Severity::Info, filter: String::new() }
+    }
+}
+
+/// Room for the heading and the space after it, in points.
+const LEAST_HEADING: f32 = 34.0;
+/// Room for the button at the end and the space before it, in points.
+const COPY: f32 = 60.0;
+/// A filter with less room than this is left out, in points.
+const LEAST_FILTER: f32 = 46.0;
+
+const LEVELS: [(Severity, &str); 4] = [
+    (Severity::Detail, "all"),
+    (Severity::Info, "info"),
+    (Severity::Warning, "warnings"),
+    (Severity::Error, "errors"),
+];
+
+/// Width of the menu of levels in a row with this room: a narrow one leaves some of it to the filter.
+fn level_width(room: f32) -> f32 {
+    if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
+}
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let log = &mut view.log;
+    let needle = log.filter.to_lowercase();
+    let shown: Vec<&LogEntry> = scene
+        .snapshot
+        .log
+        .iter()
+        .filter(|entry| entry.severity >= log.least)
+        .filter(|entry| needle.is_empty() || entry.text.to_lowercase().contains(&needle))
+        .collect();
+    let room = ui.available_width() - LEAST_HEADING;
+    aligned::headed(ui, "Log", |ui| {
+        let rest = Width::of(ui, "level and copy");
+        let width = room - rest.points() - 2.0 * ui.spacing().item_spacing.x;
+        // A filter that is set stays in sight: lines are missing because of it.
+        if width >= LEAST_FILTER || !log.filter.is_empty() {
+            // A word that a narrow field has room for.
+            let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("find");
+            ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64)).widget_info(|| {
+                let mut info = egui::WidgetInfo::text_edit(true, "", "", "find");
+                info.label = Some("Filter the log".to_owned());
+                info
+            });
+        }
+        let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
+        let chosen =
+            egui::ComboBox::from_id_salt("log level").selected_text(name).width(level_width(room)).truncate();
+        let response = chosen.show_ui(ui, |ui| {
+            for (level, name) in LEVELS {
+                ui.selectable_value(&mut log.least, level, name);
+            }
+        });
+        response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
+        let copy = ui.small_button("Copy").on_hover_text("Copy the lines shown");
+        if copy.clicked() {
+            let text: Vec<String> = shown.iter().map(ToString::to_string).collect();
+            intents.push(Intent::Copy(text.join("\n")));
+        }
+        rest.note(ui, copy.rect.right() - response.response.rect.left());
+    });
+    // One column for the times: the longest is the latest one's.
+    let seconds = |entry: &LogEntry| format!("{:.2}", entry.time.as_secs_f64());
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let times = shown.last().map_or(0.0, |latest| {
+        let widest = "0".repeat(seconds(latest).len());
+        ui.painter().layout_no_wrap(widest, font, palette.weak).size().x
+    });
+    let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
+    ui.spacing_mut().item_spacing.y = 1.0;
+    ui.spacing_mut().interact_size.y = height;
+    let area = ScrollArea::vertical().id_salt("log").stick_to_bottom(true).auto_shrink([false, false]);
+    area.show_rows(ui, height, shown.len(), |ui, rows| {
+        for entry in shown.get(rows).unwrap_or_default() {
+            let colour = match entry.severity {
+                Severity::Detail => palette.weak,
+                Severity::Info => palette.text,
+                Severity::Warning => palette.warn,
+                Severity::Error => palette.wrong,
+            };
+            ui.horizontal(|ui| {
+                let column = egui::vec2(times, ui.spacing().interact_size.y);
+                let right = egui::Layout::right_to_left(egui::Align::Center);
+                ui.allocate_ui_with_layout(column, right, |ui| {
+                    ui.label(RichText::new(seconds(entry)).small().color(palette.weak));
+                });
+                let text = RichText::new(&entry.text).small().color(colour);
+                ui.add(egui::Label::new(text).truncate()).on_hover_text(&entry.text);
+            });
+        }
+    });
+}

@@ -1,0 +1,88 @@
+//! What the window shows. Every view takes the [`Scene`] and returns what the user asks for as intents; none sends
+//! anything or changes what it shows.
+//!
+//! ```text
+//! top_bar ................................ STOP
+//! stage: plate | envelope | strip (one x axis)   side: boundary, tones, plate_panel, device
+//! bottom: waveform, spectrum, meters, log
+//! ```
+
+mod aligned;
+mod bottom;
+mod boundary;
+mod designer;
+mod device;
+mod dialogs;
+mod envelope;
+mod field;
+mod log;
+mod meters;
+mod notices;
+mod plate;
+mod plate_panel;
+mod plots;
+mod side;
+mod stage;
+mod strip;
+pub mod theme;
+mod tones;
+mod top_bar;
+mod validity;
+
+pub(crate) use stage::arrow_step_m;
+
+use crate::intent::Intents;
+use crate::scene::Scene;
+use eframe::egui;
+
+/// What the views remember themselves: what is typed, which tab is open.
+#[derive(Default)]
+pub struct ViewState {
+    pub(crate) tab: side::Tab,
+    pub(crate) plate_page: plate_panel::Page,
+    pub(crate) fields: field::Fields,
+    pub(crate) log: log::LogView,
+    pub(crate) plots: plots::PlotsView,
+    pub(crate) focused_handle: Option<egui::Id>,
+    pub(crate) notices: notices::Since,
+    pub(crate) typed_path: Option<dialogs::TypedPath>,
+}
+
+impl ViewState {
+    /// Opens a tab by its place, 0..4.
+    pub(crate) fn open_tab(&mut self, index: usize) {
+        self.tab = side::Tab::by_index(index);
+    }
+
+    /// Opens the validity lights.
+    fn open_validity(&mut self) {
+        self.tab = side::Tab::Plate;
+        self.plate_page = plate_panel::Page::Validity;
+    }
+
+    /// Whether the focus is on a boundary handle.
+    pub(crate) fn is_handle(&self, focused: Option<egui::Id>) -> bool {
+        focused.is_some() && self.focused_handle == focused
+    }
+}
+
+/// Shows the whole window.
+pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
+    let mut intents = Intents::new();
+    let palette = theme::palette(ui);
+    let frame = theme::panel_frame(palette);
+    egui::Panel::top("top")
+        .frame(frame)
+        .resizable(false)
+        .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
+    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom::HEIGHT).resizable(false).show(ui, |ui| {
+        bottom::show(ui, scene, view, &mut intents);
+    });
+    egui::Panel::right("side").frame(frame).exact_size(side::WIDTH).resizable(false).show(ui, |ui| {
+        side::show(ui, scene, view, &mut intents);
+    });
+    let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
+    egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
+    dialogs::show(ui, scene, view, &mut intents);
+    intents
+}

@@ -1,0 +1,230 @@
+//! The plate from above, to scale, with its wave.
+
+use super::field::UNKNOWN;
+use super::{Scene, ViewState, theme, validity};
+use crate::axis::Axis;
+use crate::intent::{Intent, Intents};
+use eframe::egui::{
+    self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
+};
+use slipline_link::protocol::event::State;
+use slipline_model::field::displacement_map::{Row, Surface, Wave, slow_factor};
+use slipline_model::field::sheet::Source;
+use slipline_model::field::steady_field::full_colour_m;
+use slipline_model::numbers::quantity::show_length;
+use std::sync::Arc;
+use theme::GAP;
+
+/// Rows of the mesh across the plate.
+const ROWS: usize = 19;
+/// Width of a mesh column, in points.
+const COLUMN: f32 = 3.0;
+
+/// The narrowest line above the plate that has room for the whole colour scale, in points.
+const ROOM_FOR_SCALE: f32 = 720.0;
+
+/// Room that the plate's name has at least, before the words beside it, in points.
+const NAME: f32 = 110.0;
+
+/// The line above the plate: what is drawn, how slow, the validity lights' summary, and the colour scale.
+pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal_centered(|ui| {
+        let look = Scale {
+            show_amplitude: scene.settings.show_amplitude,
+            is_wide: ui.available_width() >= ROOM_FOR_SCALE,
+        };
+        let right = validity::chip_width(ui, scene)
+            + ["Wave", "Amplitude"].iter().map(|name| button_width(ui, name)).sum::<f32>()
+            + look.size(ui, scene).x
+            + 4.0 * GAP
+            + 14.0;
+        // The name gives way to what stands at the right; its whole is told on hovering.
+        let left = vec2((ui.available_width() - right).max(60.0), ui.available_height());
+        ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.set_min_width(left.x);
+            let text = egui::RichText::new(drawn(scene)).color(palette.weak);
+            let width =
+                ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
+            let room = (left.x - width.size().x - GAP).max(NAME);
+            let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
+            ui.scope(|ui| {
+                ui.set_max_width(room.min(left.x));
+                ui.add(egui::Label::new(name).truncate());
+            });
+            let shown = ui.add(egui::Label::new(text).truncate());
+            if let Some(Source::Lines(Some(reason))) = &scene.background.source {
+                shown.on_hover_text(format!("Modal lines: {reason}"));
+            }
+        });
+        if validity::chip(ui, scene) {
+            view.open_validity();
+        }
+        let wave = ui.selectable_label(!scene.settings.show_amplitude, "Wave");
+        if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
+            intents.push(Intent::ShowAmplitude(false));
+        }
+        let amplitude = ui.selectable_label(scene.settings.show_amplitude, "Amplitude");
+        if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
+            intents.push(Intent::ShowAmplitude(true));
+        }
+        look.show(ui, scene);
+    });
+}
+
+fn button_width(ui: &egui::Ui, name: &str) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, Color32::PLACEHOLDER);
+    galley.size().x + 2.0 * ui.spacing().button_padding.x
+}
+
+/// What the plate's colours are, and how slow.
+fn drawn(scene: &Scene<'_>) -> String {
+    let Some(picture) = scene.sounding else {
+        let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
+        return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
+    };
+    let source = if scene.sheet.is_some() { "2-D sheet" } else { "modal lines" };
+    if scene.settings.show_amplitude {
+        return format!("{source}, largest");
+    }
+    let paused = if scene.settings.animate { "" } else { ", paused" };
+    format!("{source}, 1/{:.0} speed{paused}", slow_factor(picture))
+}
+
+/// What the colours stand for: the displacements at both ends, or at the right end only where there is little room.
+#[derive(Clone, Copy)]
+struct Scale {
+    show_amplitude: bool,
+    is_wide: bool,
+}
+
+impl Scale {
+    fn bar(self) -> Vec2 {
+        vec2(if self.is_wide { 90.0 } else { 40.0 }, 10.0)
+    }
+
+    /// The words at its ends.
+    fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
+        let full = scene.full_peak_m.map_or_else(
+            || UNKNOWN.to_owned(),
+            |full_peak_m| show_length(full_colour_m(scene.sounding, full_peak_m)),
+        );
+        let ends = match (self.show_amplitude, self.is_wide) {
+            (true, true) => ["0".to_owned(), full],
+            (true, false) => [String::new(), full],
+            (false, _) if scene.full_peak_m.is_none() => [String::new(), full],
+            (false, true) => [format!("−{full}"), format!("+{full}")],
+            (false, false) => [String::new(), format!("±{full}")],
+        };
+        let ink = theme::palette(ui).weak;
+        ends.map(|end| ui.painter().layout_no_wrap(end, FontId::proportional(11.5), ink))
+    }
+
+    fn size(self, ui: &egui::Ui, scene: &Scene<'_>) -> Vec2 {
+        let [left, right] = self.ends(ui, scene);
+        vec2(left.size().x + right.size().x + self.bar().x + 12.0, 18.0)
+    }
+
+    fn show(self, ui: &mut egui::Ui, scene: &Scene<'_>) {
+        let palette = theme::palette(ui);
+        let (rect, response) = ui.allocate_exact_size(self.size(ui, scene), egui::Sense::hover());
+        let [left, right] = self.ends(ui, scene);
+        response.on_hover_text("What full colour stands for");
+        let painter = ui.painter();
+        let bar = self.bar();
+        let centre = pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y);
+        let bar_rect = Rect::from_center_size(centre, bar);
+        let steps = 45;
+        for i in 0..steps {
+            let share = (i as f32 + 0.5) / steps as f32;
+            let colour = if self.show_amplitude {
+                theme::sequential(share, palette.dark)
+            } else {
+                theme::diverging(2.0 * share - 1.0, palette.dark)
+            };
+            let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
+            let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
+            painter.rect_filled(cell, 0.0, colour);
+        }
+        painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
+        let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
+        painter.galley(place, right, palette.weak);
+    }
+}
+
+/// Shows the plate in `rect`, its ends at the axis' ends.
+pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let show_amplitude = scene.settings.show_amplitude;
+    let plate = &scene.setup.plate;
+    let screen = axis.screen();
+    let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
+    let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
+    // A very wide plate is drawn narrower than it is rather than over its neighbours.
+    let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
+    let surface = Surface::new(Wave {
+        plate,
+        sounding: scene.sounding,
+        sheet: scene.sheet,
+        is_largest: show_amplitude,
+        time_s: scene.wave_time_s,
+    });
+    let across: Vec<Row> =
+        (0..ROWS).map(|row| surface.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
+    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
+    let mut mesh = Mesh::default();
+    mesh.reserve_vertices((columns + 1) * ROWS);
+    mesh.reserve_triangles(columns * (ROWS - 1) * 2);
+    let mut edge: [Vec<Pos2>; 2] = [Vec::with_capacity(columns + 1), Vec::with_capacity(columns + 1)];
+    for column in 0..=columns {
+        let share = column as f32 / columns as f32;
+        let x = screen.min + share * screen.span();
+        let x_m = f64::from(share) * axis.length_m();
+        let half = half_px(x_m) * squeeze;
+        let across_here = surface.column(x_m);
+        for row in &across {
+            let value = (surface.at(&across_here, row) / full_m) as f32;
+            let colour = if show_amplitude {
+                theme::sequential(value.abs(), palette.dark)
+            } else {
+                theme::diverging(value, palette.dark)
+            };
+            mesh.colored_vertex(pos2(x, rect.center().y + row.beta as f32 * half), colour);
+        }
+        edge[0].push(pos2(x, rect.center().y - half));
+        edge[1].push(pos2(x, rect.center().y + half));
+    }
+    for column in 0..columns {
+        for row in 0..ROWS - 1 {
+            let a = (column * ROWS + row) as u32;
+            let b = a + ROWS as u32;
+            mesh.add_triangle(a, a + 1, b);
+            mesh.add_triangle(a + 1, b + 1, b);
+        }
+    }
+    let painter = ui.painter();
+    painter.add(Shape::mesh(mesh));
+    let rim = Stroke::new(1.5, palette.weak);
+    let [upper, lower] = edge;
+    // The driven end is a thick bar: this is where the actuator holds the plate.
+    let (first, last) = (upper[0], upper[upper.len() - 1]);
+    let far = (lower[0], lower[lower.len() - 1]);
+    painter.line_segment([last, far.1], rim);
+    painter.add(Shape::line(upper, rim));
+    painter.add(Shape::line(lower, rim));
+    let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
+    painter.rect_filled(bar, 2.0, palette.weak);
+    let label = pos2(bar.left() - 6.0, rect.center().y);
+    painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
+    width_scale(ui, axis, rect, squeeze);
+}
+
+/// A scale bar for the width, because the plate is drawn to scale.
+fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
+    let palette = theme::palette(ui);
+    let text = if squeeze < 0.999 { "width not to scale" } else { "to scale" };
+    let place = pos2(axis.screen().max, rect.bottom() - 2.0);
+    let colour: Color32 = palette.weak;
+    ui.painter().text(place, Align2::RIGHT_BOTTOM, text, FontId::proportional(11.5), colour);
+}

@@ -1,0 +1,323 @@
+//! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
+
+use super::{Scene, ViewState, envelope, plate, strip, theme};
+use crate::axis::Axis;
+use crate::intent::{Grab, Intent, Intents};
+use eframe::egui::{
+    self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
+    vec2,
+};
+use slipline_model::field::steady_field::drawn_boundary_m;
+use slipline_model::numbers::quantity::{show_frequency, show_place};
+use slipline_model::setup::edit::Edit;
+use theme::HANDLE;
+
+/// Room left of the plate for the envelope's scale, and right of it for the last label, in points.
+const MARGIN: (f32, f32) = (58.0, 22.0);
+const TITLE: f32 = 26.0;
+const LABEL: f32 = 26.0;
+const STRIP: f32 = 30.0;
+const SCALE: f32 = 34.0;
+const GAP: f32 = 8.0;
+
+/// Where the three views lie.
+struct Layout {
+    axis: Axis,
+    title: Rect,
+    label: Rect,
+    plate: Rect,
+    envelope: Rect,
+    strip: Rect,
+    scale: Rect,
+}
+
+impl Layout {
+    fn new(area: Rect, length_m: f64, half_width_m: f64, pixels_per_point: f32) -> Self {
+        let range = Rangef::new(area.left() + MARGIN.0, area.right() - MARGIN.1);
+        let axis = Axis::new(length_m, range, pixels_per_point);
+        let row = |top: f32, height: f32| {
+            let top = (top * pixels_per_point).round() / pixels_per_point;
+            let bottom = ((top + height) * pixels_per_point).round() / pixels_per_point;
+            Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom))
+        };
+        let title = row(area.top(), TITLE);
+        let label = row(title.bottom(), LABEL);
+        // In a window too small for the rows they lie over each other's ends, but stay in order.
+        let free = (area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
+        // The plate gets what it needs at scale; the envelope gets the rest.
+        let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
+        let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.7 * free).max(40.0));
+        let envelope = row(plate.bottom() + GAP, (free - plate.height()).max(40.0));
+        let strip = row(envelope.bottom() + GAP, STRIP);
+        let scale = row(strip.bottom(), SCALE);
+        Self { axis, title, label, plate, envelope, strip, scale }
+    }
+}
+
+/// Shows the stage in the whole of `ui`.
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let area = ui.available_rect_before_wrap();
+    let plate = &scene.setup.plate;
+    let layout = Layout::new(area, plate.length_m(), plate.half_width_m(0.0), ui.pixels_per_point());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
+        plate::title(ui, scene, view, intents);
+    });
+    grid(ui, scene, &layout);
+    plate::show(ui, scene, &layout.axis, layout.plate);
+    envelope::show(ui, scene, &layout.axis, layout.envelope);
+    strip::show(ui, scene, &layout.axis, layout.strip);
+    place_scale(ui, scene, &layout);
+    // The selected tone last, so that it lies on top and is taken first.
+    let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
+    order.sort_by_key(|&slot| slot == scene.selected);
+    for slot in order {
+        handle(ui, scene, &layout, slot, view, intents);
+    }
+    // Over the lines of the tones.
+    hint(ui, scene, &layout);
+    envelope::legend(ui, scene, &layout.axis, layout.envelope);
+    add_by_double_click(ui, scene, &layout, intents);
+}
+
+/// Faint lines at the same places in all views.
+fn grid(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let over = layout.axis.over_plate(layout.envelope);
+    painter.rect_filled(over, CornerRadius::same(3), palette.well);
+    for beyond in layout.axis.beyond(scene.setup.plate.span_m()) {
+        painter.rect_filled(Rect::from_x_y_ranges(beyond, over.y_range()), 0.0, palette.beyond());
+    }
+    for x_mm in layout.axis.ticks_mm(90.0).places {
+        let x = layout.axis.line_from_place(x_mm * 1e-3);
+        painter.vline(x, layout.envelope.y_range(), Stroke::new(1.0, palette.grid));
+    }
+}
+
+fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let font = FontId::proportional(11.5);
+    let top = layout.scale.top() + 3.0;
+    painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
+    // Where a boundary can be put.
+    let (start, end) = scene.setup.plate.span_m();
+    let span = Rangef::new(layout.axis.screen_from_place(start), layout.axis.screen_from_place(end));
+    painter.hline(span, top, Stroke::new(2.0, palette.weak));
+    let ticks = layout.axis.ticks_mm(90.0);
+    for &x_mm in &ticks.places {
+        let x = layout.axis.line_from_place(x_mm * 1e-3);
+        painter.vline(x, Rangef::new(top, top + 4.0), Stroke::new(1.0, palette.weak));
+        let place = pos2(x, top + 6.0);
+        painter.text(place, Align2::CENTER_TOP, ticks.label(x_mm), font.clone(), palette.weak);
+    }
+    let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
+    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font.clone(), palette.weak);
+    let below = pos2(layout.axis.screen().max, layout.scale.bottom() + 2.0);
+    painter.text(below, Align2::RIGHT_BOTTOM, strip::words(scene), font, palette.weak);
+}
+
+/// What the hint says, in as many words as there is room for.
+const HINTS: [&str; 2] = ["Drag the line: it moves the boundary", "Drag the line"];
+
+fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
+    if scene.settings.has_dragged {
+        return;
+    }
+    let palette = theme::palette(ui);
+    let Some(tone) = scene.setup.tone(scene.selected) else { return };
+    let line = layout.axis.line_from_place(drawn_boundary_m(scene.setup, tone, scene.full_peak_m));
+    let right = layout.axis.screen().max;
+    let size = |text: &str| {
+        let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(14.0), palette.text);
+        (galley.size() + vec2(20.0, 12.0), galley)
+    };
+    let room = right - line - HANDLE;
+    let fits = HINTS.into_iter().map(size).find(|(size, _)| size.x <= room);
+    // Beside the line: on the narrow side of the plate if it can be, else on the other.
+    let (anchor, (size, galley)) = match fits {
+        Some(fits) => (right, fits),
+        None => (line - HANDLE, size(HINTS[1])),
+    };
+    let rect = Align2::RIGHT_TOP.anchor_size(pos2(anchor, layout.plate.top() + 8.0), size);
+    ui.painter().rect(
+        rect,
+        CornerRadius::same(8),
+        palette.panel,
+        Stroke::new(1.0, palette.accent),
+        egui::StrokeKind::Inside,
+    );
+    ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
+}
+
+/// The name of a tone's handle for those who cannot see it.
+pub(super) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
+    if scene.setup.tones.first().is_some_and(|first| first.slot == slot) {
+        "Boundary".to_owned()
+    } else {
+        format!("Peak of tone {}", slot + 1)
+    }
+}
+
+fn handle(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    layout: &Layout,
+    slot: u8,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    let setup = scene.setup;
+    let Some(tone) = setup.tone(slot) else { return };
+    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+    let shown_m = drawn_boundary_m(scene.setup, tone, scene.full_peak_m);
+    let x = layout.axis.line_from_place(shown_m);
+    let is_selected = slot == scene.selected;
+    let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
+    let rows = Rangef::new(layout.label.top(), layout.strip.bottom());
+    let id = ui.scope_id().with(("handle", slot));
+    let response = ui
+        .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
+        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    let is_held = scene.grab.is_some_and(|grab| grab.slot == slot);
+    let name = handle_name(scene, slot);
+    response.widget_info(|| egui::WidgetInfo::slider(true, tone.position_m * 1e3, &name));
+    if response.is_pointer_button_down_on()
+        && !is_held
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        response.request_focus();
+        intents.push(Intent::Select(slot));
+        intents.push(Intent::Grab(Grab { slot, axis: layout.axis, offset: pointer.x - x }));
+    }
+    if response.has_focus() {
+        // Left and right move the boundary instead of the focus.
+        let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        view.focused_handle = Some(id);
+        if !is_selected {
+            intents.push(Intent::Select(slot));
+        }
+    }
+    by_assistive_technology(ui, id, slot, tone.position_m, intents);
+    let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
+    paint_line(ui, layout, x, look);
+    if is_selected {
+        let edge_m = setup.plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN);
+        let mut label = format!(
+            "{}   {}   edge {:.0} mm",
+            show_place(shown_m),
+            show_frequency(frequency_hz),
+            edge_m * 1e3
+        );
+        if is_held || response.has_focus() {
+            label.push_str(end_of_span(setup.plate.span_m(), tone.position_m));
+        }
+        paint_label(ui, layout, x, &label);
+    } else {
+        let palette = theme::palette(ui);
+        let place = pos2(x, layout.plate.center().y);
+        let number = (slot + 1).to_string();
+        ui.painter().text(place, Align2::CENTER_CENTER, number, FontId::proportional(11.5), palette.text);
+    }
+}
+
+/// What is said of a boundary that goes no further, after where it is.
+fn end_of_span((start, end): (f64, f64), position_m: f64) -> &'static str {
+    match position_m {
+        x_m if x_m <= start => "   the span begins here",
+        x_m if x_m >= end => "   the span ends here",
+        _ => "",
+    }
+}
+
+/// Increment, decrement and set-value from a screen reader or a switch.
+fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, slot: u8, position_m: f64, intents: &mut Intents) {
+    use egui::accesskit::{Action, ActionData};
+    let mut to = None;
+    ui.input(|input| {
+        let steps = input.num_accesskit_action_requests(id, Action::Increment) as f64
+            - input.num_accesskit_action_requests(id, Action::Decrement) as f64;
+        if steps != 0.0 {
+            to = Some(position_m + steps * 1e-3);
+        }
+        for request in input.accesskit_action_requests(id, Action::SetValue) {
+            if let Some(ActionData::NumericValue(mm)) = request.data {
+                to = Some(mm * 1e-3);
+            }
+        }
+    });
+    if let Some(position_m) = to {
+        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Look {
+    is_selected: bool,
+    is_hot: bool,
+    has_focus: bool,
+}
+
+fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let rows = Rangef::new(layout.label.bottom(), layout.strip.bottom());
+    let ink = if look.is_selected { palette.boundary } else { palette.weak };
+    let halo = if palette.dark { Color32::from_black_alpha(150) } else { Color32::from_white_alpha(190) };
+    let width = if look.is_selected { 2.0 } else { 1.0 };
+    painter.vline(x, rows, Stroke::new(width + 3.0, halo));
+    painter.vline(x, rows, Stroke::new(width, ink));
+    let centre = pos2(x, layout.plate.center().y);
+    let radius = if look.is_selected { 0.5 * HANDLE + 1.0 } else { 9.0 };
+    let radius = if look.is_hot { radius + 1.5 } else { radius };
+    painter.circle(centre, radius, palette.panel, Stroke::new(width, ink));
+    if look.is_selected {
+        for side in [-1.0f32, 1.0] {
+            let tip: Pos2 = centre + vec2(side * 8.0, 0.0);
+            let back = side * -4.0;
+            let points = vec![tip + vec2(back, -4.5), tip, tip + vec2(back, 4.5)];
+            painter.line(points, Stroke::new(1.8, ink));
+        }
+    }
+    if look.has_focus {
+        painter.circle_stroke(centre, radius + 3.0, Stroke::new(2.0, palette.accent));
+    }
+}
+
+fn paint_label(ui: &egui::Ui, layout: &Layout, x: f32, text: &str) {
+    let palette = theme::palette(ui);
+    let ink = if palette.dark { palette.page } else { palette.well };
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
+    let size = galley.size() + vec2(20.0, 6.0);
+    // Where there is no room for both ends, the left one is seen.
+    let left = (x - 0.5 * size.x).min(layout.label.right() - size.x).max(layout.label.left());
+    let rect = Rect::from_min_size(pos2(left, layout.label.bottom() - size.y), size);
+    ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
+    ui.painter().galley(rect.min + vec2(10.0, 3.0), galley, ink);
+}
+
+fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {
+    let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::hover());
+    let is_double = ui.input(|input| input.pointer.button_double_clicked(egui::PointerButton::Primary));
+    let Some(pointer) = response.hover_pos() else { return };
+    let near_handle = scene
+        .setup
+        .tones
+        .iter()
+        .any(|tone| (layout.axis.screen_from_place(tone.position_m) - pointer.x).abs() < HANDLE);
+    if is_double && !near_handle {
+        intents.push(Intent::Edit(Edit::Add { position_m: layout.axis.place_from_screen(pointer.x) }));
+    }
+}
+
+/// The move that a key asks for: 1 mm, or 0.1 mm with Shift.
+pub(crate) fn arrow_step_m(input: &mut egui::InputState) -> f64 {
+    let mut step = 0.0;
+    // Shift first: a key with no modifier asked for is taken with Shift, too.
+    for (modifiers, size) in [(egui::Modifiers::SHIFT, 1e-4), (egui::Modifiers::NONE, 1e-3)] {
+        step += size * input.count_and_consume_key(modifiers, Key::ArrowRight) as f64;
+        step -= size * input.count_and_consume_key(modifiers, Key::ArrowLeft) as f64;
+    }
+    step
+}

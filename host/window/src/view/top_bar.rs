@@ -1,0 +1,306 @@
+//! The bar at the top: what is connected, its state, and STOP.
+
+use super::aligned::{self, Width};
+use super::{Scene, theme};
+use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use crate::settings::ThemeChoice;
+use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkState, Port, Request};
+use slipline_model::autopilot;
+use slipline_model::field::sheet::WavePicture;
+use theme::Palette;
+
+/// Size of the STOP button, in points.
+const STOP: Vec2 = vec2(104.0, 34.0);
+
+/// What the state chip says: a word, its colour, and a sentence.
+pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
+    let snapshot = scene.snapshot;
+    match &snapshot.link {
+        LinkState::Disconnected => {
+            let why =
+                snapshot.trouble.as_ref().map_or_else(|| "No port is open.".to_owned(), ToString::to_string);
+            ("disconnected", palette.weak, why)
+        }
+        LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
+        LinkState::Lost(trouble) => ("lost", palette.wrong, trouble.to_string()),
+        LinkState::Reconnecting(trouble) => {
+            ("reconnecting", palette.warn, format!("{trouble}. Looking for it."))
+        }
+        LinkState::Connected => match snapshot.status {
+            None => ("connected", palette.weak, "The device answers.".to_owned()),
+            Some(status) => match status.state {
+                State::Idle => ("idle", palette.weak, "Connected, muted: arm it to drive.".to_owned()),
+                State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
+                State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
+                State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
+                State::Fault => ("fault", palette.wrong, format!("Stopped: {}.", status.faults)),
+                State::SafeMode => (
+                    "safe mode",
+                    palette.wrong,
+                    "Restarted after repeated crashes: it talks but does not drive.".to_owned(),
+                ),
+            },
+        },
+    }
+}
+
+/// Windows narrower than this have no room for the program's name, in points.
+const ROOM_FOR_NAME: f32 = 760.0;
+/// Narrowest and widest that the menu of devices is, in points.
+const DEVICE: (f32, f32) = (70.0, 180.0);
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.set_min_height(34.0);
+        if ui.available_width() >= ROOM_FOR_NAME {
+            ui.label(RichText::new("Slipline").strong().size(18.0));
+            ui.add_space(4.0);
+        }
+        menu(ui, scene, intents);
+        ui.separator();
+        // What comes after the menu of devices and must be seen: that menu, then the round trip, give way to it.
+        let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
+        let gap = ui.spacing().item_spacing.x;
+        let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
+        let device = port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents);
+        let shown = ui.horizontal(|ui| {
+            let (word, colour, sentence) = state_words(scene, palette);
+            chip(ui, word, colour).on_hover_text(sentence);
+            drive_button(ui, scene, intents);
+        });
+        state.note(ui, shown.response.rect.width());
+        let round_trip = round_trip(ui, scene, room - device.rect.width() - gap);
+        aligned::at_right(ui, |ui| {
+            let badge = ui.horizontal(|ui| table_badge(ui, scene, intents)).response.rect.width();
+            if let Some(text) = round_trip {
+                ui.label(text).on_hover_text("From a command to its answer, running average");
+            }
+            ui.add_space(6.0);
+            stop_button(ui, palette, intents);
+            right.note(ui, badge + STOP.x + 6.0 + 2.0 * gap);
+        });
+    });
+}
+
+/// How long the device takes to answer, if the words fit this room, in points.
+fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
+    if !scene.snapshot.is_connected() {
+        return None;
+    }
+    let milliseconds = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
+    let text = format!("round trip {milliseconds:.1} ms");
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = ui.painter().layout_no_wrap(text.clone(), font, Color32::PLACEHOLDER).size().x;
+    (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
+}
+
+/// A word in a rounded box with a dot of its colour.
+fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
+    let galley = ui.painter().layout_no_wrap(word.to_owned(), FontId::proportional(13.0), colour);
+    let size = vec2(galley.size().x + 34.0, 24.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let painter = ui.painter();
+    painter.rect(
+        rect,
+        CornerRadius::same(12),
+        colour.gamma_multiply(0.12),
+        Stroke::new(1.0, colour.gamma_multiply(0.55)),
+        egui::StrokeKind::Inside,
+    );
+    painter.circle_filled(rect.left_center() + vec2(13.0, 0.0), 4.0, colour);
+    painter.galley(rect.left_center() + vec2(23.0, -0.5 * galley.size().y), galley, colour);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("State: {word}")));
+    response
+}
+
+/// STOP lies over every page and menu, undimmed and within the window, and takes one click in every state.
+fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
+    let (place, _) = ui.allocate_exact_size(STOP, Sense::hover());
+    // A page in front takes what is below its layer: a floating layer of its own keeps STOP above it.
+    let area = egui::Area::new(egui::Id::unique("stop"))
+        .order(egui::Order::Tooltip)
+        .fixed_pos(place.min)
+        .constrain_to(ui.ctx().content_rect())
+        .default_size(STOP)
+        .layout(egui::Layout::top_down(egui::Align::Center))
+        .fade_in(false);
+    area.show(ui.ctx(), |ui| {
+        let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
+        let button = egui::Button::new(text).fill(palette.bad).min_size(STOP);
+        if ui.add(button).on_hover_text("Ramp to silence now (Esc or Space, in every state)").clicked() {
+            intents.push(Intent::Stop);
+        }
+    });
+}
+
+/// What can be asked of the device in a state: the word, what it does, what is asked. Arming is explicit on a real
+/// device; the simulated one is armed by itself, and `goes_on` if Drive clears its fault.
+fn offers(state: State, is_simulated: bool, goes_on: bool) -> Vec<(&'static str, &'static str, Vec<Intent>)> {
+    let drive = ("Drive", "Sound the tones of the setup (Ctrl+Enter)", vec![Intent::Start]);
+    let disarm = ("Disarm", "Ramp to silence and mute the amplifier", vec![Intent::Disarm]);
+    let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
+    let arm = ("Arm…", "Unmute the amplifier and accept drives", vec![arm]);
+    let clear = (
+        "Clear fault",
+        "Clear the latched faults whose cause is gone",
+        vec![Intent::Request(Request::ClearFaults)],
+    );
+    match (state, is_simulated) {
+        (State::Fault, true) if goes_on => vec![drive],
+        (State::Idle, false) => vec![arm],
+        (State::Idle | State::Armed, true) => vec![drive],
+        (State::Armed, false) => vec![drive, disarm],
+        (State::Driving | State::Stopping, false) => vec![disarm],
+        (State::Fault, _) => vec![clear],
+        (State::Driving | State::Stopping, true) | (State::SafeMode, _) => Vec::new(),
+    }
+}
+
+fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let snapshot = scene.snapshot;
+    if snapshot.link == LinkState::Disconnected {
+        let port = snapshot.port.clone().unwrap_or(Port::Simulated);
+        let help = format!("Open {port}, the port chosen last");
+        if ui.button("Connect").on_hover_text(help).clicked() {
+            intents.push(Intent::Connect(port));
+        }
+    }
+    let Some(status) = snapshot.status.filter(|_| snapshot.is_connected()) else { return };
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
+    for (name, help, asked) in offers(status.state, is_simulated, autopilot::goes_on(snapshot)) {
+        if ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked() {
+            intents.extend(asked);
+        }
+    }
+}
+
+fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    if let Some(progress) = scene.snapshot.upload {
+        if ui.button("Cancel").on_hover_text("Give up the upload; the old table stays").clicked() {
+            intents.push(Intent::Request(Request::CancelUpload));
+        }
+        let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
+        let text = format!("table {} / {}", progress.sent, progress.total);
+        let bar = egui::ProgressBar::new(share).desired_width(130.0).text(text);
+        ui.add(bar).on_hover_text("The table is being sent");
+    } else if let Some(waiting) = scene.waiting {
+        if ui.button("Cancel").on_hover_text("Give it up; what was there before stays").clicked() {
+            intents.push(Intent::CancelWork);
+        }
+        let text = format!("{} {:.0} %", waiting.what, 100.0 * waiting.share);
+        let bar = egui::ProgressBar::new(waiting.share).desired_width(130.0).text(text);
+        ui.add(bar).on_hover_text("Being computed");
+    } else if scene.is_table_dirty() {
+        let text = RichText::new("table differs: upload").color(palette.warn);
+        let button = egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn));
+        let help = "The device's table is not the one for the plate on the screen. Click to upload it";
+        if ui.add(button).on_hover_text(help).clicked() {
+            intents.push(Intent::Upload);
+        }
+    }
+}
+
+/// The menu of devices, this wide in points.
+fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Intents) -> egui::Response {
+    let current = scene.snapshot.port.as_ref();
+    let label = current.map_or_else(
+        || "No device".to_owned(),
+        |port| {
+            let known = scene.ports.iter().find(|info| info.port == *port);
+            known.map_or_else(|| port.to_string(), |info| info.label.clone())
+        },
+    );
+    // A long name must not push STOP out of the window.
+    let menu = egui::ComboBox::from_id_salt("port").selected_text(label.as_str()).width(width).truncate();
+    let response = menu.show_ui(ui, |ui| {
+        for info in scene.ports {
+            let is_current = current == Some(&info.port);
+            if ui.selectable_label(is_current, &info.label).clicked() && !is_current {
+                intents.push(Intent::Connect(info.port.clone()));
+            }
+        }
+        ui.separator();
+        if ui.button("Look again").clicked() {
+            intents.push(Intent::RefreshPorts);
+        }
+        if ui.button("A port is missing…").clicked() {
+            intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
+        }
+    });
+    let name = format!("Device: {label}");
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    response.response.on_hover_text(label)
+}
+
+fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let mut ask = |ui: &mut egui::Ui, is_enabled: bool, name: String, keys: &str, intent: Intent| {
+        let button = egui::Button::new(name).shortcut_text(keys);
+        if ui.add_enabled(is_enabled, button).clicked() {
+            intents.push(intent);
+            ui.close();
+        }
+    };
+    ui.menu_button("File", |ui| {
+        ask(ui, true, "New".into(), "", Intent::New);
+        ask(ui, true, "Open…".into(), "Ctrl+O", Intent::OpenDialog);
+        ui.add_enabled_ui(!scene.settings.recent.is_empty(), |ui| {
+            ui.menu_button("Open recent", |ui| {
+                for path in &scene.settings.recent {
+                    let name = path.file_name().map_or_else(
+                        || path.display().to_string(),
+                        |name| name.to_string_lossy().into_owned(),
+                    );
+                    ask(ui, true, name, "", Intent::Open(path.clone()));
+                }
+            });
+        });
+        ask(ui, true, "Save setup…".into(), "Ctrl+S", Intent::SaveDialog);
+        ask(ui, true, "Save plate…".into(), "", Intent::SavePlateDialog);
+        ui.separator();
+        ask(ui, true, "Export figure (PNG)…".into(), "", Intent::Export(Export::Figure));
+        ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
+        ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
+        ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
+        ask(ui, true, "Save screenshot (PNG)…".into(), "", Intent::Export(Export::Screenshot));
+        ask(ui, true, "Copy diagnostics".into(), "", Intent::CopyDiagnostics);
+    });
+    ui.menu_button("Edit", |ui| {
+        let name = |verb: &str, what: Option<&str>| {
+            what.map_or_else(|| verb.to_owned(), |what| format!("{verb} {what}"))
+        };
+        ask(ui, scene.undo.0.is_some(), name("Undo", scene.undo.0), "Ctrl+Z", Intent::Undo);
+        ask(ui, scene.undo.1.is_some(), name("Redo", scene.undo.1), "Ctrl+Y", Intent::Redo);
+    });
+    ui.menu_button("View", |ui| {
+        for choice in ThemeChoice::ALL {
+            if ui.radio(scene.settings.theme == choice, choice.name()).clicked() {
+                intents.push(Intent::Theme(choice));
+                ui.close();
+            }
+        }
+        ui.separator();
+        for choice in WavePicture::ALL {
+            if ui.radio(scene.settings.wave == choice, choice.name()).clicked() {
+                intents.push(Intent::Wave(choice));
+                ui.close();
+            }
+        }
+    });
+    ui.menu_button("Help", |ui| {
+        for (name, keys, dialog) in [
+            ("Shortcuts", "F1", Dialog::Shortcuts),
+            ("Ports and permissions", "", Dialog::PortHelp),
+            ("About Slipline", "", Dialog::About),
+        ] {
+            if ui.add(egui::Button::new(name).shortcut_text(keys)).clicked() {
+                intents.push(Intent::Dialog(Some(dialog)));
+                ui.close();
+            }
+        }
+    });
+}

@@ -1,0 +1,377 @@
+//! The app on a simulated device in virtual time: no thread, no clock, no display.
+
+use eframe::egui;
+use egui_kittest::Harness;
+use slipline_link::connection::Connection;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Transport, Waker};
+use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
+use slipline_model::export::figures;
+use slipline_model::field::sheet;
+use slipline_model::field::time_domain;
+use slipline_model::jobs::Workshop;
+use slipline_model::jobs::check;
+use slipline_model::jobs::design;
+use slipline_model::jobs::table;
+use slipline_model::setup::file as setup_file;
+use slipline_model::waveform;
+use slipline_window::app::{App, Link, Parts, TableJob, TableState, first_setup};
+use slipline_window::files::{FileEvent, FileJob, Files, Save};
+use slipline_window::settings::{Settings, ThemeChoice};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::io;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// The device and its cable.
+struct Desk {
+    device: SimulatedDevice,
+    is_plugged: bool,
+}
+
+struct DeskLine(Arc<Mutex<Desk>>);
+
+impl Transport for DeskLine {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut desk = self.0.lock().unwrap();
+        if !desk.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let mut bytes = Vec::new();
+        desk.device.take(&mut bytes);
+        if bytes.is_empty() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
+        buffer[..bytes.len()].copy_from_slice(&bytes);
+        Ok(bytes.len())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut desk = self.0.lock().unwrap();
+        if !desk.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        desk.device.feed(bytes);
+        Ok(bytes.len())
+    }
+}
+
+struct DeskOpener(Arc<Mutex<Desk>>);
+
+impl Opener for DeskOpener {
+    type Transport = DeskLine;
+
+    fn list(&mut self) -> Vec<PortInfo> {
+        if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
+    }
+
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<DeskLine, LinkError> {
+        if self.0.lock().unwrap().is_plugged {
+            Ok(DeskLine(Arc::clone(&self.0)))
+        } else {
+            Err(LinkError::NoSuchPort(port.clone()))
+        }
+    }
+}
+
+/// The worker's part: the connection, told the time by the test.
+struct Rig {
+    connection: Connection<DeskOpener>,
+    desk: Arc<Mutex<Desk>>,
+    now: Duration,
+    tickets: u64,
+    sent: Vec<Request>,
+}
+
+impl Rig {
+    fn advance(&mut self, time: Duration) {
+        const STEP: Duration = Duration::from_millis(1);
+        let end = self.now + time;
+        while self.now < end {
+            self.now += STEP;
+            // 400 kS/s in blocks of 128 are 3.125 blocks a millisecond.
+            let blocks = |time: Duration| time.as_millis() as u64 * 25 / 8;
+            let due = blocks(self.now) - blocks(self.now - STEP);
+            self.desk.lock().unwrap().device.advance(due, |_| {});
+            self.connection.step(self.now);
+        }
+    }
+}
+
+struct RigLink(Rc<RefCell<Rig>>);
+
+impl Link for RigLink {
+    fn send(&self, request: Request) -> Ticket {
+        let mut rig = self.0.borrow_mut();
+        rig.tickets += 1;
+        let (ticket, now) = (Ticket(rig.tickets), rig.now);
+        rig.sent.push(request.clone());
+        rig.connection.request(ticket, request, now);
+        rig.connection.step(now);
+        ticket
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        let mut rig = self.0.borrow_mut();
+        // As the worker does: it numbers the changes.
+        rig.connection.take_changes();
+        Arc::new(rig.connection.view().clone())
+    }
+}
+
+/// A list that the test and the app both hold.
+type Shared<T> = Rc<RefCell<Vec<T>>>;
+
+/// Files as the test gives them.
+#[derive(Clone, Default)]
+pub(crate) struct Drawer {
+    /// What opening a path gives.
+    pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
+    /// What was saved.
+    pub(crate) saved: Shared<(String, Vec<u8>)>,
+    /// Whether the system has no dialogs for files.
+    pub(crate) has_no_dialogs: Rc<Cell<bool>>,
+    events: Rc<RefCell<VecDeque<FileEvent>>>,
+}
+
+impl Drawer {
+    fn write(&self, path: PathBuf, save: Save) -> FileEvent {
+        self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
+        FileEvent::Saved(path, Ok(()))
+    }
+}
+
+impl Files for Drawer {
+    fn begin(&mut self, job: FileJob) {
+        let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+        let event = match job {
+            job if asks && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
+            FileJob::Choose => {
+                let (path, text) = self.contents.borrow()[0].clone();
+                FileEvent::Opened(path, text)
+            }
+            FileJob::Open(path) => {
+                let contents = self.contents.borrow();
+                let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
+                FileEvent::Opened(path, text.unwrap_or_else(|| Err("no such file".to_owned())))
+            }
+            FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
+            FileJob::SaveAs { path, save, may_replace } => {
+                let is_there = self.contents.borrow().iter().any(|(other, _)| *other == path);
+                if is_there && !may_replace {
+                    FileEvent::Exists(path, save)
+                } else {
+                    self.contents.borrow_mut().push((path.clone(), Ok(String::new())));
+                    self.write(path, save)
+                }
+            }
+            FileJob::SaveFolder(files) | FileJob::SaveInto(_, files) => {
+                let files = files.into_iter().map(|(name, text)| (name, text.into_bytes()));
+                self.saved.borrow_mut().extend(files);
+                FileEvent::Saved(PathBuf::from("folder"), Ok(()))
+            }
+        };
+        self.events.borrow_mut().push_back(event);
+    }
+
+    fn take(&mut self) -> Option<FileEvent> {
+        self.events.borrow_mut().pop_front()
+    }
+}
+
+/// The app, its device and its files.
+pub(crate) struct Bench {
+    /// The window.
+    pub(crate) window: Harness<'static, App>,
+    /// The files.
+    pub(crate) drawer: Drawer,
+    /// How often the 2-D sheet was asked to move on.
+    pub(crate) sheet_jobs: Rc<Cell<usize>>,
+    rig: Rc<RefCell<Rig>>,
+}
+
+impl Bench {
+    /// The app at its first start, connected and driving.
+    pub(crate) fn driving() -> Self {
+        Self::driving_with(
+            ThemeChoice::Light,
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light),
+        )
+    }
+
+    /// The same with a theme and a window of the test's own.
+    pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        let mut bench = Self::starting(theme, builder);
+        for _ in 0..40 {
+            bench.wait(50);
+            if bench.is_driving() {
+                // The plate settles and the pictures follow.
+                bench.wait(400);
+                return bench;
+            }
+        }
+        panic!("the simulated plate does not move: {:?}", bench.snapshot().log);
+    }
+
+    /// The app at its first start, with tables made the test's own way, on a thread.
+    pub(crate) fn with_tables(tables: Workshop<TableJob, TableState>) -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        Self::starting_with(ThemeChoice::Light, builder, tables)
+    }
+
+    fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        Self::starting_with(theme, builder, Workshop::inline(table::make))
+    }
+
+    fn starting_with(
+        theme: ThemeChoice,
+        builder: egui_kittest::HarnessBuilder<App>,
+        tables: Workshop<TableJob, TableState>,
+    ) -> Self {
+        let device = SimulatedDevice::new(Options::default());
+        let desk = Arc::new(Mutex::new(Desk { device, is_plugged: true }));
+        let mut nonce = 0u32;
+        let nonces = Box::new(move || {
+            nonce += 1;
+            nonce.to_le_bytes()
+        });
+        let connection = Connection::new(DeskOpener(Arc::clone(&desk)), Waker::new(|| {}), nonces);
+        let rig = Rig { connection, desk, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
+        let rig = Rc::new(RefCell::new(rig));
+        let drawer = Drawer::default();
+        let link = Box::new(RigLink(Rc::clone(&rig)));
+        let sheet_jobs = Rc::default();
+        let parts = parts(link, &drawer, tables, &sheet_jobs);
+        let window = open_window_with(parts, theme, builder);
+        Self { window, drawer, sheet_jobs, rig }
+    }
+
+    /// Lets time pass, in milliseconds, and the window look at what has changed.
+    pub(crate) fn wait(&mut self, ms: u64) {
+        for _ in 0..ms.div_ceil(50) {
+            self.rig.borrow_mut().advance(Duration::from_millis(50.min(ms)));
+            self.window.step();
+        }
+    }
+
+    /// Opens the file that the dialog gives: its path, and its text or why it cannot be read.
+    pub(crate) fn open(&mut self, path: &str, text: Result<String, String>) {
+        *self.drawer.contents.borrow_mut() = vec![(PathBuf::from(path), text)];
+        self.window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
+        self.wait(100);
+    }
+
+    /// Lets time pass, in milliseconds, with nobody looking at the window.
+    pub(crate) fn pass(&mut self, ms: u64) {
+        self.rig.borrow_mut().advance(Duration::from_millis(ms));
+    }
+
+    /// What is known of link and device.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        self.rig.borrow().connection.view().clone()
+    }
+
+    /// Everything the app has asked of the link since the last call.
+    pub(crate) fn take_sent(&self) -> Vec<Request> {
+        std::mem::take(&mut self.rig.borrow_mut().sent)
+    }
+
+    /// Whether tones sound.
+    pub(crate) fn is_driving(&self) -> bool {
+        self.snapshot()
+            .status
+            .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
+    }
+
+    /// Pulls the cable, or puts it in again; the device restarts.
+    pub(crate) fn plug(&mut self, is_plugged: bool) {
+        let rig = self.rig.borrow();
+        let mut desk = rig.desk.lock().unwrap();
+        desk.is_plugged = is_plugged;
+        if is_plugged {
+            desk.device.restart(slipline_link::protocol::event::ResetCause::PowerOn);
+        }
+    }
+
+    /// The setup as its file would be.
+    pub(crate) fn setup_text(&self) -> String {
+        setup_file::write(self.window.state().setup())
+    }
+}
+
+/// A link that knows one thing and notes what it is asked.
+#[derive(Clone)]
+pub(crate) struct FixedLink {
+    /// What is known.
+    pub(crate) snapshot: Arc<Snapshot>,
+    /// What was asked.
+    pub(crate) sent: Shared<Request>,
+}
+
+impl Link for FixedLink {
+    fn send(&self, request: Request) -> Ticket {
+        self.sent.borrow_mut().push(request);
+        Ticket(self.sent.borrow().len() as u64)
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Arc::clone(&self.snapshot)
+    }
+}
+
+/// The app's window over a link.
+pub(crate) fn open_window(
+    link: Box<dyn Link>,
+    drawer: &Drawer,
+    theme: ThemeChoice,
+    builder: egui_kittest::HarnessBuilder<App>,
+) -> Harness<'static, App> {
+    let parts = parts(link, drawer, Workshop::inline(table::make), &Rc::default());
+    open_window_with(parts, theme, builder)
+}
+
+fn parts(
+    link: Box<dyn Link>,
+    drawer: &Drawer,
+    tables: Workshop<TableJob, TableState>,
+    sheet_jobs: &Rc<Cell<usize>>,
+) -> Parts {
+    let (count, mut run_sheet) = (Rc::clone(sheet_jobs), sheet::work());
+    Parts {
+        link,
+        tables,
+        checks: Workshop::inline(check::work()),
+        designs: Workshop::inline(design::work),
+        sheets: Workshop::inline(move |job, task: &_| {
+            count.set(count.get() + 1);
+            run_sheet(job, task)
+        }),
+        live: Workshop::inline(waveform::work()),
+        trials: Workshop::inline(|job, task: &_| time_domain::run(&job, task)),
+        figures: Workshop::inline(|job, task: &_| figures::plate::work(&job, task)),
+        files: Box::new(drawer.clone()),
+        ports: Box::new(|| vec![PortInfo::simulated()]),
+    }
+}
+
+fn open_window_with(
+    parts: Parts,
+    theme: ThemeChoice,
+    builder: egui_kittest::HarnessBuilder<App>,
+) -> Harness<'static, App> {
+    let settings = Settings { theme, ..Settings::default() };
+    let app = App::new(&egui::Context::default(), parts, first_setup().unwrap(), settings);
+    builder.with_step_dt(1.0 / 60.0).build_ui_state(
+        |ui: &mut egui::Ui, app: &mut App| {
+            slipline_window::view::theme::install(ui.ctx());
+            app.logic(&ui.ctx().clone());
+            app.show(ui);
+        },
+        app,
+    )
+}

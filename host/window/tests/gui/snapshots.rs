@@ -1,0 +1,127 @@
+//! How the window looks, in light and dark, against pictures that were looked at.
+//!
+//! `SLIPLINE_BLESS=1 cargo test -p slipline --test gui` takes the present look as right.
+
+use crate::background::{open_page, open_plate};
+use crate::bench::Bench;
+use crate::painter::Painter;
+use eframe::egui::{Color32, ColorImage, Theme};
+use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
+use slipline_model::export::csv_wav;
+use slipline_window::settings::ThemeChoice;
+use std::path::PathBuf;
+
+/// A pixel this far off in one channel differs: less is a rounding of the last bits of a float.
+const DIFFERS: u8 = 24;
+/// So many pixels may differ, of a thousand.
+const MOST_PER_MILLE: usize = 3;
+
+/// The window in this theme and of this size, in points, after something was done with it.
+fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut Bench)) -> ColorImage {
+    let painter = Painter::default();
+    let egui_theme = if theme == ThemeChoice::Dark { Theme::Dark } else { Theme::Light };
+    let builder = HarnessBuilder::default()
+        .with_size(size.map(f32::from))
+        .with_theme(egui_theme)
+        .renderer(painter.clone());
+    let mut bench = Bench::driving_with(theme, builder);
+    prepare(&mut bench);
+    painter.paint(&bench.window.ctx, bench.window.output(), size.map(usize::from))
+}
+
+fn read(path: &PathBuf) -> ColorImage {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap_or_else(|_| {
+        panic!("{} is missing: run with SLIPLINE_BLESS=1 and look at it", path.display())
+    }));
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let pixels =
+        bytes[..info.buffer_size()].chunks_exact(4).map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
+    ColorImage::new([info.width as usize, info.height as usize], pixels)
+}
+
+fn png(seen: &ColorImage) -> Vec<u8> {
+    let rgba: Vec<[u8; 4]> = seen.pixels.iter().map(Color32::to_srgba_unmultiplied).collect();
+    csv_wav::png((seen.size[0] as u32, seen.size[1] as u32), &rgba).unwrap()
+}
+
+fn compare(name: &str, seen: &ColorImage) {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/gui/snapshots");
+    let path = folder.join(format!("{name}.png"));
+    if std::env::var_os("SLIPLINE_BLESS").is_some() {
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(&path, png(seen)).unwrap();
+        return;
+    }
+    let right = read(&path);
+    assert_eq!(right.size, seen.size);
+    let is_off = |(a, b): &(&Color32, &Color32)| {
+        a.r().abs_diff(b.r()).max(a.g().abs_diff(b.g())).max(a.b().abs_diff(b.b())) > DIFFERS
+    };
+    let off = right.pixels.iter().zip(&seen.pixels).filter(is_off).count();
+    if off * 1000 > seen.pixels.len() * MOST_PER_MILLE {
+        let actual = std::env::temp_dir().join(format!("slipline-{name}.png"));
+        std::fs::write(&actual, png(seen)).unwrap();
+        panic!("{off} of {} pixels differ: look at {}", seen.pixels.len(), actual.display());
+    }
+}
+
+const USUAL: [u16; 2] = [1280, 800];
+/// The smallest the window may be made.
+const SMALLEST: [u16; 2] = [960, 620];
+
+#[test]
+fn the_window_looks_as_it_was_approved_in_light() {
+    compare("light", &picture(ThemeChoice::Light, USUAL, |_| ()));
+}
+
+#[test]
+fn the_window_looks_as_it_was_approved_in_dark() {
+    compare("dark", &picture(ThemeChoice::Dark, USUAL, |_| ()));
+}
+
+#[test]
+fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
+    let long_name = |bench: &mut Bench| {
+        let text = slipline_plate::preset("membrane").unwrap().to_toml();
+        let name = "name = \"a plate whose name is as long as a name may be made by whoever has the time\"";
+        open_plate(bench, text.replace("name = \"membrane\"", name));
+        bench.window.get_by_label("Dismiss").click();
+        bench.wait(1500);
+    };
+    compare("smallest", &picture(ThemeChoice::Light, SMALLEST, long_name));
+}
+
+#[test]
+fn the_lights_look_as_they_were_approved() {
+    compare("validity", &picture(ThemeChoice::Dark, USUAL, |bench| open_page(bench, "Validity")));
+}
+
+#[test]
+fn the_designer_looks_as_it_was_approved() {
+    compare("designer", &picture(ThemeChoice::Light, USUAL, |bench| open_page(bench, "Designer")));
+}
+
+#[test]
+fn what_is_felt_is_faint_while_nothing_is_driven() {
+    for theme in [ThemeChoice::Light, ThemeChoice::Dark] {
+        let stop = |bench: &mut Bench| {
+            bench.window.key_press(eframe::egui::Key::Space);
+            bench.wait(300);
+        };
+        // A place on the strip where much is felt, and one beside the plate.
+        let contrast = |seen: &ColorImage| -> u32 {
+            let at = |x: usize| seen.pixels[544 * seen.size[0] + x];
+            let (felt, page) = (at(440), at(940));
+            [felt.r().abs_diff(page.r()), felt.g().abs_diff(page.g()), felt.b().abs_diff(page.b())]
+                .into_iter()
+                .map(u32::from)
+                .sum()
+        };
+        let driven = contrast(&picture(theme, USUAL, |_| ()));
+        let stopped = contrast(&picture(theme, USUAL, stop));
+        assert!(2 * stopped < driven && 10 * stopped > driven, "{theme:?}: {driven}, {stopped}");
+    }
+}

@@ -1,0 +1,48 @@
+//! What is not known is a dash, never a number that looks like one.
+
+use crate::bench::{Bench, Drawer, FixedLink, open_window};
+use crate::plots::words;
+use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::{Port, Request};
+use slipline_window::settings::ThemeChoice;
+use std::sync::Arc;
+
+#[test]
+fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away() {
+    let link = FixedLink { snapshot: Arc::default(), sent: Default::default() };
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    for meter in ["Level", "Headroom", "Thermal load"] {
+        assert!(window.query_by_label(&format!("{meter}: –")).is_some(), "{meter}");
+    }
+    let painted = words(window.output());
+    let has = |word: &str| painted.iter().any(|(painted, _)| painted == word);
+    assert!(!has("silent") && !has("all") && !has("0 %"), "{painted:?}");
+    assert!(!has("nm") && !has("µm") && !has("mm"), "the envelope has no scale yet: {painted:?}");
+    // The colours, the envelope's scale, the peak's height, three meters, four counters.
+    assert_eq!(painted.iter().filter(|(word, _)| word == "–").count(), 10, "{painted:?}");
+    assert!(has("180.0 mm"), "where the boundary is needs no table: {painted:?}");
+    link.sent.borrow_mut().clear();
+    window.get_by_label("Connect").click();
+    window.run_steps(5);
+    assert!(matches!(link.sent.borrow()[..], [Request::Connect(Port::Simulated)]), "{:?}", link.sent);
+}
+
+#[test]
+fn another_plates_heights_are_dashes_until_its_table_is_made() {
+    let mut bench = Bench::driving();
+    let dashes = |bench: &Bench| words(bench.window.output()).iter().filter(|(word, _)| word == "–").count();
+    assert_eq!(dashes(&bench), 0);
+    bench.plug(false);
+    bench.wait(1500);
+    // The device that could tell its rate is away: the new plate's table cannot be made.
+    crate::background::open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
+    assert!(dashes(&bench) >= 3);
+    let painted = words(bench.window.output());
+    assert!(!painted.iter().any(|(word, _)| word == "1.00 µm" || word == "+1.00 µm"), "{painted:?}");
+    bench.plug(true);
+    bench.wait(3000);
+    assert_eq!(dashes(&bench), 0);
+}
