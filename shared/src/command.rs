@@ -1,139 +1,179 @@
 //! What a host tells a device.
 
-use crate::limits::{CHUNK_KNOTS, MAX_TONES};
+use crate::limits::{CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_KNOTS, MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB};
 use crate::message::messages;
+use crate::schema::{body, choices};
 use crate::table::Knot;
 use crate::units::{CentiDecibel, Level, Phase, Position, SampleIndex};
 use crate::version::Version;
 use heapless::Vec;
-use serde::{Deserialize, Serialize};
 
 messages! {
-    /// A command. Every command is answered by exactly one [`Event`](crate::Event).
+    /// A command.
+    ///
+    /// A device answers each command that it takes up by exactly one [`Event`](crate::Event). It may also drop one
+    /// unanswered: a frame that was damaged on the way, a command for which its queue of eight has no room, one that
+    /// waited when a stop came, and an answer that the host does not take in time. So a host that gets no answer sends
+    /// the command again.
     pub enum Command {
-        /// Who are you? Starts a session. Frozen for ever.
-        0x01 Hello(Hello),
-        /// The host lives; feeds the dead-man. Answered by the status. Not sequenced.
-        0x02 KeepAlive(KeepAlive),
-        /// How are you? Answered by the status. Not sequenced.
-        0x03 Status,
-        /// Unmute the amplifier and accept drives.
-        0x10 Arm,
-        /// Ramp to silence, mute, accept no drives.
-        0x11 Disarm,
-        /// Sound these tones from an index on.
-        0x12 Drive(Drive),
-        /// Ramp to silence, stay armed. Taken in every state, from every session.
-        0x13 Stop,
-        /// Ramp to silence at once, mute, latch a fault. Taken in every state, from every session.
-        0x14 EmergencyStop,
-        /// Clear the latched faults whose cause is gone.
-        0x15 ClearFaults,
-        /// Begin to upload a turning-point table into the staging slot.
-        0x20 TableBegin(TableHeader),
-        /// The next knots of the upload.
-        0x21 TableChunk(TableChunk),
-        /// Check the whole upload and swap it in.
-        0x22 TableCommit,
-        /// Drop the upload.
-        0x23 TableAbort,
-        /// What table is active? Answered by its digest.
-        0x24 TableDigest,
-        /// Make a CRC-32 of the DAC codes of a window that lies ahead.
-        0x30 DigestStart(DigestWindow),
-        /// Read the digest.
-        0x31 DigestRead,
-        /// Keep the active table in flash. Only when silent.
-        0x40 Store,
-        /// Forget what is kept in flash. Only when silent.
-        0x41 Forget,
-        /// First step into the ROM bootloader: ask for a token. Only when disarmed.
-        0x50 BootloaderToken,
-        /// Second step into the ROM bootloader: show the token.
-        0x51 BootloaderEnter(u32),
+        /// Asks who the device is and begins a session, which ends the one before. Frozen for all versions.
+        0x01 since 0 Hello(Hello) -> Hello,
+        /// Says that the host is alive: feeds the dead-man. Not numbered.
+        0x02 since 0 KeepAlive(KeepAlive) -> Status,
+        /// Asks for the status. Not numbered. Does not feed the dead-man.
+        0x03 since 0 Status -> Status,
+        /// Unmutes the amplifier and accepts drives. Needs a device without latched faults.
+        0x10 since 0 Arm -> Accepted,
+        /// Ramps to silence, mutes, and accepts no more drives.
+        0x11 since 0 Disarm -> Accepted,
+        /// Sounds these tones from an index on. Needs an armed device with a table.
+        0x12 since 0 Drive(Drive) -> Accepted,
+        /// Ramps to silence; the device stays armed. Not numbered; taken in every state and from every session, before
+        /// any session, too.
+        0x13 since 0 Stop -> Accepted,
+        /// Ramps to silence at once, mutes, and latches a fault. Not numbered; taken in every state and from every
+        /// session, before any session, too.
+        0x14 since 0 EmergencyStop -> Accepted,
+        /// Clears the latched faults whose cause is gone.
+        0x15 since 0 ClearFaults -> Accepted,
+        /// Begins to upload a turning-point table. What sounds goes on by the table in force.
+        0x20 since 0 TableBegin(TableHeader) -> Accepted,
+        /// Carries the next knots of the upload.
+        0x21 since 0 TableChunk(TableChunk) -> Accepted,
+        /// Checks the whole upload and puts it in force.
+        0x22 since 0 TableCommit -> Accepted,
+        /// Gives up the upload; accepted when there is none, too.
+        0x23 since 0 TableAbort -> Accepted,
+        /// Asks which table is in force.
+        0x24 since 0 TableDigest -> Table,
+        /// Orders a CRC-32 over the DAC codes of a window that lies ahead.
+        0x30 since 0 DigestStart(DigestWindow) -> Accepted,
+        /// Asks for that CRC-32.
+        0x31 since 0 DigestRead -> Digest,
+        /// Keeps the table in force in flash. Only while nothing sounds; may take up to 5 s, in which the device does
+        /// not answer.
+        0x40 since 0 Store -> Accepted,
+        /// Erases what is kept in flash. Only while nothing sounds; may take up to 5 s, in which the device does not
+        /// answer.
+        0x41 since 0 Forget -> Accepted,
+        /// First step into the ROM bootloader: asks for a token. Only while disarmed.
+        0x50 since 0 BootloaderToken -> BootloaderToken,
+        /// Second step into the ROM bootloader: shows the token. Only while disarmed; the device answers and then
+        /// restarts.
+        0x51 since 0 BootloaderEnter(u32) -> Accepted,
+        #[cfg(slipline_next)]
+        /// Rehearsal of minor 1: asks for the coil's resistance.
+        0x60 since 1 MeasureCoil(CoilTest) -> CoilMeasured,
     }
 }
 
-/// The body of [`Command::Hello`]. Frozen for ever.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Hello {
-    /// What the host speaks.
-    pub version: Version,
-    /// A number the host draws once per connection, so that a repeated hello does not start a second session.
-    pub nonce: [u8; 4],
+#[cfg(slipline_next)]
+body! {
+    /// The body of [`Command::MeasureCoil`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct CoilTest {
+        /// The current of the measurement.
+        pub current_ma: u16 ["mA"],
+    }
 }
 
-/// The body of [`Command::KeepAlive`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct KeepAlive {
-    /// Rises with every keep-alive of the session; a repeated or late one does not feed the dead-man.
-    pub beat: u32,
+body! {
+    /// The body of [`Command::Hello`]. Its ten bytes are frozen for all versions.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Hello {
+        /// What the host speaks.
+        pub version: Version [""],
+        /// A number that the host draws once for each session. A hello with the nonce of the present session is a
+        /// repeat: it is answered again and begins nothing.
+        pub nonce: [u8; 4] [""],
+    }
 }
 
-/// One tone of a drive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Tone {
-    /// 0..16. A slot that sounds glides from where it is; a slot that a drive does not name fades out.
-    pub slot: u8,
-    /// Where its turning point is.
-    pub position: Position,
-    /// Its peak on the plate relative to the table's full scale.
-    pub level: Level,
-    /// Phase at the moment it starts from silence; ignored while it sounds (phase is continuous).
-    pub phase: Phase,
+body! {
+    /// The body of [`Command::KeepAlive`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct KeepAlive {
+        /// Rises with every keep-alive of the session; one that is not higher than the last does not feed the dead-man.
+        pub beat: u32 [""],
+    }
 }
 
-/// When a change applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Apply {
-    /// At the next block; the reply names its index.
-    Next,
-    /// At this sample index, rounded up to a block boundary; the reply names it.
-    At(SampleIndex),
+body! {
+    /// One tone of a drive.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct Tone {
+        /// Which of the device's tone generators. One that sounds glides from where it is; one that a drive does not
+        /// name fades out.
+        pub slot: u8 ["", 0, MAX_TONES - 1],
+        /// Where its turning point is, along the span of the table.
+        pub position: Position ["1/65535 of the span"],
+        /// Its peak on the plate relative to the table's full scale.
+        pub level: Level ["1/65535"],
+        /// Its phase when it starts from silence; ignored while it sounds, since the phase is continuous.
+        pub phase: Phase ["1/65536 turn"],
+    }
 }
 
-/// The body of [`Command::Drive`].
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Drive {
-    /// The tones, at most 16, each in a slot of its own. None: fade out, stay armed.
-    pub tones: Vec<Tone, MAX_TONES>,
-    /// Scales all tones; -9600..=0.
-    pub master: CentiDecibel,
-    /// How long the change takes, in samples; the device states its range in its hello.
-    pub glide: u32,
-    /// When it begins.
-    pub apply: Apply,
+choices! {
+    /// When a change begins.
+    pub enum Apply {
+        /// At the next block; the answer names its index.
+        0 since 0 Next,
+        /// At this sample index, rounded up to a block boundary; the answer names it.
+        1 since 0 At(SampleIndex),
+    }
 }
 
-/// The body of [`Command::TableBegin`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TableHeader {
-    /// Knots, 2..=1025, uniform in position over the span.
-    pub knots: u16,
-    /// Where position 0 lies on the plate, in micrometres from the driven end.
-    pub span_start_um: u32,
-    /// Where position 65535 lies; above `span_start_um`.
-    pub span_end_um: u32,
-    /// The sample rate the steps are made for, in Hz; must be the device's own.
-    pub sample_rate_hz: u32,
-    /// CRC-32 of the table, see [`table::digest`](crate::table::digest).
-    pub crc: u32,
+body! {
+    /// The body of [`Command::Drive`].
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    pub struct Drive {
+        /// The tones, each in a slot of its own. None: all fade out and the device stays armed.
+        pub tones: Vec<Tone, MAX_TONES> [""],
+        /// Scales all tones.
+        pub master: CentiDecibel ["1/100 dB", MIN_MASTER_CDB, 0],
+        /// How long the change takes; from `min_glide` to `max_glide` of the device's hello.
+        pub glide: u32 ["samples"],
+        /// When it begins.
+        pub apply: Apply [""],
+    }
 }
 
-/// The body of [`Command::TableChunk`].
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TableChunk {
-    /// Index of the first knot.
-    pub first: u16,
-    /// The knots, at least one.
-    pub knots: Vec<Knot, CHUNK_KNOTS>,
+body! {
+    /// A table without its knots; the body of [`Command::TableBegin`].
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct TableHeader {
+        /// The number of knots, which are uniform in position over the span.
+        pub knots: u16 ["", MIN_KNOTS, MAX_KNOTS],
+        /// Where position 0 lies on the plate, from the driven end.
+        pub span_start_um: u32 ["um"],
+        /// Where position 65535 lies; above `span_start_um`.
+        pub span_end_um: u32 ["um"],
+        /// The sample rate that the phase steps are made for; must be the device's own.
+        pub sample_rate_hz: u32 ["Hz"],
+        /// CRC-32 of the table, see [`digest`](crate::table::digest).
+        pub crc: u32 [""],
+    }
 }
 
-/// The body of [`Command::DigestStart`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DigestWindow {
-    /// Index of the first code.
-    pub from: SampleIndex,
-    /// Number of codes, 1..=2^20.
-    pub count: u32,
+body! {
+    /// The body of [`Command::TableChunk`].
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    pub struct TableChunk {
+        /// The index of the first knot: the number of knots sent so far.
+        pub first: u16 [""],
+        /// The knots, at least one.
+        pub knots: Vec<Knot, CHUNK_KNOTS> [""],
+    }
+}
+
+body! {
+    /// The body of [`Command::DigestStart`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct DigestWindow {
+        /// The index of the first code.
+        pub from: SampleIndex ["samples"],
+        /// The number of codes.
+        pub count: u32 ["samples", 1, MAX_DIGEST_SAMPLES],
+    }
 }

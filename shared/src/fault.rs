@@ -1,34 +1,39 @@
 //! Latched faults: what went wrong, and the set of all that has.
 
+use crate::schema::{Shape, Wire, choices};
+use crate::version::Minor;
 use serde::{Deserialize, Serialize};
 
-/// One kind of fault: its bit is its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Fault {
-    /// The host fell silent while driving.
-    HostLost,
-    /// The emergency stop was used.
-    EmergencyStop,
-    /// The DAC ran out of samples.
-    Underrun,
-    /// The coil's computed temperature reached its limit.
-    Overheat,
-    /// Driven for the longest allowed time with no command from the user.
-    DriveTime,
-    /// The watchdog reset the device.
-    Watchdog,
-    /// The program had panicked or faulted.
-    Crash,
-    /// The supply had dipped.
-    BrownOut,
-    /// The stored configuration was damaged.
-    StoreDamaged,
+choices! {
+    /// One kind of fault: its bit in a set is its number.
+    pub enum Fault {
+        /// The host fell silent while the device was driving.
+        0 since 0 HostLost,
+        /// The emergency stop was used.
+        1 since 0 EmergencyStop,
+        /// The DAC ran out of samples.
+        2 since 0 Underrun,
+        /// The coil's computed temperature reached its limit.
+        3 since 0 Overheat,
+        /// The device drove for the longest allowed time without a command from the user.
+        4 since 0 DriveTime,
+        /// The watchdog reset the device.
+        5 since 0 Watchdog,
+        /// The program had panicked or faulted.
+        6 since 0 Crash,
+        /// The supply voltage had dipped.
+        7 since 0 BrownOut,
+        /// The stored configuration was damaged.
+        8 since 0 StoreDamaged,
+        #[cfg(slipline_next)]
+        /// Rehearsal of minor 1: no current flows.
+        9 since 1 CoilOpen or Self::Overheat,
+    }
 }
 
 impl Fault {
     /// Every fault, in the order of the bits.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: &'static [Self] = &[
         Self::HostLost,
         Self::EmergencyStop,
         Self::Underrun,
@@ -38,6 +43,8 @@ impl Fault {
         Self::Crash,
         Self::BrownOut,
         Self::StoreDamaged,
+        #[cfg(slipline_next)]
+        Self::CoilOpen,
     ];
 
     /// What happened, as a user reads it.
@@ -53,6 +60,8 @@ impl Fault {
             Self::Crash => "the firmware crashed",
             Self::BrownOut => "the supply voltage dipped",
             Self::StoreDamaged => "the stored configuration was damaged",
+            #[cfg(slipline_next)]
+            Self::CoilOpen => "the coil is not connected",
         }
     }
 }
@@ -91,7 +100,15 @@ impl Faults {
 
     /// The faults in the set, in the order of their bits.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL.into_iter().filter(move |&fault| self.contains(fault))
+        Fault::ALL.iter().copied().filter(move |&fault| self.contains(fault))
+    }
+}
+
+impl Wire for Faults {
+    const SHAPE: &'static Shape = &Shape::U32;
+
+    fn lowered(&self, minor: Minor) -> Self {
+        self.iter().fold(*self, |set, fault| set.without(fault).with(fault.lowered(minor)))
     }
 }
 

@@ -65,6 +65,8 @@ pub enum FrameError {
     TooLong,
     /// Impossible COBS, too short, wrong CRC or no direction.
     Damaged,
+    /// The message is newer than the minor version of the side that it is for.
+    TooNew,
 }
 
 impl core::fmt::Display for FrameError {
@@ -72,6 +74,7 @@ impl core::fmt::Display for FrameError {
         f.write_str(match self {
             Self::TooLong => "a frame is too long",
             Self::Damaged => "a frame is damaged",
+            Self::TooNew => "the other side does not know this message yet",
         })
     }
 }

@@ -1,13 +1,13 @@
 //! What Slipline's device and host say to each other.
 //!
 //! ```text
-//! Command --encode_body--> frame::encode --bytes--> frame::Decoder --Frame--> Command::decode
-//!                                                                                  |
-//! Event::decode <--Frame-- frame::Decoder <--bytes-- frame::encode <--encode_body-- Event
+//! host:    Command --frame_for--> bytes ==> Decoder --Frame--> Command::decode   :device
+//!            |                                                       |
+//!          Event::decode <--Frame-- Decoder <== bytes <--frame_for-- Event
 //! ```
-//! Types, bytes, units and the turning-point table's arithmetic; no behaviour, no allocation, no floats. Both ends
-//! use this crate, so they cannot disagree. `PROTOCOL.md` beside it is generated from the message tables here, and
-//! `wire/v1.snap` holds the golden bytes of every message.
+//! Types, bytes, units and the arithmetic of the turning-point table; no behaviour, no allocation, no floats. Both
+//! sides use this crate, so they cannot disagree. `PROTOCOL.md` beside it is made from the message tables here, and
+//! `wire/v1.snap` holds the frozen frames of every message.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -28,6 +28,7 @@ pub mod frame;
 pub mod limits;
 mod message;
 pub mod refusal;
+pub mod schema;
 pub mod table;
 pub mod units;
 pub mod version;
@@ -37,14 +38,34 @@ pub use event::Event;
 pub use frame::{Decoder, Direction, Encoded, Frame, FrameError, Header};
 pub use refusal::Refusal;
 
+use version::Minor;
+
 impl Command {
-    /// The command as bytes for the link.
+    /// The command as bytes for the link, for a device with which the host shares a minor version.
+    ///
+    /// ```
+    /// use slipline_protocol::version::Minor;
+    /// use slipline_protocol::{Command, Decoder, Direction};
+    ///
+    /// let bytes = Command::Arm.frame_for(Minor::OURS, 0x0403_0201, 7)?;
+    /// let mut decoder = Decoder::new();
+    /// let heard = bytes.iter().find_map(|&byte| {
+    ///     decoder.push(byte, |frame| {
+    ///         assert_eq!((frame.header.direction, frame.header.sequence), (Direction::ToDevice, 7));
+    ///         Command::decode(frame.header.id, frame.body)
+    ///     })
+    /// });
+    /// assert_eq!(heard, Some(Ok(Command::Arm)));
+    /// # Ok::<(), slipline_protocol::FrameError>(())
+    /// ```
     ///
     /// # Errors
-    /// [`FrameError::TooLong`]; no command that its types allow is (a test encodes the largest ones).
-    pub fn frame(&self, session: u32, sequence: u16) -> Result<Encoded, FrameError> {
-        let header = Header { direction: Direction::ToDevice, session, sequence, id: self.id() };
-        frame::encode(header, |buffer| self.encode_body(buffer))
+    /// [`FrameError::TooNew`] for a command that the device does not know; [`FrameError::TooLong`], which no command
+    /// that its types allow is (a test encodes the largest ones).
+    pub fn frame_for(&self, minor: Minor, session: u32, sequence: u16) -> Result<Encoded, FrameError> {
+        let said = self.lowered(minor).ok_or(FrameError::TooNew)?;
+        let header = Header { direction: Direction::ToDevice, session, sequence, id: said.id() };
+        frame::encode(header, |buffer| said.encode_body(buffer))
     }
 
     /// Whether commands of this kind are numbered: repeated ones are answered from a cache and not done twice.
@@ -55,12 +76,29 @@ impl Command {
 }
 
 impl Event {
-    /// The event as bytes for the link.
+    /// The event as bytes for the link, for a host with which the device shares a minor version. A refusal or a fault
+    /// that is newer goes as the older one that takes its place.
+    ///
+    /// ```
+    /// use slipline_protocol::event::Accepted;
+    /// use slipline_protocol::version::Minor;
+    /// use slipline_protocol::{Decoder, Event};
+    ///
+    /// let event = Event::Accepted(Accepted { at: 128 });
+    /// let bytes = event.frame_for(Minor::FIRST, 0x0403_0201, 7)?;
+    /// let mut decoder = Decoder::new();
+    /// let heard =
+    ///     bytes.iter().find_map(|&byte| decoder.push(byte, |frame| Event::decode(frame.header.id, frame.body)));
+    /// assert_eq!(heard, Some(Ok(event)));
+    /// # Ok::<(), slipline_protocol::FrameError>(())
+    /// ```
     ///
     /// # Errors
-    /// [`FrameError::TooLong`]; no event that its types allow is (a test encodes the largest ones).
-    pub fn frame(&self, session: u32, sequence: u16) -> Result<Encoded, FrameError> {
-        let header = Header { direction: Direction::ToHost, session, sequence, id: self.id() };
-        frame::encode(header, |buffer| self.encode_body(buffer))
+    /// [`FrameError::TooNew`] for an event that the host does not know: it answers none of the commands that the host
+    /// can send. [`FrameError::TooLong`], which no event that its types allow is (a test encodes the largest ones).
+    pub fn frame_for(&self, minor: Minor, session: u32, sequence: u16) -> Result<Encoded, FrameError> {
+        let said = self.lowered(minor).ok_or(FrameError::TooNew)?;
+        let header = Header { direction: Direction::ToHost, session, sequence, id: said.id() };
+        frame::encode(header, |buffer| said.encode_body(buffer))
     }
 }

@@ -1,38 +1,76 @@
-//! One table per direction: explicit ids, names and bodies. Ids are append-only.
+//! One table per direction: explicit ids, names, bodies and answers. Ids are never used anew.
 
 /// Defines an enum of messages with an explicit id each, and its encoding and decoding.
 macro_rules! messages {
     (
         $(#[$enum_doc:meta])*
         pub enum $name:ident {
-            $( $(#[doc = $doc:literal])+ $id:literal $variant:ident $(($body:ty))? , )+
+            $(
+                $(#[cfg($cfg:meta)])?
+                $(#[doc = $doc:literal])+
+                $id:literal since $since:literal $variant:ident $(($body:ty))? $(-> $answer:ident)?,
+            )+
         }
     ) => {
         $(#[$enum_doc])*
         #[derive(Clone, Debug, PartialEq, Eq)]
         pub enum $name {
-            $( $(#[doc = $doc])+ $variant $(($body))? , )+
+            $( $(#[cfg($cfg)])? $(#[doc = $doc])+ $variant $(($body))?, )+
         }
 
         impl $name {
-            /// Every message: id, name, first line of its documentation, in the order of the ids.
-            pub const TABLE: &'static [(u8, &'static str, &'static [&'static str])] =
-                &[ $( ($id, stringify!($variant), &[$($doc),+]) ),+ ];
+            /// Every message, in the order of the ids.
+            pub const TABLE: &'static [$crate::schema::MessageRow] = &[
+                $(
+                    $(#[cfg($cfg)])?
+                    $crate::schema::MessageRow {
+                        id: $id,
+                        since: $since,
+                        name: stringify!($variant),
+                        doc: &[$($doc),+],
+                        body: messages!(@shape $($body)?),
+                        answer: messages!(@answer $($answer)?),
+                    },
+                )+
+            ];
 
             /// The message's id on the wire.
             #[must_use]
             pub const fn id(&self) -> u8 {
-                match self { $( messages!(@pattern $variant $(, $body)?) => $id, )+ }
+                match self {
+                    $( $(#[cfg($cfg)])? messages!(@pattern $variant $(, $body)?) => $id, )+
+                }
+            }
+
+            /// The minor version that brought it.
+            #[must_use]
+            pub const fn since(&self) -> u8 {
+                match self {
+                    $( $(#[cfg($cfg)])? messages!(@pattern $variant $(, $body)?) => $since, )+
+                }
+            }
+
+            /// The same for a side that speaks an older minor; `None` if that side does not know the message.
+            pub(crate) fn lowered(&self, minor: $crate::version::Minor) -> Option<Self> {
+                if !minor.has(self.since()) {
+                    return None;
+                }
+                Some(match self {
+                    $(
+                        $(#[cfg($cfg)])?
+                        messages!(@bind value $variant $(, $body)?) => messages!(@lower value minor $variant $(, $body)?),
+                    )+
+                })
             }
 
             /// Writes the body into `buffer` and returns its length in bytes.
-            ///
-            /// # Errors
-            /// [`FrameError::TooLong`](crate::FrameError::TooLong) if `buffer` is too short.
-            pub fn encode_body(&self, buffer: &mut [u8]) -> Result<usize, $crate::FrameError> {
-                match self { $( messages!(@bind value $variant $(, $body)?) => {
-                    messages!(@encode value buffer $(, $body)?)
-                } )+ }
+            pub(crate) fn encode_body(&self, buffer: &mut [u8]) -> Result<usize, $crate::FrameError> {
+                match self {
+                    $(
+                        $(#[cfg($cfg)])?
+                        messages!(@bind value $variant $(, $body)?) => messages!(@encode value buffer $(, $body)?),
+                    )+
+                }
             }
 
             /// Reads a body; every byte of it must be used.
@@ -43,16 +81,24 @@ macro_rules! messages {
             /// impossible.
             pub fn decode(id: u8, body: &[u8]) -> Result<Self, $crate::Refusal> {
                 match id {
-                    $( $id => messages!(@decode body $variant $(, $body)?), )+
+                    $( $(#[cfg($cfg)])? $id => messages!(@decode body $variant $(, $body)?), )+
                     id => Err($crate::Refusal::UnknownMessage { id }),
                 }
             }
         }
     };
+    (@shape) => { None };
+    (@shape $body:ty) => { Some(<$body as $crate::schema::Wire>::SHAPE) };
+    (@answer) => { None };
+    (@answer $answer:ident) => { Some(stringify!($answer)) };
     (@pattern $variant:ident) => { Self::$variant };
     (@pattern $variant:ident, $body:ty) => { Self::$variant(_) };
     (@bind $value:ident $variant:ident) => { Self::$variant };
     (@bind $value:ident $variant:ident, $body:ty) => { Self::$variant($value) };
+    (@lower $value:ident $minor:ident $variant:ident) => { Self::$variant };
+    (@lower $value:ident $minor:ident $variant:ident, $body:ty) => {
+        Self::$variant($crate::schema::Wire::lowered($value, $minor))
+    };
     (@encode $value:ident $buffer:ident) => { Ok(0) };
     (@encode $value:ident $buffer:ident, $body:ty) => {
         postcard::to_slice($value, $buffer).map(|used| used.len()).map_err(|_| $crate::FrameError::TooLong)

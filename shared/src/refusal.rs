@@ -1,36 +1,36 @@
 //! Why a device did not do what it was told, and what the other side can do about it.
 
 use crate::fault::Faults;
-use serde::{Deserialize, Serialize};
+use crate::schema::choices;
 
-/// A field of a command that has a range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Field {
-    /// The number of tones in a drive.
-    ToneCount,
-    /// A tone's slot.
-    ToneSlot,
-    /// The master level in hundredths of a decibel.
-    MasterLevel,
-    /// The glide time in samples.
-    Glide,
-    /// The index to apply at.
-    ApplyAt,
-    /// The number of knots.
-    KnotCount,
-    /// A knot's phase step.
-    KnotStep,
-    /// A knot's gain.
-    KnotGain,
-    /// The index of a chunk's first knot.
-    ChunkFirst,
-    /// The table's sample rate in Hz.
-    SampleRate,
-    /// The table's span in micrometres.
-    Span,
-    /// The digest window's length in samples.
-    DigestCount,
+choices! {
+    /// A field of a command that has a range.
+    pub enum Field {
+        /// The number of tones in a drive.
+        0 since 0 ToneCount,
+        /// A tone's slot.
+        1 since 0 ToneSlot,
+        /// The master level in hundredths of a decibel.
+        2 since 0 MasterLevel,
+        /// The glide time in samples.
+        3 since 0 Glide,
+        /// The index to apply at.
+        4 since 0 ApplyAt,
+        /// The number of knots.
+        5 since 0 KnotCount,
+        /// A knot's phase step.
+        6 since 0 KnotStep,
+        /// A knot's gain.
+        7 since 0 KnotGain,
+        /// The index of a chunk's first knot.
+        8 since 0 ChunkFirst,
+        /// The table's sample rate in Hz.
+        9 since 0 SampleRate,
+        /// The table's span in micrometres.
+        10 since 0 Span,
+        /// The digest window's length in samples.
+        11 since 0 DigestCount,
+    }
 }
 
 impl Field {
@@ -54,104 +54,107 @@ impl Field {
     }
 }
 
-/// Why a command has to wait.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Busy {
-    /// The last drive has not been taken up yet.
-    CommitPending,
-    /// The output is not silent.
-    DriveActive,
-    /// The other slot is still needed: the last table swap has not begun, or what went by the old table fades out.
-    TableInUse,
-    /// A digest is under way.
-    DigestPending,
+choices! {
+    /// Why a command has to wait.
+    pub enum Busy {
+        /// The last drive has not been taken up yet.
+        0 since 0 CommitPending,
+        /// The output is not silent.
+        1 since 0 DriveActive,
+        /// The other slot is still needed: the last table swap has not begun, or what went by the old table fades out.
+        2 since 0 TableInUse,
+        /// A digest is under way.
+        3 since 0 DigestPending,
+    }
 }
 
-/// A refusal, as it goes over the wire. What sounds, and what is kept, is as it was before the command; but the command
-/// has used its number, a wrong token the one given, and a damaged upload is given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Refusal {
-    /// No message has this id in this version.
-    UnknownMessage {
-        /// The id.
-        id: u8,
-    },
-    /// The body is too short, too long or holds an impossible value.
-    Malformed,
-    /// The frame belongs to no session or an ended one: say hello again.
-    StaleSession,
-    /// The sequence number is not the next one: send `expected`, or say hello again.
-    BadSequence {
-        /// The number the device waits for.
-        expected: u16,
-    },
-    /// The versions differ: identify, stop and the bootloader only.
-    VersionMismatch,
-    /// Arm first.
-    NotArmed,
-    /// A latched fault stands: read it, remove its cause, clear it.
-    Faulted {
-        /// All latched faults.
-        faults: Faults,
-    },
-    /// Try again later.
-    Busy(Busy),
-    /// A value lies outside its range.
-    OutOfRange {
-        /// Which one.
-        field: Field,
-        /// The lowest allowed value.
-        min: i64,
-        /// The highest allowed value.
-        max: i64,
-        /// What came.
-        got: i64,
-    },
-    /// Two tones name the same slot.
-    SlotTwice {
-        /// The slot.
-        slot: u8,
-    },
-    /// The tones' worst-case sum exceeds full scale: lower the levels.
-    Headroom {
-        /// The worst-case sum in per mille of full scale.
-        sum_per_mille: u16,
-    },
-    /// No turning-point table is active: upload one.
-    NoTable,
-    /// No upload is under way (or it timed out): begin again.
-    NoUpload,
-    /// Chunks come in order, without gaps or repeats.
-    ChunkOrder {
-        /// The knot the device waits for.
-        expected: u16,
-    },
-    /// Knots are missing.
-    UploadIncomplete {
-        /// Knots received so far.
-        received: u16,
-    },
-    /// The knots' CRC is not the announced one.
-    TableCrc,
-    /// The phase steps are not strictly monotonic at this knot.
-    NotMonotonic {
-        /// The knot's index.
-        knot: u16,
-    },
-    /// The token is wrong or too old: ask for a new one.
-    BadToken,
-    /// This device cannot do that (no flash store, no bootloader).
-    NotSupported,
-    /// The flash did not take the data.
-    StoreFailed,
-    /// Only when disarmed.
-    Armed,
-    /// Started after repeated crashes: it talks but does not drive. Flash new firmware or power-cycle.
-    SafeMode,
-    /// No digest has been asked for.
-    NoDigest,
+choices! {
+    /// A refusal, as it goes over the wire. What sounds, and what is kept, is as it was before the command; but the command
+    /// has used its number, a wrong token the one given, and a damaged upload is given up.
+    pub enum Refusal {
+        /// No message has this id in this version.
+        0 since 0 UnknownMessage {
+            /// The id.
+            id: u8 [""],
+        },
+        /// The body is too short, too long or holds an impossible value.
+        1 since 0 Malformed,
+        /// The frame belongs to no session or an ended one: say hello again.
+        2 since 0 StaleSession,
+        /// The sequence number is not the next one: send `expected`, or say hello again.
+        3 since 0 BadSequence {
+            /// The number the device waits for.
+            expected: u16 [""],
+        },
+        /// The versions differ: identify, stop and the bootloader only.
+        4 since 0 VersionMismatch,
+        /// Arm first.
+        5 since 0 NotArmed,
+        /// A latched fault stands: read it, remove its cause, clear it.
+        6 since 0 Faulted {
+            /// All latched faults.
+            faults: Faults [""],
+        },
+        /// Try again later.
+        7 since 0 Busy(Busy),
+        /// A value lies outside its range.
+        8 since 0 OutOfRange {
+            /// Which one.
+            field: Field [""],
+            /// The lowest allowed value.
+            min: i64 [""],
+            /// The highest allowed value.
+            max: i64 [""],
+            /// What came.
+            got: i64 [""],
+        },
+        /// Two tones name the same slot.
+        9 since 0 SlotTwice {
+            /// The slot.
+            slot: u8 [""],
+        },
+        /// The tones' worst-case sum exceeds full scale: lower the levels.
+        10 since 0 Headroom {
+            /// The worst-case sum in per mille of full scale.
+            sum_per_mille: u16 ["1/1000 of full scale"],
+        },
+        /// No turning-point table is active: upload one.
+        11 since 0 NoTable,
+        /// No upload is under way (or it timed out): begin again.
+        12 since 0 NoUpload,
+        /// Chunks come in order, without gaps or repeats.
+        13 since 0 ChunkOrder {
+            /// The knot the device waits for.
+            expected: u16 [""],
+        },
+        /// Knots are missing.
+        14 since 0 UploadIncomplete {
+            /// Knots received so far.
+            received: u16 [""],
+        },
+        /// The knots' CRC is not the announced one.
+        15 since 0 TableCrc,
+        /// The phase steps are not strictly monotonic at this knot.
+        16 since 0 NotMonotonic {
+            /// The knot's index.
+            knot: u16 [""],
+        },
+        /// The token is wrong or too old: ask for a new one.
+        17 since 0 BadToken,
+        /// This device cannot do that (no flash store, no bootloader).
+        18 since 0 NotSupported,
+        /// The flash did not take the data.
+        19 since 0 StoreFailed,
+        /// Only when disarmed.
+        20 since 0 Armed,
+        /// Started after repeated crashes: it talks but does not drive. Flash new firmware or power-cycle.
+        21 since 0 SafeMode,
+        /// No digest has been asked for.
+        22 since 0 NoDigest,
+        #[cfg(slipline_next)]
+        /// Rehearsal of minor 1: no current flows.
+        23 since 1 CoilOpen or Self::NotSupported,
+    }
 }
 
 impl core::fmt::Display for Refusal {
@@ -200,6 +203,8 @@ impl core::fmt::Display for Refusal {
             Self::Armed => f.write_str("only when the device is disarmed"),
             Self::SafeMode => f.write_str("the device is in safe mode after repeated crashes"),
             Self::NoDigest => f.write_str("no digest has been asked for"),
+            #[cfg(slipline_next)]
+            Self::CoilOpen => f.write_str("the coil is not connected"),
         }
     }
 }

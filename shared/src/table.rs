@@ -6,16 +6,18 @@
 
 use crate::limits::{MAX_KNOT_STEP, MAX_KNOTS, MIN_KNOTS};
 use crate::refusal::{Field, Refusal};
+use crate::schema::body;
 use crate::units::{FinePosition, Gain, PhaseStep};
-use serde::{Deserialize, Serialize};
 
-/// One knot of a turning-point table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Knot {
-    /// Phase step in turns per sample, Q0.32, 1..=0.45 turns.
-    pub step: u32,
-    /// Gain, Q1.31, 1..=full scale.
-    pub gain: Gain,
+body! {
+    /// One knot of a turning-point table.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Knot {
+        /// Phase step: the frequency divided by the sample rate.
+        pub step: u32 ["2^-32 turns per sample", 1, MAX_KNOT_STEP],
+        /// The factor from the peak on the plate to the amplitude at the DAC.
+        pub gain: Gain ["2^-31 of the DAC's half swing", 1, Gain::FULL.0],
+    }
 }
 
 /// What a tone at a place needs.

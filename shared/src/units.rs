@@ -91,6 +91,15 @@ pub struct Phase(pub u16);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct CentiDecibel(pub i16);
 
+crate::schema::transparent!(Position(u16), Gain(u32), Level(u16), Phase(u16), CentiDecibel(i16));
+
+/// An amplitude in Q1.31 as per mille of full scale, rounded up.
+#[must_use]
+pub fn per_mille(amplitude: u64) -> u16 {
+    let scaled = amplitude.saturating_mul(1000).div_ceil(u64::from(Gain::FULL.0));
+    u16::try_from(scaled).unwrap_or(u16::MAX)
+}
+
 /// The device's clock: the number of samples sent to the DAC since it was reset.
 pub type SampleIndex = u64;
 

@@ -17,6 +17,7 @@ use slipline_link::native::system_clock;
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Transport, Waker};
+use slipline_protocol::version::Minor;
 use slipline_protocol::{Command, Decoder};
 
 /// Changes a command on its way to the device.
@@ -97,7 +98,7 @@ fn forward(mut host: UnixStream, device: &mut dyn Transport, alter: Alter, ended
                     let frame = decoder.push(byte, |frame| {
                         let mut command = Command::decode(frame.header.id, frame.body).ok()?;
                         alter(&mut command);
-                        command.frame(frame.header.session, frame.header.sequence).ok()
+                        command.frame_for(Minor::OURS, frame.header.session, frame.header.sequence).ok()
                     });
                     if let Some(frame) = frame.flatten() {
                         write_all(device, &frame);

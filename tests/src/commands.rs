@@ -1,8 +1,8 @@
 //! One of every command.
 
-use slipline_protocol::Command;
 use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk};
 use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Decoder};
 
 use crate::rig::{Table, drive};
 
@@ -40,7 +40,19 @@ pub fn every_command() -> Vec<Command> {
         Command::BootloaderEnter(0),
     ];
     let ids: Vec<u8> = commands.iter().map(Command::id).collect();
-    let all: Vec<u8> = Command::TABLE.iter().map(|(id, ..)| *id).collect();
+    let all: Vec<u8> = Command::TABLE.iter().map(|row| row.id).collect();
     assert_eq!(ids, all, "one of every command");
     commands
+}
+
+/// The body in a frame.
+///
+/// # Panics
+/// If these bytes are not one whole frame.
+#[must_use]
+pub fn body_of(frame: &[u8]) -> Vec<u8> {
+    let mut decoder = Decoder::new();
+    let bodies: Vec<Vec<u8>> =
+        frame.iter().filter_map(|&byte| decoder.push(byte, |frame| frame.body.to_vec())).collect();
+    bodies.into_iter().next().expect("a whole frame")
 }

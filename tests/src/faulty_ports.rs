@@ -8,6 +8,7 @@ use slipline_link::native::Watch;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{LinkError, Port, PortInfo};
+use slipline_protocol::version::Minor;
 use slipline_protocol::{Command, Decoder, Event};
 
 /// Changes a reply on its way.
@@ -164,7 +165,9 @@ impl Transport for Line {
             let reply = from_device.push(byte, |frame| {
                 let event =
                     Event::decode(frame.header.id, frame.body).expect("the device speaks its own protocol");
-                rewrite(event).frame(frame.header.session, frame.header.sequence).expect("fits")
+                rewrite(event)
+                    .frame_for(Minor::OURS, frame.header.session, frame.header.sequence)
+                    .expect("fits")
             });
             match reply {
                 Some(_) if *drop_replies > 0 => *drop_replies -= 1,
@@ -195,7 +198,7 @@ impl Transport for Line {
                 ports.drop_stops -= 1;
                 continue;
             }
-            let frame = command.frame(header.session, header.sequence).expect("fits");
+            let frame = command.frame_for(Minor::OURS, header.session, header.sequence).expect("fits");
             ports.device.feed(&frame);
         }
         Ok(bytes.len())

@@ -4,12 +4,13 @@
 //! `fuzz/` call them; a plain `cargo test` replays the inputs under `corpus/` (tests/fuzz_corpora.rs).
 
 use crate::client::Client;
+use crate::commands::body_of;
 use crate::rig::{BLOCK, MID, Rig, Table, drive};
 use slipline_plate::Plate;
 use slipline_protocol::command::{Hello, KeepAlive};
 use slipline_protocol::event::State;
-use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, MAX_BODY};
-use slipline_protocol::version::Version;
+use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS};
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Event};
 
 /// Noise on the link of a device that is driving: as long as no frame is whole, nothing changes but the counters, and
@@ -45,14 +46,13 @@ pub fn rx_bytes(data: &[u8]) {
 /// If that does not hold.
 pub fn decode(data: &[u8]) {
     let Some((&id, body)) = data.split_first() else { return };
-    let mut again = [0; MAX_BODY];
     if let Ok(command) = Command::decode(id, body) {
-        let length = command.encode_body(&mut again).expect("what was read fits a body");
-        assert_eq!(Command::decode(id, &again[..length]), Ok(command));
+        let again = command.frame_for(Minor::OURS, 0, 0).expect("what was read fits a frame");
+        assert_eq!(Command::decode(id, &body_of(&again)), Ok(command));
     }
     if let Ok(event) = Event::decode(id, body) {
-        let length = event.encode_body(&mut again).expect("what was read fits a body");
-        assert_eq!(Event::decode(id, &again[..length]), Ok(event));
+        let again = event.frame_for(Minor::OURS, 0, 0).expect("what was read fits a frame");
+        assert_eq!(Event::decode(id, &body_of(&again)), Ok(event));
     }
 }
 

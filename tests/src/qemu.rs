@@ -20,7 +20,7 @@ use slipline_protocol::command::{Command, Hello, KeepAlive};
 use slipline_protocol::event::{Event, Identity, Status};
 use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
 use slipline_protocol::units::SampleIndex;
-use slipline_protocol::version::Version;
+use slipline_protocol::version::{Minor, Version};
 
 use crate::client::Client;
 use crate::programs::image;
@@ -215,7 +215,7 @@ impl Host {
     }
 
     fn say(&mut self, command: &Command, session: u32, sequence: u16) {
-        let frame = command.frame(session, sequence).expect("a command fits a frame");
+        let frame = command.frame_for(Minor::OURS, session, sequence).expect("a command fits a frame");
         self.line.write_all(&frame).expect("the emulator runs");
     }
 
@@ -289,7 +289,9 @@ impl Host {
     /// # Panics
     /// If the emulator has ended.
     pub fn flood_with_questions(&mut self, questions: usize) {
-        let frame = Command::Status.frame(self.session, self.sequence).expect("a command fits a frame");
+        let frame = Command::Status
+            .frame_for(Minor::OURS, self.session, self.sequence)
+            .expect("a command fits a frame");
         self.line.set_write_timeout(Some(Duration::from_millis(200))).expect("a time-out can be set");
         for _ in 0..questions {
             match self.line.write_all(&frame) {

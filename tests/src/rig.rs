@@ -6,7 +6,7 @@ use slipline_protocol::event::Event;
 use slipline_protocol::limits::{CHUNK_KNOTS, KEEP_ALIVE_PERIOD_MS};
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position, SampleIndex};
-use slipline_protocol::version::Version;
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Decoder, Direction, Header};
 
 use crate::client::Client;
@@ -232,8 +232,9 @@ impl Rig {
     /// Says hello as a host of some version, with the nonce of the last hello.
     pub fn hello_as(&mut self, version: Version) -> Reply {
         let hello = Command::Hello(Hello { version, nonce: self.nonce.to_le_bytes() });
-        let reply =
-            self.exchange(&hello.frame(0, 0).expect("a hello fits a frame")).expect("a hello is answered");
+        let reply = self
+            .exchange(&hello.frame_for(Minor::OURS, 0, 0).expect("a hello fits a frame"))
+            .expect("a hello is answered");
         if reply.header.session != self.session {
             self.session = reply.header.session;
             self.sequence = 0;
@@ -272,7 +273,7 @@ impl Rig {
     /// A command's bytes with any header.
     #[must_use]
     pub fn frame_as(&self, command: &Command, session: u32, sequence: u16) -> Vec<u8> {
-        command.frame(session, sequence).expect("a command fits a frame").to_vec()
+        command.frame_for(Minor::OURS, session, sequence).expect("a command fits a frame").to_vec()
     }
 
     /// Feeds bytes and returns the last reply to them.

@@ -11,7 +11,7 @@
 
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::refusal::Refusal;
-use slipline_protocol::units::Gain;
+use slipline_protocol::units::{Gain, per_mille};
 
 use crate::motion::Placement;
 use crate::program::Program;
@@ -55,11 +55,4 @@ pub fn check(
         return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
     }
     Ok(())
-}
-
-/// An amplitude as per mille of full scale, rounded up.
-#[must_use]
-pub fn per_mille(amplitude: u64) -> u16 {
-    let scaled = amplitude.saturating_mul(1000).div_ceil(u64::from(Gain::FULL.0));
-    u16::try_from(scaled).unwrap_or(u16::MAX)
 }

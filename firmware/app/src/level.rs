@@ -1,7 +1,7 @@
-//! Levels: hundredths of a decibel and linear levels become amplitudes.
+//! The master level: hundredths of a decibel become an amplitude.
 
 use micromath::F32Ext;
-use slipline_protocol::units::{CentiDecibel, Gain, Level};
+use slipline_protocol::units::{CentiDecibel, Gain};
 
 /// `10^(level / 2000)` as Q1.31, for levels of at most 0; above 0 it is full scale.
 ///
@@ -26,12 +26,6 @@ pub fn master_gain(level: CentiDecibel) -> Gain {
     Gain(gain.min(u64::from(Gain::FULL.0)) as u32)
 }
 
-/// A tone's level under a master gain.
-#[must_use]
-pub const fn tone_gain(master: Gain, level: Level) -> Gain {
-    master.scaled(level)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -39,7 +33,6 @@ mod tests {
     #[test]
     fn no_attenuation_is_full_scale_exactly() {
         assert_eq!(master_gain(CentiDecibel(0)), Gain::FULL);
-        assert_eq!(tone_gain(Gain::FULL, Level::FULL), Gain::FULL);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use slipline_protocol::units::SampleIndex;
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
 use crate::headroom;
-use crate::level::{master_gain, tone_gain};
+use crate::level::master_gain;
 use crate::motion::{Motion, Placement};
 use crate::program::{Program, Target};
 use crate::ramp::RampShape;
@@ -68,7 +68,7 @@ pub fn plan(
         }
         *target = Some(Target {
             position: tone.position.fine(),
-            level: tone_gain(master, tone.level),
+            level: master.scaled(tone.level),
             phase: u64::from(tone.phase.0) << 48,
         });
     }

@@ -17,7 +17,7 @@ use slipline_protocol::command::Hello;
 use slipline_protocol::event::{Accepted, Counters, Fault};
 use slipline_protocol::frame::{CRC, Encoded};
 use slipline_protocol::units::SampleIndex;
-use slipline_protocol::version::Version;
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
 
 use crate::controller::Controller;
@@ -55,6 +55,8 @@ pub struct Session {
     nonce: [u8; 4],
     sessions: u32,
     may_drive: bool,
+    /// What this session's host and this device both know.
+    minor: Minor,
     expected: u16,
     last_reply: Option<(u16, Event)>,
     duplicates: u32,
@@ -82,6 +84,7 @@ impl Session {
             nonce: [0; 4],
             sessions: 0,
             may_drive: false,
+            minor: Minor::FIRST,
             expected: 1,
             last_reply: None,
             duplicates: 0,
@@ -139,7 +142,14 @@ impl Session {
     ) {
         let Some(incoming) = self.queue.pop_front() else { return };
         let (session, event) = self.answer(&incoming, controller, mailbox);
-        if let Ok(reply) = event.frame(session, incoming.header.sequence) {
+        // The host of another session may be older than this one's.
+        let minor = if session == self.id { self.minor } else { Minor::FIRST };
+        let sequence = incoming.header.sequence;
+        // What a host can ask, it can read the answer to; were it not so, it would get this refusal.
+        let reply = event
+            .frame_for(minor, session, sequence)
+            .or_else(|_| Event::Refused(Refusal::NotSupported).frame_for(minor, session, sequence));
+        if let Ok(reply) = reply {
             self.send(reply, mailbox.now());
         }
     }
@@ -162,6 +172,12 @@ impl Session {
         if self.id == 0 || header.session != self.id {
             return (header.session, Event::Refused(Refusal::StaleSession));
         }
+        // To a host of an older minor this is a device of that minor.
+        let newer = |command: &Command| Refusal::UnknownMessage { id: command.id() };
+        let command = match command {
+            Ok(command) if !self.minor.has(command.since()) => &Err(newer(command)),
+            command => command,
+        };
         let event = match command {
             Ok(Command::KeepAlive(keep_alive)) => {
                 controller.keep_alive(*keep_alive, mailbox);
@@ -195,6 +211,7 @@ impl Session {
         self.id = if drawn == 0 || drawn == self.id { drawn.wrapping_add(1).max(1) } else { drawn };
         self.nonce = hello.nonce;
         self.may_drive = Version::OURS.may_drive(hello.version);
+        self.minor = Minor::shared_with(hello.version);
         self.expected = 1;
         self.last_reply = None;
     }

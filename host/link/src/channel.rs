@@ -7,7 +7,7 @@
 
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
-use slipline_protocol::version::Version;
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Direction, Event, Refusal, command, event};
 use std::time::Duration;
 
@@ -89,6 +89,8 @@ pub(crate) struct Conversation {
     nonce: [u8; 4],
     /// The session's number on the wire: 0 until the device has told it in the header of its hello.
     session: u32,
+    /// What this program and the device both know.
+    minor: Minor,
     sequence: u16,
     beat: u32,
     pulse_number: u16,
@@ -106,6 +108,7 @@ impl Conversation {
         Self {
             nonce,
             session: 0,
+            minor: Minor::FIRST,
             // A session's first numbered command has number 1.
             sequence: 1,
             beat: 0,
@@ -124,6 +127,11 @@ impl Conversation {
     /// The hello of this session.
     pub(crate) const fn hello(&self) -> Command {
         Command::Hello(command::Hello { version: Version::OURS, nonce: self.nonce })
+    }
+
+    /// Whether the device knows this command: one that is newer than its firmware is never sent.
+    pub(crate) const fn is_known(&self, command: &Command) -> bool {
+        self.minor.has(command.since())
     }
 
     /// Whether a numbered command may be said now.
@@ -201,8 +209,9 @@ impl Conversation {
                 .and_then(|reply| self.land(header.sequence, reply, now));
             match answer {
                 Some(answer) => {
-                    if greets {
+                    if let Reply::Hello(version, _) = &answer.reply {
                         self.session = header.session;
+                        self.minor = Minor::shared_with(*version);
                     }
                     answers.push(answer);
                 }
@@ -285,7 +294,7 @@ impl Conversation {
         let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
         // Every command its types allow fits a frame (a test of the protocol holds that); were it not so, the
         // missing answer would tell.
-        if let Ok(frame) = command.frame(session, sequence) {
+        if let Ok(frame) = command.frame_for(self.minor, session, sequence) {
             self.out.extend_from_slice(&frame);
         }
     }

@@ -165,6 +165,10 @@ impl Dialogue {
                 let sentence = record.view.compatibility.map_or("", Compatibility::sentence);
                 return record.finish(Some(ticket), Outcome::Refused(sentence.to_owned()));
             }
+            #[cfg(slipline_next)]
+            Request::MeasureCoil => {
+                Job::Say(Command::MeasureCoil(slipline_protocol::command::CoilTest { current_ma: 5 }))
+            }
             Request::Arm => Job::Say(Command::Arm),
             Request::Disarm => {
                 self.overtake(record, |job| job.yields_to(&Command::Disarm));
@@ -359,6 +363,10 @@ impl Dialogue {
                 }
             }
         };
+        if !self.talk.is_known(&command) {
+            record.finish(task.ticket, Outcome::DeviceTooOld);
+            return true;
+        }
         self.talk.say(command, now);
         self.current = Some(Current::Task(Box::new(task)));
         true

@@ -11,6 +11,7 @@ use crate::snapshot::{
 };
 use slipline_protocol::event::{Status, TableReport};
 use slipline_protocol::units::SampleIndex;
+use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -108,6 +109,9 @@ impl Record {
             if let Some(ticket) = ticket {
                 self.view.last_refusal = Some((ticket, sentence.as_str().into()));
             }
+        }
+        if let Outcome::DeviceTooOld = outcome {
+            self.log(Severity::Warning, Compatibility::DeviceOlder.sentence());
         }
         if let Outcome::NotConnected = outcome {
             self.view.counters.dropped = self.view.counters.dropped.saturating_add(1);

@@ -88,6 +88,9 @@ pub enum Request {
     Forget,
     /// Restart into the ROM bootloader (both steps). Only when disarmed.
     Bootloader,
+    /// Rehearsal of the protocol's next minor: measure the coil's resistance.
+    #[cfg(slipline_next)]
+    MeasureCoil,
     /// Read the status at once.
     Refresh,
     /// Whether a lost device is looked for.
@@ -116,6 +119,8 @@ impl Request {
             Self::Store => "store",
             Self::Forget => "forget",
             Self::Bootloader => "enter bootloader",
+            #[cfg(slipline_next)]
+            Self::MeasureCoil => "measure coil",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Digest(_) => "digest",
@@ -140,6 +145,8 @@ pub enum Outcome {
     Digest(Digest),
     /// Not done; a sentence that says why.
     Refused(String),
+    /// Not done: the device's firmware is older than this program and does not know the command.
+    DeviceTooOld,
     /// A newer request or a stop took its place before the device had taken it.
     Superseded,
     /// The link was lost, or there was none.

@@ -6,13 +6,11 @@
 //! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
 //! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
 
-use slipline_app::headroom::per_mille;
-use slipline_app::level::tone_gain;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::CHUNK_KNOTS;
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::table::{self, Knot, Setting};
-use slipline_protocol::units::{FinePosition, Gain, Level, Position};
+use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
 
 /// A table that a device can take: valid by the device's own rule.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,7 +157,7 @@ impl DeviceTable {
     pub fn check_sum(&self, tones: &[(f64, f64)]) -> Result<(), Refusal> {
         let amplitude = |&(boundary_m, level): &(f64, f64)| {
             let gain = self.setting(self.position(boundary_m)?.fine()).gain;
-            Some(u64::from(gain.times(tone_gain(Gain::FULL, self::level(level)?)).0))
+            Some(u64::from(gain.times(Gain::FULL.scaled(self::level(level)?)).0))
         };
         let sum = tones.iter().filter_map(amplitude).sum();
         if sum > u64::from(Gain::FULL.0) {

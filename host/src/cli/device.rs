@@ -3,6 +3,7 @@
 use super::{Failure, progress};
 use slipline_link::native::{Handle, Worker};
 use slipline_link::protocol::event::Identity;
+use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, Snapshot};
 use slipline_plate::Plate;
@@ -55,6 +56,9 @@ impl Device {
         let ticket = self.worker.send(request);
         match self.worker.wait(ticket, PATIENCE) {
             Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
+            Some(Outcome::DeviceTooOld) => {
+                Err(Failure::Failed(Compatibility::DeviceOlder.sentence().to_owned()))
+            }
             Some(Outcome::NotConnected) => {
                 let trouble = self.snapshot().trouble.clone();
                 Err(Failure::Failed(trouble.map_or("the device went away".to_owned(), |it| it.to_string())))

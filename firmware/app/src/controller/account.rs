@@ -4,12 +4,12 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
 use slipline_protocol::event::{Counters, Identity, State, Status};
 use slipline_protocol::limits;
+use slipline_protocol::units::per_mille;
 use slipline_protocol::version::Version;
 
 use super::Controller;
 use crate::bank::{BLOCK, TONES};
 use crate::foldback::Foldback;
-use crate::headroom::per_mille;
 use crate::mailbox::Mailbox;
 use crate::mailbox::View;
 use crate::ports::{FlashPages, System};

@@ -28,6 +28,12 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if !view.report.silent || view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
+        #[cfg(slipline_next)]
+        if self.is_coil_open() {
+            // The first time it is refused for what it is, later on for the fault.
+            mailbox.latch(slipline_protocol::event::Fault::CoilOpen);
+            return Err(Refusal::CoilOpen);
+        }
         self.user_acted_at = view.next;
         Ok(mailbox.arm())
     }

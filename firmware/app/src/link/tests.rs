@@ -11,7 +11,7 @@ use std::vec::Vec;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embedded_io_async::{ErrorKind, ErrorType};
 use slipline_protocol::command::Hello;
-use slipline_protocol::version::Version;
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder};
 
 use super::*;
@@ -138,7 +138,7 @@ fn wire() -> RefCell<Wire> {
 
 fn say_hello(wire: &RefCell<Wire>) {
     let hello = Command::Hello(Hello { version: Version::OURS, nonce: [1; 4] });
-    wire.borrow_mut().to_device.extend_from_slice(&hello.frame(0, 0).unwrap());
+    wire.borrow_mut().to_device.extend_from_slice(&hello.frame_for(Minor::OURS, 0, 0).unwrap());
 }
 
 fn replies(wire: &RefCell<Wire>) -> usize {

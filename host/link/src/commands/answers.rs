@@ -62,7 +62,7 @@ impl Dialogue {
         record: &mut Record,
         now: Duration,
     ) {
-        let compatibility = version.compare_device();
+        let compatibility = Version::OURS.judge_device(version);
         record.view.compatibility = Some(compatibility);
         if let Some(identity) = &identity {
             let (major, minor, patch) = identity.firmware;
@@ -182,6 +182,11 @@ impl Dialogue {
             }
             Event::Digest(digest) => {
                 self.digested(task, digest, record, now);
+                return Verdict::GoOn;
+            }
+            #[cfg(slipline_next)]
+            Event::CoilMeasured(report) => {
+                record.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
                 return Verdict::GoOn;
             }
             Event::BootloaderToken(token) => {

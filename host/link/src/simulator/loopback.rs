@@ -100,7 +100,9 @@ impl Loopback {
                 Some(Outcome::Done { at }) => return Ok(*at),
                 Some(Outcome::Refused(sentence)) => return Err(LoopbackError::Refused(sentence.clone())),
                 Some(Outcome::Digest(digest)) => return Ok(digest.from),
-                Some(Outcome::Superseded | Outcome::NotConnected) => return Err(LoopbackError::NoAnswer),
+                Some(Outcome::DeviceTooOld | Outcome::Superseded | Outcome::NotConnected) => {
+                    return Err(LoopbackError::NoAnswer);
+                }
             }
         }
         Err(LoopbackError::NoAnswer)
