@@ -48,7 +48,7 @@ def mirror():
     return play
 
 
-class Bench:
+class Rig:
     """A board with a host on its cable."""
 
     def __init__(self, image):
@@ -68,33 +68,33 @@ class Bench:
 
 
 @pytest.fixture
-def bench(image):
-    return Bench(image)
+def rig(image):
+    return Rig(image)
 
 
 @pytest.fixture(scope="session")
 def cool(image):
     """Connected, with a table, armed, and so long after the start that the thermal model lets the full level pass:
     after a reset it takes the coil for hot, and `mirror_codes` is not told the limit. Shared, for it takes a while."""
-    bench = Bench(image)
-    bench.host.connect()
-    bench.host.upload()
-    bench.board.is_hasty = True
+    rig = Rig(image)
+    rig.host.connect()
+    rig.host.upload()
+    rig.board.is_hasty = True
     for _ in range(100):
-        bench.host.live(0.2)
-        if bench.host.status()["foldback"] == 1000:
+        rig.host.live(0.2)
+        if rig.host.status()["foldback"] == 1000:
             break
-    bench.board.is_hasty = False
-    bench.host.live(0.01)
-    bench.host.arm()
-    assert bench.host.status()["foldback"] == 1000
-    return bench
+    rig.board.is_hasty = False
+    rig.host.live(0.01)
+    rig.host.arm()
+    assert rig.host.status()["foldback"] == 1000
+    return rig
 
 
 @pytest.fixture
-def armed(bench):
+def armed(rig):
     """Connected, with a table, armed."""
-    bench.host.connect()
-    bench.host.upload()
-    bench.host.arm()
-    return bench
+    rig.host.connect()
+    rig.host.upload()
+    rig.host.arm()
+    return rig

@@ -149,9 +149,9 @@ class Host:
     def __init__(self, board, usb):
         self.board, self.usb = board, usb
         self.inbox = bytearray()
-        self.session = self.sequence = self.beat = 0
+        self.session = self.sequence = self.keep_alives = 0
         self.nonce = 0
-        self.beat_due = 0.0
+        self.keep_alive_due = 0.0
         self.lives = True
         # What the mirror is told: (index, frame) of every accepted command.
         self.accepted = []
@@ -166,8 +166,8 @@ class Host:
         self.session, self.sequence = 0, 0
         session, message, body = self.exchange(HELLO, hello_body(self.nonce))
         assert message == HELLO_REPLY, f"{message:#x}"
-        self.session, self.beat = session, 0
-        self.beat_due = self.board.seconds
+        self.session, self.keep_alives = session, 0
+        self.keep_alive_due = self.board.seconds
         return identity(body)
 
     def exchange(self, message, body=b"", patience=0.6):
@@ -233,8 +233,8 @@ class Host:
         """Lets time pass while the host shows that it lives."""
         end = self.board.seconds + seconds
         while self.board.seconds < end:
-            if self.lives and self.board.seconds >= self.beat_due:
-                self.beat_due = self.board.seconds + KEEP_ALIVE_PERIOD
-                self.beat += 1
-                self.exchange(KEEP_ALIVE, varint(self.beat))
+            if self.lives and self.board.seconds >= self.keep_alive_due:
+                self.keep_alive_due = self.board.seconds + KEEP_ALIVE_PERIOD
+                self.keep_alives += 1
+                self.exchange(KEEP_ALIVE, varint(self.keep_alives))
             self.board.run(min(0.002, max(end - self.board.seconds, 1e-5)))

@@ -21,10 +21,10 @@ def sixteen(shift=0.0):
     return [(slot, (slot + shift) / 17, 0.06) for slot in range(16)]
 
 
-def start(bench, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
+def start(rig, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
     """Drives, and returns the index from which on it sounds."""
-    at = bench.host.accept(DRIVE, drive(list(tones), glide))
-    bench.host.live(0.02)
+    at = rig.host.accept(DRIVE, drive(list(tones), glide))
+    rig.host.live(0.02)
     return at
 
 
@@ -32,34 +32,34 @@ def is_silent(codes):
     return bool(codes) and set(codes) == {MID}
 
 
-def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(bench):
-    bench.board.run(0.02)
-    pins = [entry for entry in bench.board.log if entry[1] == UNMUTE]
-    driven = [entry for entry in bench.board.log if entry[1] == "dac drives"]
+def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(rig):
+    rig.board.run(0.02)
+    pins = [entry for entry in rig.board.log if entry[1] == UNMUTE]
+    driven = [entry for entry in rig.board.log if entry[1] == "dac drives"]
     assert [entry[2] for entry in pins] == [0], "the mute pin goes low and stays"
     assert [entry[2] for entry in driven] == [MID], "the first voltage is mid-scale"
-    bench.host.connect()
-    bench.host.upload()
-    bench.host.arm()
-    unmuted = next(entry for entry in bench.board.log if entry[1] == UNMUTE and entry[2] == 1)
+    rig.host.connect()
+    rig.host.upload()
+    rig.host.arm()
+    unmuted = next(entry for entry in rig.board.log if entry[1] == UNMUTE and entry[2] == 1)
     assert unmuted[0] > driven[0][0]
-    assert is_silent(bench.board.dac.codes)
+    assert is_silent(rig.board.dac.codes)
 
 
-def test_it_plays_400_000_codes_a_second(bench):
-    bench.board.run(0.01)
-    before = len(bench.board.dac.codes)
-    bench.board.run(0.05)
-    assert abs(len(bench.board.dac.codes) - before - 20_000) <= 1
-    assert bench.board.dac.underruns == 0
+def test_it_plays_400_000_codes_a_second(rig):
+    rig.board.run(0.01)
+    before = len(rig.board.dac.codes)
+    rig.board.run(0.05)
+    assert abs(len(rig.board.dac.codes) - before - 20_000) <= 1
+    assert rig.board.dac.underruns == 0
 
 
-def test_it_enumerates_as_the_documentation_says(bench):
-    identity = bench.host.connect()
-    vendor, product = struct.unpack_from("<HH", bench.usb.descriptor, 8)
+def test_it_enumerates_as_the_documentation_says(rig):
+    identity = rig.host.connect()
+    vendor, product = struct.unpack_from("<HH", rig.usb.descriptor, 8)
     assert (vendor, product) == (0x1209, 0x0001)
     unique_id = b"SLIPLINE-VB1"
-    assert bench.usb.strings == {1: "Slipline", 2: "Slipline tactile display", 3: unique_id.hex().upper()}
+    assert rig.usb.strings == {1: "Slipline", 2: "Slipline tactile display", 3: unique_id.hex().upper()}
     assert identity["board"] == "STM32F4DISCOVERY"
     assert identity["unit"] == unique_id
     assert (identity["rate"], identity["block"], identity["bits"], identity["tones"]) == (RATE_HZ, 128, 12, 16)
@@ -67,9 +67,9 @@ def test_it_enumerates_as_the_documentation_says(bench):
     assert not identity["simulated"]
 
 
-def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(bench):
-    bench.board.run(0.01)
-    level = {name: bench.board.priorities[irq] for name, irq in (("dma", 16), ("dac", 54), ("renderer", 53), ("usb", 67))}
+def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
+    rig.board.run(0.01)
+    level = {name: rig.board.priorities[irq] for name, irq in (("dma", 16), ("dac", 54), ("renderer", 53), ("usb", 67))}
     assert level["dma"] == level["dac"] < level["renderer"] < level["usb"]
 
 
@@ -133,8 +133,8 @@ def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):
     armed = cool
     at = start(armed)
     armed.usb.reads = False
-    for beat in range(100, 112):
-        body = varint(beat)
+    for count in range(100, 112):
+        body = varint(count)
         armed.usb.send(frame(armed.host.session, armed.host.sequence, KEEP_ALIVE, body))
         armed.board.run(0.01)
     until = armed.played()
@@ -144,35 +144,35 @@ def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):
     # What was cut off in the middle is over with the next delimiter.
     armed.host.inbox.clear()
     armed.usb.receive()
-    armed.host.beat = 200
+    armed.host.keep_alives = 200
     status = armed.host.status()
     armed.host.accept(STOP)
     assert status["dropped"] > 0 and status["state"] == "driving" and status["underruns"] == 0
 
 
-def test_a_bus_reset_while_a_reply_is_cut_does_not_stop_the_program(bench):
+def test_a_bus_reset_while_a_reply_is_cut_does_not_stop_the_program(rig):
     """R-22. The host takes no packet, so the rest of the reply is dropped after its time: only a delimiter is owed. The
     bus reset disables the endpoint, and every write fails at once. Afterwards the first packet, which was never
     fetched, must not block the endpoint."""
-    bench.host.connect()
-    bench.usb.reads = False
-    bench.usb.send(frame(0, 0, HELLO, hello_body(99)))
-    bench.board.run(0.1)
-    bench.usb.unplug()
-    bench.board.run(0.01)
-    bench.usb.plug()
+    rig.host.connect()
+    rig.usb.reads = False
+    rig.usb.send(frame(0, 0, HELLO, hello_body(99)))
+    rig.board.run(0.1)
+    rig.usb.unplug()
+    rig.board.run(0.01)
+    rig.usb.plug()
     # The host does not configure the device, as a computer that boots: nobody enables the endpoint.
-    bench.usb.enumerates = False
-    bench.board.is_hasty = True
-    bench.board.run(1.2 * WATCHDOG_SECONDS)
-    assert bench.board.resets == [], "the supervisor has fed the watchdog"
-    bench.usb.enumerates = bench.usb.reads = True
-    bench.usb.unplug()
-    bench.usb.plug()
-    bench.board.is_hasty = False
-    bench.host.inbox.clear()
-    bench.host.connect()
-    assert bench.host.status()["state"] == "idle"
+    rig.usb.enumerates = False
+    rig.board.is_hasty = True
+    rig.board.run(1.2 * WATCHDOG_SECONDS)
+    assert rig.board.resets == [], "the supervisor has fed the watchdog"
+    rig.usb.enumerates = rig.usb.reads = True
+    rig.usb.unplug()
+    rig.usb.plug()
+    rig.board.is_hasty = False
+    rig.host.inbox.clear()
+    rig.host.connect()
+    assert rig.host.status()["state"] == "idle"
 
 
 def test_a_dma_that_does_not_deliver_is_counted_and_fades_out(armed):
@@ -260,19 +260,19 @@ def test_a_stack_that_overflows_is_caught_and_told(armed):
     assert identity["reset"] == "hard fault" and "stack overflow" in identity["crash"], identity["crash"]
 
 
-def test_three_crashes_in_a_row_end_in_safe_mode(bench):
+def test_three_crashes_in_a_row_end_in_safe_mode(rig):
     for _ in range(3):
-        bench.host.connect()
-        bench.usb.push(2, 9, b"\0")
-        count = len(bench.board.resets)
-        bench.board.run_until(lambda: len(bench.board.resets) > count, 0.01, step=0.0001)
-        bench.host.inbox.clear()
-    bench.host.connect()
-    assert bench.host.status()["state"] == "safe mode"
-    bench.board.reset("power")
-    bench.host.inbox.clear()
-    assert bench.host.connect()["reset"] == "power-on"
-    assert bench.host.status()["state"] == "idle"
+        rig.host.connect()
+        rig.usb.push(2, 9, b"\0")
+        count = len(rig.board.resets)
+        rig.board.run_until(lambda: len(rig.board.resets) > count, 0.01, step=0.0001)
+        rig.host.inbox.clear()
+    rig.host.connect()
+    assert rig.host.status()["state"] == "safe mode"
+    rig.board.reset("power")
+    rig.host.inbox.clear()
+    assert rig.host.connect()["reset"] == "power-on"
+    assert rig.host.status()["state"] == "idle"
 
 
 @pytest.mark.parametrize("frozen", ["renderer", "thread"])
@@ -305,8 +305,8 @@ def test_a_dip_of_the_supply_mutes_and_is_told(armed):
     assert identity["reset"] == "brown-out"
 
 
-def stored_crc(bench):
-    _, reply, body = bench.host.exchange(TABLE_DIGEST)
+def stored_crc(rig):
+    _, reply, body = rig.host.exchange(TABLE_DIGEST)
     assert reply == TABLE_REPLY
     reader = Reader(body)
     if not reader.byte():
@@ -316,78 +316,78 @@ def stored_crc(bench):
     return reader.number()
 
 
-def keep(bench, count):
+def keep(rig, count):
     """Uploads a table and stores it; returns its CRC."""
-    bench.host.accept(DISARM)
-    bench.host.live(0.1)
-    crc = bench.host.upload(count)
-    bench.host.live(0.05)
-    bench.host.accept(STORE, patience=3)
+    rig.host.accept(DISARM)
+    rig.host.live(0.1)
+    crc = rig.host.upload(count)
+    rig.host.live(0.05)
+    rig.host.accept(STORE, patience=3)
     return crc
 
 
-def test_the_table_survives_the_power_and_storing_it_is_no_underrun(bench):
-    bench.host.connect()
-    crc = keep(bench, 33)
-    status = bench.host.status()
-    assert (status["underruns"], status["faults"], bench.board.dac.underruns) == (0, set(), 0)
-    bench.board.reset("power")
-    identity = bench.host.connect()
+def test_the_table_survives_the_power_and_storing_it_is_no_underrun(rig):
+    rig.host.connect()
+    crc = keep(rig, 33)
+    status = rig.host.status()
+    assert (status["underruns"], status["faults"], rig.board.dac.underruns) == (0, set(), 0)
+    rig.board.reset("power")
+    identity = rig.host.connect()
     assert identity["stored"] == "loaded"
-    assert stored_crc(bench) == crc
+    assert stored_crc(rig) == crc
 
 
 @pytest.mark.parametrize("operation", [0, 1, 2, 9, 40, 75])
-def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(bench, operation):
+def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(rig, operation):
     """R-35: the cut comes before the first erasure is over, between words, and in the last words."""
-    bench.host.connect()
-    old = keep(bench, 33)
-    bench.board.flash.cut_at = bench.board.flash.operations + operation
+    rig.host.connect()
+    old = keep(rig, 33)
+    rig.board.flash.cut_at = rig.board.flash.operations + operation
     new = None
     with pytest.raises(PowerCut):
-        new = keep(bench, 34)
+        new = keep(rig, 34)
     assert new is None
-    bench.board.reset("power")
-    bench.host.inbox.clear()
-    identity = bench.host.connect()
+    rig.board.reset("power")
+    rig.host.inbox.clear()
+    identity = rig.host.connect()
     assert identity["stored"] == "loaded"
-    assert stored_crc(bench) == old
-    again = keep(bench, 35)
-    bench.board.reset("power")
-    bench.host.connect()
-    assert stored_crc(bench) == again
+    assert stored_crc(rig) == old
+    again = keep(rig, 35)
+    rig.board.reset("power")
+    rig.host.connect()
+    assert stored_crc(rig) == again
 
 
-def enter_bootloader(bench):
-    bench.host.connect()
-    _, reply, body = bench.host.exchange(BOOTLOADER_TOKEN)
+def enter_bootloader(rig):
+    rig.host.connect()
+    _, reply, body = rig.host.exchange(BOOTLOADER_TOKEN)
     assert reply == TOKEN_REPLY
-    bench.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
-    bench.board.run(0.1)
-    assert bench.board.resets == ["software"]
+    rig.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
+    rig.board.run(0.1)
+    assert rig.board.resets == ["software"]
 
 
-def test_the_rom_bootloader_is_entered_in_two_steps(bench):
+def test_the_rom_bootloader_is_entered_in_two_steps(rig):
     """R-63."""
-    enter_bootloader(bench)
-    assert bench.board.pc & ~1 == 0x1FFF0100
-    assert bench.board.vectors == 0x1FFF0000, "the ROM's interrupts are the ROM's"
-    assert bench.board.registers[SYSCFG_MEMRMP] & 3 == 1, "system memory at address 0, as after a boot from ROM"
-    bench.board.reset("pin")
-    bench.host.inbox.clear()
-    bench.host.connect()
+    enter_bootloader(rig)
+    assert rig.board.pc & ~1 == 0x1FFF0100
+    assert rig.board.vectors == 0x1FFF0000, "the ROM's interrupts are the ROM's"
+    assert rig.board.registers[SYSCFG_MEMRMP] & 3 == 1, "system memory at address 0, as after a boot from ROM"
+    rig.board.reset("pin")
+    rig.host.inbox.clear()
+    rig.host.connect()
 
 
-def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(bench):
+def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):
     """`dfu-util -s 0x08000000:leave` resets nothing."""
-    enter_bootloader(bench)
-    bench.board.leave_bootloader()
-    bench.host.inbox.clear()
-    identity = bench.host.connect()
+    enter_bootloader(rig)
+    rig.board.leave_bootloader()
+    rig.host.inbox.clear()
+    identity = rig.host.connect()
     assert (identity["reset"], identity["crash"]) == ("software", "")
-    assert bench.board.resets == ["software"], "the one that led into the ROM"
-    bench.host.upload()
-    bench.host.arm()
+    assert rig.board.resets == ["software"], "the one that led into the ROM"
+    rig.host.upload()
+    rig.host.arm()
 
 
 def test_the_lamp_tells_muted_from_sounding(armed):

@@ -45,9 +45,9 @@ def test_the_sizes_in_the_documents_are_the_images(board):
     assert agrees(told[0], flash) and agrees(told[1], ram), f"documented {told}, built {flash}, {ram}"
 
 
-def test_the_stack_in_the_documents_is_what_the_image_needs(bench):
+def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     """Each part by itself, so that it does not matter where an interrupt falls."""
-    board, host = bench.board, bench.host
+    board, host = rig.board, rig.host
     board.watches_stacks = True
     host.connect()
     host.upload()

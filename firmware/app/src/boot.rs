@@ -1,4 +1,4 @@
-//! What a start makes of how the last run ended.
+//! The state the device starts in, from how the last run ended.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -9,9 +9,9 @@ use slipline_protocol::limits::MAX_CRASH;
 use crate::crash::CrashRecord;
 use crate::thermal::Heat;
 
-/// So many abnormal resets in a row, and the device talks but does not drive.
+/// After so many abnormal resets in a row the device answers but does not drive (safe mode).
 pub const SAFE_MODE_RESETS: u8 = 3;
-/// A run of so many milliseconds is sound: abnormal resets before it do not count any more. Then the shell writes
+/// After a run of so many milliseconds, earlier abnormal resets do not count any more. Then the shell writes
 /// [`CrashRecord::stable`] back.
 pub const STABLE_AFTER_MS: u32 = 60_000;
 
@@ -22,7 +22,7 @@ pub struct Boot {
     pub reset: ResetCause,
     /// What the last panic said, or nothing.
     pub crash: String<MAX_CRASH>,
-    /// Talk, but do not drive.
+    /// Safe mode: answer, but do not drive.
     pub safe_mode: bool,
     /// How hot the coil may be.
     pub heat: Heat,
@@ -51,7 +51,7 @@ impl Boot {
 /// keep from now on. Write it back before anything that could crash.
 ///
 /// The handlers end with a software reset, so a record of a panic or a hard fault overrules that cause. Power-on
-/// clears the record, the reset pin the count: somebody is there.
+/// clears the record, the reset pin clears the count: a person has acted.
 #[must_use]
 pub fn decide(hardware: ResetCause, kept: Option<CrashRecord>) -> (Boot, CrashRecord) {
     let kept = kept.unwrap_or_default();
@@ -63,12 +63,12 @@ pub fn decide(hardware: ResetCause, kept: Option<CrashRecord>) -> (Boot, CrashRe
     };
     let resets = match reset {
         ResetCause::PowerOn | ResetCause::Pin => 0,
-        // A supply that dips is no fault of the program's.
+        // A dip of the supply is not the program's fault.
         ResetCause::Software | ResetCause::BrownOut => kept.resets,
         ResetCause::Watchdog | ResetCause::Panic | ResetCause::HardFault => kept.resets.saturating_add(1),
     };
     let boot = Boot { reset, crash: message, safe_mode: resets >= SAFE_MODE_RESETS, heat: Heat::AssumedHot };
-    // The cause is used up: only a new crash writes one again.
+    // The cause has been reported: only a new crash writes one again.
     (boot, CrashRecord { cause: ResetCause::PowerOn, resets, message: String::new() })
 }
 

@@ -1,4 +1,4 @@
-//! The way into the ROM bootloader, in two steps: a token is asked for, then shown.
+//! How a host enters the ROM bootloader: it asks for a token, then sends it back.
 
 use slipline_protocol::frame::CRC;
 use slipline_protocol::refusal::Refusal;
@@ -6,16 +6,16 @@ use slipline_protocol::units::SampleIndex;
 
 use crate::timing::Timing;
 
-/// The door between the application and the bootloader; whether the device is disarmed is seen to elsewhere.
+/// The entry to the bootloader. The controller checks that the device is disarmed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BootloaderDoor {
+pub struct BootloaderEntry {
     token: Option<(u32, SampleIndex)>,
     tokens_given: u32,
     leaving_since: Option<SampleIndex>,
 }
 
-impl BootloaderDoor {
-    /// Gives a token; one given before is good no more.
+impl BootloaderEntry {
+    /// Gives a token; one given before is no longer valid.
     pub fn give_token(&mut self, unit: &[u8; 12], now: SampleIndex) -> u32 {
         self.tokens_given = self.tokens_given.wrapping_add(1);
         // Not a secret: it only has to differ from what noise or an old session could show.
@@ -28,7 +28,7 @@ impl BootloaderDoor {
         token
     }
 
-    /// Takes a token; whatever was shown, the one given is used up.
+    /// Takes a token back. The one given is used up, whatever was shown.
     ///
     /// # Errors
     /// [`Refusal::BadToken`] if it is not the one given, or too old.
@@ -44,7 +44,7 @@ impl BootloaderDoor {
         Ok(())
     }
 
-    /// Whether it is time to go, once: two transmit time-outs after the token, so that the reply goes out first.
+    /// Whether it is time to enter the bootloader, true once: two transmit time-outs after the token, so that the reply goes out first.
     pub fn is_passed(&mut self, now: SampleIndex, timing: &Timing) -> bool {
         let passed =
             self.leaving_since.is_some_and(|at| now.saturating_sub(at) >= timing.transmit.saturating_mul(2));

@@ -11,9 +11,9 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
-mod account;
 mod drive;
 mod range;
+mod status;
 mod tables;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -25,7 +25,7 @@ use slipline_protocol::units::SampleIndex;
 
 use self::range::in_range;
 use crate::boot::Boot;
-use crate::bootloader::BootloaderDoor;
+use crate::bootloader::BootloaderEntry;
 use crate::digest::DigestState;
 use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
@@ -54,7 +54,7 @@ pub struct Device {
     pub sample_rate_hz: u32,
 }
 
-/// The half of the application that may refuse and take time.
+/// The thread side's state: what commands change and what may take time.
 pub struct Controller<F, S> {
     device: Device,
     boot: Boot,
@@ -68,9 +68,9 @@ pub struct Controller<F, S> {
     table: Option<TableHeader>,
     active: TableRef,
     upload: Option<Upload>,
-    last_beat: Option<u32>,
+    last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
-    door: BootloaderDoor,
+    bootloader: BootloaderEntry,
 }
 
 impl<F: FlashPages, S: System> Controller<F, S> {
@@ -89,9 +89,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             table: None,
             active: TableRef::default(),
             upload: None,
-            last_beat: None,
+            last_keep_alive: None,
             user_acted_at: 0,
-            door: BootloaderDoor::default(),
+            bootloader: BootloaderEntry::default(),
         }
     }
 
@@ -101,15 +101,15 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         &self.timing
     }
 
-    /// Latches what the reset was, and loads the kept table. Once, before the first command.
+    /// Latches the fault of the last reset, if any, and loads the stored table. Once, before the first command.
     pub fn start<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if let Some(fault) = self.boot.fault() {
             mailbox.latch(fault);
         }
-        // Before anything can sound: a coil that may be hot is never driven at full scale.
+        // Before anything can sound: the coil may be hot and must not be driven at full scale then.
         mailbox.set_limit(self.thermal.limit_per_mille());
         if self.boot.safe_mode {
-            // It may be the kept table that the last runs ended on.
+            // The stored table may be what crashed the last runs.
             return;
         }
         let slot = self.active.slot.other();
@@ -133,19 +133,19 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
     }
 
-    /// A new session: ramps to silence, disarms, and forgets what the last one had begun.
+    /// Begins a session: ramps to silence, disarms, and drops what the last session had begun.
     pub fn begin_session<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         mailbox.disarm(Stop::Normal);
         mailbox.drop_digest();
         self.upload = None;
-        self.door.close();
-        self.last_beat = None;
+        self.bootloader.close();
+        self.last_keep_alive = None;
     }
 
-    /// Feeds the dead-man if the beat is a new one.
+    /// Feeds the dead-man if this keep-alive is newer than the last.
     pub fn keep_alive<M: RawMutex>(&mut self, keep_alive: KeepAlive, mailbox: &Mailbox<M>) {
-        if self.last_beat.is_none_or(|last| keep_alive.beat > last) {
-            self.last_beat = Some(keep_alive.beat);
+        if self.last_keep_alive.is_none_or(|last| keep_alive.beat > last) {
+            self.last_keep_alive = Some(keep_alive.beat);
             mailbox.feed();
         }
     }
@@ -209,12 +209,12 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             Command::Forget => self.forget(mailbox).map(accepted),
             Command::BootloaderToken => {
                 self.refuse_unless_leavable(mailbox)?;
-                Ok(Event::BootloaderToken(self.door.give_token(&self.device.unit, mailbox.now())))
+                Ok(Event::BootloaderToken(self.bootloader.give_token(&self.device.unit, mailbox.now())))
             }
             Command::BootloaderEnter(token) => {
                 self.refuse_unless_leavable(mailbox)?;
                 let now = mailbox.now();
-                self.door.show_token(*token, now, &self.timing)?;
+                self.bootloader.show_token(*token, now, &self.timing)?;
                 Ok(accepted(now))
             }
             #[cfg(slipline_next)]
@@ -222,7 +222,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                 let milliohms = if self.is_coil_open() { u32::MAX } else { 3200 };
                 Ok(Event::CoilMeasured(slipline_protocol::event::CoilReport { milliohms }))
             }
-            // The session answers these itself; should one come here, it is as unknown as a new one.
+            // The session answers these itself; one that comes here is refused like an unknown message.
             Command::Hello(_)
             | Command::KeepAlive(_)
             | Command::Status
@@ -248,8 +248,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {
             self.upload = None;
         }
-        // Who armed since the token was shown stays.
-        if self.door.is_passed(now, &self.timing) && !view.armed && view.is_silent() {
+        // A device that was armed after the token was shown stays.
+        if self.bootloader.is_passed(now, &self.timing) && !view.armed && view.is_silent() {
             self.system.enter_bootloader();
         }
         mailbox.pulse_safety();

@@ -1,4 +1,4 @@
-//! What the panic and fault handlers leave behind for the next start, in RAM that a reset does not clear.
+//! The record that the panic and fault handlers write for the next start, in RAM that a reset does not clear.
 //!
 //! ```text
 //! magic 4 | cause 1 | resets 1 | length 1 | zero 1 | message 96 | crc 4      (little-endian)
@@ -15,14 +15,14 @@ const MAGIC: [u8; 4] = *b"SLcr";
 const HEADER: usize = 8;
 const COVERED: usize = HEADER + MAX_CRASH;
 
-/// Why the last run ended, and how often that has happened lately.
+/// Why the last run ended, and how many abnormal ends there were in a row.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CrashRecord {
     /// [`ResetCause::Panic`] or [`ResetCause::HardFault`] after a crash; else as the last start recorded it.
     pub cause: ResetCause,
     /// Abnormal resets in a row, none of which was followed by a stable run.
     pub resets: u8,
-    /// What the panic said; empty where there was none. Too long ones are cut.
+    /// The panic's message, cut if it is too long; empty if there was no panic.
     pub message: String<MAX_CRASH>,
 }
 

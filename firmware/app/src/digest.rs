@@ -1,7 +1,7 @@
 //! A CRC-32 of the DAC codes of a window, computed only while the window is open.
 //!
-//! The renderer computes it in the block's own time, so two codes are taken at once with four tables of 256 words ("slicing
-//! by 4"): half the cycles of the protocol's engine, which is made for a frame now and then.
+//! The renderer computes it within the block's time. So it takes two codes at once, with four tables of 256 words
+//! ("slicing by 4"): half the cycles of the protocol's CRC, which works byte by byte.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -61,7 +61,7 @@ impl Remainder {
             self.0 = self.after(u32::from(first) | u32::from(second) << 16);
         }
         if let &[code] = last {
-            // The upper half, which the code does not reach, moves down.
+            // The codes fill the lower two bytes only; the upper two move down.
             let Self(before) = *self;
             self.0 = (before >> 16) ^ Self(before << 16).after(u32::from(code) << 16);
         }

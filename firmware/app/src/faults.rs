@@ -1,4 +1,4 @@
-//! Faults: latched, named, ordered.
+//! The latch of faults, which keeps the first one and its time.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -29,13 +29,13 @@ impl FaultLatch {
         Self { set: self.set.with(fault), first }
     }
 
-    /// What is left after clearing all but `standing`, faults whose cause is still there.
+    /// Clears all faults but `standing`, those whose cause is still there.
     #[must_use]
     pub fn cleared(self, standing: Faults) -> Self {
         let set = Faults(self.set.0 & standing.0);
         let first = match self.first {
             Some((fault, at)) if set.contains(fault) => Some((fault, at)),
-            // The first cause is gone: the lowest that stands takes its place, with the time of the first.
+            // The first fault is cleared: the lowest one left takes its place, with the time of the first.
             Some((_, at)) => set.iter().next().map(|fault| (fault, at)),
             None => None,
         };

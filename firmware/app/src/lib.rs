@@ -1,15 +1,15 @@
 //! The Slipline device application: bytes in, DAC codes out, no hardware.
 //!
 //! ```text
-//! link (thread mode)                                              renderer (interrupt)
-//! bytes -> session -> controller -> program -> [ mailbox ] -> motion -> bank -> codes -> DacStream
+//! thread side                                                     interrupt side
+//! bytes -> session -> controller -> plan ----> [ mailbox ] -> motion -> bank -> codes -> DacStream
 //!   ^         |           |  upload -> slots ------^              |
 //!   +-- replies           |  store -> FlashPages                  +-> Mute
 //!                         +- thermal, faults, supervisor
 //! ```
-//! Run by thin shells: boards, an emulated Cortex-M4, and the host's simulated device. The link's half may refuse and
-//! take time; the renderer's half may not fail, wait or branch on anything but the program and the sample index. One
-//! [`Mailbox`] stands between them. There is no clock: time is the sample index.
+//! Thin shells run it: the boards, an emulated Cortex-M4, and the host's simulated device. The thread side may refuse
+//! a command and take its time. The interrupt side may not fail, wait or branch on anything but the program and the
+//! sample index. One [`Mailbox`] stands between them. There is no clock: time is the sample index.
 #![no_std]
 #![deny(unsafe_code)]
 #![expect(

@@ -1,4 +1,4 @@
-//! The link's half, run: bytes in, bytes out, and a tick now and then.
+//! The loop of the thread side: bytes in, bytes out, and a tick every few blocks.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -24,18 +24,23 @@ pub struct Link<F, S> {
 }
 
 impl<F: FlashPages, S: System> Link<F, S> {
-    /// A link on which nothing has been said.
+    /// A link before the first byte.
     #[must_use]
     pub fn new(device: Device, boot: Boot, flash: F, system: S) -> Self {
         Self { session: Session::new(), controller: Controller::new(device, boot, flash, system) }
     }
 
-    /// Loads the kept table, then listens and answers for ever.
+    /// Loads the stored table, then receives and answers for ever.
     ///
-    /// One loop, which turns to the first of these that is ready: the tick; bytes that have come, so that a stop is
-    /// seen before any command that waits; bytes to be sent; a command that waits. Nothing waits for the host to read.
-    /// `read` and `write` must lose nothing when their futures are dropped. An error or an end of `read` is a port that
-    /// is gone: it is tried again at the next tick.
+    /// Each turn of the loop does the first of these that is ready:
+    /// 1. the tick;
+    /// 2. received bytes, so that a stop takes effect before any command in the queue;
+    /// 3. bytes to send;
+    /// 4. the first command in the queue.
+    ///
+    /// Nothing waits for the host to read. `read` and `write` must lose nothing when their futures are dropped. When
+    /// `read` fails or ends, the port is gone: the loop tries it again at the next tick. When `write` fails, the reply
+    /// is dropped.
     pub async fn run<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,

@@ -138,7 +138,7 @@ struct Moment {
     faults: FaultLatch,
 }
 
-/// What both halves share: a `static` in a firmware, an `Arc` in a host.
+/// The state that both sides share: a `static` in a firmware, an `Arc` in a host.
 pub struct Mailbox<M: RawMutex> {
     shared: Mutex<M, Shared>,
     motions: [MotionCell; 2],
@@ -192,14 +192,14 @@ impl<M: RawMutex> Mailbox<M> {
         &self.slots
     }
 
-    /// The tasks' signs of life.
+    /// How often each task has run.
     pub fn pulses(&self) -> Pulses {
         let [renderer, link, safety] = &self.pulses;
         let read = |pulse: &AtomicU32| pulse.load(Ordering::Relaxed);
         Pulses { renderer: read(renderer), link: read(link), safety: read(safety) }
     }
 
-    /// Everything at one moment. Not for an interrupt above the renderer's, which would wait for it in vain.
+    /// A consistent copy. Not for an interrupt above the renderer's: it would wait for ever for the renderer to go on.
     pub fn view(&self) -> View {
         loop {
             let Some((live, outline, changes)) = self.shared.lock(|shared| {
@@ -247,7 +247,7 @@ impl<M: RawMutex> Mailbox<M> {
                 Ok(())
             }
         };
-        // With nothing pending the renderer does not swap, and reads the spare motion never.
+        // While nothing is pending, the renderer neither swaps the motions nor reads the spare one.
         let spare = self.shared.lock(|shared| {
             if shared.is_publishing.get() {
                 return Err(NotPublished::Pending);
@@ -389,13 +389,13 @@ impl<M: RawMutex> Mailbox<M> {
         self.tick.wait().await;
     }
 
-    /// The link's sign of life.
+    /// Counts a turn of the link's loop.
     pub fn pulse_link(&self) {
         let [_, link, _] = &self.pulses;
         link.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Safety's sign of life.
+    /// Counts a tick of the safety checks.
     pub fn pulse_safety(&self) {
         let [_, _, safety] = &self.pulses;
         safety.fetch_add(1, Ordering::Relaxed);

@@ -11,8 +11,8 @@
 //! tone that fades out or starts from silence keeps its setting. Integers only: a motion gives the same values on
 //! every machine, at any index, in any order.
 //!
-//! A motion is made by the link's half, which has the time. The renderer evaluates it once a block, where it stands
-//! (`MotionCell`), and so the arithmetic here is made of 32 by 32 bit products.
+//! The thread side makes motions, for it has the time. The renderer evaluates one once a block, in place (`cell.rs`),
+//! so the arithmetic here consists of 32 by 32 bit products.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
@@ -92,7 +92,7 @@ impl Motion {
         self.outline.is_silent_from(index)
     }
 
-    /// Where the tones are going, as the targets of a program; silent slots have none.
+    /// Where the tones go, as the targets of a program; silent slots have none.
     #[must_use]
     pub fn goals(&self) -> [Option<Target>; MAX_TONES] {
         self.tones.map(|tone| {
@@ -133,7 +133,7 @@ impl Motion {
                     from_level: placement.level,
                     to_level: target.level,
                     setting: if self.table() == program.table && old.setting == SettingTrajectory::Along {
-                        // It is on the table already: no need to look.
+                        // It follows this table already.
                         SettingTrajectory::Along
                     } else {
                         SettingTrajectory::from(placement, slots.evaluate(program.table, placement.position))

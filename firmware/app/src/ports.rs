@@ -1,7 +1,7 @@
-//! What the application needs of a board, and nothing else of it.
+//! The traits by which the application uses a board.
 //!
-//! The link is `embedded-io-async`'s `Read` and `Write`; the rest stands here. An implementation holds registers, a
-//! file or a vector; it knows no command and takes no decision.
+//! The link is `embedded-io-async`'s `Read` and `Write`; all others are here. An implementation knows no command and
+//! takes no decision.
 
 use crate::bank::BLOCK;
 
@@ -113,7 +113,7 @@ impl FlashPages for NoFlash {
     }
 }
 
-/// What a board can do with itself.
+/// The board's control of itself.
 pub trait System {
     /// Whether there is a ROM bootloader to enter.
     fn has_bootloader(&self) -> bool;

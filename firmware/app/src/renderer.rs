@@ -3,13 +3,13 @@
 //! ```text
 //! Orders --> stop? program? dead-man? --> Motion --at(next block)--> 16 ToneBlocks --bank--> samples --> codes
 //! ```
-//! What a block needs lies in the renderer itself and is changed in place, and new motions come ready from the link's
-//! half: copies of sixteen tones and a motion made here would cost a good part of a block's time, of which the whole
-//! renderer must take less than half.
+//! The whole renderer must take less than half of a block's time. So what a block needs lies in the renderer itself and
+//! is changed in place, and the thread side plans new motions: to plan here, or to copy sixteen tones, would cost a good
+//! part of that time.
 //!
-//! It may not fail, wait, allocate or take decisions that depend on anything but the program, the orders and the
-//! sample index. The dead-man and every ramp to silence live here, so that a link that hangs cannot keep the drive
-//! on. The same orders at the same indices give the same codes on every machine.
+//! It may not fail, wait or allocate, and its decisions depend on the program, the orders and the sample index only.
+//! The dead-man's switch and every ramp to silence are here, so that a link that hangs cannot keep the drive on. The
+//! same orders at the same indices give the same codes on every machine.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
@@ -33,13 +33,13 @@ use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 /// 400 kS/s, as slow as the amplitude ramps of a glide.
 const LIMIT_SLEW: u32 = Gain::FULL.0 / 65;
 
-/// The interrupt's half of the application.
+/// The interrupt side of the application.
 pub struct Renderer {
     timing: Timing,
     shape: RampShape,
     bank: Bank,
     index: SampleIndex,
-    /// When the motion in force takes place; what it is stands in the mailbox.
+    /// The time of the motion in force; its trajectories are in the mailbox.
     outline: Outline,
     /// Where every tone is at the next block's first sample: the motion's value there, kept because it has been
     /// computed for the block before.
@@ -149,7 +149,7 @@ impl Renderer {
         let was_silent = self.outline.is_silent_from(index);
         let (stopping, dead_man) = (self.stop_ends.is_some(), self.timing.dead_man);
         let orders = mailbox.begin_block(index, |orders| {
-            // The controller has seen to all this; it is looked at again because this half is the last to look.
+            // The controller has checked all this. It is checked again because this is the last place that can.
             let allowed = orders.armed && index >= orders.ready_at;
             let sounds = orders.due.is_some_and(|due| due.sounds);
             !stopping
@@ -182,7 +182,7 @@ impl Renderer {
         }
     }
 
-    /// The DAC ran dry: counts it, and if anything sounds ramps to silence and latches the fault.
+    /// The DAC had no new codes in time: counts it; if anything sounds, ramps to silence and latches the fault.
     ///
     /// While nothing sounds, as during an erase of the flash, a repeated mid-scale is as good as a new one.
     pub fn underrun<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
@@ -215,17 +215,17 @@ impl Renderer {
         }
     }
 
-    /// Follows the orders: first the stops, then the dead-man, then the program.
+    /// Follows the orders: first a stop, then the dead-man's switch, then the program.
     fn obey<M: RawMutex>(&mut self, orders: &Orders, mailbox: &Mailbox<M>) {
         let index = self.index;
         if let Some(stop) = orders.stop {
             self.fade(stop, mailbox);
         } else if !orders.armed && self.stop_ends.is_none() {
-            // The last net: whatever went wrong, who is not armed does not sound.
+            // The last safety net: whatever went wrong, a device that is not armed does not sound.
             self.fade(Stop::Normal, mailbox);
         }
         if is_host_lost(orders, index, self.timing.dead_man) {
-            // A host that falls silent while nothing sounds has done no harm: the device disarms, without a fault.
+            // If the host is lost while nothing sounds, no harm is done: the device disarms without a fault.
             let fault = orders.due.is_some() || !self.outline.is_silent_from(index);
             mailbox.disarm_now(fault.then_some((Fault::HostLost, index)));
             self.fade(Stop::HostLost, mailbox);
@@ -256,7 +256,7 @@ impl Renderer {
         self.stop_ends = Some(end);
     }
 
-    /// Moves the bank's orders on by a block, to `next`.
+    /// Computes what the bank renders in this block, up to `next`.
     fn move_tones<M: RawMutex>(&mut self, next: SampleIndex, mailbox: &Mailbox<M>) {
         let before = self.limit;
         let (lowest, highest) = (before.saturating_sub(LIMIT_SLEW), before.saturating_add(LIMIT_SLEW));

@@ -1,4 +1,4 @@
-//! Sessions: which frames count, which were done before, and what is answered to whom.
+//! Sessions: which frames are valid, which are repeats, and what is answered.
 //!
 //! ```text
 //! bytes --receive--> frames --> queue --step--> Controller --> replies --> unsent() --> link
@@ -6,8 +6,8 @@
 //!            +-- Stop and EmergencyStop take effect here, before anything queued
 //! ```
 //! A hello with a new nonce begins a session and ends the last one; its reply carries the session's number in its
-//! header. Numbered commands count from 1 and wrap; the number before is answered again from a cache, any other is
-//! refused with the one expected. The device never speaks first.
+//! header. Numbered commands count from 1 and wrap. A repeat of the last number gets the cached reply; any other
+//! number is refused with the one expected. The device sends replies only, never anything of its own accord.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -25,9 +25,9 @@ use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 
-/// Commands decoded and not done yet, at most; a host waits for each reply, so more than one is already a hurry.
+/// Most commands that are decoded and wait to be done. A host waits for each reply, so more than one is an exception.
 const QUEUE: usize = 8;
-/// Replies not sent yet, at most; then the oldest goes.
+/// Most replies that wait to be sent; one more drops the oldest.
 const OUTBOX: usize = 8;
 
 /// A decoded command on its way to the controller.
@@ -38,17 +38,17 @@ struct Incoming {
     stopped_at: Option<SampleIndex>,
 }
 
-/// The state of the conversation.
+/// The state of the session, its queue of commands and its outbox of replies.
 pub struct Session {
     decoder: Decoder,
     queue: Deque<Incoming, QUEUE>,
     outbox: Deque<Encoded, OUTBOX>,
-    /// Bytes of the outbox's first that have gone.
+    /// Bytes of the outbox's first reply that have been sent.
     sent: usize,
     /// A reply was sent in part and then dropped: a delimiter goes before the next reply, or the host would take both
     /// for one frame.
     owes_delimiter: bool,
-    /// When the outbox's first began to wait.
+    /// When the outbox's first reply began to wait.
     waiting_since: SampleIndex,
     /// 0 before the first hello.
     id: u32,
@@ -92,11 +92,11 @@ impl Session {
         }
     }
 
-    /// Decodes what has come. Stops take effect at once; the rest waits for [`Session::step`].
+    /// Decodes received bytes. A stop takes effect at once; other commands wait for [`Session::step`].
     pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
         for &byte in bytes {
             let found = self.decoder.push(byte, |frame| {
-                // What travels to the host is an echo of our own.
+                // A frame to the host is an echo of one of ours.
                 (frame.header.direction == Direction::ToDevice)
                     .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
             });
@@ -118,7 +118,7 @@ impl Session {
             _ => None,
         };
         if stopped_at.is_some() {
-            // What came before a stop must not start anything after it.
+            // A command that came before a stop must not start anything after it.
             while self.queue.pop_front().is_some() {
                 self.dropped = self.dropped.saturating_add(1);
             }
@@ -128,13 +128,13 @@ impl Session {
         }
     }
 
-    /// Whether a command waits.
+    /// Whether a command is in the queue.
     #[must_use]
     pub fn has_work(&self) -> bool {
         !self.queue.is_empty()
     }
 
-    /// Does the first command that waits and puts its reply into the outbox.
+    /// Does the first command in the queue and puts its reply into the outbox.
     pub fn step<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
         controller: &mut Controller<F, S>,
@@ -166,7 +166,7 @@ impl Session {
             return (header.session, Event::Accepted(Accepted { at }));
         }
         if let Ok(Command::Hello(hello)) = command {
-            self.greet(hello, controller, mailbox);
+            self.begin(hello, controller, mailbox);
             return (self.id, Event::Hello(controller.identity()));
         }
         if self.id == 0 || header.session != self.id {
@@ -190,7 +190,7 @@ impl Session {
     }
 
     /// Begins a session, unless this hello is the one that began the present one.
-    fn greet<M: RawMutex, F: FlashPages, S: System>(
+    fn begin<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
         hello: &Hello,
         controller: &mut Controller<F, S>,
@@ -207,7 +207,7 @@ impl Session {
         crc.update(&self.sessions.to_le_bytes());
         crc.update(&mailbox.now().to_le_bytes());
         let drawn = crc.finalize();
-        // Neither none nor the one that has just ended.
+        // 0 stands for no session, and the new id must differ from the last.
         self.id = if drawn == 0 || drawn == self.id { drawn.wrapping_add(1).max(1) } else { drawn };
         self.nonce = hello.nonce;
         self.may_drive = Version::OURS.may_drive(hello.version);
@@ -281,7 +281,7 @@ impl Session {
         self.outbox.front().and_then(|reply| reply.get(self.sent..)).unwrap_or_default()
     }
 
-    /// So many of the unsent bytes have gone.
+    /// Notes that so many of the unsent bytes have been sent.
     pub fn sent(&mut self, bytes: usize, now: SampleIndex) {
         if bytes == 0 {
             return;
@@ -314,7 +314,7 @@ impl Session {
     }
 }
 
-/// What a host of another version may say: identify, stop, and the way into the bootloader.
+/// What a host of another version may send: identify, stop, and enter the bootloader.
 const fn is_harmless(command: &Command) -> bool {
     matches!(
         command,

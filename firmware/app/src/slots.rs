@@ -1,4 +1,4 @@
-//! The two table slots: one sounds, the other takes an upload.
+//! The two table slots: one is in force, the other takes an upload.
 //!
 //! The renderer reads a slot while the controller writes the other. Knots are atomics only so that this is sound
 //! without a lock round every knot; what keeps them consistent is that a slot which a live or a pending program

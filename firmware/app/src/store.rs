@@ -1,4 +1,4 @@
-//! The table kept in flash: a record in one of two slots, the other holding the one before.
+//! The table stored in flash: a record in one of two slots; the other slot holds the record before it.
 //!
 //! ```text
 //! slot   = header word | payload words                                          (32 bytes a word)
@@ -9,7 +9,8 @@
 //! ```
 //! A record is written into the slot that does not hold the newest: erase, payload, header last. So whenever the
 //! power fails, the newest record with a whole header is the complete old or the complete new one. The sequence number
-//! tells the newest; it wraps. A payload that decays later is told as damage: nobody asked for the table before it.
+//! tells the newest; it wraps. A payload that decays later is reported as damage, and the older table is not
+//! used: nobody asked for it.
 
 use slipline_protocol::command::TableHeader;
 use slipline_protocol::event::StoredConfig;
@@ -114,10 +115,10 @@ fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), Stor
     }
 }
 
-/// Reads the kept table, if there is one, and hands its knots to `sink` once all of it has been checked.
+/// Reads the stored table, if there is one, and hands its knots to `sink` once all of it has been checked.
 ///
 /// # Errors
-/// What became of the store where there is nothing to use.
+/// The state of the store if it holds no table to use.
 pub fn load(
     flash: &mut impl FlashPages,
     sample_rate_hz: u32,
@@ -206,7 +207,7 @@ fn payload_word(header: &TableHeader, knot: &impl Fn(u16) -> Knot, index: usize)
     word
 }
 
-/// Keeps a table.
+/// Stores a table.
 ///
 /// # Errors
 /// [`FlashError`]; the record before is whole then.
@@ -219,7 +220,7 @@ pub fn save(
     write_record(flash, TABLE, words, |index| payload_word(header, &knot, index))
 }
 
-/// Keeps that nothing is kept.
+/// Stores a record that says: no table.
 ///
 /// # Errors
 /// [`FlashError`]; the record before is whole then.

@@ -1,16 +1,16 @@
-//! Whether the watchdog may be fed: only if the renderer, the link and safety have all lived since it last was.
+//! Whether the watchdog may be fed: only if the renderer, the link and the safety checks have all run since last time.
 
 use crate::mailbox::Pulses;
 
-/// Compares signs of life. Ask it at least every 100 ms; the watchdog's period must be at least twice that, and longer
-/// than the longest erase of the flash.
+/// Compares the tasks' counters. Call it at least every 100 ms. The watchdog's period must be at least twice that, and
+/// longer than the longest erasure of the flash.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Supervisor {
     last: Pulses,
 }
 
 impl Supervisor {
-    /// One that has seen nothing yet.
+    /// Before the first comparison.
     #[must_use]
     pub const fn new() -> Self {
         Self { last: Pulses { renderer: 0, link: 0, safety: 0 } }

@@ -4,7 +4,7 @@
 //! ```text
 //! T = (w + b) / 2,   dw/dt = (P - w) / 8 s,   db/dt = (P - b) / 120 s,   P = 1.3 (mean square / that of a full sine)
 //! ```
-//! so a full-scale sine may sound for half a minute from cold, and not for ever. Between [`WARN`] and the limit the
+//! so from cold a full-scale sine may sound for half a minute, but not for ever. Between [`WARN`] and the limit the
 //! amplitude is folded back linearly to a half; a half of full scale can sound for ever (`P` = 0.33). The constants
 //! are starting values for a voice coil of some tens of grams, on the safe side; a board with another actuator changes
 //! them here.
@@ -25,13 +25,13 @@ pub const WARN: f32 = 0.8;
 /// What is left of the amplitude at the limit.
 pub const FLOOR: f32 = 0.5;
 
-/// What is known of the coil at the start.
+/// What is known about the coil's temperature at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heat {
     /// It is cold: a simulated one.
     Cold,
-    /// It may be as hot as it is allowed to be: a reset must not cool it. At rest this is folded back for some
-    /// seconds only, for the winding cools quickly.
+    /// It may be at its limit: a reset must not make the model cooler than the coil. At rest this folds the amplitude
+    /// back for some seconds only, because the winding cools quickly.
     AssumedHot,
 }
 

@@ -1,4 +1,4 @@
-//! The limits' times in samples at the device's own rate: the application knows no other clock.
+//! The protocol's time limits in samples, at the device's own rate: the application has no other clock.
 
 use slipline_protocol::limits;
 use slipline_protocol::units::SampleIndex;
@@ -14,7 +14,7 @@ pub const BLOCK_SAMPLES: u64 = BLOCK as u64;
 /// written); the amplifier must not be switched before they are out.
 pub const SETTLE_BLOCKS: u64 = 4;
 
-/// Blocks between two ticks of the link's half: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.
+/// Blocks between two ticks of the thread side: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.
 pub const TICK_BLOCKS: u64 = 8;
 
 /// Times in samples.

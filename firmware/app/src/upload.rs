@@ -1,4 +1,4 @@
-//! A table on its way in: in order, without gaps, into the slot that does not sound, checked as a whole.
+//! The upload of a table: in order, without gaps, into the slot that is not in force, then checked as a whole.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -25,7 +25,7 @@ const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
     Refusal::OutOfRange { field, min, max, got }
 }
 
-/// Checks what a header alone tells.
+/// Checks the header's fields.
 ///
 /// # Errors
 /// [`Refusal::OutOfRange`].

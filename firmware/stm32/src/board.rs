@@ -17,7 +17,7 @@
 //! | `map_system_memory()` | the ROM bootloader's vectors where a boot from ROM has them |
 //! | `take(..)` | the peripherals under their uses' names, with the amplifier muted |
 //! | `mute_now()` | register writes alone, for the fault handlers |
-//! | `take_reset_flags()`, `is_brown_out_guarded()` | what the chip says of itself |
+//! | `take_reset_flags()`, `is_brown_out_guarded()` | the reset's cause; whether the brown-out level is set |
 //! | `start_supply_detector()` | the level at which it trips |
 
 use embassy_stm32::gpio::Output;

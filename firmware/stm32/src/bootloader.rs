@@ -1,7 +1,7 @@
-//! Into the chip's ROM bootloader, and back from it.
+//! How the program enters the chip's ROM bootloader, and how it starts after it.
 //!
-//! In: by way of a reset, because the ROM expects every register as reset leaves it. Back: after a reset, or by a jump
-//! ("leave" of DFU) that resets nothing.
+//! It enters by a reset, because the ROM expects every register as a reset leaves it. The ROM starts the program after a
+//! reset, or by a jump ("leave" of DFU) that resets nothing.
 
 use core::cell::UnsafeCell;
 
@@ -10,30 +10,30 @@ use cortex_m::peripheral::{NVIC, SCB};
 use crate::{board, crash};
 
 /// Tells the start-up code to enter the ROM bootloader. Any other value means nothing.
-struct Wish(UnsafeCell<u32>);
+struct Request(UnsafeCell<u32>);
 
 // SAFETY: written at boot before any interrupt is enabled, and when interrupts have been switched off for good.
-unsafe impl Sync for Wish {}
+unsafe impl Sync for Request {}
 
-#[unsafe(link_section = ".uninit.wish")]
-static WISH: Wish = Wish(UnsafeCell::new(0));
+#[unsafe(link_section = ".uninit.request")]
+static REQUEST: Request = Request(UnsafeCell::new(0));
 const BOOTLOADER: u32 = 0x510b_007d;
 
 /// Asks for the ROM bootloader, and resets.
 pub(crate) fn reset_into() -> ! {
     crash::silence();
-    // SAFETY: see `Wish`.
-    unsafe { WISH.0.get().write_volatile(BOOTLOADER) };
+    // SAFETY: see `Request`.
+    unsafe { REQUEST.0.get().write_volatile(BOOTLOADER) };
     SCB::sys_reset();
 }
 
 /// First thing after reset: jumps into the ROM bootloader if the last run asked for it.
-pub(crate) fn enter_if_wished() {
-    // SAFETY: see `Wish`; no interrupt is enabled yet.
-    let wish = unsafe { WISH.0.get().read_volatile() };
-    // SAFETY: as above. Asked once, entered once: the next reset starts the program.
-    unsafe { WISH.0.get().write_volatile(0) };
-    if wish == BOOTLOADER {
+pub(crate) fn enter_if_requested() {
+    // SAFETY: see `Request`; no interrupt is enabled yet.
+    let request = unsafe { REQUEST.0.get().read_volatile() };
+    // SAFETY: as above. The request is used up: the next reset starts the program.
+    unsafe { REQUEST.0.get().write_volatile(0) };
+    if request == BOOTLOADER {
         // The ROM's own interrupts (USB's, for DFU) must find its vectors: the jump alone leaves this program's in force.
         board::map_system_memory();
         // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table, aligned as VTOR wants it,
@@ -45,12 +45,12 @@ pub(crate) fn enter_if_wished() {
     }
 }
 
-/// Takes the processor over as a reset would have left it, should the ROM have started the program by a jump.
+/// Brings the processor to the state after a reset, in case the ROM has started the program by a jump.
 ///
 /// Its vector table is in force then (cortex-m-rt's `set-vtor` has put ours back before anything else), and its
 /// interrupts may be enabled and waiting, or all of them masked (AN3156, "Leave DFU mode", notes). The peripherals are reset where they are
 /// set up. After a reset this changes nothing.
-pub(crate) fn leave_behind() {
+pub(crate) fn undo_rom_state() {
     // SAFETY: nothing of this program waits for an interrupt yet; each driver enables its own.
     unsafe {
         for word in &(*NVIC::PTR).icer {

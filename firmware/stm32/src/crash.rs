@@ -1,4 +1,4 @@
-//! What happens when the program cannot go on, and what is left of it for the next hello.
+//! What the handlers of panics and faults do, and the record they leave for the next hello.
 //!
 //! Panic, processor fault, unexpected interrupt and stack overflow all end here, in this order: interrupts off,
 //! amplifier muted, DAC to mid-scale (register writes alone), a record of the reason into RAM that no start-up code
@@ -58,14 +58,14 @@ pub(crate) fn boot() -> Boot {
     boot
 }
 
-/// The device has run long enough for its earlier crashes not to count any more.
+/// The device has run long enough: earlier crashes do not count any more.
 pub(crate) fn stable() {
     if let Some(record) = read() {
         write(&record.stable());
     }
 }
 
-/// Mutes, centres the DAC and switches interrupts off.
+/// Switches interrupts off, mutes, and sets the DAC to mid-scale.
 pub(crate) fn silence() {
     cortex_m::interrupt::disable();
     board::mute_now();
@@ -79,7 +79,7 @@ fn end(cause: ResetCause, message: &dyn Display) -> ! {
     SCB::sys_reset();
 }
 
-/// The supply dips: mutes, and starts anew.
+/// The supply dips: mutes and resets.
 pub(crate) fn reset_for_brown_out() -> ! {
     silence();
     end(ResetCause::BrownOut, &"")
@@ -144,7 +144,7 @@ extern "C" fn hard_fault(frame: u32) -> ! {
     end(ResetCause::HardFault, &format_args!("stack overflow at {frame:#010x}, CFSR {status:#010x}"))
 }
 
-/// An interrupt nobody serves would come again for ever.
+/// An interrupt without a handler: it would be raised again for ever.
 ///
 /// # Safety
 /// Only the processor calls it.

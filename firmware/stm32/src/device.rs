@@ -22,7 +22,7 @@ use crate::uart_link::{FromHost, ToHost, start as start_link};
 use crate::usb_link::{FromHost, ToHost, start as start_link};
 use crate::{bootloader, crash, priority, supply};
 
-/// The one thing the two halves share.
+/// The state that thread and interrupt share.
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
 /// Runs the renderer. UART5 is unused on all three boards: its vector only lends the executor a priority.
@@ -41,8 +41,8 @@ const SUPERVISION_MS: u64 = 100;
 fn main() -> ! {
     // The order matters. Until `board::take` the mute pin floats and its resistor mutes the amplifier; from there on the
     // program holds it low; the DAC is at mid-scale before the application exists that could ask to unmute.
-    bootloader::enter_if_wished();
-    bootloader::leave_behind();
+    bootloader::enter_if_requested();
+    bootloader::undo_rom_state();
     let peripherals = embassy_stm32::init(board::config());
     let board = board::take(peripherals);
     board::tune_flash();
@@ -139,7 +139,7 @@ fn identity() -> Device {
     }
 }
 
-/// Feeds the watchdog while both halves live, shows the lamp, forgets crashes after a while.
+/// Feeds the watchdog while both sides run, shows the lamp, and forgets earlier crashes after a stable run.
 #[embassy_executor::task]
 async fn supervise(
     mut watchdog: IndependentWatchdog<'static, board::Watchdog>,

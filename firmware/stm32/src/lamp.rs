@@ -1,8 +1,8 @@
-//! What the status lamp says (the table in BOARDS.md).
+//! The patterns of the status lamp (the table in BOARDS.md).
 //!
 //! A pattern is eight steps of 100 ms, played again and again; a set bit is light, the highest bit comes first.
 
-/// What there is to say, the most urgent last.
+/// What the lamp shows, the most urgent last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lamp {
     /// Muted, well, waiting: one short flash.

@@ -5,12 +5,13 @@
 //!                              v                                    |
 //!                   slipline_app::Link (thread) --Mailbox--> slipline_app::Renderer (interrupt) --> dac --> PA4
 //!                              ^                                    |
-//! flash slots <--store--> ----+            watchdog <--supervisor--+ both halves' pulses
+//! flash slots <--store--> ----+            watchdog <--supervisor--+ both sides' counters
 //! ```
 //! Nothing in this crate knows a command. `board` says what differs between boards, `dac` owns timer, DAC and DMA,
 //! `priority` says who interrupts whom, `crash` what happens when all else fails, `bootloader` how the chip's ROM is
 //! entered and left.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(target_arch = "arm")]
 mod board;

@@ -2,7 +2,7 @@
 
 use slipline_app::ResetCause;
 
-/// A chip's reset flags. Several stand at once: every reset sets the pin's, and power-on the brown-out's too.
+/// A chip's reset flags. Several are set at once: every reset sets the pin's, and power-on the brown-out's too.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ResetFlags {
     pub(crate) watchdog: bool,
@@ -13,7 +13,7 @@ pub(crate) struct ResetFlags {
 }
 
 impl ResetFlags {
-    /// The rarer ones are asked first; a chip that says nothing has just got its power.
+    /// The rarer flags come first; with no flag set the power has just come on.
     pub(crate) const fn cause(self) -> ResetCause {
         if self.watchdog {
             ResetCause::Watchdog

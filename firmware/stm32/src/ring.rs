@@ -1,4 +1,4 @@
-//! Who owns which half of the DAC's ring, and what a half holds until it is written.
+//! The DAC's ring of two halves: which half may be written, and what it holds until then.
 //!
 //! ```text
 //! ring:   | half 0: one block | half 1: one block |      DMA reads round and round, one code per timer tick
@@ -6,7 +6,7 @@
 //! ```
 //! When the DMA leaves a half, its interrupt calls [`Halves::finish`] and fills that half with a straight ramp from
 //! the last code of the half now playing to mid-scale ([`ramp`]). The renderer then writes its block over the ramp. If
-//! it comes too late the DMA plays the ramp, then mid-scale: never an old block again. A missed deadline is so a short
+//! it comes too late the DMA plays the ramp, then mid-scale: never an old block again. So a missed deadline is a short
 //! controlled fade, and [`Halves::claim`] or [`Halves::commit`] reports it.
 //!
 //! Latency: a block is written while the other half plays, so it sounds after at most one block.

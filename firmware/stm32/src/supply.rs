@@ -1,9 +1,9 @@
 //! The supply's dip: the amplifier is muted before the brown-out reset comes.
 //!
-//! Two nets. The supply detector (PVD) trips at 2.7 to 2.9 V, as the board's own supply allows, and its interrupt
+//! There are two protections. The supply detector (PVD) trips at 2.7 to 2.9 V, as the board's own supply allows, and its interrupt
 //! mutes at once: below, the DAC's reference and the amplifier's logic are out of their range. The brown-out reset
 //! (BOR) holds the chip in reset while the supply is too low to run from flash; its level is an option byte, set once
-//! per board (BOARDS.md), and the lamp tells if that was forgotten.
+//! per board (BOARDS.md); the lamp shows if it is not set.
 
 use crate::board;
 use embassy_stm32::interrupt::InterruptExt;

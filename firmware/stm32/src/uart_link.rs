@@ -11,7 +11,7 @@ use static_cell::StaticCell;
 use crate::{board, priority};
 
 const BAUD: u32 = 921_600;
-/// A quarter of a kilobyte is 2.8 ms of the line: the thread half may be that late.
+/// A quarter of a kilobyte is 2.8 ms of the line: the thread side may be that late.
 const RECEIVE_BYTES: usize = 256;
 /// One whole frame, so that a reply is handed over at once.
 const TRANSMIT_BYTES: usize = 256;

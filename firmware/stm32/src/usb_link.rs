@@ -1,8 +1,8 @@
 //! The link over USB: one CDC-ACM serial port, whose bytes the application reads and writes.
 //!
 //! Nothing here is a safety measure. Many hosts never raise DTR, an STM32 does not see its cable being pulled, and a
-//! suspended laptop looks like an idle one: the drive's dead-man in the application is what counts. So DTR is not
-//! asked and a read waits for as long as it takes. A write waits too, but the application drops it, and the reply with
+//! suspended laptop looks like an idle one. The dead-man's switch in the application protects the drive. So DTR is not
+//! read, and a read waits for as long as it takes. A write waits too, but the application drops it, and the reply with
 //! it, when the host has not taken it in time: a host that has stopped reading must not stop the program.
 
 use embassy_executor::Spawner;
@@ -48,8 +48,8 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     static STATE: StaticCell<State<'static>> = StaticCell::new();
     static BUS_RESET: StaticCell<BusReset> = StaticCell::new();
 
-    // Whether the cable carries 5 V says nothing about the host's health: the dead-man alone decides, so the sense stays
-    // off and its pin, PA9, free.
+    // 5 V on the cable do not show that the host runs: the dead-man's switch alone decides. So the sense stays off and
+    // its pin, PA9, free.
     let mut sense = usb::Config::default();
     sense.vbus_detection = false;
     let driver = Driver::new_fs(usb.core, Irqs, usb.dp, usb.dm, OUT.init([0; OUT_BUFFERS]), sense);
@@ -79,7 +79,7 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
 }
 
-/// IN endpoints of the OTG_FS core, the control endpoint included (RM0090, 34.3).
+/// IN endpoints that the core has at least, the control endpoint included (the F407 four, RM0090 34.3; the H743 nine).
 const IN_ENDPOINTS: usize = 4;
 
 /// Withdraws the packet that the host had not fetched when it reset the bus.

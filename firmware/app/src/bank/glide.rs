@@ -32,7 +32,7 @@
 use super::block::{TONES, ToneBlock};
 use super::layout::{GlideBasis, GlideSeeds};
 use super::sine::{add_high, doubled, high, sine_cosine, sub_high, turned};
-use super::steady::{loudness, upper};
+use super::steady::{amplitude_q30, upper};
 
 /// Half of the packed numbers' unit, before their lower sixteen bits are cut off.
 pub(super) const HALF_UNIT: i32 = 1 << 15;
@@ -81,8 +81,8 @@ pub(super) fn seed(phase: u64, block: &ToneBlock, tone: usize, seeds: &mut Glide
     let gain_change = change >> 7;
 
     let theta = high(change, THETA);
-    let start = loudness(block.amplitude);
-    let ramp = loudness(block.amplitude_end) - start;
+    let start = amplitude_q30(block.amplitude);
+    let ramp = amplitude_q30(block.amplitude_end) - start;
     let mut amplitude = add_high(start, ramp, 15 << 24);
     let mut detune = theta - (theta << 2) - (theta >> 1);
     let straighten = high(theta, 5 << 23);

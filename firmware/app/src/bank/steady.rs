@@ -5,7 +5,7 @@ use super::layout::{SteadyBasis, Turn};
 use super::sine::{add_high, high, sine_cosine, sub_high, turned};
 
 /// The largest amplitude in the kernels' unit, 2^-30 of full scale: one unit short of 1, which one instruction does.
-const LOUDEST: u32 = (1 << 30) - 1;
+const MAX_AMPLITUDE: u32 = (1 << 30) - 1;
 
 /// Computes the basis of one tone: `cos(w tau)` and `sin(w tau)` for `tau = 1/2, 3/2 .. 63/2`, and the turn `32 w`.
 ///
@@ -36,18 +36,18 @@ pub(super) fn seed(phase: u64, tone: &ToneBlock, turn: &Turn, even: &mut [i32; 2
     // The block's centre lies half a sample before its 64th.
     let centre = upper(phase.wrapping_add(tone.step << 6)).wrapping_sub(upper(tone.step) >> 1);
     let (s, c) = sine_cosine(centre);
-    let amplitude = loudness(tone.amplitude);
+    let amplitude = amplitude_q30(tone.amplitude);
     let (p, q) = (high(amplitude, s), high(amplitude, c));
     let (along_p, along_q) = (high(p, turn.cosine), high(q, turn.cosine));
     *even = [sub_high(along_p, q, turn.sine), add_high(along_p, q, turn.sine)];
     *odd = [add_high(along_q, p, turn.sine), sub_high(along_q, p, turn.sine)];
 }
 
-/// An amplitude in units of 2^-30 of full scale, at most [`LOUDEST`].
+/// An amplitude in units of 2^-30 of full scale, at most [`MAX_AMPLITUDE`].
 #[inline(always)]
-pub(super) const fn loudness(amplitude: u32) -> i32 {
+pub(super) const fn amplitude_q30(amplitude: u32) -> i32 {
     let half = amplitude >> 1;
-    (if half < LOUDEST { half } else { LOUDEST }).cast_signed()
+    (if half < MAX_AMPLITUDE { half } else { MAX_AMPLITUDE }).cast_signed()
 }
 
 /// The upper half of a 64-bit phase.

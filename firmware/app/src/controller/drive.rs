@@ -24,7 +24,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if view.armed {
             return Ok(view.ready_at.max(view.next));
         }
-        // What may be pending while disarmed is a table swap, which sounds nothing.
+        // Only a table swap can be pending while disarmed, and it makes no sound.
         if !view.report.silent || view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
@@ -56,7 +56,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         drive: &Drive,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        // Before anything else, and again at each attempt: the renderer disarms by itself, at any moment.
+        // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
         self.refuse_unless_armed(&mailbox.view())?;
         let at = publish(mailbox, |view, lead| {
             self.refuse_unless_armed(view)?;

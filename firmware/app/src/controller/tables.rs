@@ -1,4 +1,4 @@
-//! Tables: an uploaded one comes into force, the one in force is kept in flash or forgotten.
+//! Tables: an uploaded table comes into force; the table in force is stored in flash or removed from it.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::event::StoredConfig;
@@ -16,7 +16,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     pub(super) fn commit_table<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
         let upload = self.upload.ok_or(Refusal::NoUpload)?;
         if let Err(refusal) = upload.check(mailbox) {
-            // What is missing may still come; what is wrong stays wrong.
+            // A missing chunk may still come; a wrong table stays wrong.
             if !matches!(refusal, Refusal::UploadIncomplete { .. }) {
                 self.upload = None;
             }

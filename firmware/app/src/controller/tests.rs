@@ -79,28 +79,28 @@ unsafe impl RawMutex for Interrupted {
 }
 
 /// Both halves of the application, without a link between them and the test.
-struct Bench {
+struct Rig {
     controller: Controller<NoFlash, Rom>,
     mailbox: Rc<Mailbox<Interrupted>>,
     renderer: Rc<RefCell<Renderer>>,
     rom: Rom,
 }
 
-impl Bench {
+impl Rig {
     /// A device with a table, armed.
     fn armed() -> Self {
         let rom = Rom::default();
-        let mut bench = Self {
+        let mut rig = Self {
             controller: Controller::new(DEVICE, Boot::cold(), NoFlash, rom.clone()),
             mailbox: Rc::new(Mailbox::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
             rom,
         };
-        bench.controller.start(&bench.mailbox);
-        bench.upload();
-        bench.render(TICK_BLOCKS);
-        bench.accepted(&Command::Arm);
-        bench
+        rig.controller.start(&rig.mailbox);
+        rig.upload();
+        rig.render(TICK_BLOCKS);
+        rig.accepted(&Command::Arm);
+        rig
     }
 
     /// Uploads the table and commits it.
@@ -161,102 +161,102 @@ fn full_scale(apply: Apply) -> Command {
 #[test]
 fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     //
-    let mut bench = Bench::armed();
-    bench.accepted(&full_scale(Apply::Next));
+    let mut rig = Rig::armed();
+    rig.accepted(&full_scale(Apply::Next));
     let ticks_of_two_minutes = 120 * u64::from(RATE) / (TICK_BLOCKS * BLOCK as u64);
     let hot = (0..ticks_of_two_minutes).find(|_| {
-        bench.render(TICK_BLOCKS);
-        bench.controller.tick(&bench.mailbox);
-        let is_hot = bench.faults().contains(Fault::Overheat);
+        rig.render(TICK_BLOCKS);
+        rig.controller.tick(&rig.mailbox);
+        let is_hot = rig.faults().contains(Fault::Overheat);
         // As if no amplitude obeyed.
-        bench.mailbox.set_limit(1000);
+        rig.mailbox.set_limit(1000);
         is_hot
     });
     assert!(hot.is_some(), "a full sine is over the limit within two minutes");
-    let first = bench.mailbox.view().faults.first();
-    bench.render(8 * TICK_BLOCKS);
-    bench.controller.tick(&bench.mailbox);
-    assert!(bench.mailbox.view().is_silent() && bench.renderer.borrow().is_muted());
-    assert_eq!(bench.mailbox.view().faults.first(), first);
-    assert_eq!(bench.execute(&Command::ClearFaults).map(|_| bench.faults()), Ok(bench.faults()));
-    assert!(bench.faults().contains(Fault::Overheat), "it is still warm");
-    bench.render(1000 * TICK_BLOCKS);
-    bench.controller.tick(&bench.mailbox);
-    bench.accepted(&Command::ClearFaults);
-    assert_eq!(bench.faults(), Faults::NONE, "it has cooled");
+    let first = rig.mailbox.view().faults.first();
+    rig.render(8 * TICK_BLOCKS);
+    rig.controller.tick(&rig.mailbox);
+    assert!(rig.mailbox.view().is_silent() && rig.renderer.borrow().is_muted());
+    assert_eq!(rig.mailbox.view().faults.first(), first);
+    assert_eq!(rig.execute(&Command::ClearFaults).map(|_| rig.faults()), Ok(rig.faults()));
+    assert!(rig.faults().contains(Fault::Overheat), "it is still warm");
+    rig.render(1000 * TICK_BLOCKS);
+    rig.controller.tick(&rig.mailbox);
+    rig.accepted(&Command::ClearFaults);
+    assert_eq!(rig.faults(), Faults::NONE, "it has cooled");
 }
 
 #[test]
 fn the_checksum_told_is_of_what_the_memory_holds() {
-    let mut bench = Bench::armed();
-    let before = bench.told_crc();
-    bench.mailbox.write_knot(bench.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });
+    let mut rig = Rig::armed();
+    let before = rig.told_crc();
+    rig.mailbox.write_knot(rig.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });
     assert!(before.is_some());
-    assert_ne!(bench.told_crc(), before);
+    assert_ne!(rig.told_crc(), before);
 }
 
 #[test]
 fn a_new_session_knows_no_digest_of_the_last() {
-    let mut bench = Bench::armed();
-    let window = DigestWindow { from: bench.mailbox.now() + 10_000, count: 1000 };
-    bench.accepted(&Command::DigestStart(window));
+    let mut rig = Rig::armed();
+    let window = DigestWindow { from: rig.mailbox.now() + 10_000, count: 1000 };
+    rig.accepted(&Command::DigestStart(window));
     assert_eq!(
-        bench.execute(&Command::DigestStart(window)),
+        rig.execute(&Command::DigestStart(window)),
         Err(Refusal::Busy(Busy::DigestPending)),
         "one at a time"
     );
-    bench.controller.begin_session(&bench.mailbox);
-    assert_eq!(bench.execute(&Command::DigestRead), Err(Refusal::NoDigest));
-    bench.accepted(&Command::DigestStart(window));
+    rig.controller.begin_session(&rig.mailbox);
+    assert_eq!(rig.execute(&Command::DigestRead), Err(Refusal::NoDigest));
+    rig.accepted(&Command::DigestStart(window));
 }
 
 #[test]
 fn who_arms_after_the_token_was_shown_stays() {
     // by the same session or by one that took over.
     for takes_over in [false, true] {
-        let mut bench = Bench::armed();
-        bench.accepted(&Command::Disarm);
-        bench.render(8);
-        let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
-        bench.accepted(&Command::BootloaderEnter(token));
+        let mut rig = Rig::armed();
+        rig.accepted(&Command::Disarm);
+        rig.render(8);
+        let Ok(Event::BootloaderToken(token)) = rig.execute(&Command::BootloaderToken) else { panic!() };
+        rig.accepted(&Command::BootloaderEnter(token));
         if takes_over {
-            bench.controller.begin_session(&bench.mailbox);
+            rig.controller.begin_session(&rig.mailbox);
         }
-        bench.render(1);
-        bench.accepted(&Command::Arm);
+        rig.render(1);
+        rig.accepted(&Command::Arm);
         for _ in 0..100 {
-            bench.render(TICK_BLOCKS);
-            bench.controller.tick(&bench.mailbox);
+            rig.render(TICK_BLOCKS);
+            rig.controller.tick(&rig.mailbox);
         }
-        assert!(!*bench.rom.0.borrow());
-        assert!(bench.mailbox.view().armed);
+        assert!(!*rig.rom.0.borrow());
+        assert!(rig.mailbox.view().armed);
     }
 }
 
 #[test]
 fn a_takeover_keeps_the_application_running() {
-    let mut bench = Bench::armed();
-    bench.accepted(&Command::Disarm);
-    bench.render(8);
-    let Ok(Event::BootloaderToken(token)) = bench.execute(&Command::BootloaderToken) else { panic!() };
-    bench.accepted(&Command::BootloaderEnter(token));
-    bench.controller.begin_session(&bench.mailbox);
+    let mut rig = Rig::armed();
+    rig.accepted(&Command::Disarm);
+    rig.render(8);
+    let Ok(Event::BootloaderToken(token)) = rig.execute(&Command::BootloaderToken) else { panic!() };
+    rig.accepted(&Command::BootloaderEnter(token));
+    rig.controller.begin_session(&rig.mailbox);
     for _ in 0..100 {
-        bench.render(TICK_BLOCKS);
-        bench.controller.tick(&bench.mailbox);
+        rig.render(TICK_BLOCKS);
+        rig.controller.tick(&rig.mailbox);
     }
-    assert!(!*bench.rom.0.borrow());
+    assert!(!*rig.rom.0.borrow());
 }
 
 #[test]
 fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
     //
-    let mut bench = Bench::armed();
-    let blocks = bench.controller.timing().max_drive / BLOCK as u64 + 2 * TICK_BLOCKS;
-    bench.render(blocks);
-    bench.upload();
-    bench.controller.tick(&bench.mailbox);
-    assert_eq!(bench.faults(), Faults::NONE);
+    let mut rig = Rig::armed();
+    let blocks = rig.controller.timing().max_drive / BLOCK as u64 + 2 * TICK_BLOCKS;
+    rig.render(blocks);
+    rig.upload();
+    rig.controller.tick(&rig.mailbox);
+    assert_eq!(rig.faults(), Faults::NONE);
 }
 
 /// A flash on which a program ends.

@@ -1,4 +1,4 @@
-//! What the renderer's half does with the mailbox.
+//! The mailbox as the renderer uses it.
 
 use core::sync::atomic::Ordering;
 
@@ -125,7 +125,7 @@ impl<M: RawMutex> Mailbox<M> {
         });
     }
 
-    /// Wakes the link's half.
+    /// Wakes the thread side.
     pub(crate) fn signal_tick(&self) {
         self.tick.signal(());
     }

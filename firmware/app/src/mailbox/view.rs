@@ -6,12 +6,12 @@ use super::report::Report;
 use crate::faults::FaultLatch;
 use crate::motion::Motion;
 
-/// The state at one moment, as the link's half sees it.
+/// The state at one moment, as the thread side sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// The first index that is not rendered yet.
     pub next: SampleIndex,
-    /// How the output moves.
+    /// The motion in force.
     pub motion: Motion,
     /// How often that has changed; wraps.
     pub changes: u32,

@@ -15,14 +15,14 @@ pub struct Placement {
 }
 
 impl Placement {
-    /// Of a tone that has never sounded.
+    /// The placement of a tone that has never sounded.
     pub(crate) const NOWHERE: Self = Self {
         position: FinePosition::saturating(0),
         setting: Setting { step: PhaseStep(0), gain: Gain(0) },
         level: Gain(0),
     };
 
-    /// Whether nothing is heard of it.
+    /// Whether its level is 0.
     #[must_use]
     pub const fn is_silent(&self) -> bool {
         self.level.0 == 0

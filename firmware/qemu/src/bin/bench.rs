@@ -15,6 +15,7 @@
 //! It fails (exit code 1) if a single sample or code differs. On the M4 an instruction takes 1.2 cycles here (loads of
 //! several words, taken branches): steady 3.2, retune 6.5, glide 9.8 cycles per tone and sample by a cycle model.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(target_arch = "arm")]
 mod device {

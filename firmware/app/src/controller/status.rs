@@ -1,4 +1,4 @@
-//! What the device says of itself.
+//! The device's identity and status.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
@@ -46,7 +46,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     pub fn status<M: RawMutex>(&self, mailbox: &Mailbox<M>, counters: Counters) -> Status {
         let view = mailbox.view();
         let first = view.faults.first();
-        // What sounds by; before the first block, what it will sound by.
+        // The limit in force; before the first block, the one that will be.
         let foldback = view.report.foldback.unwrap_or(Foldback::first(self.thermal.limit_per_mille()));
         Status {
             state: self.state(&view),
