@@ -24,3 +24,4 @@ pub mod qemu;
 pub mod random_actions;
 pub mod rig;
 pub mod soak;
+pub mod transcript;
