@@ -5,5 +5,7 @@
 //!     \--> slipline_window (with the feature `gui`)
 //! ```
 
+#![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
+
 pub mod cli;
 pub mod ending;

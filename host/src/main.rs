@@ -1,5 +1,7 @@
 //! `slipline`: the app with no arguments, the command line with some.
 
+#![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
+
 use clap::Parser;
 use slipline::cli::Cli;
 use std::process::ExitCode;

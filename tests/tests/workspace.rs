@@ -87,25 +87,67 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
     assert_eq!(arrows, expected.map(|(user, used)| (user.to_owned(), used.to_owned())).into());
 }
 
+/// The folders of the crates, relative to the workspace.
+fn folders() -> BTreeSet<String> {
+    let metadata = metadata();
+    let packages = metadata["packages"].as_array().expect("packages");
+    let manifests = packages.iter().map(|package| package["manifest_path"].as_str().expect("path"));
+    manifests
+        .map(|manifest| {
+            let folder = Path::new(manifest).parent().expect("a manifest lies in a folder");
+            let root = root().canonicalize().expect("the workspace exists");
+            folder.strip_prefix(root).expect("it lies in the workspace").to_string_lossy().replace('\\', "/")
+        })
+        .collect()
+}
+
 #[test]
 fn every_crate_takes_its_lints_from_the_one_table() {
-    for folder in [
-        "shared",
-        "firmware/app",
-        "firmware/stm32",
-        "firmware/qemu",
-        "host",
-        "host/link",
-        "host/model",
-        "host/plate",
-        "host/window",
-        "tests",
-        "tests/next/protocol",
-        "tests/next/app",
-        "tests/next/link",
-    ] {
-        let manifest = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("manifest");
+    for folder in folders() {
+        let manifest = std::fs::read_to_string(root().join(&folder).join("Cargo.toml")).expect("manifest");
         assert!(manifest.contains("[lints]\nworkspace = true"), "{folder}");
+    }
+}
+
+/// The inner attributes of a crate's root files: of its library, of its program, or of both.
+fn root_attributes(folder: &str) -> Vec<String> {
+    let attributes = |text: String| {
+        let code = text.lines().filter(|line| !line.starts_with("//"));
+        code.take_while(|line| !line.contains("mod ") && !line.contains("use ")).collect::<String>()
+    };
+    let source = root().join(folder).join("src");
+    let roots = ["lib.rs", "main.rs"].map(|name| std::fs::read_to_string(source.join(name)));
+    let found: Vec<String> = roots.into_iter().flatten().map(attributes).collect();
+    assert!(!found.is_empty(), "{folder} has neither lib.rs nor main.rs");
+    found
+}
+
+#[test]
+fn every_product_crate_warns_of_unwrap_and_expect() {
+    // The crates of the tests may; all of them lie under tests/.
+    for folder in folders().iter().filter(|folder| !folder.starts_with("tests")) {
+        for lints in root_attributes(folder) {
+            assert!(
+                lints.contains("clippy::unwrap_used") && lints.contains("clippy::expect_used"),
+                "{folder}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_crate_of_the_browser_build_is_checked_for_what_a_browser_lacks() {
+    let gate = std::fs::read_to_string(root().join(".ci/run")).expect("the gate's script");
+    // A crate that is no_std cannot name what a browser lacks; the others have the lint.
+    for (folder, package, lint) in [
+        ("shared", "slipline-protocol", "no_std"),
+        ("firmware/app", "slipline-app", "no_std"),
+        ("host/plate", "slipline-plate", "clippy::disallowed_methods"),
+        ("host/link", "slipline-link", "clippy::disallowed_methods"),
+        ("host/model", "slipline-model", "clippy::disallowed_methods"),
+    ] {
+        assert!(root_attributes(folder).iter().all(|attributes| attributes.contains(lint)), "{folder}");
+        assert!(gate.contains(&format!("-p {package}")), "{package} is part of the gate's step wasm");
     }
 }
 

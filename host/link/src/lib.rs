@@ -14,7 +14,7 @@
 //! serial ports and sockets.
 
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
-#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
 mod channel;
 mod commands;

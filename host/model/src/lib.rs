@@ -8,9 +8,13 @@
 //! ```
 //! It builds for a browser. The feature `native` adds what a browser lacks: files and figures.
 
+// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+
 pub mod autopilot;
 pub mod colour_map;
 #[cfg(feature = "native")]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod disk;
 pub mod export;
 pub mod field;

@@ -12,7 +12,7 @@
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
-#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 pub mod check;
 pub mod design;
 pub mod frequency;

@@ -6,6 +6,8 @@
 //!   +---------- Scene --------------+  <--results-- model's jobs, files
 //! ```
 
+#![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
+
 pub mod app;
 pub mod axis;
 pub mod caption;

@@ -70,6 +70,13 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
     ///
     /// # Errors
     /// What the system says when it gives no thread.
+    #[cfg_attr(
+        not(test),
+        expect(
+            clippy::disallowed_methods,
+            reason = "a thread of its own: a browser uses [`Workshop::inline`]"
+        )
+    )]
     pub fn threaded(
         name: &str,
         mut work: impl FnMut(Job, &Task) -> Option<Done> + Send + 'static,
