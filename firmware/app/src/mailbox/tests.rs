@@ -165,7 +165,6 @@ struct BetweenThreads(std::sync::Mutex<()>);
 #[expect(unsafe_code, reason = "the trait is unsafe")]
 // SAFETY: the standard library's mutex lets one thread in at a time; no lock is taken within another.
 unsafe impl RawMutex for BetweenThreads {
-    #[expect(clippy::declare_interior_mutable_const, reason = "each mailbox gets its own")]
     const INIT: Self = Self(std::sync::Mutex::new(()));
 
     fn lock<R>(&self, f: impl FnOnce() -> R) -> R {
