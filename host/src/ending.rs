@@ -4,10 +4,11 @@
 use slipline_model::disk;
 use std::io;
 
-/// Has the program leave no half-written file when it is told to end. Without a handler it still ends, and only the part
-/// is left.
-pub fn remove_parts_on_ending() {
-    let _ = on_ending(|| {
+/// Has the program do `first` and leave no half-written file when it is told to end. Without a handler it still ends,
+/// and only the part is left.
+pub fn remove_parts_on_ending(mut first: impl FnMut() + Send + 'static) {
+    let _ = on_ending(move || {
+        first();
         disk::remove_unfinished();
         // What a shell gives a program that Ctrl-C ended.
         std::process::exit(130);

@@ -22,7 +22,7 @@ fn main() -> ExitCode {
 
 #[cfg(feature = "gui")]
 fn open_window() -> ExitCode {
-    slipline::ending::remove_parts_on_ending();
+    slipline::ending::remove_parts_on_ending(|| {});
     match slipline_window::app::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

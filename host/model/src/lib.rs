@@ -6,7 +6,7 @@
 //!                          \--> field (steady, time domain, sheet)  \
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
-//! It builds for a browser. The feature `native` adds what a browser lacks: files and figures.
+//! It builds for a browser. The feature `native` adds what a browser lacks: files.
 
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]

@@ -1,6 +1,7 @@
 //! The first figure of a process is like every later one. Alone in its program, so that no other test can have drawn.
 
-use slipline_model::export::figures::plate::{Subject, png};
+use slipline_model::export::figures::Format;
+use slipline_model::export::figures::plate::{Subject, plate_figure};
 use slipline_model::field::steady_field::{Picture, steady_tones};
 use slipline_model::setup::{Setup, ToneSetup};
 use std::sync::Arc;
@@ -30,7 +31,8 @@ fn the_first_figure_of_a_process_is_as_large_as_the_second_and_looks_like_it() {
         let reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
         reader.info().size()
     };
-    let (first, second) = (png(&subject).unwrap(), png(&subject).unwrap());
+    let png = || plate_figure(&subject).unwrap().file(Format::Png).unwrap();
+    let (first, second) = (png(), png());
     assert_eq!(size(&first), size(&second));
     assert!(first == second, "of one size, but not alike");
 }

@@ -12,6 +12,7 @@ mod destination;
 mod device;
 mod drive;
 mod failure;
+mod figure_file;
 mod figures;
 mod info;
 mod output;
@@ -31,6 +32,7 @@ pub use figures::FiguresArguments;
 use crate::ending::remove_parts_on_ending;
 use argument::{Boundary, ToneArgument, Typed};
 use clap::{Args, Parser, Subcommand};
+use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::MAX_SECONDS;
@@ -88,7 +90,7 @@ pub enum Command {
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
     #[command(after_help = DESIGN_EXIT_CODES)]
     Design(DesignArguments),
-    /// Draw the paper's figures, as printed and corrected, as PNG and CSV.
+    /// Draw the paper's figures, as printed and corrected, as SVG, PNG and CSV.
     Figures(FiguresArguments),
 }
 
@@ -163,6 +165,11 @@ pub struct RespondArguments {
     /// The paper's equation, without the (W'/W) term.
     #[arg(long)]
     paper_mode: bool,
+    /// Draw the amplitude over x, as SVG or PNG by the file's ending.
+    #[arg(long, value_name = "F", value_parser = figure_file)]
+    figure: Option<FigureFile>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// `table`.
@@ -202,9 +209,9 @@ pub struct SimulateArguments {
     /// Write the envelope over x as CSV.
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
-    /// Draw the envelope over x as PNG.
-    #[arg(long, value_name = "F")]
-    png: Option<PathBuf>,
+    /// Draw the envelope over x, as SVG or PNG by the file's ending.
+    #[arg(long, visible_alias = "png", value_name = "F", value_parser = figure_file)]
+    figure: Option<FigureFile>,
     #[command(flatten)]
     force: ForceArgument,
 }
@@ -266,7 +273,7 @@ impl Command {
     pub fn run(self, json: bool) -> Result<(), Failure> {
         // A drive ends by itself when it is told to, and writes no file.
         if !matches!(self, Self::Drive(_)) {
-            remove_parts_on_ending();
+            remove_parts_on_ending(progress::wipe);
         }
         match self {
             Self::Presets => presets::run(json),

@@ -2,6 +2,7 @@
 
 use super::{Failure, RespondArguments, argument, output};
 use serde_json::json;
+use slipline_model::export::figures::response_figure;
 use slipline_model::numbers::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::{Equation, respond, respond_range};
@@ -12,7 +13,12 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     let on_plate = format!(" on the plate {:?}", plate.name());
     let frequency_hz =
         arguments.freq.within("--freq", respond_range(&plate), Measure::Frequency, &on_plate)?;
+    let figure = arguments.figure.as_ref();
+    let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
     let response = respond(&plate, frequency_hz, arguments.points, equation).map_err(Failure::usage)?;
+    if let Some((figure, file)) = figure.zip(figure_file) {
+        figure.write(&file, &response_figure(&response, plate.name()))?;
+    }
     let peak = response.peak;
     let value = json!({
         "plate": plate.name(),

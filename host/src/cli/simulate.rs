@@ -3,7 +3,7 @@
 use super::destination::Destination;
 use super::{Failure, SimulateArguments, argument, output, progress};
 use serde_json::{Value, json};
-use slipline_model::export::envelope;
+use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
 use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::number_format::with_decimals;
@@ -15,9 +15,10 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
     let tones = arguments.tones.on(&plate)?;
     let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
-    let png_file = Destination::perhaps(arguments.png.as_deref(), arguments.force)?;
-    if csv_file.as_ref().zip(png_file.as_ref()).is_some_and(|(csv, png)| csv.is(png)) {
-        return Err(Failure::Usage("--csv and --png name the same file".to_owned()));
+    let figure = arguments.figure.as_ref();
+    let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
+    if csv_file.as_ref().zip(figure_file.as_ref()).is_some_and(|(csv, figure)| csv.is(figure)) {
+        return Err(Failure::Usage("--csv and --figure name the same file".to_owned()));
     }
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let sensitivity = actual
@@ -36,8 +37,8 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     if let Some(file) = csv_file {
         file.write(|out| Ok(csv(&result, out)?))?;
     }
-    if let Some(file) = png_file {
-        file.write(|out| envelope::png(&result, plate.name(), out))?;
+    if let Some((figure, file)) = figure.zip(figure_file) {
+        figure.write(&file, &envelope_figure(&result, plate.name()))?;
     }
 
     let mut value = result.tones.first().map_or(json!({}), tone_value);

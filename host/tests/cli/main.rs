@@ -1,8 +1,10 @@
 //! The command line as other programs use it: JSON fields, exit codes, and what it says of bad input.
 
 mod answers;
+mod figures;
 mod files;
 mod lights;
+mod progress;
 mod refusals;
 
 use serde_json::Value;

@@ -30,8 +30,7 @@ use playback::Hearing;
 use slipline_link::native::Worker;
 use slipline_link::{Port, PortInfo, Request, Snapshot, Ticket};
 use slipline_model::autopilot::Pilot;
-use slipline_model::export::csv_wav;
-use slipline_model::export::figures::plate::Subject;
+use slipline_model::export::figures::{DrawError, encode, plate};
 use slipline_model::field::sheet;
 use slipline_model::field::steady_field::Picture;
 use slipline_model::field::time_domain::{self, Measured};
@@ -81,7 +80,7 @@ pub struct Parts {
     /// Where the simulated plate is run.
     pub trials: Workshop<time_domain::Job, Measured>,
     /// Where figures are drawn.
-    pub figures: Workshop<Subject, Result<Vec<u8>, String>>,
+    pub figures: Workshop<plate::Job, Result<plate::File, String>>,
     /// Files.
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated plate's first.
@@ -197,7 +196,10 @@ impl App {
             self.file_event(event);
         }
         match self.parts.figures.take() {
-            Some(Ok(bytes)) => self.save("figure.png", "Picture", "png", bytes),
+            Some(Ok(plate::File { format, bytes })) => {
+                let extension = format.extension();
+                self.save(&format!("figure.{extension}"), "Picture", extension, bytes);
+            }
             Some(Err(reason)) => self.fail(format!("The figure could not be made: {reason}")),
             None => {}
         }
@@ -244,10 +246,10 @@ impl App {
     }
 }
 
-fn screenshot_png(image: &egui::ColorImage) -> Result<Vec<u8>, png::EncodingError> {
+fn screenshot_png(image: &egui::ColorImage) -> Result<Vec<u8>, DrawError> {
     let [width, height] = image.size.map(|pixels| pixels as u32);
     let rgba: Vec<[u8; 4]> = image.pixels.iter().map(egui::Color32::to_srgba_unmultiplied).collect();
-    csv_wav::png((width, height), &rgba)
+    encode((width, height), &rgba, None)
 }
 
 fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {

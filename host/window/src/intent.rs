@@ -3,6 +3,7 @@
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
 use slipline_link::Request;
+use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::WavePicture;
 use slipline_model::jobs::design::Draft;
 use slipline_model::setup::edit::Edit;
@@ -22,8 +23,8 @@ pub struct Grab {
 /// What is exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
-    /// Plate, envelope and boundaries as a figure for print, as PNG.
-    Figure,
+    /// Plate, envelope and boundaries as a figure for print.
+    Figure(Format),
     /// The window as it looks, as PNG.
     Screenshot,
     /// The envelope over x (and the simulated one), as CSV.

@@ -1,4 +1,4 @@
-//! What is seen, as files: PNG, CSV, WAV.
+//! What is seen, as files: CSV, WAV.
 
 use crate::field::steady_field::{POINTS, Picture, drawn_boundary_m};
 use crate::field::time_domain::Measured;
@@ -8,22 +8,6 @@ use std::fmt::Write as _;
 
 /// Codes of a waveform as CSV, at most: 0.16 s at 400 kS/s.
 const CSV_CODES: usize = 1 << 16;
-
-/// A picture as PNG: red, green, blue and opacity of `width` x `height` pixels, row by row from the top left, colours
-/// not multiplied by the opacity.
-///
-/// # Errors
-/// What the encoder says: a picture of no size and pixels of another number are such cases.
-pub fn png((width, height): (u32, u32), rgba: &[[u8; 4]]) -> Result<Vec<u8>, png::EncodingError> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width, height);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgba.as_flattened())?;
-    writer.finish()?;
-    Ok(bytes)
-}
 
 /// The envelope over x as CSV, SI units, after lines that say what it is of. Theory and simulated plate have grids of
 /// their own: a cell is empty where its column has no value. `full_peak_m` is the table's peak at level 1.

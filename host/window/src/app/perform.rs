@@ -7,7 +7,7 @@ use crate::scene::DesignState;
 use eframe::egui;
 use slipline_link::{Request, Severity};
 use slipline_model::export::csv_wav;
-use slipline_model::export::figures::plate::Subject;
+use slipline_model::export::figures::plate::{Job, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::setup::edit::Edit;
@@ -138,7 +138,7 @@ impl App {
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
         match what {
-            Export::Figure => {
+            Export::Figure(format) => {
                 let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
                 let subject = Subject {
                     setup: self.setup.clone(),
@@ -150,7 +150,7 @@ impl App {
                     is_largest: self.settings.show_amplitude,
                     wave_time_s: self.hearing.wave_time_s,
                 };
-                self.parts.figures.ask(subject);
+                self.parts.figures.ask(Job { subject, format });
             }
             Export::Screenshot => {
                 let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());

@@ -8,6 +8,7 @@ use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke,
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Port, Request};
 use slipline_model::autopilot;
+use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::WavePicture;
 use theme::Palette;
 
@@ -262,7 +263,8 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         ask(ui, true, "Save setup…".into(), "Ctrl+S", Intent::SaveDialog);
         ask(ui, true, "Save plate…".into(), "", Intent::SavePlateDialog);
         ui.separator();
-        ask(ui, true, "Export figure (PNG)…".into(), "", Intent::Export(Export::Figure));
+        ask(ui, true, "Export figure (SVG)…".into(), "", Intent::Export(Export::Figure(Format::Svg)));
+        ask(ui, true, "Export figure (PNG)…".into(), "", Intent::Export(Export::Figure(Format::Png)));
         ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
         ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
         ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));

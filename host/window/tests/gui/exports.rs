@@ -35,6 +35,14 @@ fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
     let count = |is_it: fn(&[u8; 3]) -> bool| pixels.iter().filter(|pixel| is_it(pixel)).count();
     assert_eq!(count(|p| p[0] > 170 && p[1] < 60 && p[2] < 70), 0);
     assert!(count(|p| p[0] > 190 && (70..130).contains(&p[1]) && p[2] < 60) > 500);
+    // As vectors it holds the same words as text.
+    file_menu(&mut bench, "Export figure (SVG)…");
+    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    assert_eq!(name, "figure.svg");
+    let svg = String::from_utf8(bytes).unwrap();
+    for words in [">membrane</text>", ">simulated plate</text>", ">x from the driven end (mm)</text>"] {
+        assert!(svg.contains(words), "{words}");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::painter::Painter;
 use eframe::egui::{Color32, ColorImage, Theme};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline_model::export::csv_wav;
+use slipline_model::export::figures::encode;
 use slipline_window::settings::ThemeChoice;
 use std::path::PathBuf;
 
@@ -34,7 +34,10 @@ fn read(path: &PathBuf) -> ColorImage {
     let file = std::io::BufReader::new(std::fs::File::open(path).unwrap_or_else(|_| {
         panic!("{} is missing: run with SLIPLINE_BLESS=1 and look at it", path.display())
     }));
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut decoder = png::Decoder::new(file);
+    // A picture without opacity is read as one that is opaque.
+    decoder.set_transformations(png::Transformations::ALPHA);
+    let mut reader = decoder.read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();
     let pixels =
@@ -44,7 +47,7 @@ fn read(path: &PathBuf) -> ColorImage {
 
 fn png(seen: &ColorImage) -> Vec<u8> {
     let rgba: Vec<[u8; 4]> = seen.pixels.iter().map(Color32::to_srgba_unmultiplied).collect();
-    csv_wav::png((seen.size[0] as u32, seen.size[1] as u32), &rgba).unwrap()
+    encode((seen.size[0] as u32, seen.size[1] as u32), &rgba, None).unwrap()
 }
 
 fn compare(name: &str, seen: &ColorImage) {

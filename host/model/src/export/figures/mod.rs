@@ -1,56 +1,32 @@
-//! Figures: the paper's, as printed beside corrected, and the plate on the screen.
+//! Figures: drawn as SVG, for papers, and painted from it as PNG.
 //!
-//! The numbers are [`slipline_plate::paper`]'s and the fields'; this module only draws them.
+//! ```text
+//! numbers -> Page (points) -> Drawing (SVG text) -> file of either format
+//!             ^ axes, legend, plot                   ^ resvg, with the font that comes along
+//! ```
+//! The numbers are those of [`slipline_plate::paper`], of the simulation, of the frequency domain and of the screen;
+//! this module only draws them. It reads and writes no file.
 
-mod draw;
-mod layout;
+mod axes;
+mod drawing;
+mod envelope;
+mod font;
+mod legend;
+mod page;
+mod paper;
 pub mod plate;
-mod png_file;
+mod plot;
+mod response;
 
-use slipline_plate::paper::{FigureError, figures};
-use thiserror::Error;
+pub use drawing::{DrawError, Drawing, Format, encode};
+pub use envelope::envelope_figure;
+pub use paper::paper_figure;
+pub use response::response_figure;
 
-pub use draw::DrawError;
+/// Width of a figure for print, in points: 170 mm, the text width of a page of A4.
+const PRINT_WIDTH: f64 = 170.0 / 25.4 * 72.0;
+/// Dots per inch of a figure's picture: what journals ask of figures at print size.
+const PRINT_DOTS_PER_INCH: f64 = 300.0;
 
-/// A figure of the paper, drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PaperFigure {
-    /// The figure's number in the paper.
-    pub number: u32,
-    /// What it shows.
-    pub title: &'static str,
-    /// The name of its files, without an extension: `fig04`.
-    pub stem: String,
-    /// The picture, as a PNG file.
-    pub png: Vec<u8>,
-    /// Its numbers, as CSV.
-    pub csv: String,
-}
-
-/// Why the figures could not be made.
-#[derive(Debug, Error)]
-pub enum PaperFigureError {
-    /// The numbers could not be computed.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// The picture could not be drawn.
-    #[error(transparent)]
-    Draw(#[from] DrawError),
-}
-
-/// Draws every figure of the paper.
-///
-/// # Errors
-/// [`PaperFigureError`] when the numbers cannot be computed, or the canvas refuses.
-pub fn paper() -> Result<Vec<PaperFigure>, PaperFigureError> {
-    let drawn = figures()?.into_iter().map(|figure| {
-        Ok(PaperFigure {
-            number: figure.number,
-            title: figure.title,
-            stem: figure.file_stem(),
-            png: draw::picture(&figure)?,
-            csv: figure.to_csv(),
-        })
-    });
-    drawn.collect()
-}
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,16 @@
 //! The plate on the screen as a figure for print: its outline with the wave, under it the envelope, through both the
 //! boundaries, over one x axis; 170 mm wide.
 
-mod page;
-mod paper;
+mod field;
+mod layout;
 
-use super::draw::{DrawError, HUES};
-use crate::colour_map;
-use crate::field::displacement_map::{Row, Surface, Wave};
+use super::PRINT_DOTS_PER_INCH;
+use super::axes::Axes;
+use super::drawing::{DrawError, Drawing, Format};
+use super::font;
+use super::legend::{Sample, legend, row_height};
+use super::page::{Anchor, BLACK, HUES, Ink, Page, Pen, Place};
+use super::plot::{TEXT, TITLE};
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{
     POINTS, Picture, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m,
@@ -14,19 +18,20 @@ use crate::field::steady_field::{
 use crate::field::time_domain::Measured;
 use crate::jobs::Task;
 use crate::numbers::quantity::{show_frequency, show_length, show_place};
-use crate::numbers::ticks::Ticks;
 use crate::setup::{BoundaryMode, Setup};
-use page::Page;
-use paper::{Anchor, CELL, LINE, Paper, Place, TEXT, TITLE};
-use plotters::style::{BLACK, RGBColor};
+use layout::Layout;
 
-const PREDICTED: RGBColor = HUES[0];
-const SIMULATED: RGBColor = HUES[1];
-const FELT: RGBColor = HUES[3];
-const WEAK: RGBColor = HUES[5];
-const GRID: RGBColor = RGBColor(225, 225, 225);
+const WEAK: Ink = HUES[5];
 /// Under the predicted envelope.
-const AREA: RGBColor = RGBColor(214, 229, 240);
+const AREA: Ink = [214, 229, 240];
+const PREDICTED: Pen = Pen::solid(HUES[0], 1.2);
+const NOT_DRIVEN: Pen = Pen::dashed(HUES[0], 1.2, (4.0, 3.0));
+const MEAN: Pen = Pen::dashed(WEAK, 0.8, (2.0, 2.0));
+const FELT: Pen = Pen::dashed(HUES[3], 0.8, (4.0, 3.0));
+const SIMULATED: Pen = Pen::solid(HUES[1], 0.6);
+const BOUNDARY: Pen = Pen::solid(BLACK, 0.9);
+/// Radius of a ring of the simulated plate.
+const RING: f64 = 1.4;
 
 /// What is seen, to be drawn.
 #[derive(Clone, Debug)]
@@ -49,28 +54,50 @@ pub struct Subject {
     pub wave_time_s: f64,
 }
 
-/// The work of the thread that draws: the PNG file, or a sentence that says why there is none. `None` when the task
-/// was over before.
-#[must_use]
-pub fn work(subject: &Subject, task: &Task) -> Option<Result<Vec<u8>, String>> {
-    if task.is_over() { None } else { Some(png(subject).map_err(|error| error.to_string())) }
+/// A figure that is asked for.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// What is seen.
+    pub subject: Subject,
+    /// The file it is to be.
+    pub format: Format,
 }
 
-/// The figure as a PNG file of 300 dots per inch.
+/// A figure's file.
+#[derive(Clone, Debug)]
+pub struct File {
+    /// Of which kind it is.
+    pub format: Format,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+/// The work of the thread that draws: the file, or a sentence that says why there is none. `None` when the task was
+/// over before.
+#[must_use]
+pub fn work(job: &Job, task: &Task) -> Option<Result<File, String>> {
+    if task.is_over() {
+        return None;
+    }
+    let bytes = plate_figure(&job.subject).and_then(|drawing| drawing.file(job.format));
+    Some(bytes.map(|bytes| File { format: job.format, bytes }).map_err(|error| error.to_string()))
+}
+
+/// Draws what is seen.
 ///
 /// # Errors
-/// [`DrawError`] when the font, the canvas or the encoder refuses.
-pub fn png(subject: &Subject) -> Result<Vec<u8>, DrawError> {
-    let page = Page::new(subject)?;
-    paper::print(page.size(), |paper| {
-        let figure = Figure { subject, page: &page, paper };
-        figure.heading()?;
-        figure.plate()?;
-        figure.envelope()?;
-        figure.boundaries()?;
-        figure.legend()?;
-        figure.caption()
-    })
+/// [`DrawError`] when the plate's colours cannot be encoded.
+pub fn plate_figure(subject: &Subject) -> Result<Drawing, DrawError> {
+    let layout = &Layout::new(subject);
+    let mut page = Page::new(layout.size(), subject.setup.plate.name());
+    let mut figure = Figure { subject, layout, page: &mut page };
+    figure.heading()?;
+    figure.plate()?;
+    figure.envelope();
+    figure.boundaries();
+    figure.legend();
+    figure.caption();
+    Ok(page.finish(PRINT_DOTS_PER_INCH))
 }
 
 impl Subject {
@@ -80,172 +107,107 @@ impl Subject {
 }
 
 /// A figure being drawn.
-struct Figure<'a, 'b> {
+struct Figure<'a> {
     subject: &'a Subject,
-    page: &'a Page,
-    paper: &'a Paper<'b>,
+    layout: &'a Layout,
+    page: &'a mut Page,
 }
 
-impl Figure<'_, '_> {
+impl Figure<'_> {
+    fn text(&mut self, text: &str, place: Place, anchor: Anchor, ink: Ink) {
+        self.page.text(text, place, anchor, TEXT, ink);
+    }
+
     /// The plate's name, what its colours are, and their scale.
-    fn heading(&self) -> Result<(), DrawError> {
-        let (page, paper) = (self.page, self.paper);
-        paper.text(self.subject.setup.plate.name(), (page.left, page.title), Anchor::Left, TITLE, BLACK)?;
-        let Some(_) = &self.subject.sounding else {
-            return paper.text("at rest", (page.left, page.colours), Anchor::Left, TEXT, WEAK);
-        };
-        let what =
-            if self.subject.is_largest { "largest displacement" } else { "displacement at one moment" };
-        paper.text(what, (page.left, page.colours), Anchor::Left, TEXT, BLACK)?;
-        let full = show_length(self.subject.full_colour_m());
-        let (low, high) = if self.subject.is_largest {
+    fn heading(&mut self) -> Result<(), DrawError> {
+        let (subject, layout) = (self.subject, self.layout);
+        let (left, y) = (layout.left, layout.colours);
+        self.page.text(subject.setup.plate.name(), (left, layout.title), Anchor::Left, TITLE, BLACK);
+        if subject.sounding.is_none() {
+            self.text("at rest", (left, y), Anchor::Left, WEAK);
+            return Ok(());
+        }
+        let what = if subject.is_largest { "largest displacement" } else { "displacement at one moment" };
+        self.text(what, (left, y), Anchor::Left, BLACK);
+        let full = show_length(subject.full_colour_m());
+        let (low, high) = if subject.is_largest {
             ("0".to_owned(), full)
         } else {
             (format!("−{full}"), format!("+{full}"))
         };
-        let right = page.right - paper::text_width(&high, TEXT)? - 4.0;
+        let right = layout.right - font::width(&high, TEXT) - 4.0;
         let bar = (right - 90.0, right);
-        let cells = ((bar.1 - bar.0) / CELL) as usize;
-        for i in 0..cells {
-            let x = bar.0 + i as f64 * CELL;
-            let share = (i as f64 + 0.5) / cells as f64;
-            let value = if self.subject.is_largest { share } else { 2.0 * share - 1.0 };
-            paper.fill((x, page.colours - 3.0), (x + CELL, page.colours + 3.0), self.colour(value))?;
-        }
-        paper.text(&low, (bar.0 - 4.0, page.colours), Anchor::Right, TEXT, BLACK)?;
-        paper.text(&high, (page.right, page.colours), Anchor::Right, TEXT, BLACK)
-    }
-
-    /// The colour of a displacement, of full colour.
-    fn colour(&self, value: f64) -> RGBColor {
-        let [red, green, blue] = if self.subject.is_largest {
-            colour_map::sequential(value.abs() as f32, false)
-        } else {
-            colour_map::diverging(value as f32, false)
-        };
-        RGBColor(red, green, blue)
-    }
-
-    /// The plate from above with its wave.
-    fn plate(&self) -> Result<(), DrawError> {
-        let (subject, page, paper) = (self.subject, self.page, self.paper);
-        let plate = &subject.setup.plate;
-        let surface = Surface::new(Wave {
-            plate,
-            sounding: subject.sounding.as_ref(),
-            sheet: subject.sheet.as_ref(),
-            is_largest: subject.is_largest,
-            time_s: subject.wave_time_s,
-        });
-        let full_m = subject.full_colour_m();
-        let half_rows = (page.half_width(plate.half_width_m(0.0)) / CELL).ceil().max(1.0) as i32;
-        let rows: Vec<Row> =
-            (-half_rows..=half_rows).map(|row| surface.row(f64::from(row) / f64::from(half_rows))).collect();
-        let columns = ((page.right - page.left) / CELL).ceil() as usize;
-        let place_m = |column: usize| plate.length_m() * column as f64 / columns as f64;
-        for column in 0..columns {
-            let x_m = place_m(column);
-            let across = surface.column(x_m);
-            let (x, half) = (page.x(x_m), page.half_width(across.half_width_m));
-            for row in &rows {
-                let y = page.centre + row.beta * half;
-                let colour = self.colour(surface.at(&across, row) / full_m);
-                paper.fill((x, y - 0.5 * CELL), (x + CELL, y + 0.5 * CELL), colour)?;
-            }
-        }
-        for side in [-1.0, 1.0] {
-            let edge = (0..=columns).map(|column| {
-                let x_m = place_m(column);
-                (page.x(x_m), page.centre + side * page.half_width(plate.half_width_m(x_m)))
-            });
-            paper.line(edge, 0.9, BLACK)?;
-        }
-        let end = page.half_width(plate.half_width_m(plate.length_m()));
-        paper.line([(page.right, page.centre - end), (page.right, page.centre + end)], 0.9, BLACK)?;
-        // The driven end is a thick bar: this is where the actuator holds the plate.
-        let start = page.half_width(plate.half_width_m(0.0));
-        paper.fill((page.left - 4.0, page.centre - start), (page.left - 0.5, page.centre + start), WEAK)?;
-        paper.text("drive", (page.left - 8.0, page.centre), Anchor::Right, TEXT, BLACK)?;
-        let scale = if page.is_to_scale { "to scale" } else { "width not to scale" };
-        paper.text(scale, (page.right, page.plate.1 - 4.0), Anchor::Right, TEXT, WEAK)
-    }
-
-    /// How far the plate moves at each x.
-    fn envelope(&self) -> Result<(), DrawError> {
-        let (subject, page, paper) = (self.subject, self.page, self.paper);
-        let predicted = &subject.predicted;
-        let top_m = envelope_top_m(predicted, subject.full_peak_m);
-        let (low, high) = (page.envelope.1, page.envelope.0);
-        let y = |metres: f64| low - (metres / top_m).clamp(0.0, 1.0) * (low - high);
-        let x = |i: usize| page.x(predicted.length_m * i as f64 / (POINTS - 1) as f64);
-        let line = |values: &[f64]| -> Vec<Place> {
-            values.iter().enumerate().map(|(i, &metres)| (x(i), y(metres))).collect()
-        };
-        let bound = line(&predicted.bound_m);
-        for pair in bound.windows(2) {
-            if let [from, to] = pair {
-                paper.fill((from.0, 0.5 * (from.1 + to.1)), (to.0, low), AREA)?;
-            }
-        }
-        self.scales(top_m, y)?;
-        if subject.sounding.is_some() {
-            paper.line(bound, 1.2, PREDICTED)?;
-        } else {
-            paper.dashed(bound, (4.0, 3.0), 1.2, PREDICTED)?;
-        }
-        if predicted.tones.len() > 1 {
-            let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
-            paper.dashed(line(&rms), (2.0, 2.0), 0.8, WEAK)?;
-        }
-        if let BoundaryMode::FeltEdge { threshold_m } = subject.setup.boundary
-            && threshold_m < top_m
-        {
-            let ends = [(page.left, y(threshold_m)), (page.right, y(threshold_m))];
-            paper.dashed(ends, (4.0, 3.0), 0.8, FELT)?;
-        }
-        for (x_m, metres) in subject.measured.iter().flat_map(Measured::points) {
-            paper.ring((page.x(x_m), y(metres)), 1.4, SIMULATED)?;
-        }
+        field::draw_scale(self.page, subject, (bar.0, y - 3.0), (bar.1, y + 3.0))?;
+        self.text(&low, (bar.0 - 4.0, y), Anchor::Right, BLACK);
+        self.text(&high, (layout.right, y), Anchor::Right, BLACK);
         Ok(())
     }
 
-    /// Both axes of the envelope: round numbers, units, a frame.
-    fn scales(&self, top_m: f64, y: impl Fn(f64) -> f64) -> Result<(), DrawError> {
-        let (page, paper) = (self.page, self.paper);
-        let (low, high) = (page.envelope.1, page.envelope.0);
+    /// The plate from above with its wave.
+    fn plate(&mut self) -> Result<(), DrawError> {
+        let (plate, layout) = (&self.subject.setup.plate, self.layout);
+        field::draw_field(self.page, self.subject, layout)?;
+        // Both edges and the narrow end, which joins them.
+        let edges = layout.edge(plate, -1.0).chain(layout.edge(plate, 1.0).rev());
+        self.page.line(edges, Pen::solid(BLACK, 0.9));
+        // The driven end is a thick bar: this is where the actuator holds the plate.
+        let start = layout.half_width(plate.half_width_m(0.0));
+        let bar = (layout.left - 4.0, layout.left - 0.5);
+        self.page.fill((bar.0, layout.centre - start), (bar.1, layout.centre + start), WEAK);
+        self.text("drive", (layout.left - 8.0, layout.centre), Anchor::Right, BLACK);
+        let scale = if layout.is_to_scale { "to scale" } else { "width not to scale" };
+        self.text(scale, (layout.right, layout.plate.1 - 4.0), Anchor::Right, WEAK);
+        Ok(())
+    }
+
+    /// How far the plate moves at each x.
+    fn envelope(&mut self) {
+        let (subject, layout) = (self.subject, self.layout);
+        let predicted = &subject.predicted;
+        let top_m = envelope_top_m(predicted, subject.full_peak_m);
         let (unit, unit_m) = displacement_unit(top_m);
-        let ticks = Ticks::between(0.0, top_m / unit_m, top_m / unit_m / 6.0);
-        for &tick in &ticks.places {
-            let y = y(tick * unit_m);
-            if tick > 0.0 {
-                paper.line([(page.left, y), (page.right, y)], 0.4, GRID)?;
+        let axes = Axes {
+            across: (layout.left, layout.right),
+            down: layout.envelope,
+            x: (0.0, layout.length_m * 1e3),
+            y: (0.0, top_m / unit_m),
+            text: TEXT,
+        };
+        let at = |(x_m, metres): Place| axes.at((x_m * 1e3, metres / unit_m));
+        let x_m = |i: usize| predicted.length_m * i as f64 / (POINTS - 1) as f64;
+        let curve = |values: &[f64]| -> Vec<Place> {
+            values.iter().enumerate().map(|(i, &metres)| at((x_m(i), metres))).collect()
+        };
+        let bound = curve(&predicted.bound_m);
+        let below = [at((predicted.length_m, 0.0)), at((0.0, 0.0))];
+        axes.inside(self.page, |page| page.area(bound.iter().copied().chain(below), AREA));
+        axes.grid(self.page);
+        axes.inside(self.page, |page| {
+            page.line(bound, if subject.sounding.is_some() { PREDICTED } else { NOT_DRIVEN });
+            if predicted.tones.len() > 1 {
+                let rms: Vec<f64> =
+                    predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
+                page.line(curve(&rms), MEAN);
             }
-            paper.line([(page.left - 3.0, y), (page.left, y)], 0.6, BLACK)?;
-            paper.text(&ticks.label(tick), (page.left - 5.0, y), Anchor::Right, TEXT, BLACK)?;
-        }
-        paper.upward(&format!("displacement ({unit})"), (14.0, 0.5 * (low + high)))?;
-        let length_mm = page.length_m * 1e3;
-        let ticks = Ticks::between(0.0, length_mm, length_mm / 9.0);
-        for &tick in &ticks.places {
-            let x = page.x(tick * 1e-3);
-            paper.line([(x, low), (x, low + 3.0)], 0.6, BLACK)?;
-            paper.text(&ticks.label(tick), (x, low + 8.0), Anchor::Centre, TEXT, BLACK)?;
-        }
-        let middle = 0.5 * (page.left + page.right);
-        paper.text("x from the driven end (mm)", (middle, low + 19.0), Anchor::Centre, TEXT, BLACK)?;
-        let corners = [(page.left, high), (page.right, high), (page.right, low), (page.left, low)];
-        paper.line(corners.into_iter().chain([corners[0]]), 0.6, BLACK)
+            if let BoundaryMode::FeltEdge { threshold_m } = subject.setup.boundary {
+                page.line([at((0.0, threshold_m)), at((layout.length_m, threshold_m))], FELT);
+            }
+            for point in subject.measured.iter().flat_map(Measured::points) {
+                page.ring(at(point), RING, SIMULATED);
+            }
+        });
+        axes.frame(self.page, "x from the driven end (mm)", &format!("displacement ({unit})"));
     }
 
     /// A line through plate and envelope for every tone, with its number; with its figures where there is one tone.
-    fn boundaries(&self) -> Result<(), DrawError> {
-        let (subject, page, paper) = (self.subject, self.page, self.paper);
+    fn boundaries(&mut self) {
+        let (subject, layout) = (self.subject, self.layout);
         let setup = &subject.setup;
         let mut marks: Vec<(f64, String)> = Vec::new();
         for tone in &setup.tones {
             let shown_m = drawn_boundary_m(setup, tone, Some(subject.full_peak_m));
-            let x = page.x(shown_m);
-            paper.line([(x, page.plate.0), (x, page.envelope.1)], 0.9, BLACK)?;
+            let x = layout.x(shown_m);
+            self.page.line([(x, layout.plate.0), (x, layout.envelope.1)], BOUNDARY);
             let text = if setup.tones.len() > 1 {
                 (tone.slot + 1).to_string()
             } else {
@@ -258,54 +220,45 @@ impl Figure<'_, '_> {
         // A number that would lie on the one before stands over it.
         let mut taken = [f64::NEG_INFINITY; 2];
         for (x, text) in marks {
-            let half = 0.5 * paper::text_width(&text, TEXT)?;
-            let middle = x.clamp(page.left + half, (page.right - half).max(page.left + half));
+            let half = 0.5 * font::width(&text, TEXT);
+            let middle = x.clamp(layout.left + half, (layout.right - half).max(layout.left + half));
             let level = usize::from(taken[0] > middle - half);
             taken[level] = middle + half + 2.0;
-            let y = page.plate.0 - 6.0 - 8.0 * level as f64;
-            paper.text(&text, (middle, y), Anchor::Centre, TEXT, BLACK)?;
+            let y = layout.plate.0 - 6.0 - 8.0 * level as f64;
+            self.text(&text, (middle, y), Anchor::Centre, BLACK);
         }
-        Ok(())
     }
 
     /// What the lines are.
-    fn legend(&self) -> Result<(), DrawError> {
-        let (subject, page, paper) = (self.subject, self.page, self.paper);
-        let y = page.legend;
-        let mut x = page.left;
-        let mut entry = |text: &str, draw: &dyn Fn(f64) -> Result<(), DrawError>| -> Result<(), DrawError> {
-            draw(x)?;
-            paper.text(text, (x + 20.0, y), Anchor::Left, TEXT, BLACK)?;
-            x += 20.0 + paper::text_width(text, TEXT)? + 16.0;
-            Ok(())
-        };
-        let sample = |x: f64| [(x, y), (x + 16.0, y)];
+    fn legend(&mut self) {
+        let (subject, layout) = (self.subject, self.layout);
         let is_chord = subject.predicted.tones.len() > 1;
         let what = if is_chord { "largest, predicted" } else { "predicted" };
-        if subject.sounding.is_some() {
-            entry(what, &|x| paper.line(sample(x), 1.2, PREDICTED))?;
-        } else {
-            entry(&format!("{what}, not driven"), &|x| paper.dashed(sample(x), (4.0, 3.0), 1.2, PREDICTED))?;
-        }
+        let mut entries = vec![match subject.sounding {
+            Some(_) => (what.to_owned(), Sample::Line(PREDICTED)),
+            None => (format!("{what}, not driven"), Sample::Line(NOT_DRIVEN)),
+        }];
+        let mut entry = |name: &str, sample| entries.push((name.to_owned(), sample));
         if is_chord {
-            entry("mean of all tones", &|x| paper.dashed(sample(x), (2.0, 2.0), 0.8, WEAK))?;
+            entry("mean of all tones", Sample::Line(MEAN));
         }
         if subject.measured.is_some() {
-            entry("simulated plate", &|x| paper.ring((x + 8.0, y), 1.4, SIMULATED))?;
+            entry("simulated plate", Sample::Ring(SIMULATED, RING));
         }
         if let BoundaryMode::FeltEdge { .. } = subject.setup.boundary {
-            entry("just felt", &|x| paper.dashed(sample(x), (4.0, 3.0), 0.8, FELT))?;
+            entry("just felt", Sample::Line(FELT));
         }
-        entry("boundary", &|x| paper.line([(x + 8.0, y - 4.0), (x + 8.0, y + 4.0)], 0.9, BLACK))
+        entry("boundary", Sample::Upright(BOUNDARY));
+        legend(self.page, &entries, (layout.left, layout.legend), layout.right - layout.left, TEXT);
     }
 
     /// The tones in figures.
-    fn caption(&self) -> Result<(), DrawError> {
-        for (i, line) in self.page.caption.iter().enumerate() {
-            let place = (self.page.left, self.page.legend + (i as f64 + 1.0) * LINE + 2.0);
-            self.paper.text(line, place, Anchor::Left, TEXT, BLACK)?;
+    fn caption(&mut self) {
+        let layout = self.layout;
+        for (i, line) in layout.caption.iter().enumerate() {
+            let y = layout.legend + (i as f64 + 1.0) * row_height(TEXT) + 2.0;
+            self.text(line, (layout.left, y), Anchor::Left, BLACK);
         }
-        Ok(())
     }
 }
 

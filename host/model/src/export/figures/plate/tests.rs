@@ -1,5 +1,6 @@
-use super::paper::DPI;
+use super::layout::Layout;
 use super::*;
+use crate::export::figures::tests::look_over;
 use crate::field::steady_field::{SteadyTone, steady_tones};
 use std::sync::Arc;
 
@@ -18,9 +19,13 @@ fn subject(preset: &str) -> Subject {
     }
 }
 
+fn png(subject: &Subject) -> Vec<u8> {
+    plate_figure(subject).unwrap().file(Format::Png).unwrap()
+}
+
 /// The figure's pixels, as wide as high, and the dots per metre it names.
 fn drawn(subject: &Subject) -> (u32, u32, Vec<[u8; 3]>, u32) {
-    let file = png(subject).unwrap();
+    let file = png(subject);
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
     let mut data = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut data).unwrap();
@@ -31,7 +36,7 @@ fn drawn(subject: &Subject) -> (u32, u32, Vec<[u8; 3]>, u32) {
 
 /// Points on the paper as pixels.
 fn px(points: f64) -> u32 {
-    (points / 72.0 * DPI).round() as u32
+    (points / 72.0 * PRINT_DOTS_PER_INCH).round() as u32
 }
 
 #[test]
@@ -39,18 +44,18 @@ fn the_boundary_goes_through_plate_and_envelope_at_print_size() {
     let mut subject = subject("membrane");
     for place_m in [0.12, 0.21] {
         subject.setup.tones[0].position_m = place_m;
-        let page = Page::new(&subject).unwrap();
+        let layout = Layout::new(&subject);
         let (width, height, pixels, dots) = drawn(&subject);
         assert!((f64::from(width) / f64::from(dots) - 0.170).abs() < 2e-4 && dots == 11811);
         let is_dark = |x: u32, y: u32| pixels[(y * width + x) as usize].iter().all(|&channel| channel < 110);
         let dark = |x: u32, (from, to): (f64, f64)| (px(from)..px(to)).filter(|&y| is_dark(x, y)).count();
         let rows = |(from, to): (f64, f64)| (px(to) - px(from)) as usize;
-        let x = px(page.x(place_m));
-        for part in [page.plate, page.envelope] {
+        let x = px(layout.x(place_m));
+        for part in [layout.plate, layout.envelope] {
             assert!(dark(x, part) * 10 > rows(part) * 9, "{place_m}");
             assert!(dark(x + 40, part) * 4 < rows(part), "{place_m}: beside the line");
         }
-        assert!(page.size().1 < f64::from(height) / f64::from(dots) * 72.0 / 0.0254 + 1.0);
+        assert!(layout.size().1 < f64::from(height) / f64::from(dots) * 72.0 / 0.0254 + 1.0);
     }
 }
 
@@ -60,24 +65,26 @@ fn the_plate_is_coloured_where_it_moves_and_the_envelope_has_its_line() {
     let rest = Subject { sounding: None, ..driven.clone() };
     let count = |subject: &Subject, (from, to): (f64, f64), is_it: fn(&[u8; 3]) -> bool| {
         let (width, _, pixels, _) = drawn(subject);
-        let page = Page::new(subject).unwrap();
+        let layout = Layout::new(subject);
         (px(from)..px(to))
-            .flat_map(|y| (px(page.left)..px(page.right)).map(move |x| (y * width + x) as usize))
+            .flat_map(|y| (px(layout.left)..px(layout.right)).map(move |x| (y * width + x) as usize))
             .filter(|&i| is_it(&pixels[i]))
             .count()
     };
-    let page = Page::new(&driven).unwrap();
+    let layout = Layout::new(&driven);
     let orange: fn(&[u8; 3]) -> bool = |p| p[0] > p[2].saturating_add(60);
-    assert!(count(&driven, page.plate, orange) > 1000);
-    assert_eq!(count(&rest, page.plate, orange), 0);
+    assert!(count(&driven, layout.plate, orange) > 1000);
+    assert_eq!(count(&rest, layout.plate, orange), 0);
     let blue: fn(&[u8; 3]) -> bool = |p| p[0] < 60 && (85..150).contains(&p[1]) && p[2] > 140;
-    assert!(count(&driven, page.envelope, blue) > 1000);
+    assert!(count(&driven, layout.envelope, blue) > 1000);
 }
 
 #[test]
 fn sixteen_tones_and_every_preset_can_be_drawn() {
     for preset in slipline_plate::presets() {
-        assert!(png(&subject(preset.name)).unwrap().len() > 10_000, "{}", preset.name);
+        let subject = subject(preset.name);
+        look_over(&plate_figure(&subject).unwrap());
+        assert!(png(&subject).len() > 10_000, "{}", preset.name);
     }
     let mut subject = subject("membrane");
     let first = subject.setup.tones[0];
@@ -88,9 +95,10 @@ fn sixteen_tones_and_every_preset_can_be_drawn() {
     subject.setup.boundary = BoundaryMode::FeltEdge { threshold_m: 1e-6 };
     let tones: Vec<SteadyTone> = steady_tones(&subject.setup, 1e-4);
     subject.predicted = Picture::solve(&subject.setup.plate, &tones);
-    let page = Page::new(&subject).unwrap();
-    let caption = page.caption.join(" ");
-    assert!(page.caption.len() > 4 && caption.contains("16: boundary"), "{:?}", page.caption);
+    let layout = Layout::new(&subject);
+    let caption = layout.caption.join(" ");
+    assert!(layout.caption.len() > 4 && caption.contains("16: boundary"), "{:?}", layout.caption);
     assert!(caption.contains("1.00 µm is just felt"), "{caption}");
-    png(&subject).unwrap();
+    look_over(&plate_figure(&subject).unwrap());
+    png(&subject);
 }

@@ -1,24 +1,28 @@
 //! Where the parts of the figure stand, in points from the left and the top, and the words under it.
 
-use super::DrawError;
+use super::super::axes::Axes;
+use super::super::legend::row_height;
+use super::super::page::Place;
+use super::super::plot::TEXT;
+use super::super::{PRINT_WIDTH, font};
 use super::Subject;
-use super::paper::{LINE, TEXT, text_width};
 use crate::field::steady_field::drawn_boundary_m;
 use crate::numbers::quantity::{show_frequency, show_length, show_place};
 use crate::numbers::ticks;
 use crate::setup::{BoundaryMode, Setup};
+use slipline_plate::Plate;
 
-/// Width of the figure: 170 mm, the text width of a page of A4.
-pub(super) const WIDTH: f64 = 170.0 / 25.4 * 72.0;
 /// Room left of the axis for its numbers and name, and right of it for half a number.
 const MARGIN: (f64, f64) = (50.0, 16.0);
 /// Least and greatest height of the plate.
 const PLATE: (f64, f64) = (48.0, 170.0);
+/// Pieces of an edge of the plate.
+const EDGE: i32 = 400;
 /// Height of the envelope.
 const ENVELOPE: f64 = 150.0;
 
-/// The layout.
-pub(super) struct Page {
+/// Where the parts of the figure stand.
+pub(super) struct Layout {
     /// Left and right end of the plate.
     pub(super) left: f64,
     pub(super) right: f64,
@@ -42,10 +46,10 @@ pub(super) struct Page {
     across: f64,
 }
 
-impl Page {
-    pub(super) fn new(subject: &Subject) -> Result<Self, DrawError> {
+impl Layout {
+    pub(super) fn new(subject: &Subject) -> Self {
         let plate = &subject.setup.plate;
-        let (left, right) = (MARGIN.0, WIDTH - MARGIN.1);
+        let (left, right) = (MARGIN.0, PRINT_WIDTH - MARGIN.1);
         let along = (right - left) / plate.length_m();
         let width_m = 2.0 * plate.half_width_m(0.0);
         let room = (width_m * along + 8.0).clamp(PLATE.0, PLATE.1);
@@ -55,8 +59,9 @@ impl Page {
         let top = colours + 24.0;
         let high = top + room + 10.0;
         let envelope = (high, high + ENVELOPE);
-        let caption = lines(&caption(&subject.setup, subject.full_peak_m), right - left)?;
-        Ok(Self {
+        let caption = caption(&subject.setup, subject.full_peak_m);
+        let caption = font::joined(caption.iter().map(String::as_str), "  ", TEXT, right - left);
+        Self {
             left,
             right,
             title,
@@ -64,22 +69,30 @@ impl Page {
             plate: (top, top + room),
             centre: top + 0.5 * room,
             envelope,
-            legend: envelope.1 + 34.0,
+            legend: envelope.1 + Axes::bottom_room(TEXT) + 8.0,
             caption,
             length_m: plate.length_m(),
             is_to_scale,
             across,
-        })
+        }
     }
 
     /// Width and height of the whole.
     pub(super) fn size(&self) -> (f64, f64) {
-        (WIDTH, self.legend + (self.caption.len() as f64 + 1.0) * LINE + 4.0)
+        (PRINT_WIDTH, self.legend + (self.caption.len() as f64 + 1.0) * row_height(TEXT) + 4.0)
     }
 
     /// Where a place on the plate is.
     pub(super) fn x(&self, x_m: f64) -> f64 {
         self.left + x_m / self.length_m * (self.right - self.left)
+    }
+
+    /// An edge of the plate from its driven end: the upper one for a side of -1, the lower one for 1.
+    pub(super) fn edge(&self, plate: &Plate, side: f64) -> impl DoubleEndedIterator<Item = Place> {
+        (0..=EDGE).map(move |i| {
+            let x_m = plate.length_m() * f64::from(i) / f64::from(EDGE);
+            (self.x(x_m), self.centre + side * self.half_width(plate.half_width_m(x_m)))
+        })
     }
 
     /// A half-width in metres as it is drawn.
@@ -110,19 +123,4 @@ fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
     phrases.push(format!("Master level {} dB.", ticks::label(setup.master_db, 0.1)));
     phrases.push(format!("Level 1 peaks at {}.", show_length(full_peak_m)));
     phrases
-}
-
-/// As many phrases in a line as fit its width in points.
-fn lines(phrases: &[String], width: f64) -> Result<Vec<String>, DrawError> {
-    let mut lines: Vec<String> = Vec::new();
-    for phrase in phrases {
-        match lines.last_mut() {
-            Some(line) if text_width(&format!("{line}  {phrase}"), TEXT)? <= width => {
-                line.push_str("  ");
-                line.push_str(phrase);
-            }
-            _ => lines.push(phrase.clone()),
-        }
-    }
-    Ok(lines)
 }

@@ -1,0 +1,139 @@
+//! A finished figure: SVG text for papers, and pixels painted from it.
+
+use super::font;
+use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{self, Options, Tree};
+use std::path::Path;
+use thiserror::Error;
+
+/// Points per inch: the unit of a page.
+const POINTS_PER_INCH: f64 = 72.0;
+
+/// Why a drawing could not be painted.
+#[derive(Debug, Error)]
+pub enum DrawError {
+    /// The renderer cannot read it.
+    #[error("the figure could not be painted: {0}")]
+    Svg(#[from] usvg::Error),
+    /// It has more pixels than fit into memory, or none.
+    #[error("the figure could not be painted: {0} x {1} pixels are not possible")]
+    Size(u32, u32),
+    /// The PNG writer refused.
+    #[error("the picture could not be encoded: {0}")]
+    Png(#[from] png::EncodingError),
+}
+
+/// A kind of file that a figure is written as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Vectors, with text left as text: for papers.
+    Svg,
+    /// Pixels.
+    Png,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Self; 2] = [Self::Svg, Self::Png];
+
+    /// The format that a file's ending names, in capitals or not; `None` for any other ending.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?;
+        Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.extension()))
+    }
+
+    /// The ending of its files, without the dot.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Png => "png",
+        }
+    }
+}
+
+/// A finished figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    svg: String,
+    dots_per_inch: f64,
+}
+
+impl Drawing {
+    pub(super) const fn new(svg: String, dots_per_inch: f64) -> Self {
+        Self { svg, dots_per_inch }
+    }
+
+    /// The figure as an SVG file.
+    #[must_use]
+    pub fn svg(&self) -> &str {
+        &self.svg
+    }
+
+    /// The figure as a file of this format.
+    ///
+    /// # Errors
+    /// [`DrawError`] when the renderer or the encoder refuses.
+    pub fn file(&self, format: Format) -> Result<Vec<u8>, DrawError> {
+        match format {
+            Format::Svg => Ok(self.svg.clone().into_bytes()),
+            Format::Png => png(&self.svg, self.dots_per_inch),
+        }
+    }
+}
+
+/// Paints an SVG file at this many dots per inch, as a PNG file.
+fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
+    let tree = parsed(svg)?;
+    let scale = dots_per_inch / POINTS_PER_INCH;
+    let dots = |points: f32| (f64::from(points) * scale).round() as u32;
+    let (width, height) = (dots(tree.size().width()), dots(tree.size().height()));
+    let mut pixels = Pixmap::new(width, height).ok_or(DrawError::Size(width, height))?;
+    let scale = scale as f32;
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    let rgba: Vec<[u8; 4]> = pixels
+        .pixels()
+        .iter()
+        .map(|pixel| pixel.demultiply())
+        .map(|colour| [colour.red(), colour.green(), colour.blue(), colour.alpha()])
+        .collect();
+    encode((width, height), &rgba, Some(dots_per_inch))
+}
+
+/// What the renderer reads in an SVG file, in points.
+pub(super) fn parsed(svg: &str) -> Result<Tree, usvg::Error> {
+    let options = Options { dpi: POINTS_PER_INCH as f32, fontdb: font::database(), ..Options::default() };
+    Tree::from_str(svg, &options)
+}
+
+/// Pixels as a PNG file: red, green, blue and opacity of `width` x `height` of them, row by row from the top left,
+/// colours not multiplied by the opacity. `dots_per_inch` tells how large they are printed.
+///
+/// # Errors
+/// [`DrawError::Png`], what the encoder says: a picture of no size and pixels of another number are such cases.
+pub fn encode(
+    (width, height): (u32, u32),
+    rgba: &[[u8; 4]],
+    dots_per_inch: Option<f64>,
+) -> Result<Vec<u8>, DrawError> {
+    let mut file = Vec::new();
+    let mut encoder = Encoder::new(&mut file, width, height);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_pixel_dims(dots_per_inch.map(|dots_per_inch| {
+        let dots_per_m = (dots_per_inch / 0.0254).round() as u32;
+        PixelDimensions { xppu: dots_per_m, yppu: dots_per_m, unit: Unit::Meter }
+    }));
+    let is_opaque = rgba.iter().all(|pixel| pixel[3] == u8::MAX);
+    encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
+    let mut writer = encoder.write_header()?;
+    if is_opaque {
+        let rgb: Vec<u8> = rgba.iter().flat_map(|&[red, green, blue, _]| [red, green, blue]).collect();
+        writer.write_image_data(&rgb)?;
+    } else {
+        writer.write_image_data(rgba.as_flattened())?;
+    }
+    writer.finish()?;
+    Ok(file)
+}

@@ -1,0 +1,99 @@
+//! The font of the figures. It comes along with the program, so that pictures look alike on every machine, with no
+//! font installed.
+
+use resvg::usvg::fontdb::Database;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::{FontRef, MetadataProvider as _};
+use std::sync::{Arc, OnceLock};
+
+/// The families that a figure names, the best first: where Ubuntu is not installed, another font takes its place.
+pub(super) const FAMILIES: &str = "Ubuntu, Ubuntu Light, sans-serif";
+/// The weight that a figure names.
+pub(super) const WEIGHT: u16 = 300;
+
+/// The width of a letter that the font does not have, over the text's size.
+const UNKNOWN: f32 = 1.0;
+
+/// The fonts that letters are taken from, one after the other: the second has letters that the first lacks.
+const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
+
+/// The fonts, for the renderer.
+pub(super) fn database() -> Arc<Database> {
+    static DATABASE: OnceLock<Arc<Database>> = OnceLock::new();
+    let made = || {
+        let mut database = Database::new();
+        for font in FONTS {
+            database.load_font_data(font.to_vec());
+        }
+        // Every text finds a font, whatever family it names.
+        database.set_sans_serif_family("Ubuntu");
+        database.set_serif_family("Ubuntu");
+        Arc::new(database)
+    };
+    Arc::clone(DATABASE.get_or_init(made))
+}
+
+/// How wide a text of this size is, in the unit of the size.
+pub(super) fn width(text: &str, size: f64) -> f64 {
+    static FACES: OnceLock<Vec<FontRef<'static>>> = OnceLock::new();
+    let faces = FACES.get_or_init(|| FONTS.iter().filter_map(|font| FontRef::new(font).ok()).collect());
+    let advance = |letter: char| {
+        let of_face = |face: &FontRef<'static>| {
+            let glyph = face.charmap().map(letter)?;
+            // Measured at size 1, in shares of the size.
+            face.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
+        };
+        f64::from(faces.iter().find_map(of_face).unwrap_or(UNKNOWN))
+    };
+    size * text.chars().map(advance).sum::<f64>()
+}
+
+/// Breaks text into lines no wider than `room`; a word that is wider stands alone.
+pub(super) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
+    joined(text.split_whitespace(), " ", size, room)
+}
+
+/// As many phrases in a line, with `gap` between them, as fit into `room`; no phrase is broken.
+pub(super) fn joined<'a>(
+    phrases: impl IntoIterator<Item = &'a str>,
+    gap: &str,
+    size: f64,
+    room: f64,
+) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for phrase in phrases {
+        match lines.last_mut() {
+            Some(line) if width(&format!("{line}{gap}{phrase}"), size) <= room => {
+                line.push_str(gap);
+                line.push_str(phrase);
+            }
+            _ => lines.push(phrase.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_broken_between_words_and_loses_none() {
+        let text = "a plate that narrows carries a wave";
+        let room = width("a plate that", 8.0);
+        let lines = wrapped(text, 8.0, room);
+        assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 8.0) <= room), "{lines:?}");
+        assert_eq!(lines.join(" "), text);
+        assert_eq!(wrapped("unbreakable", 8.0, 3.0), ["unbreakable"]);
+        assert!(wrapped("", 8.0, 3.0).is_empty());
+    }
+
+    #[test]
+    fn widths_are_the_fonts_own() {
+        assert_eq!(database().faces().count(), FONTS.len());
+        assert!(width("W", 10.0) > 2.0 * width("i", 10.0) && width("i", 10.0) > 1.0);
+        assert!((width("wave", 20.0) - 2.0 * width("wave", 10.0)).abs() < 1e-9);
+        // A letter that no font has takes room all the same.
+        assert_eq!(width("\u{10ffff}", 8.0), 8.0);
+    }
+}

@@ -1,0 +1,43 @@
+//! The amplitude along the plate at one frequency, over the drive's.
+
+use super::drawing::Drawing;
+use super::legend::Sample;
+use super::page::{HUES, Pen};
+use super::plot::{Curve, Plot, TEXT, Upright};
+use crate::numbers::quantity::{show_frequency, show_place};
+use slipline_plate::Response;
+
+/// Most points of the curve: twice the dots that the picture is wide.
+const MOST: usize = 4001;
+
+/// Draws what the plate with this name answers.
+#[must_use]
+pub fn response_figure(response: &Response, plate: &str) -> Drawing {
+    let places_mm = response.position_m.iter().map(|x_m| x_m * 1e3);
+    let amplitudes = response.amplitude.iter().map(|amplitude| amplitude.norm());
+    let step = response.position_m.len().div_ceil(MOST).max(1);
+    let highest = amplitudes.clone().fold(0.0, f64::max);
+    let length_mm = places_mm.clone().last().unwrap_or(1.0);
+    let peak_m = response.peak.map(|peak| peak.position_m);
+    let marked = [("turning point", Some(response.turning_point_m), 1), ("peak", peak_m, 4)];
+    let uprights = marked.into_iter().filter_map(|(name, place_m, hue)| {
+        // A wave that reaches the plate's end turns beyond it.
+        let place_m = place_m.filter(|place_m| place_m * 1e3 <= length_mm)?;
+        let name = Some(format!("{name} {}", show_place(place_m)));
+        Some(Upright { name, x: place_m * 1e3, pen: Pen::solid(HUES[hue], 0.8) })
+    });
+    let plot = Plot {
+        x: (0.0, length_mm),
+        y: (0.0, if highest > 0.0 { 1.08 * highest } else { 1.0 }),
+        x_name: "x from the driven end (mm)",
+        y_name: "amplitude / drive",
+        curves: vec![Curve {
+            name: Some("amplitude".to_owned()),
+            sample: Sample::Line(Pen::solid(HUES[0], 1.0)),
+            points: places_mm.zip(amplitudes).step_by(step).collect(),
+        }],
+        uprights: uprights.collect(),
+        text: TEXT,
+    };
+    plot.printed(&format!("{plate} at {}", show_frequency(response.frequency_hz)))
+}

@@ -1,0 +1,56 @@
+//! A figure's file on the command line: its ending says what is written.
+
+use super::Failure;
+use super::destination::{Destination, ForceArgument};
+use slipline_model::disk::is_stream;
+use slipline_model::export::figures::{Drawing, Format};
+use std::path::PathBuf;
+
+/// Where a figure goes, and as what.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FigureFile {
+    path: PathBuf,
+    format: Format,
+}
+
+/// A file whose ending names its format. A pipe or a device, which has none, gets a PNG file.
+pub(super) fn figure_file(text: &str) -> Result<FigureFile, String> {
+    let path = PathBuf::from(text);
+    let format = match Format::of(&path) {
+        Some(format) => format,
+        None if is_stream(&path) => Format::Png,
+        None => return Err("must end in .svg or .png".to_owned()),
+    };
+    Ok(FigureFile { path, format })
+}
+
+impl FigureFile {
+    /// The file, looked at before the work begins.
+    pub(super) fn destination(&self, may_replace: ForceArgument) -> Result<Destination, Failure> {
+        Destination::new(&self.path, may_replace)
+    }
+
+    /// Writes the figure there.
+    pub(super) fn write(&self, destination: &Destination, drawing: &Drawing) -> Result<(), Failure> {
+        let file = drawing.file(self.format).map_err(Failure::failed)?;
+        destination.write(|out| Ok(std::io::Write::write_all(out, &file)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ending_names_the_format_and_others_are_refused() {
+        let format = |text| figure_file(text).map(|file| file.format);
+        assert_eq!(format("a.svg"), Ok(Format::Svg));
+        assert_eq!(format("b/A.SVG"), Ok(Format::Svg));
+        assert_eq!(format("a.b.png"), Ok(Format::Png));
+        for text in ["a.pdf", "svg", ".png", "a.svg.gz", "a.", ""] {
+            assert_eq!(format(text), Err("must end in .svg or .png".to_owned()), "{text}");
+        }
+        #[cfg(unix)]
+        assert_eq!(format("/dev/null"), Ok(Format::Png));
+    }
+}

@@ -1,0 +1,67 @@
+//! Figures: SVG or PNG by the file's ending.
+
+use super::{failure, file, json, slipline};
+use resvg::usvg::roxmltree;
+
+/// The texts of a figure, and whether it is well-formed.
+fn texts(svg: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).unwrap();
+    let texts = document.descendants().filter(|node| node.tag_name().name() == "text");
+    texts.filter_map(|node| node.text()).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_figure_of_the_paper_is_written_as_vectors_as_a_picture_and_as_numbers() {
+    let folder = file("paper");
+    let out = folder.to_str().unwrap();
+    let written = json(&["figures", "--out", out]);
+    let written = written["figures"].as_array().unwrap();
+    assert_eq!(written.len(), 6);
+    let read = |path: &serde_json::Value| std::fs::read(path.as_str().unwrap()).unwrap();
+    for figure in written {
+        let name = format!("Fig. {}", figure["number"]);
+        let csv = String::from_utf8(read(&figure["csv"])).unwrap();
+        assert!(csv.starts_with(&format!("# {name}")), "{csv:.40}");
+        assert!(read(&figure["png"]).starts_with(b"\x89PNG"));
+        let told = texts(&String::from_utf8(read(&figure["svg"])).unwrap());
+        assert!(told[0].starts_with(&name) && told.iter().any(|text| text == "corrected"), "{told:?}");
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 18);
+    std::fs::remove_dir_all(&folder).unwrap();
+
+    let in_the_way = file("no-folder");
+    std::fs::write(&in_the_way, "mine").unwrap();
+    let message = failure(&["figures", "--out", in_the_way.join("figures").to_str().unwrap()], 1);
+    assert!(message.contains("no-folder"), "{message}");
+    std::fs::remove_file(in_the_way).unwrap();
+}
+
+#[test]
+fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
+    let simulate = ["simulate", "--plate", "membrane", "--boundary", "120mm", "--figure"];
+    let respond = ["respond", "--plate", "membrane", "--freq", "126Hz", "--figure"];
+    for (name, command) in [("envelope", &simulate[..]), ("response", &respond[..])] {
+        let (svg, png, pdf) = (format!("{name}.svg"), format!("{name}.PNG"), format!("{name}.pdf"));
+        let write = |name: &str| {
+            let path = file(name);
+            let output = slipline(&[command, &[path.to_str().unwrap()]].concat());
+            assert_eq!(output.status.code(), Some(0), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+            let bytes = std::fs::read(&path).unwrap();
+            std::fs::remove_file(path).unwrap();
+            bytes
+        };
+        let told = texts(&String::from_utf8(write(&svg)).unwrap());
+        assert!(told[0].contains("membrane"), "{told:?}");
+        assert!(told.iter().any(|text| text == "x from the driven end (mm)"), "{told:?}");
+        assert!(write(&png).starts_with(b"\x89PNG"));
+        let path = file(&pdf);
+        let message = failure(&[command, &[path.to_str().unwrap()]].concat(), 2);
+        assert!(message.contains("--figure <F>") && message.contains(".svg or .png"), "{message}");
+        assert!(!path.exists());
+    }
+    // The option's first name; and two kinds of file are never written into one.
+    let path = file("both.svg");
+    let path = path.to_str().unwrap();
+    let both = [&simulate[..5], &["--png", path, "--csv", path]].concat();
+    assert!(failure(&both, 2).contains("--csv and --figure name the same file"));
+}
