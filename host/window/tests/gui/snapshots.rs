@@ -1,6 +1,6 @@
 //! How the window looks, in light and dark, against pictures that were looked at.
 //!
-//! `SLIPLINE_BLESS=1 cargo test -p slipline --test gui` takes the present look as right.
+//! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui` takes the present look as right.
 
 use crate::background::{open_page, open_plate};
 use crate::bench::Bench;
