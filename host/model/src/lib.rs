@@ -19,6 +19,10 @@ pub mod disk;
 pub mod export;
 pub mod field;
 pub mod jobs;
-pub mod numbers;
+pub mod numbers {
+    //! Numbers with units, as the plate crate reads and writes them.
+
+    pub use slipline_plate::quantity::{self, ticks};
+}
 pub mod setup;
 pub mod waveform;

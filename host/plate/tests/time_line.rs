@@ -2,6 +2,7 @@
 //! plates nobody chose.
 
 use proptest::prelude::*;
+use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{
     Actuator, Bending, Complex64, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec, Taper,
     TimeDomainLine, preset, presets, respond,
@@ -186,8 +187,8 @@ fn a_line_that_cannot_be_made_says_why() {
     assert_eq!(fault(50e3, 64, 1).to_string(), told);
     assert_eq!(DriveTable::build(&plate, 50e3, 5).expect_err("the same rule").to_string(), told);
     assert!(matches!(fault(f64::NAN, 64, 1), LineError::SampleRate { .. }));
-    assert!(matches!(fault(400e3, 4, 1), LineError::Points { .. }));
-    assert!(matches!(fault(400e3, 64, 0), LineError::Mode { .. }));
+    assert!(matches!(fault(400e3, 4, 1), LineError::OutOfRange(OutOfRange { field: "points", .. })));
+    assert!(matches!(fault(400e3, 64, 0), LineError::OutOfRange(OutOfRange { field: "width mode", .. })));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What a plate is used with, as far as the checks ask.
 
 use super::error::{CheckError, on_plate};
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 
 /// What the plate is used with.
@@ -24,10 +25,7 @@ impl Default for Conditions {
 
 impl Conditions {
     pub(super) fn validate(&self, plate: &Plate) -> Result<(), CheckError> {
-        let level = self.level;
-        if !(0.0..=1.0).contains(&level) {
-            return Err(CheckError::Level { level });
-        }
+        OutOfRange::check("level", self.level, Range::new(0.0, 1.0, "")).map_err(CheckError::Level)?;
         for &boundary_m in &self.other_boundaries_m {
             on_plate(plate, "other boundary", boundary_m)?;
         }

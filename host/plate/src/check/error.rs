@@ -1,6 +1,7 @@
 //! Why a plate could not be checked.
 
 use crate::progress::Stopped;
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::limits;
 use crate::spec::plate::Plate;
 use crate::table::error::TableError;
@@ -9,24 +10,12 @@ use thiserror::Error;
 /// Why a plate could not be checked.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CheckError {
-    /// A boundary is not on the plate.
-    #[error("{field} = {boundary_m} m: must be {low} to {high} m, on the plate")]
-    Boundary {
-        /// Which one: `boundary` or `other boundary`.
-        field: &'static str,
-        /// The boundary that was asked for, metres.
-        boundary_m: f64,
-        /// Nearest allowed, metres.
-        low: f64,
-        /// Farthest allowed, metres.
-        high: f64,
-    },
-    /// The level is no level.
-    #[error("level = {level}: must be 0 to 1")]
-    Level {
-        /// The level that was given.
-        level: f64,
-    },
+    /// The boundary, or another tone's, is not on the plate.
+    #[error("{0}, on the plate")]
+    Boundary(OutOfRange),
+    /// The level is not between 0 and 1.
+    #[error(transparent)]
+    Level(OutOfRange),
     /// The plate cannot be driven at this sample rate.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -37,9 +26,6 @@ pub enum CheckError {
 
 /// Refuses a boundary that is not on the plate.
 pub(super) fn on_plate(plate: &Plate, field: &'static str, boundary_m: f64) -> Result<(), CheckError> {
-    let (low, high) = (limits::span_start(plate.length_m()).low, plate.length_m());
-    if (low..=high).contains(&boundary_m) {
-        return Ok(());
-    }
-    Err(CheckError::Boundary { field, boundary_m, low, high })
+    let range = Range { high: plate.length_m(), ..limits::span_start(plate.length_m()) };
+    OutOfRange::check(field, boundary_m, range).map_err(CheckError::Boundary)
 }

@@ -3,7 +3,7 @@
 //! Handbook values at room temperature; the loss factors are illustrative, because mounting and glue often lose more
 //! than the material. Measure two boundaries on the plate you built and calibrate.
 
-use crate::quantity::suggestion::hint;
+use crate::quantity::hint;
 use crate::spec::error::PlateError;
 use crate::spec::limits;
 use serde::Serialize;

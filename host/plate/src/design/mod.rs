@@ -17,7 +17,7 @@ mod request;
 mod svg;
 
 use crate::check::{loss_integral, thresholds, wavelengths};
-use crate::quantity::range::Range;
+use crate::quantity::Range;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::limits;

@@ -12,6 +12,7 @@
 use crate::frequency::error::RespondError;
 use crate::frequency::numerov::{EndCondition, end_condition};
 use crate::frequency::respond::POINTS_MIN;
+use crate::quantity::OutOfRange;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use nalgebra::{DMatrix, DVector};
@@ -51,12 +52,8 @@ pub fn respond_coupled(
     points: usize,
     modes: usize,
 ) -> Result<Option<CoupledResponse>, RespondError> {
-    if !(POINTS_MIN..=COUPLED_POINTS_MAX).contains(&points) {
-        return Err(RespondError::Points { points, low: POINTS_MIN, high: COUPLED_POINTS_MAX });
-    }
-    if !(1..=COUPLED_MODES_MAX).contains(&modes) {
-        return Err(RespondError::Modes { modes, low: 1, high: COUPLED_MODES_MAX });
-    }
+    OutOfRange::check_count("points", points, POINTS_MIN..=COUPLED_POINTS_MAX)?;
+    OutOfRange::check_count("modes", modes, 1..=COUPLED_MODES_MAX)?;
     if plate.turning_point_m(frequency_hz).is_none() {
         return Err(RespondError::cannot_enter(plate, frequency_hz));
     }
@@ -193,8 +190,14 @@ mod tests {
     #[test]
     fn what_cannot_be_coupled_is_refused_or_left_out() {
         let plate = preset("membrane").expect("a preset");
-        assert!(matches!(respond_coupled(&plate, 150.0, 2001, 0), Err(RespondError::Modes { .. })));
-        assert!(matches!(respond_coupled(&plate, 150.0, 2, 3), Err(RespondError::Points { .. })));
+        assert!(matches!(
+            respond_coupled(&plate, 150.0, 2001, 0),
+            Err(RespondError::OutOfRange(OutOfRange { field: "modes", .. }))
+        ));
+        assert!(matches!(
+            respond_coupled(&plate, 150.0, 2, 3),
+            Err(RespondError::OutOfRange(OutOfRange { field: "points", .. }))
+        ));
         assert!(matches!(respond_coupled(&plate, 20.0, 2001, 3), Err(RespondError::CannotEnter { .. })));
         let mut spec = preset("al-bending").expect("a preset").spec().clone();
         spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());

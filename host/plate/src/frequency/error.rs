@@ -1,7 +1,7 @@
 //! Why the plate has no amplitude at a frequency.
 
 use crate::quantity::number_format::{at_least, at_most, typed};
-use crate::quantity::range::Range;
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 use thiserror::Error;
 
@@ -21,39 +21,20 @@ pub enum RespondError {
         /// Lowest frequency that enters, Hz.
         cut_off_hz: f64,
     },
-    /// The frequency is absurd.
-    #[error("frequency = {} Hz: must be {} for this plate", typed(*.frequency_hz), Range::new(*.low, *.high, "Hz"))]
-    Frequency {
-        /// The frequency that was asked for, Hz.
-        frequency_hz: f64,
-        /// Lowest allowed, Hz.
-        low: f64,
-        /// Highest allowed, Hz.
-        high: f64,
-    },
-    /// The number of points is not usable.
-    #[error("points = {points}: must be {low} to {high}")]
-    Points {
-        /// The number that was asked for.
-        points: usize,
-        /// Fewest.
-        low: usize,
-        /// Most.
-        high: usize,
-    },
-    /// The number of width modes is not usable.
-    #[error("modes = {modes}: must be {low} to {high}")]
-    Modes {
-        /// The number that was asked for.
-        modes: usize,
-        /// Fewest.
-        low: usize,
-        /// Most.
-        high: usize,
-    },
+    /// The frequency is too low, too high or not a number.
+    #[error("{0} for this plate")]
+    Frequency(OutOfRange),
+    /// The number of points or of width modes is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
 }
 
 impl RespondError {
+    pub(crate) fn frequency(frequency_hz: f64, low_hz: f64, high_hz: f64) -> Self {
+        let range = Range::new(low_hz, high_hz, "Hz");
+        Self::Frequency(OutOfRange { field: "frequency", value: frequency_hz, range })
+    }
+
     pub(crate) fn cannot_enter(plate: &Plate, frequency_hz: f64) -> Self {
         Self::CannotEnter { plate: plate.name().to_owned(), frequency_hz, cut_off_hz: plate.cut_off_hz() }
     }

@@ -4,7 +4,7 @@ use super::equation::Equation;
 use super::error::RespondError;
 use super::numerov::{self, Grid};
 use super::peak::{self, Peak};
-use crate::quantity::range::Range;
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::limits::FREQUENCY;
 use crate::spec::plate::Plate;
 use num_complex::Complex64;
@@ -86,9 +86,7 @@ pub fn respond_range(plate: &Plate) -> Range {
 }
 
 fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondError> {
-    if !(POINTS_MIN..=POINTS_MAX).contains(&points) {
-        return Err(RespondError::Points { points, low: POINTS_MIN, high: POINTS_MAX });
-    }
+    OutOfRange::check_count("points", points, POINTS_MIN..=POINTS_MAX)?;
     let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
     let cannot_enter = || RespondError::cannot_enter(plate, frequency_hz);
     let low = FREQUENCY.low.min(cut_off_hz);
@@ -96,7 +94,7 @@ fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondE
         return Err(if frequency_hz < low && frequency_hz > 0.0 {
             cannot_enter()
         } else {
-            RespondError::Frequency { frequency_hz, low: cut_off_hz, high }
+            RespondError::frequency(frequency_hz, cut_off_hz, high)
         });
     }
     if plate.turning_point_m(frequency_hz).is_none() {

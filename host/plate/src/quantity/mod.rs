@@ -1,10 +1,25 @@
-//! Numbers and names as a person types and reads them.
+//! The one home of numbers and names that people type and read.
+//!
+//! ```text
+//! text "12,5 cm" -> parse -> 0.125 (SI) -> Range::contains -> used
+//!                     |                          |
+//!                     +-> QuantityError          +-> OutOfRange, or a plate's error: field, value, range
+//!                                                      |
+//! number -> number_format, display, ticks -> text <- refusal: one wording, in the notation of who shows it
+//! a mistyped name -> suggestion -> the name that was probably meant
+//! ```
 
-pub mod notation;
+mod display;
 pub mod number_format;
-pub mod range;
-pub(crate) mod suggestion;
+mod parse;
+mod range;
+pub(crate) mod refusal;
+mod suggestion;
+pub mod ticks;
 
-pub use notation::Notation;
+pub use display::{Measure, show_frequency, show_length, show_place, show_range, show_si};
+pub use parse::{PlaceOrFrequency, frequency_hz, length_m, place_or_frequency, plain, time_s};
 pub use range::{Count, Counted, Range};
+pub use refusal::{Notation, OutOfRange, QuantityError};
+pub(crate) use suggestion::hint;
 pub use suggestion::nearest;

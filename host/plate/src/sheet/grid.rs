@@ -1,5 +1,6 @@
 //! The grid of a sheet as it is asked for: how fine, how driven, what is recorded, and what is refused.
 
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::FRAC_PI_2;
@@ -95,10 +96,7 @@ impl SheetGrid {
 
     pub(super) fn validate(&self, sample_rate_hz: f64) -> Result<(), SheetError> {
         let within = |field: &'static str, value: f64, low: f64, high: f64| {
-            if value >= low && value <= high {
-                return Ok(());
-            }
-            Err(SheetError::OutOfRange { field, value, low, high })
+            OutOfRange::check(field, value, Range::new(low, high, ""))
         };
         within("sample_rate_hz", sample_rate_hz, 1000.0, SAMPLE_RATE_MAX_HZ)?;
         within("along", self.along as f64, 16.0, 16384.0)?;
@@ -126,18 +124,9 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
-    /// A number is outside its range (or not a number).
-    #[error("{field} = {value}: must be {low} to {high}")]
-    OutOfRange {
-        /// The field of [`SheetGrid`], or `sample_rate_hz`.
-        field: &'static str,
-        /// The value that was given.
-        value: f64,
-        /// Lowest allowed.
-        low: f64,
-        /// Highest allowed.
-        high: f64,
-    },
+    /// A field of [`SheetGrid`], or `sample_rate_hz`, is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// The grid is too big to be held.
     #[error("the grid would have {cells} cells: at most {limit}")]
     TooBig {

@@ -1,7 +1,7 @@
 //! What can be wrong with a plate: every variant names the field and what is allowed, in numbers. The words are in
 //! [`super::wording`].
 
-use crate::quantity::range::{Count, Range};
+use crate::quantity::{Count, Range};
 use thiserror::Error;
 
 /// Why a plate was refused. Displayed in the words of a plate file; [`PlateError::told`] has others.

@@ -1,6 +1,6 @@
 //! The limits of a plate's fields: those who check a field and those who describe it read them here.
 
-use crate::quantity::range::{Count, Counted, Range};
+use crate::quantity::{Count, Counted, Range};
 
 /// Length of a plate, and of a design's.
 pub const LENGTH: Range = Range::new(0.005, 10.0, "m");

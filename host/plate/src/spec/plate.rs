@@ -4,7 +4,7 @@
 //! behind it has to be asked twice.
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
-use crate::quantity::range::Range;
+use crate::quantity::Range;
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;

@@ -1,7 +1,7 @@
 //! Which sample rates carry a plate's band: one rule for its table, its line and whoever asks for either.
 
+use crate::quantity::Range;
 use crate::quantity::number_format::typed;
-use crate::quantity::range::Range;
 use crate::spec::plate::Plate;
 use thiserror::Error;
 

@@ -3,7 +3,7 @@
 //! The plate spans z = -W..+W. Beyond the plate's end the law is continued (the frame goes on), so that the tail
 //! of the wave decays as it would in a longer plate.
 
-use crate::quantity::range::Range;
+use crate::quantity::Range;
 use crate::spec::error::{Origin, PlateError};
 use crate::spec::limits;
 

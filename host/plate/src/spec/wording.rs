@@ -3,9 +3,9 @@
 
 use super::error::{Consequence, Origin, PlateError};
 use super::limits::{BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, WAVELENGTHS_MAX};
-use crate::quantity::notation::{Notation, PlateFile};
 use crate::quantity::number_format::{at_least, at_most, typed};
-use crate::quantity::range::{Counted, Range};
+use crate::quantity::refusal::{Notation, PlateFile, must_be};
+use crate::quantity::{Counted, Range};
 use std::fmt;
 
 impl fmt::Display for PlateError {
@@ -22,22 +22,25 @@ impl PlateError {
         match self {
             Self::OutOfRange { field, value, range, origin } => {
                 let allowed = allowed(notation, field, *range, *origin);
-                format!("{}: must be {allowed}", notation.given(field, *value))
+                must_be(notation.given(field, *value), allowed)
             }
             Self::Unfit { field, value, consequence } => {
-                format!("{}: must be {}", notation.given(field, *value), remedy(notation, *consequence))
+                must_be(notation.given(field, *value), remedy(notation, *consequence))
             }
             Self::Missing { field, needed } => format!("{} is missing: {needed}", name(field)),
             Self::Unexpected { field, reason } => format!("{} does not belong here: {reason}", name(field)),
             Self::UnknownKind { field, value, allowed } => {
-                format!("{} = {value}: must be {allowed}", name(field))
+                must_be(format_args!("{} = {value}", name(field)), allowed)
             }
             Self::WrongCount { field, count, allowed } => {
                 let more = match allowed.of {
                     Counted::Characters => ", on one line, without control characters",
                     Counted::Points => "",
                 };
-                format!("{} has {count} {}: must be {allowed}{more}", name(field), allowed.of)
+                must_be(
+                    format_args!("{} has {count} {}", name(field), allowed.of),
+                    format_args!("{allowed}{more}"),
+                )
             }
             Self::NotNarrowing { index, position_m, half_width_m } => format!(
                 "{} = [{}, {}]: positions must increase and half-widths must decrease from point to point",

@@ -11,6 +11,7 @@ use super::error::{KNOTS_MAX, TableError};
 use super::knots::{onto_resonances, rising, share_error};
 use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_speeds};
 use crate::progress::Progress;
+use crate::quantity::OutOfRange;
 use crate::spec::plate::Plate;
 
 /// One knot of the table.
@@ -70,9 +71,7 @@ impl DriveTable {
         knots: usize,
         progress: &mut Progress<'_>,
     ) -> Result<Self, TableError> {
-        if !(2..=KNOTS_MAX).contains(&knots) {
-            return Err(TableError::Knots { knots });
-        }
+        OutOfRange::check_count("knots", knots, 2..=KNOTS_MAX)?;
         let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
         let (start, end) = plate.span_m();
         let place = |k: f64| start + (end - start) * k / (knots - 1) as f64;

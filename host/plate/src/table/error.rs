@@ -1,6 +1,7 @@
 //! Why a table could not be made.
 
 use crate::progress::Stopped;
+use crate::quantity::OutOfRange;
 use crate::spec::sample_rate::SampleRateError;
 use thiserror::Error;
 
@@ -13,12 +14,9 @@ pub enum TableError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
-    /// The number of knots is not usable.
-    #[error("knots = {knots}: must be 2 to {KNOTS_MAX}")]
-    Knots {
-        /// The number that was asked for.
-        knots: usize,
-    },
+    /// The number of knots is out of range.
+    #[error(transparent)]
+    Knots(#[from] OutOfRange),
     /// The plate does not answer somewhere in its span (its amplitude is zero or not a number).
     #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
     Silent {

@@ -10,6 +10,7 @@ use super::envelope::Envelope;
 use super::integration::prepare;
 use super::kernel::{self, ModalStates};
 use super::modal::{self, Input, ModalBank};
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
@@ -30,24 +31,9 @@ pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
-    /// The number of places is not usable.
-    #[error("points = {points}: must be {low} to {high}")]
-    Points {
-        /// The number that was asked for.
-        points: usize,
-        /// Fewest.
-        low: usize,
-        /// Most.
-        high: usize,
-    },
-    /// There is no such width mode.
-    #[error("width mode = {mode}: must be 1 to {high}")]
-    Mode {
-        /// The mode that was asked for.
-        mode: u32,
-        /// Highest mode.
-        high: u32,
-    },
+    /// The number of places or of the width mode is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
 }
 
 /// One width mode of a plate, running.
@@ -81,12 +67,9 @@ impl TimeDomainLine {
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         sample_rate::check(plate, sample_rate_hz)?;
         let (low_hz, high_hz) = plate.band_hz();
-        if !(LINE_POINTS.0..=LINE_POINTS.1).contains(&points) {
-            return Err(LineError::Points { points, low: LINE_POINTS.0, high: LINE_POINTS.1 });
-        }
-        if !(1..=WIDTH_MODE_MAX).contains(&mode) {
-            return Err(LineError::Mode { mode, high: WIDTH_MODE_MAX });
-        }
+        OutOfRange::check_count("points", points, LINE_POINTS.0..=LINE_POINTS.1)?;
+        let modes = Range::new(1.0, f64::from(WIDTH_MODE_MAX), "");
+        OutOfRange::check("width mode", f64::from(mode), modes)?;
         let plan = BandPlan::new(sample_rate_hz, low_hz, high_hz);
         let position_m: Vec<f64> =
             (0..points).map(|i| plate.length_m() * i as f64 / (points - 1) as f64).collect();

@@ -63,7 +63,7 @@ fn solve(
     let high = 4.0 * plate.frequency_for_boundary_hz(plate.length_m());
     let cut_off_hz = plate.cut_off_hz();
     if !(frequency_hz > 0.0 && frequency_hz <= high) {
-        return Err(RespondError::Frequency { frequency_hz, low: cut_off_hz, high });
+        return Err(RespondError::frequency(frequency_hz, cut_off_hz, high));
     }
     let (Some(turning_point_m), Some(kappa)) =
         (plate.turning_point_m(frequency_hz), plate.kappa_per_m(frequency_hz))
@@ -249,7 +249,7 @@ mod tests {
         assert!(respond(&crate::preset("al-bending").unwrap(), 40e3).is_none());
         let plate = aluminium();
         assert!(matches!(respond(&plate, 5e3).unwrap(), Err(RespondError::CannotEnter { .. })));
-        assert!(matches!(respond(&plate, f64::NAN).unwrap(), Err(RespondError::Frequency { .. })));
-        assert!(matches!(respond(&plate, 1e9).unwrap(), Err(RespondError::Frequency { .. })));
+        assert!(matches!(respond(&plate, f64::NAN).unwrap(), Err(RespondError::Frequency(..))));
+        assert!(matches!(respond(&plate, 1e9).unwrap(), Err(RespondError::Frequency(..))));
     }
 }

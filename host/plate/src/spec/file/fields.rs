@@ -1,6 +1,6 @@
 //! The fields of a plate file: what each means, what it may be, and which kind of taper, model or drive end has it.
 
-use crate::quantity::range::{Count, Range};
+use crate::quantity::{Count, Range};
 use crate::spec::limits;
 use std::borrow::Cow;
 

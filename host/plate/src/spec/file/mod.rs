@@ -4,7 +4,7 @@ mod fields;
 mod text;
 mod written;
 
-use crate::quantity::range::Range;
+use crate::quantity::Range;
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::error::{Origin, PlateError, PlateFileError};
 use crate::spec::limits;

@@ -1,7 +1,7 @@
 //! A plate's TOML text, field by field, each with the line where it stands.
 
 use super::fields::{Due, Field, SECTIONS, Section};
-use crate::quantity::suggestion::{hint, nearest};
+use crate::quantity::{hint, nearest};
 use crate::spec::error::{PlateError, PlateFileError};
 use std::ops::Range;
 use toml::Spanned;

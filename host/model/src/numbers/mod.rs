@@ -1,4 +1,0 @@
-//! Numbers with units as people type and read them.
-
-pub mod quantity;
-pub mod ticks;
