@@ -8,4 +8,4 @@
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod cli;
-pub mod ending;
+pub mod signals;

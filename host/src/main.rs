@@ -4,36 +4,39 @@
 
 use clap::Parser;
 use slipline::cli::Cli;
+use slipline::signals;
+use slipline_model::disk;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    match cli.command {
-        None => open_window(),
-        Some(command) => match command.run(cli.json) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(failure) => {
-                eprintln!("slipline: {failure}");
-                ExitCode::from(failure.exit_code())
-            }
-        },
+    if let Err(error) = signals::watch() {
+        // A signal still ends the program, and the device stops when its host is silent.
+        eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
-}
-
-#[cfg(feature = "gui")]
-fn open_window() -> ExitCode {
-    slipline::ending::remove_parts_on_ending(|| {});
-    match slipline_window::app::run() {
+    let ended = match cli.command {
+        None => open_window(),
+        Some(command) => command.run(cli.json).map_err(|failure| (failure.to_string(), failure.exit_code())),
+    };
+    // What a signal has cut short says nothing more.
+    signals::hold_while_ending();
+    // A thread of the window may still be writing.
+    disk::remove_unfinished();
+    match ended {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("slipline: {error:#}");
-            ExitCode::FAILURE
+        Err((message, code)) => {
+            eprintln!("slipline: {message}");
+            ExitCode::from(code)
         }
     }
 }
 
+#[cfg(feature = "gui")]
+fn open_window() -> Result<(), (String, u8)> {
+    slipline_window::app::run(signals::end_window).map_err(|error| (format!("{error:#}"), 1))
+}
+
 #[cfg(not(feature = "gui"))]
-fn open_window() -> ExitCode {
-    eprintln!("slipline: this build has no window; see slipline --help");
-    ExitCode::from(2)
+fn open_window() -> Result<(), (String, u8)> {
+    Err(("this build has no window; see slipline --help".to_owned(), 2))
 }

@@ -1,6 +1,7 @@
 //! A device for one command: the worker, waited for.
 
 use super::{Failure, progress};
+use crate::signals::{self, Ending};
 use slipline_link::native::{Handle, Worker};
 use slipline_link::protocol::event::Identity;
 use slipline_link::protocol::version::Compatibility;
@@ -18,16 +19,19 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// A connected device. When it is dropped, it is stopped and disarmed.
 pub(super) struct Device {
     worker: Worker,
+    /// A signal stops and disarms it, too.
+    _ending: Ending,
 }
 
 impl Device {
     /// Connects; a lost link stays lost.
     pub(super) fn connect(port: &Port) -> Result<Self, Failure> {
         let worker = Worker::spawn(|| ()).map_err(Failure::failed)?;
+        let ending = signals::stop_before_end(worker.handle());
         worker.send(Request::AutoReconnect(false));
         let ticket = worker.send(Request::Connect(port.clone()));
         match worker.wait(ticket, CONNECTING) {
-            Some(Outcome::Done { .. }) => Ok(Self { worker }),
+            Some(Outcome::Done { .. }) => Ok(Self { worker, _ending: ending }),
             Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
             _ => Err(Failure::Failed(format!("{port} does not answer"))),
         }

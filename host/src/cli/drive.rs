@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::{DriveArguments, Failure, argument, output};
-use crate::ending::on_ending;
+use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{DriveRequest, LinkState, Request};
@@ -71,12 +71,11 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
 fn hold(device: &Device, duration_s: Option<f64>) -> Result<f64, Failure> {
     let (interrupted, interruption) = channel();
     let stop = device.handle();
-    on_ending(move || {
+    let _closing = signals::end_by(move || {
         // At once, before anything is waited for.
         stop.send(Request::Stop);
         let _ = interrupted.send(());
-    })
-    .map_err(Failure::failed)?;
+    });
     let begin = Instant::now();
     loop {
         let left = duration_s.map(|s| Duration::from_secs_f64(s).saturating_sub(begin.elapsed()));

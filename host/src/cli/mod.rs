@@ -29,7 +29,7 @@ pub use destination::ForceArgument;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
 
-use crate::ending::remove_parts_on_ending;
+use crate::signals;
 use argument::{Boundary, ToneArgument, Typed};
 use clap::{Args, Parser, Subcommand};
 use figure_file::{FigureFile, figure_file};
@@ -271,10 +271,7 @@ impl Command {
     /// # Errors
     /// [`Failure`]: why not, and with which exit code to end.
     pub fn run(self, json: bool) -> Result<(), Failure> {
-        // A drive ends by itself when it is told to, and writes no file.
-        if !matches!(self, Self::Drive(_)) {
-            remove_parts_on_ending(progress::wipe);
-        }
+        signals::before_exit(progress::wipe);
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),

@@ -6,6 +6,8 @@ mod files;
 mod lights;
 mod progress;
 mod refusals;
+#[cfg(unix)]
+mod signals;
 
 use serde_json::Value;
 use std::path::PathBuf;

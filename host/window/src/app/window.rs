@@ -5,7 +5,7 @@ use crate::files::SystemFiles;
 use crate::settings::Settings;
 use eframe::egui;
 use slipline_link::native::list_ports;
-use slipline_link::native::{Worker, stop_on_panic};
+use slipline_link::native::{Handle, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
@@ -41,11 +41,12 @@ impl eframe::App for Window {
     }
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and stays until it is closed. `opened` is given the link and a way to close the window from any
+/// thread, for whoever ends the program.
 ///
 /// # Errors
 /// When there is no display, or the system gives no thread.
-pub fn run() -> anyhow::Result<()> {
+pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Slipline")
         .with_app_id("slipline")
@@ -55,11 +56,23 @@ pub fn run() -> anyhow::Result<()> {
     let mut options = eframe::NativeOptions { viewport, ..Default::default() };
     // Waiting for the display's next picture would hold back what the pointer asks of the device by up to 17 ms.
     options.glow_options.vsync = false;
-    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context)?))))
+    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
         .map_err(|error| anyhow::anyhow!("the window could not be opened: {error}"))
 }
 
-fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
+/// Closes the window from any thread, as if the user did.
+fn closer(ctx: &egui::Context) -> Box<dyn FnMut() + Send> {
+    let ctx = ctx.clone();
+    Box::new(move || {
+        ctx.send_viewport_cmd_to(egui::ViewportId::ROOT, egui::ViewportCommand::Close);
+        ctx.request_repaint_of(egui::ViewportId::ROOT);
+    })
+}
+
+fn open(
+    context: &eframe::CreationContext<'_>,
+    opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>),
+) -> anyhow::Result<Window> {
     let ctx = &context.egui_ctx;
     let wake = |ctx: &egui::Context| {
         let ctx = ctx.clone();
@@ -67,6 +80,7 @@ fn open(context: &eframe::CreationContext<'_>) -> anyhow::Result<Window> {
     };
     let worker = Worker::spawn(wake(ctx))?;
     stop_on_panic(worker.handle());
+    opened(worker.handle(), closer(ctx));
     let parts = Parts {
         link: Box::new(worker),
         tables: Workshop::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,

@@ -1,0 +1,118 @@
+//! Being told to end while a device is driven: it is stopped and disarmed first.
+
+use super::file;
+use slipline_link::native::system_clock;
+use slipline_link::protocol::{Command as Message, Decoder};
+use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Transport, Waker};
+use std::io::{Read, Write};
+use std::os::unix::net::UnixListener;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// A simulated device behind a socket, for one host, and the commands that it was sent.
+struct Socket {
+    path: PathBuf,
+    sent: Arc<Mutex<Vec<Message>>>,
+}
+
+impl Socket {
+    fn serve(name: &str) -> Self {
+        let path = file(name);
+        let listener = UnixListener::bind(&path).unwrap();
+        let sent = Arc::<Mutex<Vec<Message>>>::default();
+        let seen = Arc::clone(&sent);
+        std::thread::spawn(move || {
+            let device = RealtimeDevice::new(SimulatedDevice::new(Options::default()), system_clock());
+            let mut device = RealtimeLine::new(Arc::new(Mutex::new(device)), Waker::new(|| ()));
+            let (mut host, _) = listener.accept().unwrap();
+            host.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
+            let mut decoder = Decoder::new();
+            let mut bytes = [0; 512];
+            loop {
+                match host.read(&mut bytes) {
+                    Ok(0) => return,
+                    Ok(count) => {
+                        for &byte in &bytes[..count] {
+                            let command =
+                                decoder.push(byte, |frame| Message::decode(frame.header.id, frame.body).ok());
+                            seen.lock().unwrap().extend(command.flatten());
+                        }
+                        let mut rest = &bytes[..count];
+                        while !rest.is_empty() {
+                            rest = &rest[device.write(rest).unwrap_or(0)..];
+                        }
+                    }
+                    Err(_) => {}
+                }
+                while let Ok(count @ 1..) = device.read(&mut bytes) {
+                    if host.write_all(&bytes[..count]).is_err() {
+                        return;
+                    }
+                }
+            }
+        });
+        Self { path, sent }
+    }
+
+    /// Runs a command on it, up to its first drive.
+    fn driven_by(&self, arguments: &str) -> Child {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
+            .args(arguments.split(' '))
+            .args(["--port", &format!("unix:{}", self.path.display())])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        while self.last(|command| matches!(command, Message::Drive(_))).is_none() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "nothing is driven");
+            assert!(child.try_wait().unwrap().is_none(), "it has ended");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        child
+    }
+
+    /// The place of the last such command among those that were sent.
+    fn last(&self, is_it: impl Fn(&Message) -> bool) -> Option<usize> {
+        self.sent.lock().unwrap().iter().rposition(is_it)
+    }
+}
+
+fn signal(child: &Child, signal: &str) {
+    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn whoever_ends_it_leaves_a_device_that_is_stopped_and_disarmed() {
+    // Its exit code: a drive lasts until Ctrl-C; what verify was to find out is not known.
+    for (arguments, code) in [("drive --plate membrane --boundary 120mm", 0), ("verify --window 250ms", 130)]
+    {
+        for told in ["-INT", "-TERM"] {
+            let command = arguments.split(' ').next().unwrap();
+            let socket = Socket::serve(&format!("{command}{told}"));
+            let child = socket.driven_by(arguments);
+            let begun = Instant::now();
+            signal(&child, told);
+            let output = child.wait_with_output().unwrap();
+            let error = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(code), "{command} {told}: {error}");
+            assert_eq!(error, "", "{command} {told}");
+            assert!(
+                begun.elapsed() < Duration::from_secs(4),
+                "{command} {told}: it was not waited for in vain"
+            );
+            let driven = socket.last(|sent| matches!(sent, Message::Drive(_)));
+            let stopped = socket.last(|sent| matches!(sent, Message::Stop));
+            let disarmed = socket.last(|sent| matches!(sent, Message::Disarm));
+            assert!(
+                driven < stopped && stopped < disarmed,
+                "{command} {told}: {driven:?} {stopped:?} {disarmed:?}"
+            );
+            std::fs::remove_file(&socket.path).unwrap();
+        }
+    }
+}
