@@ -68,6 +68,10 @@ impl Pilot {
     pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
+        if !is_held(snapshot, made) && snapshot.upload.is_none() {
+            // One whose upload was given up or has failed is tried again: the user asks for it.
+            self.sent_table = None;
+        }
         self.has_driven = self.may_drive(snapshot) && !is_table_coming(snapshot, made);
         if self.has_driven {
             // It is on its way: nothing is left to be sent for it.
@@ -112,10 +116,14 @@ impl Pilot {
         if !now.is_connected() {
             return acts;
         }
+        let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
+        if state == Some(State::Idle) && !is_simulated {
+            // It was disarmed: arming it is no leave to drive it, too.
+            self.rest();
+        }
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
             return acts;
         }
-        let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         let on_device = now.table.active.map(|header| header.crc);
         let is_held = is_held(now, made);
         if let Some(made) = made {
@@ -153,6 +161,15 @@ pub fn goes_on(snapshot: &Snapshot) -> bool {
     is_simulated
         && snapshot.is_connected()
         && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
+}
+
+/// Whether Drive arms the device first: a simulated one, on which no real plate hangs.
+#[must_use]
+pub fn arms_first(snapshot: &Snapshot) -> bool {
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    is_simulated
+        && snapshot.is_connected()
+        && snapshot.status.is_some_and(|status| status.state == State::Idle)
 }
 
 /// Whether the device has the table of the plate on the screen.

@@ -9,12 +9,14 @@
 
 mod background;
 mod device;
+mod display;
 mod input;
 mod notices;
 mod paths;
 mod perform;
 mod playback;
 mod setup;
+mod start;
 mod window;
 
 pub use window::run;
@@ -98,6 +100,10 @@ pub struct App {
     connect_sent: Option<Ticket>,
     /// The latest drive that was sent, until it is known why it was refused.
     drive_sent: Option<Ticket>,
+    /// The latest drive that was sent.
+    latest_drive: Option<Ticket>,
+    /// The latest clearing of faults that was asked for, until it is known what came of it.
+    clear_sent: Option<Ticket>,
     /// The slot of the tone that keys and fields are for.
     selected: u8,
     grab: Option<Grab>,
@@ -136,6 +142,8 @@ impl App {
             pilot: Pilot::default(),
             connect_sent: None,
             drive_sent: None,
+            latest_drive: None,
+            clear_sent: None,
             selected,
             grab: None,
             gesture: 0,

@@ -149,6 +149,10 @@ pub enum Intent {
     Animate(bool),
     /// Put text on the clipboard.
     Copy(String),
+    /// Open the device panel.
+    ShowDevice,
+    /// Close the window.
+    Quit,
     /// Put versions, counters, setup and log on the clipboard, and show them.
     CopyDiagnostics,
 }

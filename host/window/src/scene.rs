@@ -122,7 +122,7 @@ pub struct Waiting {
 }
 
 /// A message to the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
     /// What it says.
     pub text: String,
@@ -130,4 +130,6 @@ pub struct Notice {
     pub is_error: bool,
     /// Rises with every message: the same words again are another message.
     pub number: u64,
+    /// How long it stands, in seconds; `None`: as long as it holds.
+    pub lasts_s: Option<f64>,
 }

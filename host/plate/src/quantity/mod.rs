@@ -18,7 +18,9 @@ mod suggestion;
 pub mod ticks;
 
 pub use display::{Measure, show_frequency, show_length, show_place, show_range, show_si};
-pub use parse::{PlaceOrFrequency, frequency_hz, length_m, place_or_frequency, plain, time_s};
+pub use parse::{
+    PlaceOrFrequency, decibel, frequency_hz, length_m, level, place_or_frequency, plain, short_time_s, time_s,
+};
 pub use range::{Count, Counted, Range};
 pub use refusal::{Notation, OutOfRange, QuantityError};
 pub(crate) use suggestion::hint;

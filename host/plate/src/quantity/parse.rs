@@ -17,6 +17,9 @@ pub enum PlaceOrFrequency {
 /// The most characters a typed value may have; longer input is no number.
 const LONGEST: usize = 64;
 
+/// The minus sign of typesetters, as text that is copied from a page has it.
+const MINUS: char = '\u{2212}';
+
 /// The number in front and the unit behind it; a comma counts as a decimal point.
 fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     let text = text.trim();
@@ -29,11 +32,12 @@ fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     let is_numeric = |(index, c): (usize, char)| {
         let exponent = matches!(c, 'e' | 'E')
             && text[index + 1..].starts_with(|next: char| next.is_ascii_digit() || "+-".contains(next));
-        let after_exponent = "+-".contains(c) && (index == 0 || text[..index].ends_with(['e', 'E']));
+        let after_exponent =
+            ['+', '-', MINUS].contains(&c) && (index == 0 || text[..index].ends_with(['e', 'E']));
         c.is_ascii_digit() || matches!(c, '.' | ',') || exponent || after_exponent
     };
     let end = text.char_indices().find(|&at| !is_numeric(at)).map_or(text.len(), |(index, _)| index);
-    let number: f64 = text[..end].replace(',', ".").parse().map_err(|_| refuse())?;
+    let number: f64 = text[..end].replace(',', ".").replace(MINUS, "-").parse().map_err(|_| refuse())?;
     // A zero has no sign here: nothing is shown or sent as -0.
     match number.abs() {
         size if size <= LARGEST => Ok((number + 0.0, text[end..].trim())),
@@ -95,6 +99,43 @@ pub fn time_s(text: &str) -> Result<f64, QuantityError> {
         _ => return Err(refused(unit, "s, ms or min")),
     };
     Ok(number * scale)
+}
+
+/// A short time in seconds; a bare number is in milliseconds.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not s, ms or min.
+pub fn short_time_s(text: &str) -> Result<f64, QuantityError> {
+    match split(text)? {
+        (number, "") => Ok(number * 1e-3),
+        _ => time_s(text),
+    }
+}
+
+/// A level as a factor; a bare number is one already, percent and dB are taken, too.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not % or dB.
+pub fn level(text: &str) -> Result<f64, QuantityError> {
+    match split(text)? {
+        (number, "") => Ok(number),
+        (percent, "%") => Ok(percent * 1e-2),
+        (decibel, unit) if unit.eq_ignore_ascii_case("dB") => Ok(10f64.powf(decibel / 20.0)),
+        (_, unit) => Err(refused(unit, "% or dB")),
+    }
+}
+
+/// A level in dB; a bare number is in dB, a percentage is one of the whole. Nothing at all is minus infinity.
+///
+/// # Errors
+/// [`QuantityError`] for what is no number or not dB or %.
+pub fn decibel(text: &str) -> Result<f64, QuantityError> {
+    match split(text)? {
+        (number, "") => Ok(number),
+        (percent, "%") => Ok(20.0 * (percent * 1e-2).log10()),
+        (number, unit) if unit.eq_ignore_ascii_case("dB") => Ok(number),
+        (_, unit) => Err(refused(unit, "dB or %")),
+    }
 }
 
 /// A place or a frequency; a bare number is a place in millimetres.
@@ -165,6 +206,7 @@ mod tests {
         assert!(place_or_frequency("120 kg").unwrap_err().to_string().contains("mm, cm, m, Hz, kHz or MHz"));
         assert!(length_m("40 kHz").is_err());
         assert_eq!(plain("-6,5 dB", "dB"), Ok(-6.5));
+        assert_eq!(plain("\u{2212}6,5 dB", "dB"), Ok(-6.5));
         assert!(plain("3 mm", "dB").is_err());
     }
 
@@ -179,5 +221,23 @@ mod tests {
         assert_eq!(time_s("0,5 min"), Ok(30.0));
         assert!((time_s("250ms").unwrap() - 0.25).abs() < 1e-12);
         assert!(time_s("2 m").is_err());
+    }
+
+    #[test]
+    fn levels_and_short_times_are_typed_in_the_units_people_use() {
+        for (text, wanted) in [("0,8", 0.8), ("80%", 0.8), ("80 %", 0.8), ("-20 dB", 0.1), ("0 db", 1.0)] {
+            assert!((level(text).unwrap() - wanted).abs() < 1e-12, "{text}");
+        }
+        for (text, wanted) in [("-6,5", -6.5), ("-6.5 dB", -6.5), ("10 %", -20.0), ("0 %", f64::NEG_INFINITY)]
+        {
+            assert_eq!(decibel(text), Ok(wanted), "{text}");
+        }
+        assert!(decibel("-10 %").is_ok_and(f64::is_nan), "no level, and in no range");
+        for (text, wanted) in [("20", 0.02), ("3 s", 3.0), ("0,5s", 0.5), ("7 ms", 0.007)] {
+            assert!((short_time_s(text).unwrap() - wanted).abs() < 1e-12, "{text}");
+        }
+        for text in ["7 Hz", "x", "", "5 %%"] {
+            assert!(level(text).is_err() && decibel(text).is_err() && short_time_s(text).is_err(), "{text}");
+        }
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
-use slipline_link::{Port, Request, Snapshot, Ticket};
+use slipline_link::{Outcome, Port, Request, Snapshot, Ticket};
 use slipline_model::autopilot;
 use slipline_model::setup::edit;
 use std::sync::Arc;
@@ -19,6 +19,8 @@ impl App {
         // The port that was asked for is remembered even if it is not there today.
         self.settings.port = Some(port.to_string());
         self.pilot.connecting(&port);
+        // What was wrong with the connection before is being tried again.
+        self.notices.connected();
         self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
     }
 
@@ -35,6 +37,9 @@ impl App {
         self.settings.auto_reconnect = self.snapshot.auto_reconnect;
         if self.snapshot.is_connected() {
             self.notices.connected();
+        } else {
+            // Nothing sounds: nothing of what was refused is left.
+            self.notices.settle();
         }
         let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
         if let Some((ticket, reason)) = self.snapshot.last_refusal.clone()
@@ -43,10 +48,18 @@ impl App {
         {
             if self.connect_sent == Some(ticket) {
                 self.notices.miss(sentence(&reason));
+            } else if self.latest_drive == Some(ticket) {
+                self.notices.refuse_drive(format!("Refused: {reason}"));
             } else {
                 self.notices.refuse(format!("Refused: {reason}"));
             }
         }
+        let stands =
+            |snapshot: &Snapshot| (snapshot.link.clone(), snapshot.status.map(|status| status.state));
+        if stands(&before) != stands(&self.snapshot) {
+            self.notices.state_changed();
+        }
+        self.tell_of_standing_faults();
         self.tell_of_drive_time(&before);
         self.ask_for_table();
         self.let_pilot_act(&before);
@@ -63,7 +76,10 @@ impl App {
         let has = |snapshot: &Snapshot| {
             snapshot.status.is_some_and(|status| status.faults.contains(Fault::DriveTime))
         };
-        if has(before) || !has(&self.snapshot) {
+        if !has(&self.snapshot) {
+            return self.notices.cleared();
+        }
+        if has(before) {
             return;
         }
         let next = if autopilot::goes_on(&self.snapshot) {
@@ -71,21 +87,28 @@ impl App {
         } else {
             "Press Clear fault, then arm and drive it again."
         };
-        self.notices.refuse(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
+        self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
     }
 
-    /// The user wants the plate driven: the tones are sent now, or once the device holds their table.
-    pub(super) fn start(&mut self) {
-        if autopilot::goes_on(&self.snapshot) {
-            self.parts.link.send(Request::ClearFaults);
-        }
-        let made = self.screen_table().cloned();
-        if self.pilot.start(&self.snapshot, made.as_deref()) {
-            self.send_drive();
+    /// Tells of faults that stand although the user has cleared them: their cause is still there.
+    fn tell_of_standing_faults(&mut self) {
+        let Some(ticket) = self.clear_sent else { return };
+        let Some(status) = self.snapshot.status else { return };
+        match self.snapshot.outcome(ticket) {
+            // A status that was read before the faults were cleared tells nothing of it.
+            Some(Outcome::Done { at }) if status.now >= *at => {
+                self.clear_sent = None;
+                if !status.faults.is_empty() {
+                    let text = format!("Not cleared: {}. Its cause is still there.", status.faults);
+                    self.notices.hinder(text);
+                }
+            }
+            Some(Outcome::Done { .. }) | None => {}
+            Some(_) => self.clear_sent = None,
         }
     }
 
-    fn let_pilot_act(&mut self, before: &Snapshot) {
+    pub(super) fn let_pilot_act(&mut self, before: &Snapshot) {
         let made = self.screen_table().cloned();
         for act in self.pilot.look(before, &self.snapshot, made.as_deref(), self.settings.auto_upload) {
             match act {
@@ -134,6 +157,7 @@ impl App {
     pub(super) fn send_drive(&mut self) {
         let ticket = self.parts.link.send(Request::Drive(edit::drive(&self.setup)));
         self.drive_sent = Some(ticket);
+        self.latest_drive = Some(ticket);
     }
 
     /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on its way,
@@ -153,6 +177,7 @@ impl App {
 
     pub(super) fn stop(&mut self) {
         self.pilot.stopped();
+        self.notices.settle();
         self.parts.link.send(Request::Stop);
     }
 }

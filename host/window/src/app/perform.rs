@@ -25,7 +25,11 @@ impl App {
                     if let Request::AutoReconnect(looks) = request {
                         self.settings.auto_reconnect = looks;
                     }
-                    self.parts.link.send(request);
+                    let is_clearing = matches!(request, Request::ClearFaults);
+                    let ticket = self.parts.link.send(request);
+                    if is_clearing {
+                        self.clear_sent = Some(ticket);
+                    }
                 }
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start => self.start(),
@@ -112,6 +116,8 @@ impl App {
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
+                Intent::ShowDevice => self.view.open_device(),
+                Intent::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
                 Intent::CopyDiagnostics => {
                     ctx.copy_text(self.diagnostics());
                     self.dialog = Some(Dialog::Diagnostics);

@@ -1,6 +1,6 @@
 //! The app in a window of the system: what is kept between runs, the threads it works with.
 
-use super::{App, Parts, first_setup};
+use super::{App, Parts, display, first_setup};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use eframe::egui;
@@ -17,6 +17,8 @@ use slipline_model::waveform;
 /// The app in a window of the system.
 struct Window(App);
 
+/// The smallest that the window can be made, in points: a screen of 640 x 480 also shows bars of the system's own.
+const LEAST_SIZE: [f32; 2] = [640.0, 400.0];
 /// Keys of what is kept between runs.
 const KEPT_SETTINGS: &str = "settings";
 const KEPT_SETUP: &str = "setup";
@@ -51,13 +53,14 @@ pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> an
         .with_title("Slipline")
         .with_app_id("slipline")
         .with_inner_size([1280.0, 800.0])
-        .with_min_inner_size([960.0, 620.0])
+        .with_min_inner_size(LEAST_SIZE)
+        .with_clamp_size_to_monitor_size(true)
         .with_drag_and_drop(true);
     let mut options = eframe::NativeOptions { viewport, ..Default::default() };
     // Waiting for the display's next picture would hold back what the pointer asks of the device by up to 17 ms.
     options.glow_options.vsync = false;
     eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
-        .map_err(|error| anyhow::anyhow!("the window could not be opened: {error}"))
+        .map_err(|error| anyhow::anyhow!(display::explain(&error)))
 }
 
 /// Closes the window from any thread, as if the user did.

@@ -4,8 +4,17 @@ use super::{Scene, ViewState, log, meters, plots};
 use crate::intent::Intents;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
-/// Height of the row, in points.
-pub(super) const HEIGHT: f32 = 194.0;
+/// Height of the row where there is room for it, and in the lowest window, in points.
+const HEIGHT: f32 = 194.0;
+const LEAST_HEIGHT: f32 = 100.0;
+/// A window lower than this takes it from the row first, in points: the plate is what the window is for.
+const ROOMY: f32 = 620.0;
+
+/// Height of the row in this window, in points.
+pub(super) fn height(ui: &egui::Ui) -> f32 {
+    let missing = (ROOMY - ui.ctx().content_rect().height()).max(0.0);
+    (HEIGHT - missing).max(LEAST_HEIGHT)
+}
 
 /// Shares of the width; the gaps between them hold a line each.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
@@ -24,7 +33,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         match i {
             0 => plots::waveform(&mut column, scene, view, intents),
             1 => plots::spectrum(&mut column, scene, view, intents),
-            2 => meters::show(&mut column, scene),
+            2 => {
+                // In a low row the last of them are scrolled to.
+                let area = egui::ScrollArea::vertical().id_salt("meters").auto_shrink([false, false]);
+                area.show(&mut column, |ui| meters::show(ui, scene));
+            }
             _ => log::show(&mut column, scene, view, intents),
         }
         left = rect.right() + GAP;

@@ -1,14 +1,14 @@
 //! The boundary panel: where it is, what is sent for it, how strong it is.
 
 use super::field::{Field, UNKNOWN, row};
+use super::slider::Quantity;
 use super::{Scene, ViewState, stage, theme};
 use crate::intent::{Intent, Intents};
-use eframe::egui::{self, RichText, Slider, text::LayoutJob};
+use eframe::egui::{self, RichText, text::LayoutJob};
 use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
 use slipline_model::numbers::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
-use slipline_model::numbers::ticks;
 use slipline_model::setup::edit::Edit;
-use slipline_model::setup::{BoundaryMode, MASTER_SLIDER_MIN_DB, ToneSetup};
+use slipline_model::setup::{BoundaryMode, ToneSetup};
 use slipline_plate::Plate;
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
@@ -75,69 +75,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     ui.separator();
     theme::heading(ui, "Strength");
-    level(ui, "Level", tone.level, intents, |level| Edit::Level { slot, level });
-    let mut master = setup.master_db.max(MASTER_SLIDER_MIN_DB);
-    let slider = Slider::new(&mut master, MASTER_SLIDER_MIN_DB..=0.0)
-        .suffix(" dB")
-        .fixed_decimals(1)
-        .custom_formatter(|decibel, _| ticks::label(decibel, 0.1));
-    let response = named_slider(ui, "Master", slider, "Scales all tones");
-    if response.changed() {
-        intents.push(Intent::Edit(Edit::Master(master)));
-    }
-    let mut glide_ms = setup.glide_s * 1e3;
-    let slider = Slider::new(&mut glide_ms, 5.0..=2000.0).logarithmic(true).suffix(" ms").fixed_decimals(0);
-    if named_slider(ui, "Glide", slider, "How long a change takes; the device ramps, so nothing clicks")
-        .changed()
-    {
-        intents.push(Intent::Edit(Edit::Glide(glide_ms * 1e-3)));
-    }
-}
-
-/// A level slider from 0 to 1.
-pub(super) fn level(
-    ui: &mut egui::Ui,
-    name: &str,
-    mut level: f64,
-    intents: &mut Intents,
-    edit: impl FnOnce(f64) -> Edit,
-) {
-    let slider = Slider::new(&mut level, 0.0..=1.0).fixed_decimals(2);
-    if named_slider(ui, name, slider, "Its peak relative to the most the table allows").changed() {
-        intents.push(Intent::Edit(edit(level)));
-    }
-}
-
-/// Width of the box with a slider's value, in points: the longest is "2000 ms".
-const VALUE: f32 = 76.0;
-/// The shortest a slider is, in points.
-const LEAST_SLIDER: f32 = 60.0;
-
-/// A slider with its name at the left, so that names and sliders line up.
-pub(super) fn named_slider(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui::Response {
-    ui.horizontal(|ui| {
-        let size = egui::vec2(58.0, ui.spacing().interact_size.y);
-        let label = ui
-            .scope(|ui| {
-                ui.set_min_size(size);
-                ui.set_max_width(size.x);
-                ui.label(name)
-            })
-            .inner;
-        // Boxes of one width at the right end, whatever stands in them.
-        ui.spacing_mut().interact_size.x = VALUE;
-        ui.spacing_mut().slider_width =
-            (ui.available_width() - VALUE - ui.spacing().item_spacing.x).max(LEAST_SLIDER);
-        let response = ui.add(slider).labelled_by(label.id).on_hover_text(help);
-        if response.has_focus() {
-            // The slider's own look hardly changes when the keys are its.
-            let ring = response.rect.expand(2.0);
-            let stroke = egui::Stroke::new(2.0, theme::palette(ui).accent);
-            ui.painter().rect_stroke(ring, 6.0, stroke, egui::StrokeKind::Inside);
-        }
-        response
-    })
-    .inner
+    let level = |level| Edit::Level { slot, level };
+    Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, view, intents);
+    Quantity::master(setup.master_db).show(ui, setup, view, intents);
+    Quantity::glide(setup.glide_s).show(ui, setup, view, intents);
 }
 
 /// What may be typed, or why what was typed is not taken. The room for it is always there, so that a reason moves

@@ -4,6 +4,7 @@ use super::field::row;
 use super::{Scene, ViewState, theme, top_bar};
 use crate::intent::{Confirm, Dialog, Intent, Intents};
 use eframe::egui::{self, RichText};
+use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Port, Request};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
@@ -64,6 +65,9 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.label(RichText::new(sentence).small().color(palette.weak));
     ui.horizontal(|ui| {
         let is_open = !matches!(snapshot.link, LinkState::Disconnected);
+        if matches!(snapshot.link, LinkState::Lost(_)) && ui.button("Reconnect").clicked() {
+            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+        }
         if is_open {
             if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
                 intents.push(Intent::Request(Request::Disconnect));
@@ -173,26 +177,35 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     }
 }
 
+/// Why what writes to flash cannot be pressed.
+const SOUNDS: &str = "Only while nothing sounds";
+
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
-    let is_idle = scene.snapshot.status.is_some_and(|status| {
-        matches!(
-            status.state,
-            slipline_link::protocol::event::State::Idle | slipline_link::protocol::event::State::Armed
-        )
-    });
+    let state = scene.snapshot.status.map(|status| status.state);
+    let is_silent = matches!(state, Some(State::Idle | State::Armed));
+    // A device that is not compatible may not tell a state; flashing it is what helps.
+    let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));
     ui.horizontal_wrapped(|ui| {
-        for (name, help, confirm) in [
+        for (name, help, may, otherwise, confirm) in [
             (
                 "Keep table…",
                 "Keep the device's table in its flash, used from the next start on",
+                is_silent,
+                SOUNDS,
                 Confirm::Store,
             ),
-            ("Forget table…", "Erase the table kept in flash", Confirm::Forget),
-            ("Bootloader…", "Restart into the ROM bootloader to flash firmware", Confirm::Bootloader),
+            ("Forget table…", "Erase the table kept in flash", is_silent, SOUNDS, Confirm::Forget),
+            (
+                "Bootloader…",
+                "Restart into the ROM bootloader to flash firmware",
+                is_muted,
+                "Only while it is disarmed",
+                Confirm::Bootloader,
+            ),
         ] {
-            let button = ui.add_enabled(is_idle, egui::Button::new(name));
-            if button.on_hover_text(help).on_disabled_hover_text("Only while nothing sounds").clicked() {
+            let button = ui.add_enabled(may, egui::Button::new(name));
+            if button.on_hover_text(help).on_disabled_hover_text(otherwise).clicked() {
                 intents.push(Intent::Dialog(Some(Dialog::Confirm(confirm))));
             }
         }

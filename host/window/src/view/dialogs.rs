@@ -4,7 +4,8 @@ mod path;
 
 pub(crate) use path::TypedPath;
 
-use super::{Scene, ViewState};
+use super::theme::GAP;
+use super::{Scene, ViewState, top_bar};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::export::report;
@@ -27,23 +28,46 @@ pub(super) const SHORTCUTS: [(&str, &str); 14] = [
     ("F1", "This page"),
 ];
 
+/// Space between a page's edge and what is on it, in points.
+const MARGIN: i8 = 16;
+/// Width of a page, and of one with much text, in points; less in a narrow window.
+const USUAL: f32 = 460.0;
+const WIDE: f32 = 620.0;
+/// Height of a page in a window that has no room for any, in points.
+const LEAST_HEIGHT: f32 = 90.0;
+/// Height of the row with Close, and the space before it, in points.
+const CLOSE: f32 = 26.0 + 2.0 * GAP;
+
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let Some(dialog) = scene.dialog else {
         view.typed_path = None;
         return;
     };
-    let frame = egui::Frame::popup(ui.style()).inner_margin(16);
+    let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
+    let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
+    let width = if matches!(dialog, Dialog::Diagnostics | Dialog::PortHelp) { WIDE } else { USUAL };
+    // As high as it may be without lying under STOP, which is above every page.
+    let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
-        ui.set_width(if *dialog == Dialog::Diagnostics { 620.0 } else { 460.0 });
-        match dialog {
-            Dialog::Shortcuts => shortcuts(ui),
-            Dialog::PortHelp => port_help(ui, intents),
-            Dialog::About => about(ui),
-            Dialog::Diagnostics => diagnostics(ui, scene, intents),
-            Dialog::Path(question) => return path::show(ui, question, view, intents),
-            Dialog::Confirm(confirm) => return confirmation(ui, *confirm, intents),
+        ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
+        let area = egui::ScrollArea::vertical().max_height(height - CLOSE).auto_shrink([false, true]);
+        let is_ended = area.show(ui, |ui| {
+            // The scroll bar floats; nothing may lie under it.
+            ui.set_max_width(ui.available_width() - GAP);
+            match dialog {
+                Dialog::Shortcuts => shortcuts(ui),
+                Dialog::PortHelp => port_help(ui, intents),
+                Dialog::About => about(ui),
+                Dialog::Diagnostics => diagnostics(ui, scene, intents),
+                Dialog::Path(question) => return path::show(ui, question, view, intents),
+                Dialog::Confirm(confirm) => return confirmation(ui, *confirm, intents),
+            }
+            false
+        });
+        if matches!(dialog, Dialog::Path(_) | Dialog::Confirm(_)) {
+            return is_ended.inner;
         }
-        ui.add_space(8.0);
+        ui.add_space(GAP);
         ui.horizontal(|ui| ui.button("Close").clicked()).inner
     });
     if response.inner || response.should_close() {
@@ -63,11 +87,8 @@ fn shortcuts(ui: &mut egui::Ui) {
     });
 }
 
-/// The udev rule that lets the user at the screen open a device.
-pub(crate) const UDEV_RULE: &str = concat!(
-    "SUBSYSTEM==\"tty\", ATTRS{idVendor}==\"1209\", ATTRS{idProduct}==\"0001\", ",
-    "ENV{ID_MM_DEVICE_IGNORE}=\"1\", TAG+=\"uaccess\""
-);
+/// The udev rules that let the user at the screen open a device and flash it: the very file that is shipped.
+const UDEV_RULES: &str = include_str!("../../../../firmware/70-slipline.rules");
 
 fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
     ui.heading("Ports and permissions");
@@ -79,7 +100,7 @@ fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
         ),
         (
             "Linux: no permission",
-            "Put the rule below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
+            "Put the rules below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
         ),
         (
             "Windows",
@@ -92,10 +113,10 @@ fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
         ui.add_space(4.0);
     }
     egui::Frame::group(ui.style()).show(ui, |ui| {
-        ui.add(egui::Label::new(RichText::new(UDEV_RULE).monospace().small()).wrap());
+        ui.add(egui::Label::new(RichText::new(UDEV_RULES).monospace().small()).wrap());
     });
-    if ui.button("Copy the rule").clicked() {
-        intents.push(Intent::Copy(UDEV_RULE.to_owned()));
+    if ui.button("Copy the rules").clicked() {
+        intents.push(Intent::Copy(UDEV_RULES.to_owned()));
     }
 }
 
@@ -129,7 +150,7 @@ fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             intents.push(Intent::Export(Export::Diagnostics));
         }
     });
-    let height = (ui.ctx().content_rect().height() - 200.0).clamp(60.0, DIAGNOSTICS);
+    let height = (ui.ctx().content_rect().height() - 310.0).clamp(60.0, DIAGNOSTICS);
     egui::Frame::group(ui.style()).show(ui, |ui| {
         let area = egui::ScrollArea::both().max_height(height).auto_shrink([false, false]);
         area.show(ui, |ui| {

@@ -18,10 +18,12 @@ mod field;
 mod log;
 mod meters;
 mod notices;
+mod offers;
 mod plate;
 mod plate_panel;
 mod plots;
 mod side;
+mod slider;
 mod stage;
 mod strip;
 pub mod theme;
@@ -30,6 +32,7 @@ mod top_bar;
 mod validity;
 
 pub(crate) use stage::arrow_step_m;
+pub(crate) use top_bar::SAFE_MODE;
 
 use crate::intent::Intents;
 use crate::scene::Scene;
@@ -44,7 +47,7 @@ pub struct ViewState {
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
     pub(crate) focused_handle: Option<egui::Id>,
-    pub(crate) notices: notices::Since,
+    pub(crate) notices: notices::Seen,
     pub(crate) typed_path: Option<dialogs::TypedPath>,
 }
 
@@ -52,6 +55,11 @@ impl ViewState {
     /// Opens a tab by its place, 0..4.
     pub(crate) fn open_tab(&mut self, index: usize) {
         self.tab = side::Tab::by_index(index);
+    }
+
+    /// Opens the device panel.
+    pub(crate) fn open_device(&mut self) {
+        self.tab = side::Tab::Device;
     }
 
     /// Opens the validity lights.
@@ -75,9 +83,12 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
         .frame(frame)
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
-    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom::HEIGHT).resizable(false).show(ui, |ui| {
-        bottom::show(ui, scene, view, &mut intents);
-    });
+    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom::height(ui)).resizable(false).show(
+        ui,
+        |ui| {
+            bottom::show(ui, scene, view, &mut intents);
+        },
+    );
     egui::Panel::right("side").frame(frame).exact_size(side::WIDTH).resizable(false).show(ui, |ui| {
         side::show(ui, scene, view, &mut intents);
     });

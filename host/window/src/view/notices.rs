@@ -1,70 +1,130 @@
-//! Messages to the user. They stand at the bottom of the panel at the side, which gives them room: they cover nothing.
+//! Messages to the user, as compact lines at the bottom of the panel at the side. They have room of their own there,
+//! never more than a share of the panel: more of them scroll, a long one is cut and told in full when it is pressed.
 
 use super::{Scene, ViewState, theme};
 use crate::intent::{Intent, Intents};
 use crate::scene::Notice;
-use eframe::egui::{self, RichText, Sense};
+use eframe::egui::{self, Label, ScrollArea, Sense, text::LayoutJob};
 use std::time::Duration;
 
-/// Since when messages stand: their numbers, and the window's time in seconds.
-pub(crate) type Since = Vec<(u64, f64)>;
+/// What is remembered of a message that is shown.
+pub(crate) struct Shown {
+    number: u64,
+    /// The window's time at which it was shown first, in seconds.
+    since_s: f64,
+    /// Whether it is shown in full.
+    is_open: bool,
+}
 
-/// How long a message stands that tells of nothing wrong, in seconds.
-const NOTICE_S: f64 = 5.0;
+/// The messages that are shown.
+pub(crate) type Seen = Vec<Shown>;
+
+/// The share of the panel's height that messages may take, and the least and the most of it, in points.
+const SHARE: f32 = 0.3;
+const HEIGHT: (f32, f32) = (44.0, 140.0);
+/// A panel lower than this has room for one line of a message only, else for two; in points.
+const ROOM_FOR_TWO: f32 = 380.0;
+/// Size of the button that dismisses a message, in points.
+const BUTTON: f32 = 24.0;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let now_s = ui.input(|input| input.time);
-    view.notices.retain(|(number, _)| scene.notices.iter().any(|notice| notice.number == *number));
-    let mut shown: Vec<&Notice> = Vec::new();
+    view.notices.retain(|seen| scene.notices.iter().any(|notice| notice.number == seen.number));
+    let mut shown: Vec<(&Notice, bool)> = Vec::new();
     for &notice in &scene.notices {
-        let known = view.notices.iter().find(|(number, _)| *number == notice.number).map(|(_, since)| *since);
-        let since_s = known.unwrap_or_else(|| {
-            view.notices.push((notice.number, now_s));
-            now_s
+        let known = view.notices.iter().position(|seen| seen.number == notice.number);
+        let known = known.unwrap_or_else(|| {
+            view.notices.push(Shown { number: notice.number, since_s: now_s, is_open: false });
+            view.notices.len() - 1
         });
-        let left_s = since_s + NOTICE_S - now_s;
-        if notice.is_error {
-            shown.push(notice);
-        } else if left_s > 0.0 {
-            ui.ctx().request_repaint_after(Duration::from_secs_f64(left_s));
-            shown.push(notice);
-        } else {
-            intents.push(Intent::DismissNotice(notice.number));
+        let seen = &view.notices[known];
+        // One that is being read stays until it is dismissed.
+        let left_s = notice.lasts_s.filter(|_| !seen.is_open).map(|lasts_s| seen.since_s + lasts_s - now_s);
+        match left_s {
+            Some(left_s) if left_s <= 0.0 => intents.push(Intent::DismissNotice(notice.number)),
+            left_s => {
+                if let Some(left_s) = left_s {
+                    ui.ctx().request_repaint_after(Duration::from_secs_f64(left_s));
+                }
+                shown.push((notice, seen.is_open));
+            }
         }
     }
     if shown.is_empty() {
         return;
     }
+    let height = ui.available_height();
+    let rows = if height < ROOM_FOR_TWO { 1 } else { 2 };
+    let most = (SHARE * height).clamp(HEIGHT.0, HEIGHT.1);
     let panel = egui::Panel::bottom("notices").frame(egui::Frame::NONE).resizable(false);
     panel.show_separator_line(false).show(ui, |ui| {
-        for notice in shown {
-            if message(ui, notice) {
-                intents.push(Intent::DismissNotice(notice.number));
+        let area = ScrollArea::vertical().max_height(most).auto_shrink([false, true]);
+        area.show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            for (notice, is_open) in shown {
+                match message(ui, notice, if is_open { usize::MAX } else { rows }) {
+                    Press::None => {}
+                    Press::Open => {
+                        for seen in view.notices.iter_mut().filter(|seen| seen.number == notice.number) {
+                            seen.is_open = true;
+                        }
+                    }
+                    Press::Dismiss => intents.push(Intent::DismissNotice(notice.number)),
+                }
             }
-        }
+        });
     });
 }
 
-/// One message; returns whether it was pressed.
-fn message(ui: &mut egui::Ui, notice: &Notice) -> bool {
+/// What a press on a message asks for.
+enum Press {
+    None,
+    Open,
+    Dismiss,
+}
+
+/// One message in at most so many rows.
+fn message(ui: &mut egui::Ui, notice: &Notice, rows: usize) -> Press {
     let palette = theme::palette(ui);
     let colour = if notice.is_error { palette.bad } else { palette.accent };
-    let frame = egui::Frame::popup(ui.style()).stroke(egui::Stroke::new(1.5, colour));
-    let width = (ui.available_width() - frame.total_margin().sum().x).max(40.0);
-    frame
-        .shadow(egui::Shadow::NONE)
-        .show(ui, |ui| {
-            ui.set_width(width);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-                let is_dismissed = ui.button("Dismiss").clicked();
-                let text = RichText::new(&notice.text).color(palette.text);
-                // A click on the words dismisses them, too; the Tab key has the button.
-                let label = egui::Label::new(text).wrap().selectable(false).sense(Sense::CLICK);
-                let words =
-                    ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| ui.add(label)).inner;
-                is_dismissed || words.clicked()
-            })
-            .inner
+    let frame = egui::Frame::new()
+        .fill(palette.well)
+        .stroke(egui::Stroke::new(1.0, colour))
+        .corner_radius(4)
+        .inner_margin(egui::Margin { left: 8, right: 2, top: 1, bottom: 1 });
+    let width = (ui.available_width() - frame.total_margin().sum().x).max(2.0 * BUTTON);
+    let press = frame.show(ui, |ui| {
+        ui.set_width(width);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let room = width - BUTTON - 4.0;
+            let mut job = LayoutJob::simple(notice.text.clone(), font, palette.text, room);
+            job.wrap.max_rows = rows;
+            let galley = ui.painter().layout_job(job);
+            let is_cut = galley.elided;
+            let height = galley.size().y.max(BUTTON);
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let words = ui.allocate_ui_with_layout(egui::vec2(room, height), layout, |ui| {
+                ui.set_min_width(room);
+                // The Tab key has the button.
+                ui.add(Label::new(galley).selectable(false).sense(Sense::CLICK))
+            });
+            let mut words = words.inner;
+            if is_cut {
+                words = words.on_hover_text(&notice.text);
+            }
+            let button = egui::Button::new("×").frame(false).min_size(egui::vec2(BUTTON, BUTTON));
+            let button = ui.add(button);
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss"));
+            match (words.clicked(), is_cut) {
+                _ if button.on_hover_text("Dismiss").clicked() => Press::Dismiss,
+                (true, true) => Press::Open,
+                (true, false) => Press::Dismiss,
+                (false, _) => Press::None,
+            }
         })
         .inner
+    });
+    press.inner
 }

@@ -23,6 +23,9 @@ const COLUMN: f32 = 3.0;
 /// The narrowest line above the plate that has room for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
 
+/// A line narrower than this has no room for the colour scale; the envelope's axis tells the same, in points.
+const ROOM_FOR_ANY_SCALE: f32 = 440.0;
+
 /// Room that the plate's name has at least, before the words beside it, in points.
 const NAME: f32 = 110.0;
 
@@ -34,24 +37,31 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             show_amplitude: scene.settings.show_amplitude,
             is_wide: ui.available_width() >= ROOM_FOR_SCALE,
         };
+        let has_scale = ui.available_width() >= ROOM_FOR_ANY_SCALE;
+        let scale = if has_scale { look.size(ui, scene).x + GAP } else { 0.0 };
         let right = validity::chip_width(ui, scene)
             + ["Wave", "Amplitude"].iter().map(|name| button_width(ui, name)).sum::<f32>()
-            + look.size(ui, scene).x
-            + 4.0 * GAP
+            + scale
+            + 3.0 * GAP
             + 14.0;
         // The name gives way to what stands at the right; its whole is told on hovering.
-        let left = vec2((ui.available_width() - right).max(60.0), ui.available_height());
+        let left = vec2((ui.available_width() - right).max(30.0), ui.available_height());
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(left.x);
             let text = egui::RichText::new(drawn(scene)).color(palette.weak);
             let width =
                 ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
-            let room = (left.x - width.size().x - GAP).max(NAME);
+            let beside = if has_scale { width.size().x + GAP } else { 0.0 };
+            let room = (left.x - beside).max(NAME);
             let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
             ui.scope(|ui| {
                 ui.set_max_width(room.min(left.x));
                 ui.add(egui::Label::new(name).truncate());
             });
+            if !has_scale {
+                // The name needs what room there is.
+                return;
+            }
             let shown = ui.add(egui::Label::new(text).truncate());
             if let Some(Source::Lines(Some(reason))) = &scene.background.source {
                 shown.on_hover_text(format!("Modal lines: {reason}"));
@@ -68,7 +78,9 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
             intents.push(Intent::ShowAmplitude(true));
         }
-        look.show(ui, scene);
+        if has_scale {
+            look.show(ui, scene);
+        }
     });
 }
 

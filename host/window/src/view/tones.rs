@@ -1,7 +1,7 @@
 //! The tones panel: one row per peak, and what they add up to.
 
-use super::boundary::level;
 use super::field::{Field, row};
+use super::slider::Quantity;
 use super::{Scene, ViewState, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
@@ -71,7 +71,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                         }
                     });
                 });
-                level(ui, "Level", tone.level, intents, |level| Edit::Level { slot, level });
+                let name = format!("Level of tone {}", slot + 1);
+                let level = |level| Edit::Level { slot, level };
+                Quantity::level(name, tone.level, &level).show(ui, setup, view, intents);
             });
         });
     }

@@ -1,33 +1,44 @@
 //! The bar at the top: what is connected, its state, and STOP.
 
 use super::aligned::{self, Width};
-use super::{Scene, theme};
-use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use super::{Scene, offers, theme};
+use crate::intent::{Dialog, Export, Intent, Intents};
 use crate::settings::ThemeChoice;
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Port, Request};
-use slipline_model::autopilot;
+use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::WavePicture;
 use theme::Palette;
 
+/// Height of the bar with its margins, in points.
+pub(super) const HEIGHT: f32 = STOP.y + 20.0;
 /// Size of the STOP button, in points.
 const STOP: Vec2 = vec2(104.0, 34.0);
+
+/// What safe mode is, and what helps.
+pub(crate) const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
+    Take its power away and connect it again; if it comes back like this, flash its firmware.";
+
+/// What went wrong, with the end of a sentence.
+fn sentence(trouble: &LinkError) -> String {
+    let text = trouble.to_string();
+    let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
+    text + end
+}
 
 /// What the state chip says: a word, its colour, and a sentence.
 pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
     let snapshot = scene.snapshot;
     match &snapshot.link {
         LinkState::Disconnected => {
-            let why =
-                snapshot.trouble.as_ref().map_or_else(|| "No port is open.".to_owned(), ToString::to_string);
+            let why = snapshot.trouble.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
             ("disconnected", palette.weak, why)
         }
         LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
-        LinkState::Lost(trouble) => ("lost", palette.wrong, trouble.to_string()),
+        LinkState::Lost(trouble) => ("lost", palette.wrong, sentence(trouble)),
         LinkState::Reconnecting(trouble) => {
-            ("reconnecting", palette.warn, format!("{trouble}. Looking for it."))
+            ("reconnecting", palette.warn, format!("{} Looking for it.", sentence(trouble)))
         }
         LinkState::Connected => match snapshot.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
@@ -36,12 +47,11 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
                 State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
                 State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
                 State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
-                State::Fault => ("fault", palette.wrong, format!("Stopped: {}.", status.faults)),
-                State::SafeMode => (
-                    "safe mode",
-                    palette.wrong,
-                    "Restarted after repeated crashes: it talks but does not drive.".to_owned(),
-                ),
+                State::Fault => {
+                    let help = "Clear the fault once its cause is gone.";
+                    ("fault", palette.wrong, format!("Stopped: {}. {help}", status.faults))
+                }
+                State::SafeMode => ("safe mode", palette.wrong, SAFE_MODE.to_owned()),
             },
         },
     }
@@ -49,6 +59,8 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
 
 /// Windows narrower than this have no room for the program's name, in points.
 const ROOM_FOR_NAME: f32 = 760.0;
+/// Space in and between the buttons of such a bar, in points.
+const NARROW: f32 = 4.0;
 /// Narrowest and widest that the menu of devices is, in points.
 const DEVICE: (f32, f32) = (70.0, 180.0);
 
@@ -56,7 +68,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         ui.set_min_height(34.0);
-        if ui.available_width() >= ROOM_FOR_NAME {
+        let is_narrow = ui.available_width() < ROOM_FOR_NAME;
+        if is_narrow {
+            ui.spacing_mut().button_padding.x = NARROW;
+            ui.spacing_mut().item_spacing.x = NARROW;
+        } else {
             ui.label(RichText::new("Slipline").strong().size(18.0));
             ui.add_space(4.0);
         }
@@ -70,12 +86,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
         let shown = ui.horizontal(|ui| {
             let (word, colour, sentence) = state_words(scene, palette);
             chip(ui, word, colour).on_hover_text(sentence);
-            drive_button(ui, scene, intents);
+            offer_buttons(ui, scene, intents);
         });
         state.note(ui, shown.response.rect.width());
         let round_trip = round_trip(ui, scene, room - device.rect.width() - gap);
         aligned::at_right(ui, |ui| {
-            let badge = ui.horizontal(|ui| table_badge(ui, scene, intents)).response.rect.width();
+            let badge = ui.horizontal(|ui| table_badge(ui, scene, is_narrow, intents)).response.rect.width();
             if let Some(text) = round_trip {
                 ui.label(text).on_hover_text("From a command to its answer, running average");
             }
@@ -137,72 +153,56 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
     });
 }
 
-/// What can be asked of the device in a state: the word, what it does, what is asked. Arming is explicit on a real
-/// device; the simulated one is armed by itself, and `goes_on` if Drive clears its fault.
-fn offers(state: State, is_simulated: bool, goes_on: bool) -> Vec<(&'static str, &'static str, Vec<Intent>)> {
-    let drive = ("Drive", "Sound the tones of the setup (Ctrl+Enter)", vec![Intent::Start]);
-    let disarm = ("Disarm", "Ramp to silence and mute the amplifier", vec![Intent::Disarm]);
-    let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
-    let arm = ("Arm…", "Unmute the amplifier and accept drives", vec![arm]);
-    let clear = (
-        "Clear fault",
-        "Clear the latched faults whose cause is gone",
-        vec![Intent::Request(Request::ClearFaults)],
-    );
-    match (state, is_simulated) {
-        (State::Fault, true) if goes_on => vec![drive],
-        (State::Idle, false) => vec![arm],
-        (State::Idle | State::Armed, true) => vec![drive],
-        (State::Armed, false) => vec![drive, disarm],
-        (State::Driving | State::Stopping, false) => vec![disarm],
-        (State::Fault, _) => vec![clear],
-        (State::Driving | State::Stopping, true) | (State::SafeMode, _) => Vec::new(),
-    }
-}
-
-fn drive_button(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    let snapshot = scene.snapshot;
-    if snapshot.link == LinkState::Disconnected {
-        let port = snapshot.port.clone().unwrap_or(Port::Simulated);
-        let help = format!("Open {port}, the port chosen last");
-        if ui.button("Connect").on_hover_text(help).clicked() {
-            intents.push(Intent::Connect(port));
-        }
-    }
-    let Some(status) = snapshot.status.filter(|_| snapshot.is_connected()) else { return };
-    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
-    let may_drive = snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
-    for (name, help, asked) in offers(status.state, is_simulated, autopilot::goes_on(snapshot)) {
-        if ui.add_enabled(may_drive, egui::Button::new(name)).on_hover_text(help).clicked() {
-            intents.extend(asked);
+fn offer_buttons(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    for offer in offers::offers(scene) {
+        if ui.button(offer.name).on_hover_text(offer.help).clicked() {
+            intents.extend(offer.asks);
         }
     }
 }
 
-fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &mut Intents) {
     let palette = theme::palette(ui);
     if let Some(progress) = scene.snapshot.upload {
-        if ui.button("Cancel").on_hover_text("Give up the upload; the old table stays").clicked() {
+        let help = "Give up the upload; the old table stays";
+        if cancel(ui, is_narrow, help) {
             intents.push(Intent::Request(Request::CancelUpload));
         }
         let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
         let text = format!("table {} / {}", progress.sent, progress.total);
-        let bar = egui::ProgressBar::new(share).desired_width(130.0).text(text);
-        ui.add(bar).on_hover_text("The table is being sent");
+        bar(ui, is_narrow, share, text, "The table is being sent");
     } else if let Some(waiting) = scene.waiting {
-        if ui.button("Cancel").on_hover_text("Give it up; what was there before stays").clicked() {
+        if cancel(ui, is_narrow, "Give it up; what was there before stays") {
             intents.push(Intent::CancelWork);
         }
         let text = format!("{} {:.0} %", waiting.what, 100.0 * waiting.share);
-        let bar = egui::ProgressBar::new(waiting.share).desired_width(130.0).text(text);
-        ui.add(bar).on_hover_text("Being computed");
+        bar(ui, is_narrow, waiting.share, text, "Being computed");
     } else if scene.is_table_dirty() {
-        let text = RichText::new("table differs: upload").color(palette.warn);
-        let button = egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn));
+        let name = "table differs: upload";
+        let text = RichText::new(if is_narrow { "Upload" } else { name }).color(palette.warn);
+        let button = ui.add(egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn)));
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         let help = "The device's table is not the one for the plate on the screen. Click to upload it";
-        if ui.add(button).on_hover_text(help).clicked() {
+        if button.on_hover_text(help).clicked() {
             intents.push(Intent::Upload);
         }
+    }
+}
+
+/// The button that gives up what is under way; a sign in a narrow bar.
+fn cancel(ui: &mut egui::Ui, is_narrow: bool, help: &str) -> bool {
+    let button = ui.button(if is_narrow { "×" } else { "Cancel" });
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Cancel"));
+    button.on_hover_text(help).clicked()
+}
+
+/// How far what is under way is; in a narrow bar without words.
+fn bar(ui: &mut egui::Ui, is_narrow: bool, share: f32, text: String, help: &str) {
+    let bar = egui::ProgressBar::new(share);
+    if is_narrow {
+        ui.add(bar.desired_width(30.0)).on_hover_text(format!("{help}: {text}"));
+    } else {
+        ui.add(bar.desired_width(130.0).text(text)).on_hover_text(help);
     }
 }
 

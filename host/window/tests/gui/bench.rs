@@ -288,6 +288,11 @@ impl Bench {
             .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
     }
 
+    /// Disarms the device behind the window's back, as one does that waits for a stalled program in vain.
+    pub(crate) fn disarm(&mut self) {
+        RigLink(Rc::clone(&self.rig)).send(Request::Disarm);
+    }
+
     /// Pulls the cable, or puts it in again; the device restarts.
     pub(crate) fn plug(&mut self, is_plugged: bool) {
         let rig = self.rig.borrow();
@@ -304,13 +309,28 @@ impl Bench {
     }
 }
 
-/// A link that knows one thing and notes what it is asked.
+/// A link that knows what the test says and notes what it is asked.
 #[derive(Clone)]
 pub(crate) struct FixedLink {
-    /// What is known.
+    /// What is known at first.
     pub(crate) snapshot: Arc<Snapshot>,
+    /// What is known instead from some time on.
+    later: Rc<RefCell<Option<Arc<Snapshot>>>>,
     /// What was asked.
     pub(crate) sent: Shared<Request>,
+}
+
+impl FixedLink {
+    /// A link that knows this.
+    pub(crate) fn of(snapshot: Snapshot) -> Self {
+        Self { snapshot: Arc::new(snapshot), later: Rc::default(), sent: Rc::default() }
+    }
+
+    /// From now on this is known.
+    pub(crate) fn become_known(&self, mut snapshot: Snapshot) {
+        snapshot.revision = self.snapshot().revision + 1;
+        *self.later.borrow_mut() = Some(Arc::new(snapshot));
+    }
 }
 
 impl Link for FixedLink {
@@ -320,7 +340,8 @@ impl Link for FixedLink {
     }
 
     fn snapshot(&self) -> Arc<Snapshot> {
-        Arc::clone(&self.snapshot)
+        let later = self.later.borrow().clone();
+        later.unwrap_or_else(|| Arc::clone(&self.snapshot))
     }
 }
 

@@ -10,10 +10,14 @@ mod notices;
 mod painter;
 mod paths;
 mod plots;
+mod port_help;
 mod reasons;
 mod sizes;
+mod sliders;
+mod small;
 mod snapshots;
 mod stage;
+mod states;
 mod stop;
 mod tab_order;
 mod unknown;
@@ -315,7 +319,7 @@ fn real_device(state: State) -> FixedLink {
     snapshot.identity = Some(Arc::new(identity));
     snapshot.status.as_mut().unwrap().state = state;
     snapshot.revision += 1;
-    FixedLink { snapshot: Arc::new(snapshot), sent: Default::default() }
+    FixedLink::of(snapshot)
 }
 
 #[test]

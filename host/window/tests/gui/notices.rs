@@ -1,7 +1,7 @@
 //! Messages: they say what was done, cover nothing that is needed, and what was done stays in the log.
 
 use crate::bench::Bench;
-use eframe::egui::{Event, Key, Modifiers, PointerButton, pos2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, accesskit::Role, pos2};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Severity;
 
@@ -13,6 +13,15 @@ fn save(bench: &mut Bench) {
 /// Lets so many seconds pass for the window, at 60 pictures a second.
 fn watch(bench: &mut Bench, seconds: usize) {
     bench.window.run_steps(60 * seconds);
+}
+
+/// Lets the window's clock go on by so many seconds at once.
+fn skip(bench: &mut Bench, seconds: f64) {
+    let now = bench.window.ctx.input(|input| input.time);
+    bench.window.input_mut().time = Some(now + seconds);
+    bench.window.step();
+    bench.window.input_mut().time = None;
+    bench.window.step();
 }
 
 #[test]
@@ -95,6 +104,80 @@ fn the_log_tells_of_files_by_their_names_alone() {
     assert!(has(Severity::Info, "Opened good.toml."));
     assert!(has(Severity::Error, "bad.toml was not opened"));
     assert!(log.iter().all(|entry| !entry.text.contains("somebody")));
+}
+
+/// A file that is refused with a reason of many lines.
+fn open_bad_file(bench: &mut Bench) {
+    bench.open("bad.toml", Err("this reason is as long as a reason gets when a file says much. ".repeat(12)));
+    bench.wait(100);
+}
+
+#[test]
+fn an_error_goes_after_half_a_minute_and_stays_in_the_log() {
+    let mut bench = Bench::driving();
+    open_bad_file(&mut bench);
+    skip(&mut bench, 28.0);
+    assert!(bench.window.state().notice().is_some_and(|notice| notice.is_error));
+    skip(&mut bench, 3.0);
+    assert!(bench.window.state().notice().is_none());
+    assert!(bench.snapshot().log.iter().any(|entry| entry.text.starts_with("bad.toml was not opened")));
+}
+
+#[test]
+fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
+    let mut bench = Bench::driving();
+    open_bad_file(&mut bench);
+    let text = bench.window.state().notice().unwrap().text.clone();
+    let message = |bench: &Bench| {
+        let nodes = bench.window.get_all_by_label(&text).map(|node| node.rect());
+        // The log has the same words.
+        nodes.filter(|rect| rect.left() > 960.0 && rect.top() < 590.0).next().unwrap()
+    };
+    let cut = message(&bench);
+    assert!(cut.height() < 50.0, "{cut}");
+    let at = cut.center();
+    bench.window.hover_at(at);
+    for pressed in [true, false] {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        bench.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        bench.window.step();
+    }
+    bench.wait(200);
+    assert!(message(&bench).height() > 4.0 * cut.height(), "{}", message(&bench));
+    // It is being read: no time takes it away.
+    skip(&mut bench, 60.0);
+    assert!(bench.window.state().notice().is_some());
+    bench.window.get_by_label("Dismiss").click();
+    bench.wait(100);
+    assert!(bench.window.state().notice().is_none());
+}
+
+#[test]
+fn several_messages_leave_the_panels_controls_in_sight() {
+    for size in [[640.0, 480.0], [800.0, 480.0], [960.0, 620.0], [1280.0, 800.0]] {
+        let mut bench = Bench::driving();
+        bench.window.set_size(size.into());
+        bench.wait(100);
+        ask_too_much(&mut bench);
+        open_bad_file(&mut bench);
+        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+        bench.wait(200);
+        let dismiss: Vec<Rect> = bench.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
+        assert_eq!(dismiss.len(), 2, "{size:?}");
+        assert!(
+            dismiss.iter().all(|rect| rect.width() >= 24.0 && rect.height() >= 24.0),
+            "{size:?}: {dismiss:?}"
+        );
+        let top = dismiss.iter().map(|rect| rect.top()).fold(f32::INFINITY, f32::min);
+        for name in ["Boundary position", "Boundary frequency"] {
+            let field = bench.window.get_by_role_and_label(Role::TextInput, name).rect();
+            assert!(
+                field.bottom() < top && field.top() > 60.0,
+                "{size:?}: {name} {field}, messages from {top}"
+            );
+        }
+        assert!(top > 0.55 * size[1] - 54.0, "{size:?}: {top}");
+    }
 }
 
 /// Two tones in one place, both as loud as can be: more than the DAC can send.

@@ -4,13 +4,12 @@ use crate::bench::{Bench, Drawer, FixedLink, open_window};
 use crate::plots::words;
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline_link::{Port, Request};
+use slipline_link::{Port, Request, Snapshot};
 use slipline_window::settings::ThemeChoice;
-use std::sync::Arc;
 
 #[test]
 fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away() {
-    let link = FixedLink { snapshot: Arc::default(), sent: Default::default() };
+    let link = FixedLink::of(Snapshot::default());
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
     let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
     window.run_steps(5);

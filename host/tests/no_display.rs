@@ -1,0 +1,31 @@
+//! Without a display the program says so in plain words.
+#![cfg(all(feature = "gui", target_os = "linux"))]
+
+use std::process::Command;
+
+/// What the program says and its exit code, with these variables and no other that names a display.
+fn start(variables: &[(&str, &str)]) -> (String, Option<i32>) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let output = command.envs(variables.iter().copied()).output().unwrap();
+    (String::from_utf8(output.stderr).unwrap(), output.status.code())
+}
+
+#[test]
+fn without_a_display_the_error_says_what_to_do_and_names_no_folder_of_the_build() {
+    for (variables, what) in [
+        (&[][..], "there is no display to open a window on: neither WAYLAND_DISPLAY nor DISPLAY is set."),
+        (&[("DISPLAY", ""), ("WAYLAND_DISPLAY", "")], "neither WAYLAND_DISPLAY nor DISPLAY is set."),
+        (&[("DISPLAY", ":4711")], "the display DISPLAY=:4711 does not answer: "),
+        (&[("WAYLAND_DISPLAY", "nowhere-7")], "the display WAYLAND_DISPLAY=nowhere-7 does not answer: "),
+    ] {
+        let (told, code) = start(variables);
+        assert_eq!(code, Some(1), "{told}");
+        assert!(told.starts_with("slipline: ") && told.contains(what), "{told}");
+        assert!(told.contains("set WAYLAND_DISPLAY or DISPLAY"), "{told}");
+        assert!(told.contains("The command line needs no display: see slipline --help."), "{told}");
+        assert!(!told.contains(".rs") && !told.contains("registry"), "{told}");
+    }
+}

@@ -1,0 +1,120 @@
+//! What Drive does: the tones are sent, or what stands in the way is told together with what helps.
+
+use super::App;
+use crate::intent::{Confirm, Dialog};
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkError, LinkState, Request};
+use slipline_model::autopilot;
+use slipline_model::jobs::table::TableState;
+use std::sync::Arc;
+
+/// Why Drive cannot act.
+struct Obstacle {
+    text: String,
+    /// The page that helps, if there is one.
+    page: Option<Dialog>,
+}
+
+impl From<&str> for Obstacle {
+    fn from(text: &str) -> Self {
+        Self { text: text.to_owned(), page: None }
+    }
+}
+
+impl App {
+    /// The user wants the plate driven: the tones are sent now, or once the device is ready for them.
+    pub(super) fn start(&mut self) {
+        if let Some(Obstacle { text, page }) = self.obstacle() {
+            self.notices.hinder(text);
+            if self.dialog.is_none() {
+                self.dialog = page;
+            }
+            return;
+        }
+        if autopilot::goes_on(&self.snapshot) {
+            self.parts.link.send(Request::ClearFaults);
+        }
+        if autopilot::arms_first(&self.snapshot) {
+            self.parts.link.send(Request::Arm);
+        }
+        let made = self.screen_table().cloned();
+        if self.pilot.start(&self.snapshot, made.as_deref()) {
+            self.send_drive();
+            return;
+        }
+        if !self.is_table_there() {
+            let text = "The plate is driven as soon as the device holds its table.";
+            self.notices.tell(text.to_owned());
+        }
+        let snapshot = Arc::clone(&self.snapshot);
+        self.let_pilot_act(&snapshot);
+    }
+
+    /// Whether the device holds the table of the plate on the screen.
+    fn is_table_there(&self) -> bool {
+        let on_device = self.snapshot.table.active.map(|header| header.crc);
+        self.screen_table().is_some_and(|made| on_device == Some(made.device_table.crc()))
+    }
+
+    /// What keeps the plate from being driven and does not go away by itself.
+    fn obstacle(&self) -> Option<Obstacle> {
+        let snapshot = &self.snapshot;
+        match &snapshot.link {
+            LinkState::Connected => {}
+            LinkState::Disconnected => return Some("No device is connected: press Connect first.".into()),
+            LinkState::Connecting => {
+                return Some("The device has not answered yet: press Drive once it has.".into());
+            }
+            LinkState::Lost(LinkError::Crashed) => {
+                return Some("The link itself has failed: close Slipline and start it again.".into());
+            }
+            LinkState::Lost(_) => return Some("The device is lost: press Reconnect first.".into()),
+            LinkState::Reconnecting(_) => {
+                return Some("The device is lost and looked for: press Drive once it is back.".into());
+            }
+        }
+        if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
+            return Some(mismatch.sentence().into());
+        }
+        let Some(status) = snapshot.status else {
+            return Some("The device has not told its state yet: press Drive once it has.".into());
+        };
+        let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+        match status.state {
+            State::Idle if !is_simulated => {
+                let text = "The device is muted: arm it first, then press Drive.".to_owned();
+                return Some(Obstacle { text, page: Some(Dialog::Confirm(Confirm::Arm)) });
+            }
+            State::Fault if !autopilot::goes_on(snapshot) => {
+                let text = format!("The device has stopped: {}. Press Clear fault first.", status.faults);
+                return Some(Obstacle { text, page: None });
+            }
+            State::SafeMode => return Some(crate::view::SAFE_MODE.into()),
+            State::Idle | State::Armed | State::Driving | State::Stopping | State::Fault => {}
+        }
+        self.obstacle_of_table(is_simulated)
+    }
+
+    /// What is wrong with the table. A simulated device gets it by itself; a real one when it is asked for.
+    fn obstacle_of_table(&self, is_simulated: bool) -> Option<Obstacle> {
+        let is_coming = self.snapshot.upload.is_some();
+        let may_go_on = !is_simulated && self.snapshot.table.active.is_some();
+        match &self.table {
+            _ if may_go_on || is_coming || self.is_table_there() => None,
+            TableState::Failed(reason) => {
+                let text = format!("The plate has no table, so it cannot be driven: {reason}");
+                Some(Obstacle { text, page: None })
+            }
+            TableState::Cancelled => {
+                Some("The making of the plate's table was given up: press Make the table first.".into())
+            }
+            TableState::Waiting | TableState::Making | TableState::Ready(_) if is_simulated => None,
+            TableState::Waiting | TableState::Making => Some(
+                "The device holds no table, and the plate's is not made yet: wait, then upload it.".into(),
+            ),
+            TableState::Ready(_) => {
+                Some("The device holds no table: press \"table differs: upload\" first.".into())
+            }
+        }
+    }
+}

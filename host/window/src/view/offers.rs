@@ -1,0 +1,95 @@
+//! What can be asked of link and device in each of their states. Each state offers a way on; while the plate is driven
+//! that is STOP, which is always there.
+
+use super::Scene;
+use crate::intent::{Confirm, Dialog, Intent};
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkError, LinkState, Port, Request};
+use slipline_model::autopilot;
+use slipline_model::jobs::table::TableState;
+
+/// One thing to ask: the word on its button, what it does, and what is asked.
+pub(super) struct Offer {
+    pub(super) name: &'static str,
+    pub(super) help: String,
+    pub(super) asks: Vec<Intent>,
+}
+
+fn offer(name: &'static str, help: impl Into<String>, asks: Intent) -> Offer {
+    Offer { name, help: help.into(), asks: vec![asks] }
+}
+
+/// What is offered now, the likeliest first.
+pub(super) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
+    let snapshot = scene.snapshot;
+    let port = snapshot.port.clone().unwrap_or(Port::Simulated);
+    let disconnect = |name, help| offer(name, help, Intent::Request(Request::Disconnect));
+    match &snapshot.link {
+        LinkState::Disconnected => {
+            vec![offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port))]
+        }
+        LinkState::Connecting => vec![disconnect("Cancel", "Wait no longer, and close the port")],
+        LinkState::Lost(LinkError::Crashed) => {
+            let help = "Close the window, to start Slipline again; the setup is kept";
+            vec![offer("Close Slipline", help, Intent::Quit)]
+        }
+        LinkState::Lost(_) => {
+            vec![offer("Reconnect", format!("Open {port} again"), Intent::Connect(port))]
+        }
+        LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Look for the device no longer")],
+        LinkState::Connected => connected(scene),
+    }
+}
+
+/// What is offered while the device answers.
+fn connected(scene: &Scene<'_>) -> Vec<Offer> {
+    let snapshot = scene.snapshot;
+    if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
+        return vec![offer("What to do", mismatch.sentence(), Intent::ShowDevice)];
+    }
+    let Some(status) = snapshot.status else {
+        let close = Intent::Request(Request::Disconnect);
+        return vec![offer("Disconnect", "Close the port", close)];
+    };
+    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
+    let mut offers = of_state(scene, status.state, is_simulated);
+    if matches!(scene.table, TableState::Cancelled) && status.state != State::SafeMode {
+        let help = "Make the table of this plate: without it the plate cannot be driven";
+        offers.insert(0, offer("Make the table", help, Intent::MakeTable));
+    }
+    offers
+}
+
+/// What is offered in a state. Arming is explicit on a real device; Drive arms a simulated one and clears its fault if
+/// that can do no harm.
+fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
+    let drive = || offer("Drive", "Sound the tones of the setup (Ctrl+Enter)", Intent::Start);
+    let disarm = || offer("Disarm", "Ramp to silence and mute the amplifier", Intent::Disarm);
+    match (state, is_simulated) {
+        (State::Fault, true) if autopilot::goes_on(scene.snapshot) => vec![drive()],
+        (State::Idle, true) => {
+            let arm = Intent::Request(Request::Arm);
+            vec![drive(), offer("Arm", "Accept drives; no real plate hangs on it", arm)]
+        }
+        (State::Idle, false) => {
+            let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
+            vec![offer("Arm…", "Unmute the amplifier and accept drives", arm)]
+        }
+        (State::Armed | State::Stopping, true) => vec![drive()],
+        (State::Armed, false) => vec![drive(), disarm()],
+        (State::Driving | State::Stopping, false) => vec![disarm()],
+        (State::Driving, true) => Vec::new(),
+        (State::Fault, _) => {
+            let clear = Intent::Request(Request::ClearFaults);
+            vec![offer("Clear fault", "Clear the latched faults whose cause is gone", clear)]
+        }
+        (State::SafeMode, true) => {
+            let port = scene.snapshot.port.clone().unwrap_or(Port::Simulated);
+            vec![offer("Reconnect", "Start the simulated device anew", Intent::Connect(port))]
+        }
+        (State::SafeMode, false) => {
+            let flash = Intent::Dialog(Some(Dialog::Confirm(Confirm::Bootloader)));
+            vec![offer("Bootloader…", "Restart into the ROM bootloader to flash firmware", flash)]
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Sliders whose value can be typed, too. What is typed goes through a parser with units; what is not taken leaves the
+//! value as it is, and the reason stands under the slider.
+
+use super::ViewState;
+use super::field::Field;
+use super::theme;
+use crate::intent::{Intent, Intents};
+use eframe::egui::{self, RichText, Slider};
+use slipline_model::numbers::quantity::{self, QuantityError};
+use slipline_model::numbers::ticks;
+use slipline_model::setup::edit::{self, Edit};
+use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
+
+/// A value that a slider and a field show and change.
+pub(super) struct Quantity<'a> {
+    /// What the slider is called.
+    name: &'a str,
+    /// What the field is called where the slider's name is not enough.
+    field: String,
+    help: &'static str,
+    /// The value on the slider's scale.
+    value: f64,
+    /// The value as it stands in the field.
+    shown: String,
+    /// What may be typed, as it would be typed.
+    allowed: &'static str,
+    slider: fn(&mut f64) -> Slider<'_>,
+    /// A typed text in the edit's unit.
+    read: fn(&str) -> Result<f64, QuantityError>,
+    /// A value of the slider's in the edit's unit.
+    unit: f64,
+    edit: &'a dyn Fn(f64) -> Edit,
+}
+
+/// What may be typed for a level, for the master level and for a glide time. [`edit::apply`] holds the limits.
+const LEVELS: &str = "0 to 1, or 0 to 100 %";
+const MASTERS: &str = "-96 to 0 dB";
+const GLIDES: &str = "5 ms to 10 s";
+
+impl<'a> Quantity<'a> {
+    /// A tone's level, 0..=1; `field` names the field of this tone.
+    pub(super) fn level(field: String, level: f64, edit: &'a dyn Fn(f64) -> Edit) -> Self {
+        Self {
+            name: "Level",
+            field,
+            help: "Its peak relative to the most the table allows",
+            value: level,
+            shown: format!("{level:.2}"),
+            allowed: LEVELS,
+            slider: |value| Slider::new(value, 0.0..=1.0).fixed_decimals(2),
+            read: quantity::level,
+            unit: 1.0,
+            edit,
+        }
+    }
+
+    /// The master level in dB.
+    pub(super) fn master(master_db: f64) -> Self {
+        Self {
+            name: "Master",
+            field: "Master".to_owned(),
+            help: "Scales all tones",
+            value: master_db.max(MASTER_SLIDER_MIN_DB),
+            shown: format!("{} dB", ticks::label(master_db, 0.1)),
+            allowed: MASTERS,
+            slider: |value| Slider::new(value, MASTER_SLIDER_MIN_DB..=0.0).fixed_decimals(1),
+            read: quantity::decibel,
+            unit: 1.0,
+            edit: &Edit::Master,
+        }
+    }
+
+    /// The glide time in seconds; the slider shows milliseconds.
+    pub(super) fn glide(glide_s: f64) -> Self {
+        Self {
+            name: "Glide",
+            field: "Glide".to_owned(),
+            help: "How long a change takes; the device ramps, so nothing clicks",
+            value: glide_s * 1e3,
+            shown: format!("{:.0} ms", glide_s * 1e3),
+            allowed: GLIDES,
+            slider: |value| Slider::new(value, 5.0..=2000.0).logarithmic(true).fixed_decimals(0),
+            read: quantity::short_time_s,
+            unit: 1e-3,
+            edit: &Edit::Glide,
+        }
+    }
+
+    /// The edit that a typed text asks for, or why it is not taken: what is not understood, and what may be typed.
+    fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, String> {
+        let Self { field, allowed, .. } = self;
+        let value = (self.read)(text).map_err(|error| format!("{field}: {error}; must be {allowed}"))?;
+        let edit = (self.edit)(value);
+        match edit::apply(setup, &edit) {
+            Ok(_) => Ok(edit),
+            Err(_) => Err(format!("{field} {}: must be {allowed}", text.trim())),
+        }
+    }
+
+    /// Shows the slider, the field beside it, and under both why what was typed is not taken.
+    pub(super) fn show(self, ui: &mut egui::Ui, setup: &Setup, view: &mut ViewState, intents: &mut Intents) {
+        let mut reason = None;
+        ui.horizontal(|ui| {
+            let mut value = self.value;
+            if slide(ui, self.name, (self.slider)(&mut value), self.help).changed() {
+                intents.push(Intent::Edit((self.edit)(value * self.unit)));
+            }
+            let hint = format!("{}: {}", self.help, self.allowed);
+            let field = Field {
+                name: &self.field,
+                value: &self.shown,
+                hint: &hint,
+                width: VALUE - FIELD_EDGES,
+                caption: None,
+            };
+            let taken = field.show_apart(ui, &mut view.fields, &mut reason, |text| self.typed(setup, text));
+            intents.extend(taken.map(Intent::Edit));
+        });
+        if let Some(reason) = reason {
+            let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
+            ui.add(egui::Label::new(text).wrap());
+        }
+    }
+}
+
+/// Width of the box with a slider's value, in points: the longest is "10000 ms".
+const VALUE: f32 = 76.0;
+/// What a field's own edges add to its width, in points.
+const FIELD_EDGES: f32 = 8.0;
+/// Width of a slider's name, in points.
+const NAME: f32 = 58.0;
+/// The shortest a slider is, in points.
+const LEAST_SLIDER: f32 = 60.0;
+
+/// A slider with its name at the left, so that names and sliders line up, and room for a field at the right.
+fn slide(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui::Response {
+    let size = egui::vec2(NAME, ui.spacing().interact_size.y);
+    let label = ui
+        .scope(|ui| {
+            ui.set_min_size(size);
+            ui.set_max_width(size.x);
+            ui.label(name)
+        })
+        .inner;
+    ui.spacing_mut().slider_width =
+        (ui.available_width() - VALUE - ui.spacing().item_spacing.x).max(LEAST_SLIDER);
+    let response = ui.add(slider.show_value(false)).labelled_by(label.id).on_hover_text(help);
+    if response.has_focus() {
+        // The slider's own look hardly changes when the keys are its.
+        let ring = response.rect.expand(2.0);
+        let stroke = egui::Stroke::new(2.0, theme::palette(ui).accent);
+        ui.painter().rect_stroke(ring, 6.0, stroke, egui::StrokeKind::Inside);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_model::setup::{GLIDE_RANGE_S, MASTER_MIN_DB};
+
+    #[test]
+    fn what_may_be_typed_is_what_an_edit_takes() {
+        assert_eq!(MASTERS, quantity::show_range(MASTER_MIN_DB, 0.0, quantity::Measure::Plain("dB")));
+        let (least, most) = GLIDE_RANGE_S;
+        assert_eq!(GLIDES, quantity::show_range(least, most, quantity::Measure::Time));
+        let plate = slipline_plate::presets()[0].plate().unwrap();
+        let setup = Setup::new(std::sync::Arc::new(plate));
+        let level = |level| Edit::Level { slot: 0, level };
+        for (value, is_taken) in [(0.0, true), (1.0, true), (-1e-9, false), (1.0 + 1e-9, false)] {
+            assert_eq!(edit::apply(&setup, &level(value)).is_ok(), is_taken, "{value}");
+        }
+    }
+}

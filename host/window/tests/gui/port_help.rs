@@ -1,0 +1,30 @@
+//! The page that helps with ports.
+
+use crate::bench::Bench;
+use eframe::egui::OutputCommand;
+use egui_kittest::kittest::Queryable as _;
+
+/// The file that is shipped with the firmware.
+const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../firmware/70-slipline.rules"));
+
+#[test]
+fn the_rules_on_the_page_are_the_file_that_is_shipped() {
+    assert!(SHIPPED.contains("ATTRS{idProduct}==\"df11\""), "a device is also flashed");
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("Help").click();
+    bench.wait(200);
+    bench.window.get_by_label_contains("Ports and permissions").click();
+    bench.wait(200);
+    assert!(bench.window.query_by_label(SHIPPED).is_some());
+    bench.window.get_by_label("Copy the rules").scroll_to_me();
+    bench.wait(300);
+    bench.window.get_by_label("Copy the rules").click();
+    let mut copied = Vec::new();
+    for _ in 0..4 {
+        bench.window.step();
+        copied.extend(bench.window.output().platform_output.commands.iter().filter_map(|command| {
+            if let OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
+        }));
+    }
+    assert_eq!(copied, [SHIPPED]);
+}

@@ -1,0 +1,314 @@
+//! Every state of link and device offers its way on, and Drive tells what stands in its way.
+
+use crate::bench::{Bench, Drawer, FixedLink, open_window};
+use eframe::egui::{Key, Modifiers, Rect, vec2};
+use egui_kittest::kittest::Queryable as _;
+use egui_kittest::{Harness, HarnessBuilder};
+use slipline_link::protocol::event::{Fault, Faults, State};
+use slipline_link::protocol::version::Compatibility;
+use slipline_link::{LinkError, LinkState, Outcome, Port, Request, Snapshot, Ticket, UploadProgress};
+use slipline_window::app::App;
+use slipline_window::settings::ThemeChoice;
+use std::sync::Arc;
+
+/// A device in this state.
+fn in_state(driving: &Snapshot, state: State, is_simulated: bool) -> Snapshot {
+    let mut snapshot = driving.clone();
+    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
+    identity.simulated = is_simulated;
+    snapshot.identity = Some(Arc::new(identity));
+    if !is_simulated {
+        snapshot.port = Some(Port::Serial("/dev/ttyACM0".to_owned()));
+    }
+    let status = snapshot.status.as_mut().unwrap();
+    status.state = state;
+    if state == State::Fault {
+        status.faults = Faults::NONE.with(Fault::Overheat);
+    }
+    snapshot.revision += 1;
+    snapshot
+}
+
+/// A link in this state, with nothing known of a device.
+fn no_device(link: LinkState) -> Snapshot {
+    Snapshot { link, port: Some(Port::Simulated), revision: 1, ..Snapshot::default() }
+}
+
+fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
+    let link = FixedLink::of(snapshot);
+    let builder = HarnessBuilder::default().with_size(size);
+    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    link.sent.borrow_mut().clear();
+    (window, link)
+}
+
+/// What a press must lead to.
+type Effect = fn(&Harness<'static, App>, &[Request]) -> bool;
+
+const fn disconnects(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::Disconnect])
+}
+const fn connects(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::Connect(_)])
+}
+fn drives(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    sent.iter().any(|request| matches!(request, Request::Drive(_)))
+}
+const fn arms(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::Arm])
+}
+const fn clears(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::ClearFaults])
+}
+const fn disarms(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::Stop, Request::Disarm])
+}
+const fn stops(_: &Harness<'static, App>, sent: &[Request]) -> bool {
+    matches!(sent, [Request::Stop])
+}
+fn asks_to_arm(window: &Harness<'static, App>, sent: &[Request]) -> bool {
+    sent.is_empty() && window.query_by_label("Arm the device?").is_some()
+}
+fn asks_to_restart(window: &Harness<'static, App>, sent: &[Request]) -> bool {
+    sent.is_empty() && window.query_by_label("Restart into the bootloader?").is_some()
+}
+fn shows_the_device(window: &Harness<'static, App>, sent: &[Request]) -> bool {
+    sent.is_empty() && window.query_by_label("Reconnect by itself").is_some()
+}
+fn closes(window: &Harness<'static, App>, _: &[Request]) -> bool {
+    use eframe::egui::ViewportCommand;
+    let mut views = window.output().viewport_output.values();
+    views.any(|view| view.commands.contains(&ViewportCommand::Close))
+}
+
+/// A state of link and device, what it offers, what that leads to, and what Ctrl+Enter leads to: something is asked,
+/// or a message with these words.
+struct Case {
+    name: &'static str,
+    snapshot: Snapshot,
+    offers: Vec<(&'static str, Effect)>,
+    drive: Result<Effect, &'static str>,
+}
+
+fn cases() -> Vec<Case> {
+    let driving = Bench::driving().snapshot();
+    let real = |state| in_state(&driving, state, false);
+    let simulated = |state| in_state(&driving, state, true);
+    let case = |name, snapshot, offers: &[(&'static str, Effect)], drive| Case {
+        name,
+        snapshot,
+        offers: offers.to_vec(),
+        drive,
+    };
+    let mut drive_time = simulated(State::Fault);
+    drive_time.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
+    let mut without_table = real(State::Armed);
+    without_table.table.active = None;
+    without_table.confirmed_table = None;
+    let mut no_status = real(State::Idle);
+    no_status.status = None;
+    let flash = Snapshot { compatibility: Some(Compatibility::FlashDevice), ..real(State::Idle) };
+    let update = Snapshot { compatibility: Some(Compatibility::UpdateHost), ..simulated(State::Idle) };
+    vec![
+        case(
+            "disconnected",
+            no_device(LinkState::Disconnected),
+            &[("Connect", connects)],
+            Err("press Connect first"),
+        ),
+        case(
+            "connecting",
+            no_device(LinkState::Connecting),
+            &[("Cancel", disconnects)],
+            Err("has not answered yet"),
+        ),
+        case(
+            "lost",
+            no_device(LinkState::Lost(LinkError::Gone)),
+            &[("Reconnect", connects)],
+            Err("press Reconnect first"),
+        ),
+        case(
+            "crashed",
+            no_device(LinkState::Lost(LinkError::Crashed)),
+            &[("Close Slipline", closes)],
+            Err("start it again"),
+        ),
+        case(
+            "sought",
+            no_device(LinkState::Reconnecting(LinkError::Silent)),
+            &[("Stop looking", disconnects)],
+            Err("press Drive once it is back"),
+        ),
+        case("no status", no_status, &[("Disconnect", disconnects)], Err("not told its state yet")),
+        case("older firmware", flash, &[("What to do", shows_the_device)], Err("flash the firmware")),
+        case(
+            "newer firmware",
+            update,
+            &[("What to do", shows_the_device)],
+            Err("install the newer Slipline"),
+        ),
+        case(
+            "real, idle",
+            real(State::Idle),
+            &[("Arm…", asks_to_arm)],
+            Err("arm it first, then press Drive"),
+        ),
+        case("simulated, idle", simulated(State::Idle), &[("Drive", arms), ("Arm", arms)], Ok(arms)),
+        case("real, armed", real(State::Armed), &[("Drive", drives), ("Disarm", disarms)], Ok(drives)),
+        case("simulated, armed", simulated(State::Armed), &[("Drive", drives)], Ok(drives)),
+        case("real, driving", real(State::Driving), &[("Disarm", disarms), ("STOP", stops)], Ok(drives)),
+        case("simulated, driving", simulated(State::Driving), &[("STOP", stops)], Ok(drives)),
+        case("real, stopping", real(State::Stopping), &[("Disarm", disarms)], Ok(drives)),
+        case("simulated, stopping", simulated(State::Stopping), &[("Drive", drives)], Ok(drives)),
+        case("real, fault", real(State::Fault), &[("Clear fault", clears)], Err("Press Clear fault first")),
+        case(
+            "simulated, fault",
+            simulated(State::Fault),
+            &[("Clear fault", clears)],
+            Err("Press Clear fault first"),
+        ),
+        case("simulated, drive time", drive_time, &[("Drive", clears)], Ok(clears)),
+        case(
+            "real, safe mode",
+            real(State::SafeMode),
+            &[("Bootloader…", asks_to_restart)],
+            Err("Take its power away"),
+        ),
+        case(
+            "simulated, safe mode",
+            simulated(State::SafeMode),
+            &[("Reconnect", connects)],
+            Err("Take its power away"),
+        ),
+        case(
+            "real, no table",
+            without_table,
+            &[("table differs: upload", |_, sent| matches!(sent, [Request::Upload(_)]))],
+            Err("press \"table differs: upload\" first"),
+        ),
+    ]
+}
+
+#[test]
+fn every_state_offers_a_way_on_that_has_an_effect() {
+    for case in cases() {
+        assert!(!case.offers.is_empty(), "{}", case.name);
+        for (offer, has_effect) in &case.offers {
+            let (mut window, link) = show(case.snapshot.clone(), [1280.0, 800.0]);
+            window.get_by_label(offer).click();
+            window.step();
+            let is_done = has_effect(&window, &link.sent.borrow());
+            window.run_steps(4);
+            let is_done = is_done || has_effect(&window, &link.sent.borrow());
+            assert!(is_done, "{}: {offer}: {:?}", case.name, link.sent);
+        }
+    }
+}
+
+#[test]
+fn drive_by_the_keys_acts_or_says_what_helps() {
+    for case in cases() {
+        let (mut window, link) = show(case.snapshot.clone(), [1280.0, 800.0]);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
+        window.run_steps(4);
+        match case.drive {
+            Ok(has_effect) => {
+                assert!(has_effect(&window, &link.sent.borrow()), "{}: {:?}", case.name, link.sent)
+            }
+            Err(words) => {
+                let told = window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();
+                assert!(told.contains(words), "{}: {told:?}", case.name);
+                assert!(link.sent.borrow().is_empty(), "{}: {:?}", case.name, link.sent);
+            }
+        }
+    }
+}
+
+#[test]
+fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
+    let driving = Bench::driving().snapshot();
+    let mut uploading = in_state(&driving, State::Armed, false);
+    uploading.upload = Some(UploadProgress { sent: 100, total: 256 });
+    let mut differs = in_state(&driving, State::Armed, false);
+    differs.table.active.as_mut().unwrap().crc ^= 1;
+    let armed = |name, snapshot, last| Case {
+        name,
+        snapshot,
+        offers: vec![("Drive", drives as Effect), ("Disarm", disarms), (last, stops)],
+        drive: Ok(drives),
+    };
+    let more = [armed("uploading", uploading, "Cancel"), armed("differs", differs, "table differs: upload")];
+    for case in cases().into_iter().chain(more) {
+        let size = vec2(640.0, 480.0);
+        let (mut window, _) = show(case.snapshot, size.into());
+        window.run_steps(3);
+        let names = ["File", "Edit", "View", "Help", "STOP"].into_iter();
+        let offers = case.offers.iter().map(|(name, _)| *name).filter(|name| *name != "STOP");
+        let mut seen: Vec<(&str, Rect)> = Vec::new();
+        for name in names.chain(offers) {
+            let nodes = window.query_all_by_label(name).map(|node| node.rect());
+            let rect = nodes.filter(|rect| rect.bottom() < 54.0).next();
+            seen.push((name, rect.unwrap_or_else(|| panic!("{}: {name} is missing", case.name))));
+        }
+        let states = window.query_all_by_label_contains("State: ").map(|node| node.rect());
+        seen.extend(states.filter(|rect| rect.bottom() < 54.0).map(|rect| ("State", rect)));
+        for (i, (name, rect)) in seen.iter().enumerate() {
+            assert!(rect.left() >= 0.0 && rect.right() <= size.x, "{}: {name} {rect}", case.name);
+            for (other, at) in seen.iter().skip(i + 1) {
+                let is_over = rect.shrink(1.0).intersects(at.shrink(1.0));
+                assert!(!is_over, "{}: {name} {rect}, {other} {at}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
+    let mut bench = Bench::driving();
+    bench.window.get_by_label("STOP").click();
+    bench.wait(300);
+    bench.disarm();
+    bench.wait(600);
+    assert!(bench.window.query_by_label("State: idle").is_some());
+    bench.window.get_by_label("Drive").click();
+    bench.wait(600);
+    assert!(bench.is_driving(), "{:?}", bench.snapshot().log);
+}
+
+#[test]
+fn drive_in_vain_is_no_leave_to_drive_later() {
+    let driving = Bench::driving().snapshot();
+    let (mut window, link) = show(in_state(&driving, State::Idle, false), [1280.0, 800.0]);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
+    window.run_steps(3);
+    window.get_by_label("Cancel").click();
+    window.run_steps(3);
+    // It is armed by hand a while later.
+    let mut armed = in_state(&driving, State::Armed, false);
+    armed.revision += 1;
+    link.become_known(armed);
+    window.run_steps(5);
+    assert!(window.query_by_label("State: armed").is_some());
+    assert!(window.state().notice().is_none(), "what was told holds no more");
+    assert!(!drives(&window, &link.sent.borrow()), "{:?}", link.sent);
+}
+
+#[test]
+fn a_fault_that_stands_after_it_was_cleared_is_told() {
+    let driving = Bench::driving().snapshot();
+    let (mut window, link) = show(in_state(&driving, State::Fault, false), [1280.0, 800.0]);
+    window.get_by_label("Clear fault").click();
+    window.run_steps(3);
+    let ticket = Ticket(link.sent.borrow().len() as u64);
+    let mut after = in_state(&driving, State::Fault, false);
+    let status = after.status.as_mut().unwrap();
+    after.outcomes = Arc::new([(ticket, Outcome::Done { at: status.now })].into());
+    status.now += 1;
+    after.revision += 1;
+    link.become_known(after);
+    window.run_steps(3);
+    let told = window.state().notice().unwrap().text.clone();
+    assert!(told.starts_with("Not cleared: ") && told.ends_with("Its cause is still there."), "{told}");
+}
