@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Something to ask of the device.
 #[derive(Clone, Debug)]
-pub enum Act {
+pub enum Action {
     /// Send this table.
     Upload(Arc<DeviceTable>),
     /// Send the setup's tones.
@@ -22,7 +22,7 @@ pub enum Act {
 
 /// What the user wants of the device, and what has been tried for it.
 #[derive(Clone, Debug, Default)]
-pub struct Pilot {
+pub struct Autopilot {
     wants_drive: bool,
     /// Whether the user stopped the drive: another connection does not begin it again.
     is_stopped: bool,
@@ -34,7 +34,7 @@ pub struct Pilot {
     has_driven: bool,
 }
 
-impl Pilot {
+impl Autopilot {
     /// The user chose a port.
     pub fn connecting(&mut self, port: &Port) {
         let is_stopped = self.is_stopped;
@@ -50,10 +50,10 @@ impl Pilot {
     /// The user stopped the drive.
     pub fn stopped(&mut self) {
         self.is_stopped = true;
-        self.rest();
+        self.forget_drive();
     }
 
-    fn rest(&mut self) {
+    fn forget_drive(&mut self) {
         self.wants_drive = false;
         self.has_driven = false;
     }
@@ -91,38 +91,38 @@ impl Pilot {
 
     /// Looks at what has changed on the link; `made` is the table for the plate on the screen;
     /// `is_uploading_wanted` whether a real device gets a new table without being asked.
-    pub fn look(
+    pub fn update(
         &mut self,
         before: &Snapshot,
         now: &Snapshot,
         made: Option<&TableMade>,
         is_uploading_wanted: bool,
-    ) -> Vec<Act> {
-        let mut acts = Vec::new();
+    ) -> Vec<Action> {
+        let mut actions = Vec::new();
         let is_lost =
             matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
         if is_lost {
             // It comes back disarmed and silent; the table is looked at anew.
-            self.rest();
+            self.forget_drive();
             self.sent_table = None;
-            return acts;
+            return actions;
         }
         let state = now.status.map(|status| status.state);
         // One that stands when the user presses Drive is being cleared: what was asked for then still holds.
-        let is_cleared = goes_on(before) && goes_on(now);
+        let is_cleared = drive_clears_fault(before) && drive_clears_fault(now);
         if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
-            self.rest();
+            self.forget_drive();
         }
         if !now.is_connected() {
-            return acts;
+            return actions;
         }
         let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         if state == Some(State::Idle) && !is_simulated {
             // It was disarmed: arming it is no leave to drive it, too.
-            self.rest();
+            self.forget_drive();
         }
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
-            return acts;
+            return actions;
         }
         let on_device = now.table.active.map(|header| header.crc);
         let is_held = is_held(now, made);
@@ -133,8 +133,8 @@ impl Pilot {
             let is_known = is_held && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
                 self.sent_table = Some(crc);
-                acts.push(Act::Upload(Arc::clone(&made.device_table)));
-                return acts;
+                actions.push(Action::Upload(Arc::clone(&made.device_table)));
+                return actions;
             }
         }
         let table_changed = before.table.active.map(|header| header.crc) != on_device;
@@ -146,16 +146,16 @@ impl Pilot {
         if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
             self.has_driven = true;
             self.is_setup_new = false;
-            acts.push(Act::Drive);
+            actions.push(Action::Drive);
         }
-        acts
+        actions
     }
 }
 
 /// Whether Drive clears the fault by itself: the drive time's alone, on a simulated device, where it can do no harm. A
 /// real device needs the user's leave for both steps.
 #[must_use]
-pub fn goes_on(snapshot: &Snapshot) -> bool {
+pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     let stood = Faults::NONE.with(Fault::DriveTime);
     is_simulated
@@ -165,7 +165,7 @@ pub fn goes_on(snapshot: &Snapshot) -> bool {
 
 /// Whether Drive arms the device first: a simulated one, on which no real plate hangs.
 #[must_use]
-pub fn arms_first(snapshot: &Snapshot) -> bool {
+pub fn drive_arms(snapshot: &Snapshot) -> bool {
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     is_simulated
         && snapshot.is_connected()
@@ -186,7 +186,7 @@ fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
 
 /// What the device has acknowledged and sounds.
 #[derive(Clone, Debug)]
-pub struct Heard {
+pub struct SoundingDrive {
     /// The number of the journal's entry.
     pub number: u64,
     /// The drive, in the device's units.
@@ -199,7 +199,7 @@ pub struct Heard {
 
 /// What sounds; `None` when the device is silent or plays a table this program does not know.
 #[must_use]
-pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
+pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let is_sounding =
         snapshot.status.is_some_and(|status| matches!(status.state, State::Driving | State::Armed));
     let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
@@ -222,7 +222,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<Heard> {
         frequency_hz: table.frequency_hz(tone.position),
         peak_m: f64::from(tone.level.0) / 65535.0 * master * table.peak_at_full_scale_m(),
     });
-    Some(Heard { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
+    Some(SoundingDrive { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
 }
 
 #[cfg(test)]
@@ -231,11 +231,11 @@ mod tests {
 
     #[test]
     fn a_stop_holds_over_another_connection() {
-        let mut pilot = Pilot::default();
-        pilot.connecting(&Port::Simulated);
-        assert!(pilot.wants_drive(), "the plate moves when the window opens");
-        pilot.stopped();
-        pilot.connecting(&Port::Simulated);
-        assert!(!pilot.wants_drive());
+        let mut autopilot = Autopilot::default();
+        autopilot.connecting(&Port::Simulated);
+        assert!(autopilot.wants_drive(), "the plate moves when the window opens");
+        autopilot.stopped();
+        autopilot.connecting(&Port::Simulated);
+        assert!(!autopilot.wants_drive());
     }
 }

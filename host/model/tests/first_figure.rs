@@ -2,7 +2,7 @@
 
 use slipline_model::export::figures::Format;
 use slipline_model::export::figures::plate::{Subject, plate_figure};
-use slipline_model::field::steady_field::{Picture, steady_tones};
+use slipline_model::field::steady_field::{SteadyField, steady_tones};
 use slipline_model::setup::{Setup, ToneSetup};
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn the_first_figure_of_a_process_is_as_large_as_the_second_and_looks_like_it() {
         position_m: 0.1 + 0.05 * f64::from(slot),
         ..first
     }));
-    let predicted = Picture::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
     let subject = Subject {
         sounding: Some(predicted.clone()),
         setup,

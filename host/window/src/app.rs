@@ -5,7 +5,7 @@
 //!   ^                |  <--Snapshot-- link worker <-- device
 //!   +--- Scene ------+  <--table, lights, design, sheet, files, simulated plate-- threads
 //! ```
-//! Nothing here waits: what takes longer than a frame is done by the link worker, a [`Workshop`] or [`Files`].
+//! Nothing here waits: what takes longer than a frame is done by the link worker, a [`JobQueue`] or [`Files`].
 
 mod background;
 mod device;
@@ -28,21 +28,22 @@ use crate::settings::{Settings, ThemeChoice};
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use notices::Notices;
-use playback::Hearing;
+use playback::Playback;
 use slipline_link::native::Worker;
 use slipline_link::{Port, PortInfo, Request, Snapshot, Ticket};
-use slipline_model::autopilot::Pilot;
-use slipline_model::export::figures::{DrawError, encode, plate};
-use slipline_model::field::sheet;
-use slipline_model::field::steady_field::Picture;
-use slipline_model::field::time_domain::{self, Measured};
-use slipline_model::jobs::Workshop;
-use slipline_model::jobs::check::{self, Verdict};
+use slipline_model::autopilot::Autopilot;
+use slipline_model::export::figures::plate::{self, FigureJob};
+use slipline_model::export::figures::{DrawError, encode};
+use slipline_model::field::sheet::{self, SheetJob};
+use slipline_model::field::steady_field::SteadyField;
+use slipline_model::field::time_domain::{Measured, TimeDomainJob};
+use slipline_model::jobs::JobQueue;
+use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::setup::Setup;
 use slipline_model::setup::undo::History;
-use slipline_model::waveform::{self, Live};
+use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -70,19 +71,19 @@ pub struct Parts {
     /// The link.
     pub link: Box<dyn Link>,
     /// Where tables are made.
-    pub tables: Workshop<TableJob, TableState>,
+    pub tables: JobQueue<TableJob, TableState>,
     /// Where validity lights are made.
-    pub checks: Workshop<check::Job, Verdict>,
+    pub checks: JobQueue<CheckJob, Checked>,
     /// Where plates are designed.
-    pub designs: Workshop<Draft, Designed>,
+    pub designs: JobQueue<Draft, Designed>,
     /// Where the 2-D sheet is run.
-    pub sheets: Workshop<sheet::Job, sheet::Frame>,
+    pub sheets: JobQueue<SheetJob, sheet::Frame>,
     /// Where the mirror follows the device.
-    pub live: Workshop<waveform::Job, Live>,
+    pub waveforms: JobQueue<WaveformJob, Waveform>,
     /// Where the simulated plate is run.
-    pub trials: Workshop<time_domain::Job, Measured>,
+    pub time_domain: JobQueue<TimeDomainJob, Measured>,
     /// Where figures are drawn.
-    pub figures: Workshop<plate::Job, Result<plate::File, String>>,
+    pub figures: JobQueue<FigureJob, Result<plate::File, String>>,
     /// Files.
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated plate's first.
@@ -95,7 +96,7 @@ pub struct App {
     setup: Setup,
     history: History,
     settings: Settings,
-    pilot: Pilot,
+    autopilot: Autopilot,
     /// The latest connection that was asked for.
     connect_sent: Option<Ticket>,
     /// The latest drive that was sent, until it is known why it was refused.
@@ -115,8 +116,8 @@ pub struct App {
     /// The plate and rate that the table was asked for.
     table_asked: Option<(Arc<Plate>, u32)>,
     /// The wave that the setup would make on its plate.
-    predicted: Picture,
-    hearing: Hearing,
+    predicted: SteadyField,
+    playback: Playback,
     background: background::Work,
     notices: Notices,
     dialog: Option<Dialog>,
@@ -139,7 +140,7 @@ impl App {
             setup,
             history: History::default(),
             settings,
-            pilot: Pilot::default(),
+            autopilot: Autopilot::default(),
             connect_sent: None,
             drive_sent: None,
             latest_drive: None,
@@ -151,8 +152,8 @@ impl App {
             ports,
             table: TableState::Waiting,
             table_asked: None,
-            predicted: Picture::default(),
-            hearing: Hearing::default(),
+            predicted: SteadyField::default(),
+            playback: Playback::default(),
             background: background::Work::default(),
             notices: Notices::default(),
             dialog: None,
@@ -198,7 +199,7 @@ impl App {
 
     fn take_results(&mut self) {
         self.take_table();
-        self.take_heard();
+        self.take_playback();
         self.take_background();
         while let Some(event) = self.parts.files.take() {
             self.file_event(event);
@@ -231,12 +232,12 @@ impl App {
             selected: self.selected,
             grab: self.grab,
             snapshot: &self.snapshot,
-            drive_wanted: self.pilot.wants_drive(),
+            drive_wanted: self.autopilot.wants_drive(),
             predicted: &self.predicted,
-            sounding: self.heard_on_screen(),
+            sounding: self.sounding_on_screen(),
             full_peak_m: self.full_peak_m(),
             table: &self.table,
-            live: &self.hearing.live,
+            waveform: &self.playback.waveform,
             measured: self.current_measured(),
             background: &self.background.shown,
             sheet: self.shown_sheet(),
@@ -246,7 +247,7 @@ impl App {
             notices: self.notices.iter().collect(),
             dialog: self.dialog.as_ref(),
             undo: (self.history.undo_name(), self.history.redo_name()),
-            wave_time_s: self.hearing.wave_time_s,
+            wave_time_s: self.playback.wave_time_s,
         };
         let intents = view::show(ui, &scene, &mut view);
         self.view = view;

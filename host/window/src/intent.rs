@@ -4,7 +4,7 @@ use crate::axis::Axis;
 use crate::settings::ThemeChoice;
 use slipline_link::Request;
 use slipline_model::export::figures::Format;
-use slipline_model::field::sheet::WavePicture;
+use slipline_model::field::sheet::SourceChoice;
 use slipline_model::jobs::design::Draft;
 use slipline_model::setup::edit::Edit;
 use std::path::PathBuf;
@@ -126,7 +126,7 @@ pub enum Intent {
     /// Make the table whose making was given up.
     MakeTable,
     /// Choose what the wave is drawn from.
-    Wave(WavePicture),
+    Wave(SourceChoice),
     /// Save what is seen.
     Export(Export),
     /// Send the table for the plate on the screen.

@@ -4,13 +4,13 @@ use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
 use slipline_link::{PortInfo, Snapshot};
 use slipline_model::field::sheet::{Frame, Source};
-use slipline_model::field::steady_field::Picture;
+use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
-use slipline_model::jobs::check::{self, Verdict};
+use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::table::TableState;
 use slipline_model::setup::Setup;
-use slipline_model::waveform::Live;
+use slipline_model::waveform::Waveform;
 use std::sync::Arc;
 
 /// Everything the views show.
@@ -26,15 +26,15 @@ pub struct Scene<'a> {
     /// Whether the user wants the plate driven.
     pub drive_wanted: bool,
     /// The plate under the setup's tones; of unit height while `full_peak_m` is not known.
-    pub predicted: &'a Picture,
+    pub predicted: &'a SteadyField,
     /// The plate under the tones that the device has acknowledged and sounds.
-    pub sounding: Option<&'a Picture>,
+    pub sounding: Option<&'a SteadyField>,
     /// The peak at level 1 in metres; `None` until the table for the plate is made.
     pub full_peak_m: Option<f64>,
     /// The table for the setup's plate.
     pub table: &'a TableState,
     /// The mirror's samples.
-    pub live: &'a Live,
+    pub waveform: &'a Waveform,
     /// The simulated plate under the tones that sound, once it has settled.
     pub measured: Option<&'a Measured>,
     /// The lights, the designer and what the wave is drawn from.
@@ -79,9 +79,9 @@ impl Scene<'_> {
 #[derive(Default)]
 pub struct Background {
     /// The lights, of the plate and boundary they name.
-    pub verdict: Option<Verdict>,
+    pub checked: Option<Checked>,
     /// The plate and boundary whose lights were asked for last.
-    pub asked: Option<check::Job>,
+    pub asked: Option<CheckJob>,
     /// What is wanted of the designer.
     pub draft: Draft,
     /// What came of it.
@@ -94,7 +94,7 @@ impl Background {
     /// Whether the lights are those of the plate and boundary on the screen.
     #[must_use]
     pub fn is_checked(&self) -> bool {
-        self.verdict.as_ref().map(|verdict| &verdict.job) == self.asked.as_ref()
+        self.checked.as_ref().map(|checked| &checked.job) == self.asked.as_ref()
     }
 }
 

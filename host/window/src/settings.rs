@@ -1,7 +1,7 @@
 //! What the app remembers between runs besides the setup.
 
 use serde::{Deserialize, Serialize};
-use slipline_model::field::sheet::WavePicture;
+use slipline_model::field::sheet::SourceChoice;
 use std::path::{Path, PathBuf};
 
 /// Light, dark or as the system has it.
@@ -41,7 +41,7 @@ pub struct Settings {
     /// Light, dark or as the system.
     pub theme: ThemeChoice,
     /// What the wave is drawn from.
-    pub wave: WavePicture,
+    pub wave: SourceChoice,
     /// Whether the plate is coloured by how far it moves at most, not by where it is now.
     pub show_amplitude: bool,
     /// The port used last, as its name is written on the command line.
@@ -67,7 +67,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: ThemeChoice::System,
-            wave: WavePicture::Automatic,
+            wave: SourceChoice::Automatic,
             show_amplitude: false,
             port: None,
             auto_reconnect: true,
@@ -117,7 +117,7 @@ mod tests {
     fn uncommon() -> Settings {
         Settings {
             theme: ThemeChoice::Dark,
-            wave: WavePicture::Sheet,
+            wave: SourceChoice::Sheet,
             show_amplitude: true,
             port: Some("unix:/run/it.sock".to_owned()),
             auto_reconnect: false,

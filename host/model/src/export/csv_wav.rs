@@ -1,9 +1,9 @@
 //! What is seen, as files: CSV, WAV.
 
-use crate::field::steady_field::{POINTS, Picture, drawn_boundary_m};
+use crate::field::steady_field::{POINTS, SteadyField, drawn_boundary_m};
 use crate::field::time_domain::Measured;
 use crate::setup::{BoundaryMode, Setup};
-use crate::waveform::Live;
+use crate::waveform::Waveform;
 use std::fmt::Write as _;
 
 /// Codes of a waveform as CSV, at most: 0.16 s at 400 kS/s.
@@ -14,13 +14,13 @@ const CSV_CODES: usize = 1 << 16;
 #[must_use]
 pub fn envelope_csv(
     setup: &Setup,
-    picture: &Picture,
+    steady: &SteadyField,
     measured: Option<&Measured>,
     full_peak_m: f64,
 ) -> String {
     let mut rows: Vec<(f64, String)> = Vec::new();
-    for (i, (bound_m, rms_m)) in picture.bound_m.iter().zip(&picture.rms_m).enumerate() {
-        let x_m = i as f64 / (POINTS - 1) as f64 * picture.length_m;
+    for (i, (bound_m, rms_m)) in steady.bound_m.iter().zip(&steady.rms_m).enumerate() {
+        let x_m = i as f64 / (POINTS - 1) as f64 * steady.length_m;
         rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},")));
     }
     for (x_m, metres) in measured.into_iter().flat_map(Measured::points) {
@@ -78,8 +78,8 @@ fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -
 
 /// The latest codes as CSV: the sample index, the time and the DAC code. `None` while there is none.
 #[must_use]
-pub fn waveform_csv(live: &Live) -> Option<String> {
-    let window = live.window()?;
+pub fn waveform_csv(waveform: &Waveform) -> Option<String> {
+    let window = waveform.window()?;
     let mut text = String::from("sample_index,time_s,dac_code\n");
     let skipped = window.codes.len().saturating_sub(CSV_CODES);
     for (i, code) in window.codes.iter().enumerate().skip(skipped) {
@@ -93,8 +93,8 @@ pub fn waveform_csv(live: &Live) -> Option<String> {
 ///
 /// # Errors
 /// What the encoder says.
-pub fn wav(live: &Live) -> Result<Option<Vec<u8>>, hound::Error> {
-    let Some(window) = live.window() else { return Ok(None) };
+pub fn wav(waveform: &Waveform) -> Result<Option<Vec<u8>>, hound::Error> {
+    let Some(window) = waveform.window() else { return Ok(None) };
     let spec = hound::WavSpec {
         channels: 1,
         sample_rate: window.sample_rate_hz as u32,

@@ -2,7 +2,7 @@
 //! runs, else from the modal lines.
 
 use crate::field::sheet::Frame;
-use crate::field::steady_field::{POINTS, Picture, interpolate};
+use crate::field::steady_field::{POINTS, SteadyField, interpolate};
 use crate::numbers::ticks::round_step;
 use slipline_plate::{Complex64, Model, Plate};
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ pub struct Wave<'a> {
     /// The plate.
     pub plate: &'a Plate,
     /// Its tones, solved; `None` at rest.
-    pub sounding: Option<&'a Picture>,
+    pub sounding: Option<&'a SteadyField>,
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<&'a Frame>,
     /// Whether the largest displacement is looked at, not the present one.
@@ -24,13 +24,13 @@ pub struct Wave<'a> {
 
 /// How much slower than life the wave is shown, so that the slowest tone takes about 1.5 s a turn: a round number.
 #[must_use]
-pub fn slow_factor(picture: &Picture) -> f64 {
-    let slowest = picture.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
+pub fn slow_factor(steady: &SteadyField) -> f64 {
+    let slowest = steady.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
     if slowest.is_finite() { round_step(slowest * 1.2) } else { 1.0 }
 }
 
 /// The displacement of a [`Wave`] everywhere on the plate.
-pub struct Surface<'a> {
+pub struct DisplacementMap<'a> {
     wave: Wave<'a>,
     /// On the centre line, at [`POINTS`] places; empty where it is not needed.
     centre_m: Vec<f64>,
@@ -55,12 +55,12 @@ pub struct Column {
     centre_m: f64,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> DisplacementMap<'a> {
     /// The surface of this wave.
     #[must_use]
     pub fn new(wave: Wave<'a>) -> Self {
         let centre_m = match wave.sounding {
-            Some(picture) if wave.sheet.is_none() => centre(picture, &wave),
+            Some(steady) if wave.sheet.is_none() => centre(steady, &wave),
             _ => Vec::new(),
         };
         Self { wave, centre_m }
@@ -97,13 +97,13 @@ impl<'a> Surface<'a> {
     }
 }
 
-fn centre(picture: &Picture, wave: &Wave<'_>) -> Vec<f64> {
+fn centre(steady: &SteadyField, wave: &Wave<'_>) -> Vec<f64> {
     if wave.is_largest {
-        return picture.bound_m.clone();
+        return steady.bound_m.clone();
     }
-    let factor = slow_factor(picture);
+    let factor = slow_factor(steady);
     let mut centre_m = vec![0.0; POINTS];
-    for tone in &picture.tones {
+    for tone in &steady.tones {
         let turn = Complex64::cis(-TAU * tone.tone.frequency_hz / factor * wave.time_s);
         for (value, amplitude) in centre_m.iter_mut().zip(&tone.wave) {
             *value += (amplitude * turn).re;
@@ -144,12 +144,14 @@ mod tests {
     fn the_wave_stays_within_its_largest_and_rest_is_flat() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let frequency_hz = plate.frequency_for_boundary_hz(0.18);
-        let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m: 1e-4 }]);
+        let steady = SteadyField::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m: 1e-4 }]);
         let wave =
             |sounding, is_largest| Wave { plate: &plate, sounding, sheet: None, is_largest, time_s: 0.7 };
-        let (now, largest) =
-            (Surface::new(wave(Some(&picture), false)), Surface::new(wave(Some(&picture), true)));
-        let rest = Surface::new(wave(None, true));
+        let (now, largest) = (
+            DisplacementMap::new(wave(Some(&steady), false)),
+            DisplacementMap::new(wave(Some(&steady), true)),
+        );
+        let rest = DisplacementMap::new(wave(None, true));
         for i in 0..=50 {
             let x_m = plate.length_m() * f64::from(i) / 50.0;
             let row = now.row(0.4);
@@ -157,7 +159,7 @@ mod tests {
             assert!(now.at(&column, &row).abs() <= largest.at(&largest.column(x_m), &row) + 1e-12);
             assert_eq!(rest.at(&rest.column(x_m), &row), 0.0);
         }
-        let peak_m = picture.tones[0].peak_position_m.unwrap();
+        let peak_m = steady.tones[0].peak_position_m.unwrap();
         assert!((largest.at(&largest.column(peak_m), &largest.row(0.0)) / 1e-4 - 1.0).abs() < 0.02);
     }
 }

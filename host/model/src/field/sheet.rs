@@ -4,14 +4,14 @@
 //! plate --cost against BUDGET--> sheet or modal lines
 //! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::Sheet --> settle, then slowly on --> Frame
 //! ```
-//! The codes are those of the modal line of [`crate::field::time_domain`]. After a change the sheet runs ahead until it has
+//! The codes are those of the modal line of [`time_domain`]. After a change the sheet runs ahead until it has
 //! settled; then it goes on at the picture's own slow pace, so that one wave takes about as long as an eye likes.
 
 mod source;
 
-pub use source::{Source, WavePicture, source};
+pub use source::{Source, SourceChoice, source};
 
-use crate::field::time_domain;
+use crate::field::time_domain::{self, TimeDomainJob};
 use crate::jobs::Task;
 use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
@@ -82,9 +82,9 @@ impl Frame {
 
 /// A drive for a sheet, and how far its slow motion has come.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct SheetJob {
     /// What is driven.
-    pub drive: time_domain::Job,
+    pub drive: TimeDomainJob,
     /// Plate time that has passed in slow motion, in seconds: the sheet goes on by as much as it is ahead of the job
     /// before, from 0 to 0.05 s.
     pub time_s: f64,
@@ -93,7 +93,7 @@ pub struct Job {
 /// The work of the thread that runs the sheet; it keeps the sheet from job to job. `None` when the plate has no sheet
 /// at the device's rate, or its codes could not be replayed. A task that is over leaves off settling: the frame shows
 /// how far it came, and the next job goes on from there.
-pub fn work() -> impl FnMut(Job, &Task) -> Option<Frame> + Send {
+pub fn work() -> impl FnMut(SheetJob, &Task) -> Option<Frame> + Send {
     let mut run: Option<Run> = None;
     move |job, task| {
         if run.as_ref().is_none_or(|run| !Arc::ptr_eq(&run.plate, &job.drive.plate)) {
@@ -138,7 +138,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(job: &time_domain::Job) -> Option<Self> {
+    fn new(job: &TimeDomainJob) -> Option<Self> {
         let rate = job.table.header().sample_rate_hz;
         let rate_hz = f64::from(rate);
         let sheet = Sheet::new(&job.plate, rate_hz, grid(&job.plate)).ok()?;
@@ -161,7 +161,7 @@ impl Run {
     }
 
     /// The next codes are those of another drive: the tones glide on from where they are.
-    fn change(&mut self, job: &time_domain::Job) -> Option<()> {
+    fn change(&mut self, job: &TimeDomainJob) -> Option<()> {
         let now = self.mirror.now();
         if self.number.is_none() || self.table.crc() != job.table.crc() {
             self.mirror.acknowledge_table(job.table.knots().into(), now).ok()?;
@@ -174,7 +174,7 @@ impl Run {
     }
 
     /// Runs ahead until the change has died down, then long enough to see the largest displacement.
-    fn settle(&mut self, job: &time_domain::Job, task: &Task) {
+    fn settle(&mut self, job: &TimeDomainJob, task: &Task) {
         let glide_s = f64::from(job.drive.glide) / self.rate_hz;
         let settle = AHEAD + ((glide_s + self.settle_s).min(time_domain::RUN_MAX_S) * self.rate_hz) as u64;
         let watch = (time_domain::watch_s(job) * self.rate_hz) as u64;
@@ -229,23 +229,23 @@ impl Run {
 mod tests {
     use super::*;
     use crate::field::simulation::device_table;
-    use crate::field::steady_field::{Picture, SteadyTone};
+    use crate::field::steady_field::{SteadyField, SteadyTone};
     use crate::field::time_domain::tests::one_tone;
     use slipline_link::protocol::units::Position;
     use slipline_plate::DriveTable;
 
     const RATE: f64 = 400_000.0;
 
-    fn job(number: u64, plate: &Arc<Plate>, table: &Arc<DeviceTable>, position: Position) -> Job {
+    fn job(number: u64, plate: &Arc<Plate>, table: &Arc<DeviceTable>, position: Position) -> SheetJob {
         let drive = one_tone(0, position, 8000);
-        let drive = time_domain::Job {
+        let drive = TimeDomainJob {
             number,
             plate: Arc::clone(plate),
             table: Arc::clone(table),
             drive: Arc::new(drive),
             dac_bits: 12,
         };
-        Job { drive, time_s: 0.0 }
+        SheetJob { drive, time_s: 0.0 }
     }
 
     #[test]
@@ -259,10 +259,10 @@ mod tests {
             let frame = work(job(number, &plate, &table, position), &Task::default()).unwrap();
             let peak_m = table.peak_at_full_scale_m();
             let frequency_hz = table.frequency_hz(position);
-            let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
+            let steady = SteadyField::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
             let worst = (0..=64)
                 .map(|i| f64::from(i) / 64.0 * plate.length_m())
-                .map(|x| (frame.largest_m(x, 0.0) - picture.bound_at(x)).abs() / peak_m)
+                .map(|x| (frame.largest_m(x, 0.0) - steady.bound_at(x)).abs() / peak_m)
                 .fold(0.0, f64::max);
             assert!(worst < 0.08, "{x0}: {worst}");
             // Across it is the first width mode: nothing at the edge, less than the middle between.

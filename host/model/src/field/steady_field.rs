@@ -36,7 +36,7 @@ pub struct ToneWave {
 
 /// The plate under all tones.
 #[derive(Clone, Debug, Default)]
-pub struct Picture {
+pub struct SteadyField {
     /// Length of the plate in metres; the places are uniform from 0 to it.
     pub length_m: f64,
     /// The tones that enter the plate.
@@ -47,7 +47,7 @@ pub struct Picture {
     pub rms_m: Vec<f64>,
 }
 
-impl Picture {
+impl SteadyField {
     /// Solves for these tones. Tones that cannot enter the plate are left out.
     #[must_use]
     pub fn solve(plate: &Plate, tones: &[SteadyTone]) -> Self {
@@ -176,15 +176,15 @@ pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
 
 /// The displacement that full colour stands for, in metres; `full_peak_m` is the table's peak at level 1.
 #[must_use]
-pub fn full_colour_m(sounding: Option<&Picture>, full_peak_m: f64) -> f64 {
-    full_peak_m.max(sounding.map_or(0.0, Picture::highest_m)).max(1e-12)
+pub fn full_colour_m(sounding: Option<&SteadyField>, full_peak_m: f64) -> f64 {
+    full_peak_m.max(sounding.map_or(0.0, SteadyField::highest_m)).max(1e-12)
 }
 
 /// The top of an envelope's axis, in metres: room for level 1 at least, so that the level is seen; it grows with the
 /// sum. `full_peak_m` is the table's peak at level 1.
 #[must_use]
-pub fn envelope_top_m(picture: &Picture, full_peak_m: f64) -> f64 {
-    (full_peak_m * 1.08).max(picture.highest_m() * 1.05).max(1e-12)
+pub fn envelope_top_m(steady: &SteadyField, full_peak_m: f64) -> f64 {
+    (full_peak_m * 1.08).max(steady.highest_m() * 1.05).max(1e-12)
 }
 
 /// The turning point that puts the shown boundary at `x`, in metres: the inverse of [`shown_boundary_m`].
@@ -207,20 +207,20 @@ mod tests {
         let plate = slipline_plate::preset("membrane").unwrap();
         for x in [0.12, 0.16, 0.2] {
             let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x), peak_m: 1e-4 };
-            let picture = Picture::solve(&plate, &[tone]);
-            let wave = picture.tone(0).unwrap();
+            let steady = SteadyField::solve(&plate, &[tone]);
+            let wave = steady.tone(0).unwrap();
             assert!((wave.turning_point_m - x).abs() < 1e-6);
-            let at_peak = picture.bound_at(wave.peak_position_m.unwrap());
+            let at_peak = steady.bound_at(wave.peak_position_m.unwrap());
             assert!((at_peak / 1e-4 - 1.0).abs() < 0.01, "{at_peak}");
         }
     }
 
     #[test]
-    fn a_tone_that_cannot_enter_leaves_the_picture_empty() {
+    fn a_tone_that_cannot_enter_leaves_the_field_empty() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let tone = SteadyTone { slot: 0, frequency_hz: 1.0, peak_m: 1e-4 };
-        let picture = Picture::solve(&plate, &[tone]);
-        assert!(picture.tones.is_empty() && picture.highest_m() == 0.0 && picture.bound_at(f64::NAN) == 0.0);
+        let steady = SteadyField::solve(&plate, &[tone]);
+        assert!(steady.tones.is_empty() && steady.highest_m() == 0.0 && steady.bound_at(f64::NAN) == 0.0);
     }
 
     #[test]

@@ -46,7 +46,7 @@ impl Measured {
 
 /// A drive to be tried on a plate.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct TimeDomainJob {
     /// Which acknowledged change it is.
     pub number: u64,
     /// The plate.
@@ -60,7 +60,7 @@ pub struct Job {
 }
 
 /// How long the settled plate is watched so that its largest displacement is seen, in seconds.
-pub(crate) fn watch_s(job: &Job) -> f64 {
+pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
     let tones = &job.drive.tones;
     let slowest_hz =
         tones.iter().map(|tone| job.table.frequency_hz(tone.position)).fold(f64::INFINITY, f64::min);
@@ -70,7 +70,7 @@ pub(crate) fn watch_s(job: &Job) -> f64 {
 /// Runs the drive on the plate until it has settled, and watches it. `None` when the plate cannot be run at the
 /// device's rate, the drive could not be replayed, or the task was over before.
 #[must_use]
-pub fn run(job: &Job, task: &Task) -> Option<Measured> {
+pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let rate = job.table.header().sample_rate_hz;
     let mut line = TimeDomainLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
     let mut mirror = Mirror::new(rate, 0);
@@ -105,7 +105,7 @@ pub fn run(job: &Job, task: &Task) -> Option<Measured> {
 pub(crate) mod tests {
     use super::*;
     use crate::field::simulation::device_table;
-    use crate::field::steady_field::{Picture, SteadyTone};
+    use crate::field::steady_field::{SteadyField, SteadyTone};
     use slipline_link::protocol::command::{Apply, Drive, Tone};
     use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
     use slipline_plate::DriveTable;
@@ -126,7 +126,7 @@ pub(crate) mod tests {
             let x0 = start + 0.7 * (end - start);
             let position = table.position(x0).unwrap();
             let drive = one_tone(0, position, 8000);
-            let job = Job {
+            let job = TimeDomainJob {
                 number: 1,
                 plate: Arc::clone(&plate),
                 table: Arc::clone(&table),
@@ -136,10 +136,10 @@ pub(crate) mod tests {
             let measured = run(&job, &Task::default()).unwrap();
             let frequency_hz = table.frequency_hz(position);
             let peak_m = table.peak_at_full_scale_m();
-            let picture = Picture::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
+            let steady = SteadyField::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
             let worst = measured
                 .points()
-                .map(|(x, metres)| (metres - picture.bound_at(x)).abs() / peak_m)
+                .map(|(x, metres)| (metres - steady.bound_at(x)).abs() / peak_m)
                 .fold(0.0, f64::max);
             assert!(worst < 0.08, "{name}: {worst}");
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A plate and a boundary to be checked.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct CheckJob {
     /// The plate.
     pub plate: Arc<Plate>,
     /// The boundary, in metres.
@@ -16,7 +16,7 @@ pub struct Job {
     pub conditions: Conditions,
 }
 
-impl PartialEq for Job {
+impl PartialEq for CheckJob {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.plate, &other.plate)
             && self.boundary_m == other.boundary_m
@@ -26,14 +26,14 @@ impl PartialEq for Job {
 
 /// What was found.
 #[derive(Clone, Debug)]
-pub struct Verdict {
+pub struct Checked {
     /// What was checked.
-    pub job: Job,
+    pub job: CheckJob,
     /// The lights, or a sentence that says why there are none.
     pub report: Result<Report, String>,
 }
 
-impl Verdict {
+impl Checked {
     /// How many lights have a colour.
     #[must_use]
     pub fn count(&self, colour: Colour) -> usize {
@@ -43,7 +43,7 @@ impl Verdict {
 }
 
 /// The work of the thread that checks: what was prepared for a plate is kept while the plate stays.
-pub fn work() -> impl FnMut(Job, &Task) -> Option<Verdict> + Send {
+pub fn work() -> impl FnMut(CheckJob, &Task) -> Option<Checked> + Send {
     let mut kept: Option<(Arc<Plate>, Checker)> = None;
     move |job, task| {
         let report = match check(&mut kept, &job, task) {
@@ -51,11 +51,15 @@ pub fn work() -> impl FnMut(Job, &Task) -> Option<Verdict> + Send {
             Err(CheckError::Stopped(_)) => return None,
             Err(error) => Err(error.to_string()),
         };
-        Some(Verdict { job, report })
+        Some(Checked { job, report })
     }
 }
 
-fn check(kept: &mut Option<(Arc<Plate>, Checker)>, job: &Job, task: &Task) -> Result<Report, CheckError> {
+fn check(
+    kept: &mut Option<(Arc<Plate>, Checker)>,
+    job: &CheckJob,
+    task: &Task,
+) -> Result<Report, CheckError> {
     let conditions = job.conditions.clone();
     match kept {
         Some((plate, checker)) if Arc::ptr_eq(plate, &job.plate) => {
@@ -78,7 +82,7 @@ mod tests {
     #[test]
     fn a_plate_that_is_kept_gives_the_same_lights_as_a_fresh_one() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
-        let job = |boundary_m: f64, level: f64| Job {
+        let job = |boundary_m: f64, level: f64| CheckJob {
             plate: Arc::clone(&plate),
             boundary_m,
             conditions: Conditions { level, ..Conditions::default() },

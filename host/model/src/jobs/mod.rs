@@ -42,11 +42,11 @@ impl Task {
 
 /// A place where jobs of one kind are done.
 ///
-/// [`Workshop::threaded`] does them on a thread of its own; [`Workshop::inline`] at once, which makes tests
+/// [`JobQueue::threaded`] does them on a thread of its own; [`JobQueue::inline`] at once, which makes tests
 /// repeatable. The work gives `None` when nothing came of a job, such as when its [`Task`] was over; nothing comes of one
 /// that panics on the thread either, and the next is done all the same.
-pub struct Workshop<Job, Done> {
-    way: Way<Job, Done>,
+pub struct JobQueue<Job, Done> {
+    runner: Runner<Job, Done>,
     done: Receiver<(u64, Option<Done>)>,
     task: Arc<Task>,
     /// Number of the newest job.
@@ -60,13 +60,13 @@ pub struct Workshop<Job, Done> {
 /// What is done with a job.
 type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
 
-enum Way<Job, Done> {
+enum Runner<Job, Done> {
     Thread(Sender<(u64, Job, Arc<Task>)>),
     Inline(Box<Work<Job, Done>>, Sender<(u64, Option<Done>)>),
 }
 
-impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
-    /// Does jobs on a thread named `name` and calls `wake` after each. The thread ends with the workshop.
+impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
+    /// Does jobs on a thread named `name` and calls `wake` after each. The thread ends with the queue.
     ///
     /// # Errors
     /// What the system says when it gives no thread.
@@ -74,7 +74,7 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
         not(test),
         expect(
             clippy::disallowed_methods,
-            reason = "a thread of its own: a browser uses [`Workshop::inline`]"
+            reason = "a thread of its own: a browser uses [`JobQueue::inline`]"
         )
     )]
     pub fn threaded(
@@ -98,18 +98,18 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
                 wake();
             }
         })?;
-        Ok(Self::new(Way::Thread(jobs), done))
+        Ok(Self::new(Runner::Thread(jobs), done))
     }
 
     /// Does every job at once, on the caller's thread.
     #[must_use]
     pub fn inline(work: impl FnMut(Job, &Task) -> Option<Done> + 'static) -> Self {
         let (finished, done) = channel();
-        Self::new(Way::Inline(Box::new(work), finished), done)
+        Self::new(Runner::Inline(Box::new(work), finished), done)
     }
 
-    fn new(way: Way<Job, Done>, done: Receiver<(u64, Option<Done>)>) -> Self {
-        Self { way, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
+    fn new(runner: Runner<Job, Done>, done: Receiver<(u64, Option<Done>)>) -> Self {
+        Self { runner, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
     }
 
     /// Asks for a job; an older one that is still being done is told that it is over.
@@ -117,10 +117,10 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
         self.task.end();
         self.task = Arc::default();
         self.asked += 1;
-        match &mut self.way {
+        match &mut self.runner {
             // A thread that has gone answers no more; the app stays usable without it.
-            Way::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
-            Way::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
+            Runner::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
+            Runner::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
         }
     }
 
@@ -150,7 +150,7 @@ impl<Job: Send + 'static, Done: Send + 'static> Workshop<Job, Done> {
     }
 }
 
-impl<Job, Done> Drop for Workshop<Job, Done> {
+impl<Job, Done> Drop for JobQueue<Job, Done> {
     fn drop(&mut self) {
         self.task.end();
     }
@@ -163,18 +163,18 @@ mod tests {
     #[test]
     fn the_newest_job_is_done_and_the_caller_is_woken() {
         let (woken, waking) = channel();
-        let mut workshop =
-            Workshop::threaded("test", |n: u32, _| Some(n * 2), move || woken.send(()).unwrap_or_default())
+        let mut queue =
+            JobQueue::threaded("test", |n: u32, _| Some(n * 2), move || woken.send(()).unwrap_or_default())
                 .unwrap();
         for n in 1..=5 {
-            workshop.ask(n);
+            queue.ask(n);
         }
         let mut latest = None;
         while latest != Some(10) {
             waking.recv().unwrap();
-            latest = workshop.take().or(latest);
+            latest = queue.take().or(latest);
         }
-        assert_eq!(workshop.progress(), None);
+        assert_eq!(queue.progress(), None);
     }
 
     #[test]
@@ -184,23 +184,22 @@ mod tests {
             assert!(!fails, "a mistake in the work");
             Some(7)
         };
-        let mut workshop =
-            Workshop::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
+        let mut queue = JobQueue::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
         for (fails, done) in [(true, None), (false, Some(7))] {
-            workshop.ask(fails);
+            queue.ask(fails);
             waking.recv().unwrap();
-            assert_eq!(workshop.take(), done);
-            assert_eq!(workshop.progress(), None);
+            assert_eq!(queue.take(), done);
+            assert_eq!(queue.progress(), None);
         }
     }
 
     #[test]
     fn inline_work_is_done_when_asked() {
-        let mut workshop = Workshop::inline(|n: u32, _| Some(n + 1));
-        workshop.ask(1);
-        workshop.ask(2);
-        assert_eq!(workshop.take(), Some(3));
-        assert_eq!(workshop.take(), None);
+        let mut queue = JobQueue::inline(|n: u32, _| Some(n + 1));
+        queue.ask(1);
+        queue.ask(2);
+        assert_eq!(queue.take(), Some(3));
+        assert_eq!(queue.take(), None);
     }
 
     #[test]
@@ -214,22 +213,21 @@ mod tests {
             }
             Some(forever)
         };
-        let mut workshop =
-            Workshop::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
-        workshop.ask(true);
+        let mut queue = JobQueue::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
+        queue.ask(true);
         told.recv().unwrap();
-        assert_eq!(workshop.progress(), Some(0.5));
-        workshop.cancel();
-        assert_eq!(workshop.progress(), None);
+        assert_eq!(queue.progress(), Some(0.5));
+        queue.cancel();
+        assert_eq!(queue.progress(), None);
         waking.recv().unwrap();
-        assert_eq!(workshop.take(), None, "it did end, and is not wanted");
+        assert_eq!(queue.take(), None, "it did end, and is not wanted");
         // A newer job ends an older one, too.
-        workshop.ask(true);
-        workshop.ask(false);
+        queue.ask(true);
+        queue.ask(false);
         let mut latest = None;
         while latest != Some(false) {
             waking.recv().unwrap();
-            latest = workshop.take().or(latest);
+            latest = queue.take().or(latest);
         }
     }
 }

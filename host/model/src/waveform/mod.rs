@@ -39,13 +39,13 @@ const AHEAD: u64 = 8 * BLOCK as u64;
 
 /// What is known of the drive.
 #[derive(Clone, Debug, Default)]
-pub struct Live {
+pub struct Waveform {
     window: Option<Window>,
     spectrum: Arc<[Line]>,
     is_true: bool,
 }
 
-impl Live {
+impl Waveform {
     /// The latest codes; `None` before anything was driven.
     #[must_use]
     pub fn window(&self) -> Option<&Window> {
@@ -67,7 +67,7 @@ impl Live {
 
 /// Follow the journal up to now.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct WaveformJob {
     sample_rate_hz: u32,
     journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The table the device is known to hold.
@@ -76,7 +76,7 @@ pub struct Job {
     now: u64,
 }
 
-impl Job {
+impl WaveformJob {
     /// What the device has agreed to and how far it has come. `None` while there is no device.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
@@ -92,7 +92,7 @@ impl Job {
 
 /// Follows the journal.
 #[derive(Default)]
-pub struct Follower {
+pub struct WaveformFollower {
     mirror: Option<Mirror>,
     sample_rate_hz: u32,
     /// The latest entry that was taken.
@@ -103,9 +103,9 @@ pub struct Follower {
     spectrum: Spectrum,
 }
 
-impl Follower {
+impl WaveformFollower {
     /// Replays what is new and returns what the device sends now.
-    pub fn follow(&mut self, job: &Job) -> Live {
+    pub fn follow(&mut self, job: &WaveformJob) -> Waveform {
         // Entries fall off the journal's front; a thermal limit may also go from its middle, which does no harm.
         if let Some(oldest) = job.journal.front().filter(|oldest| oldest.number > self.latest + 1)
             && self.mirror.is_some()
@@ -121,23 +121,23 @@ impl Follower {
             }
             self.take(job, entry);
         }
-        let Some(mirror) = &mut self.mirror else { return Live::default() };
+        let Some(mirror) = &mut self.mirror else { return Waveform::default() };
         let rate = f64::from(self.sample_rate_hz);
         let is_silent =
             self.silent_since.is_some_and(|since| job.now > since + (SILENT_AFTER_S * rate) as u64);
         if is_silent {
             // Nothing sounds: nothing is rendered until something does.
-            return Live { is_true: mirror.is_true(), ..Live::default() };
+            return Waveform { is_true: mirror.is_true(), ..Waveform::default() };
         }
         render(mirror, &mut self.codes, job.now, rate);
         if self.codes.len() < LEAST_CODES {
-            return Live { is_true: mirror.is_true(), ..Live::default() };
+            return Waveform { is_true: mirror.is_true(), ..Waveform::default() };
         }
         let first = mirror.now() - self.codes.len() as u64;
         let codes: Arc<[u16]> = self.codes.iter().copied().collect();
         let tail = &codes[codes.len().saturating_sub(SPECTRUM_CODES)..];
         let spectrum = self.spectrum.of(tail, rate).into();
-        Live {
+        Waveform {
             window: Some(Window { first, sample_rate_hz: rate, codes }),
             spectrum,
             is_true: mirror.is_true(),
@@ -145,7 +145,7 @@ impl Follower {
     }
 
     /// Begins anew at `at`, as if the device were silent, with the table it is known to hold.
-    fn begin(&mut self, job: &Job, at: u64) {
+    fn begin(&mut self, job: &WaveformJob, at: u64) {
         self.sample_rate_hz = job.sample_rate_hz;
         self.codes.clear();
         self.silent_since = Some(at);
@@ -158,7 +158,7 @@ impl Follower {
         self.mirror = Some(mirror);
     }
 
-    fn take(&mut self, job: &Job, entry: &Acknowledged) {
+    fn take(&mut self, job: &WaveformJob, entry: &Acknowledged) {
         self.latest = entry.number;
         let rate = f64::from(job.sample_rate_hz);
         if let Some(mirror) = self.mirror.as_mut().filter(|_| entry.change == Change::Session) {
@@ -224,8 +224,8 @@ fn render(mirror: &mut Mirror, codes: &mut VecDeque<u16>, until: u64, rate: f64)
 }
 
 /// The work of the thread that follows.
-pub fn work() -> impl FnMut(Job, &Task) -> Option<Live> + Send {
-    let mut follower = Follower::default();
+pub fn work() -> impl FnMut(WaveformJob, &Task) -> Option<Waveform> + Send {
+    let mut follower = WaveformFollower::default();
     // A job is short, and the next one needs what this one did: it is never given up.
     move |job, _| Some(follower.follow(&job))
 }
@@ -242,12 +242,12 @@ mod tests {
         Change::Drive(Arc::new(one_tone(0, Position(20_000), 2000)))
     }
 
-    fn job(entries: &[(u64, u64, Change)], now: u64) -> Job {
+    fn job(entries: &[(u64, u64, Change)], now: u64) -> WaveformJob {
         let entry = |(number, at, change): &(u64, u64, Change)| {
             Arc::new(Acknowledged { number: *number, at: *at, change: change.clone(), is_exact: true })
         };
         let plate = preset("membrane").unwrap();
-        Job {
+        WaveformJob {
             sample_rate_hz: 400_000,
             journal: Arc::new(entries.iter().map(entry).collect()),
             table: Some(table_for(&plate, 400_000).unwrap().1),
@@ -257,23 +257,23 @@ mod tests {
 
     #[test]
     fn entries_that_were_missed_cost_the_trust_until_the_next_silence_but_not_the_table() {
-        let mut follower = Follower::default();
+        let mut follower = WaveformFollower::default();
         let start = [(1, 12_800, Change::Session), (2, 25_600, drive())];
-        let live = follower.follow(&job(&start, 128_000));
-        assert!(live.is_true() && live.window().is_some());
+        let waveform = follower.follow(&job(&start, 128_000));
+        assert!(waveform.is_true() && waveform.window().is_some());
 
         let later = [(40, 256_000, Change::Stop)];
         assert!(!follower.follow(&job(&later, 260_000)).is_true());
 
         let later = [(40, 256_000, Change::Stop), (41, 512_000, drive())];
-        let live = follower.follow(&job(&later, 640_000));
-        assert!(live.is_true());
-        assert!(live.window().unwrap().codes.iter().any(|&code| code > 2500), "the table was kept");
+        let waveform = follower.follow(&job(&later, 640_000));
+        assert!(waveform.is_true());
+        assert!(waveform.window().unwrap().codes.iter().any(|&code| code > 2500), "the table was kept");
     }
 
     #[test]
     fn a_stop_of_the_devices_own_costs_the_trust_until_the_next_silence() {
-        let mut follower = Follower::default();
+        let mut follower = WaveformFollower::default();
         let drive_and_stop = [(1, 12_800, Change::Session), (2, 25_600, drive()), (3, 200_000, Change::Stop)];
         let mut own = job(&drive_and_stop, 204_800);
         Arc::make_mut(Arc::make_mut(&mut own.journal).back_mut().unwrap()).is_exact = false;
@@ -281,17 +281,17 @@ mod tests {
         assert!(!follower.follow(&own).is_true());
 
         Arc::make_mut(&mut own.journal).extend(job(&[(4, 512_000, drive())], 0).journal.iter().cloned());
-        let live = follower.follow(&Job { now: 640_000, ..own });
-        assert!(live.is_true() && live.window().is_some());
+        let waveform = follower.follow(&WaveformJob { now: 640_000, ..own });
+        assert!(waveform.is_true() && waveform.window().is_some());
     }
 
     #[test]
     fn thermal_limits_that_were_dropped_are_no_loss() {
-        let mut follower = Follower::default();
+        let mut follower = WaveformFollower::default();
         let start = [(1, 12_800, Change::Session), (2, 25_600, drive())];
         follower.follow(&job(&start, 128_000));
         let later = [start[0].clone(), start[1].clone(), (9, 131_072, Change::Limit(900))];
-        let live = follower.follow(&job(&later, 256_000));
-        assert!(live.is_true() && live.window().is_some());
+        let waveform = follower.follow(&job(&later, 256_000));
+        assert!(waveform.is_true() && waveform.window().is_some());
     }
 }

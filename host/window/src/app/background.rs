@@ -4,9 +4,9 @@ use super::{App, Parts};
 use crate::scene::{Background, DesignState, Waiting};
 use eframe::egui;
 use slipline_model::field::displacement_map::slow_factor;
-use slipline_model::field::sheet::{self, Frame, Source, WavePicture};
-use slipline_model::field::time_domain;
-use slipline_model::jobs::check;
+use slipline_model::field::sheet::{self, Frame, SheetJob, Source, SourceChoice};
+use slipline_model::field::time_domain::TimeDomainJob;
+use slipline_model::jobs::check::CheckJob;
 use slipline_model::jobs::design::Draft;
 use slipline_model::jobs::table::{TableMade, TableState};
 use slipline_model::setup::edit::Edit;
@@ -28,9 +28,9 @@ pub(super) struct Work {
     /// What the views show of it.
     pub(super) shown: Background,
     /// For which plate, rate and wish that was decided.
-    decided: Option<(Arc<Plate>, f64, WavePicture)>,
+    decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
-    driven: Option<time_domain::Job>,
+    driven: Option<TimeDomainJob>,
     /// Plate time that has passed in slow motion, in seconds.
     plate_time_s: f64,
     /// The table made last.
@@ -113,7 +113,7 @@ impl App {
     fn check(&mut self) {
         let Some(tone) = self.setup.tone(self.selected) else { return };
         let others = self.setup.tones.iter().filter(|other| other.slot != tone.slot);
-        let job = check::Job {
+        let job = CheckJob {
             plate: Arc::clone(&self.setup.plate),
             boundary_m: tone.position_m,
             conditions: Conditions {
@@ -130,26 +130,26 @@ impl App {
     }
 
     /// Has the sheet take this drive, if the wave is drawn from it.
-    pub(super) fn run_sheet(&mut self, drive: time_domain::Job) {
+    pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
         if self.background.shown.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate)
         {
-            self.parts.sheets.ask(sheet::Job { drive, time_s: self.background.plate_time_s });
+            self.parts.sheets.ask(SheetJob { drive, time_s: self.background.plate_time_s });
         }
     }
 
     /// Moves the sheet on by `step_s` seconds of what the user sees.
     pub(super) fn advance_sheet(&mut self, step_s: f64) {
-        let Some(sounding) = &self.hearing.sounding else { return };
-        self.background.plate_time_s += step_s / slow_factor(&sounding.picture);
+        let Some(sounding) = &self.playback.sounding else { return };
+        self.background.plate_time_s += step_s / slow_factor(&sounding.steady);
         let is_behind = self.parts.sheets.progress().is_some();
         let is_shown = self.shown_sheet().is_some();
         if let Some(drive) = self.background.driven.as_ref().filter(|drive| drive.number == sounding.number)
             && is_shown
             && !is_behind
         {
-            let job = sheet::Job { drive: drive.clone(), time_s: self.background.plate_time_s };
+            let job = SheetJob { drive: drive.clone(), time_s: self.background.plate_time_s };
             self.parts.sheets.ask(job);
         }
     }
@@ -162,8 +162,8 @@ impl App {
     }
 
     pub(super) fn take_background(&mut self) {
-        if let Some(verdict) = self.parts.checks.take() {
-            self.background.shown.verdict = Some(verdict);
+        if let Some(checked) = self.parts.checks.take() {
+            self.background.shown.checked = Some(checked);
         }
         if let Some(designed) = self.parts.designs.take()
             && designed.draft == self.background.shown.draft

@@ -1,5 +1,5 @@
 //! The device as the app steers it: which port, what its snapshot changes, the table and the drive it is sent. When
-//! the app asks by itself is the [`pilot`]'s affair.
+//! the app asks by itself is the [`autopilot`]'s affair.
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
@@ -18,7 +18,7 @@ impl App {
     pub(super) fn connect(&mut self, port: Port) {
         // The port that was asked for is remembered even if it is not there today.
         self.settings.port = Some(port.to_string());
-        self.pilot.connecting(&port);
+        self.autopilot.connecting(&port);
         // What was wrong with the connection before is being tried again.
         self.notices.connected();
         self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
@@ -29,7 +29,7 @@ impl App {
         let before = std::mem::replace(&mut self.snapshot, snapshot);
         if before.revision == self.snapshot.revision {
             let now = |snapshot: &Snapshot| snapshot.status.map(|status| status.now);
-            if self.hearing.sounding.is_some() && now(&before) != now(&self.snapshot) {
+            if self.playback.sounding.is_some() && now(&before) != now(&self.snapshot) {
                 self.follow();
             }
             return;
@@ -62,8 +62,8 @@ impl App {
         self.tell_of_standing_faults();
         self.tell_of_drive_time(&before);
         self.ask_for_table();
-        self.let_pilot_act(&before);
-        self.hear();
+        self.run_autopilot(&before);
+        self.update_playback();
     }
 
     /// The table for the plate on the screen, once it is made.
@@ -82,7 +82,7 @@ impl App {
         if has(before) {
             return;
         }
-        let next = if autopilot::goes_on(&self.snapshot) {
+        let next = if autopilot::drive_clears_fault(&self.snapshot) {
             "Press Drive to go on."
         } else {
             "Press Clear fault, then arm and drive it again."
@@ -108,14 +108,16 @@ impl App {
         }
     }
 
-    pub(super) fn let_pilot_act(&mut self, before: &Snapshot) {
+    pub(super) fn run_autopilot(&mut self, before: &Snapshot) {
         let made = self.screen_table().cloned();
-        for act in self.pilot.look(before, &self.snapshot, made.as_deref(), self.settings.auto_upload) {
-            match act {
-                autopilot::Act::Upload(table) => {
+        for action in
+            self.autopilot.update(before, &self.snapshot, made.as_deref(), self.settings.auto_upload)
+        {
+            match action {
+                autopilot::Action::Upload(table) => {
                     self.parts.link.send(Request::Upload(table));
                 }
-                autopilot::Act::Drive => self.send_drive(),
+                autopilot::Action::Drive => self.send_drive(),
             }
         }
     }
@@ -149,8 +151,8 @@ impl App {
             self.table = table;
             self.predict();
             let snapshot = Arc::clone(&self.snapshot);
-            self.let_pilot_act(&snapshot);
-            self.hear();
+            self.run_autopilot(&snapshot);
+            self.update_playback();
         }
     }
 
@@ -165,7 +167,7 @@ impl App {
     /// the plate would stay apart until somebody stops.
     fn goes_by_rest(&mut self, refused: Ticket) -> bool {
         let fits = self.table.headroom_sum(&self.setup) <= 1.0;
-        if self.drive_sent != Some(refused) || !fits || !self.pilot.may_drive(&self.snapshot) {
+        if self.drive_sent != Some(refused) || !fits || !self.autopilot.may_drive(&self.snapshot) {
             return false;
         }
         self.parts.link.send(Request::Stop);
@@ -176,7 +178,7 @@ impl App {
     }
 
     pub(super) fn stop(&mut self) {
-        self.pilot.stopped();
+        self.autopilot.stopped();
         self.notices.settle();
         self.parts.link.send(Request::Stop);
     }

@@ -7,7 +7,7 @@ use crate::scene::DesignState;
 use eframe::egui;
 use slipline_link::{Request, Severity};
 use slipline_model::export::csv_wav;
-use slipline_model::export::figures::plate::{Job, Subject};
+use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::setup::edit::Edit;
@@ -149,14 +149,14 @@ impl App {
                 let subject = Subject {
                     setup: self.setup.clone(),
                     predicted: self.predicted.clone(),
-                    sounding: self.heard_on_screen().cloned(),
+                    sounding: self.sounding_on_screen().cloned(),
                     sheet: self.shown_sheet().cloned(),
                     measured: self.current_measured().cloned(),
                     full_peak_m,
                     is_largest: self.settings.show_amplitude,
-                    wave_time_s: self.hearing.wave_time_s,
+                    wave_time_s: self.playback.wave_time_s,
                 };
-                self.parts.figures.ask(Job { subject, format });
+                self.parts.figures.ask(FigureJob { subject, format });
             }
             Export::Screenshot => {
                 let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
@@ -173,11 +173,11 @@ impl App {
                 let text = csv_wav::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
-            Export::Waveform => match csv_wav::waveform_csv(&self.hearing.live) {
+            Export::Waveform => match csv_wav::waveform_csv(&self.playback.waveform) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
                 None => self.fail("Nothing is driven, so there is no waveform to save".to_owned()),
             },
-            Export::Sound => match csv_wav::wav(&self.hearing.live) {
+            Export::Sound => match csv_wav::wav(&self.playback.waveform) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),

@@ -4,9 +4,9 @@
 use super::App;
 use eframe::egui;
 use slipline_model::autopilot;
-use slipline_model::field::steady_field::Picture;
-use slipline_model::field::time_domain::{self, Measured};
-use slipline_model::waveform::{self, Live};
+use slipline_model::field::steady_field::SteadyField;
+use slipline_model::field::time_domain::{Measured, TimeDomainJob};
+use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
@@ -18,11 +18,11 @@ const GLANCE: Duration = Duration::from_millis(500);
 
 /// What has been heard.
 #[derive(Default)]
-pub(super) struct Hearing {
+pub(super) struct Playback {
     /// What sounds; `None` at rest.
     pub(super) sounding: Option<Sounding>,
     /// The codes the device sends.
-    pub(super) live: Live,
+    pub(super) waveform: Waveform,
     /// The latest run of the simulated plate, perhaps under a drive that sounds no more.
     pub(super) measured: Option<Measured>,
     /// How long the wave has moved, in seconds of the user's time.
@@ -36,74 +36,77 @@ pub(super) struct Sounding {
     /// The plate it was solved for: the screen may show another, whose table is still to come.
     plate: Arc<Plate>,
     /// Its wave on that plate.
-    pub(super) picture: Picture,
+    pub(super) steady: SteadyField,
 }
 
 impl App {
     /// Has the mirror follow the device up to now.
     pub(super) fn follow(&mut self) {
-        if let Some(job) = waveform::Job::of(&self.snapshot) {
-            self.parts.live.ask(job);
+        if let Some(job) = WaveformJob::of(&self.snapshot) {
+            self.parts.waveforms.ask(job);
         }
     }
 
     /// Solves for what the device has acknowledged, when that has changed, and has it tried on the simulated plate.
-    pub(super) fn hear(&mut self) {
-        let heard = autopilot::sounding(&self.snapshot);
+    pub(super) fn update_playback(&mut self) {
+        let acknowledged = autopilot::sounding(&self.snapshot);
         // At rest the mirror has nothing to follow; the change to rest itself is followed.
-        if heard.is_some() || self.hearing.sounding.is_some() {
+        if acknowledged.is_some() || self.playback.sounding.is_some() {
             self.follow();
         }
-        let Some(heard) = heard else {
-            self.hearing.sounding = None;
+        let Some(acknowledged) = acknowledged else {
+            self.playback.sounding = None;
             return;
         };
         // Another plate with the very same table leaves the device as it is; the picture is another all the same.
-        let has_table = self.screen_table().is_some_and(|made| made.device_table.crc() == heard.table.crc());
-        let is_new = self.hearing.sounding.as_ref().is_none_or(|before| before.number != heard.number);
-        if !is_new && (self.heard_on_screen().is_some() || !has_table) {
+        let has_table =
+            self.screen_table().is_some_and(|made| made.device_table.crc() == acknowledged.table.crc());
+        let is_new =
+            self.playback.sounding.as_ref().is_none_or(|before| before.number != acknowledged.number);
+        if !is_new && (self.sounding_on_screen().is_some() || !has_table) {
             return;
         }
         // What was refused before is settled: the device sounds something newer.
         self.notices.settle();
         let plate = Arc::clone(&self.setup.plate);
-        let picture = Picture::solve(&plate, &heard.tones);
-        self.hearing.sounding = Some(Sounding { number: heard.number, plate: Arc::clone(&plate), picture });
+        let steady = SteadyField::solve(&plate, &acknowledged.tones);
+        self.playback.sounding =
+            Some(Sounding { number: acknowledged.number, plate: Arc::clone(&plate), steady });
         let Some(identity) = &self.snapshot.identity else { return };
-        let job = time_domain::Job {
-            number: heard.number,
+        let job = TimeDomainJob {
+            number: acknowledged.number,
             plate,
-            table: heard.table,
-            drive: heard.drive,
+            table: acknowledged.table,
+            drive: acknowledged.drive,
             dac_bits: identity.dac_bits,
         };
         if identity.simulated {
-            self.parts.trials.ask(job.clone());
+            self.parts.time_domain.ask(job.clone());
         }
         self.run_sheet(job);
     }
 
     /// The wave of what sounds, if it was solved for the plate on the screen.
-    pub(super) fn heard_on_screen(&self) -> Option<&Picture> {
-        let sounding = self.hearing.sounding.as_ref()?;
-        Arc::ptr_eq(&sounding.plate, &self.setup.plate).then_some(&sounding.picture)
+    pub(super) fn sounding_on_screen(&self) -> Option<&SteadyField> {
+        let sounding = self.playback.sounding.as_ref()?;
+        Arc::ptr_eq(&sounding.plate, &self.setup.plate).then_some(&sounding.steady)
     }
 
     /// What was measured, if it belongs to what sounds.
     pub(super) fn current_measured(&self) -> Option<&Measured> {
-        let number = self.hearing.sounding.as_ref()?.number;
-        self.hearing.measured.as_ref().filter(|measured| measured.number == number)
+        let number = self.playback.sounding.as_ref()?.number;
+        self.playback.measured.as_ref().filter(|measured| measured.number == number)
     }
 
     /// Takes what the mirror and the simulated plate have come to.
-    pub(super) fn take_heard(&mut self) {
-        if let Some(live) = self.parts.live.take()
-            && (self.settings.animate || self.hearing.live.window().is_none())
+    pub(super) fn take_playback(&mut self) {
+        if let Some(waveform) = self.parts.waveforms.take()
+            && (self.settings.animate || self.playback.waveform.window().is_none())
         {
-            self.hearing.live = live;
+            self.playback.waveform = waveform;
         }
-        if let Some(measured) = self.parts.trials.take() {
-            self.hearing.measured = Some(measured);
+        if let Some(measured) = self.parts.time_domain.take() {
+            self.playback.measured = Some(measured);
         }
     }
 
@@ -113,12 +116,12 @@ impl App {
             let viewport = input.viewport();
             viewport.minimized != Some(true) && viewport.occluded != Some(true)
         });
-        if self.hearing.sounding.is_none() || !is_visible {
+        if self.playback.sounding.is_none() || !is_visible {
             return;
         }
         if self.settings.animate {
             let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
-            self.hearing.wave_time_s += step;
+            self.playback.wave_time_s += step;
             self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {

@@ -1,7 +1,7 @@
 //! The setup in the app: a change is made, noted for undo, predicted, and sent at once if the plate is driven.
 
 use super::App;
-use slipline_model::field::steady_field::{Picture, steady_tones};
+use slipline_model::field::steady_field::{SteadyField, steady_tones};
 use slipline_model::numbers::quantity::show_place;
 use slipline_model::numbers::ticks;
 use slipline_model::setup::Setup;
@@ -39,11 +39,11 @@ impl App {
             self.selected = self.setup.tones.first().map_or(0, |tone| tone.slot);
         }
         if is_new_plate {
-            self.hearing.measured = None;
+            self.playback.measured = None;
             self.table_asked = None;
-            self.pilot.setup_replaced();
+            self.autopilot.setup_replaced();
             self.ask_for_table();
-        } else if self.pilot.may_drive(&self.snapshot) {
+        } else if self.autopilot.may_drive(&self.snapshot) {
             self.send_drive();
         }
         self.predict();
@@ -58,7 +58,7 @@ impl App {
     pub(super) fn predict(&mut self) {
         // Of a height that is not known yet the shape is drawn all the same.
         let tones = steady_tones(&self.setup, self.full_peak_m().unwrap_or(1.0));
-        self.predicted = Picture::solve(&self.setup.plate, &tones);
+        self.predicted = SteadyField::solve(&self.setup.plate, &tones);
     }
 }
 

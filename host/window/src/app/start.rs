@@ -31,14 +31,14 @@ impl App {
             }
             return;
         }
-        if autopilot::goes_on(&self.snapshot) {
+        if autopilot::drive_clears_fault(&self.snapshot) {
             self.parts.link.send(Request::ClearFaults);
         }
-        if autopilot::arms_first(&self.snapshot) {
+        if autopilot::drive_arms(&self.snapshot) {
             self.parts.link.send(Request::Arm);
         }
         let made = self.screen_table().cloned();
-        if self.pilot.start(&self.snapshot, made.as_deref()) {
+        if self.autopilot.start(&self.snapshot, made.as_deref()) {
             self.send_drive();
             return;
         }
@@ -47,7 +47,7 @@ impl App {
             self.notices.tell(text.to_owned());
         }
         let snapshot = Arc::clone(&self.snapshot);
-        self.let_pilot_act(&snapshot);
+        self.run_autopilot(&snapshot);
     }
 
     /// Whether the device holds the table of the plate on the screen.
@@ -85,7 +85,7 @@ impl App {
                 let text = "The device is muted: arm it first, then press Drive.".to_owned();
                 return Some(Obstacle { text, page: Some(Dialog::Confirm(Confirm::Arm)) });
             }
-            State::Fault if !autopilot::goes_on(snapshot) => {
+            State::Fault if !autopilot::drive_clears_fault(snapshot) => {
                 let text = format!("The device has stopped: {}. Press Clear fault first.", status.faults);
                 return Some(Obstacle { text, page: None });
             }

@@ -9,7 +9,7 @@ use slipline_link::native::{Handle, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
-use slipline_model::jobs::Workshop;
+use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::waveform;
@@ -86,17 +86,17 @@ fn open(
     opened(worker.handle(), closer(ctx));
     let parts = Parts {
         link: Box::new(worker),
-        tables: Workshop::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
-        checks: Workshop::threaded("slipline-check", check::work(), wake(ctx))?,
-        designs: Workshop::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
-        sheets: Workshop::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
-        live: Workshop::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
-        trials: Workshop::threaded(
+        tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
+        checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
+        designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
+        sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
+        waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
+        time_domain: JobQueue::threaded(
             "slipline-plate",
             |job, task: &_| time_domain::run(&job, task),
             wake(ctx),
         )?,
-        figures: Workshop::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
+        figures: JobQueue::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),
     };

@@ -1,6 +1,6 @@
 //! The boundary panel: where it is, what is sent for it, how strong it is.
 
-use super::field::{Field, UNKNOWN, row};
+use super::field::{InputField, UNKNOWN, row};
 use super::slider::Quantity;
 use super::{Scene, ViewState, stage, theme};
 use crate::intent::{Intent, Intents};
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let mut reason = None;
     ui.horizontal_top(|ui| {
         let value = position_words(scene, &tone, steady.as_ref());
-        let place = Field {
+        let place = InputField {
             name: "Boundary position",
             value: &value,
             hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let taken = place
             .show_apart(ui, &mut view.fields, &mut reason, |text| position(scene, steady.as_ref(), text));
         let value = show_frequency(frequency_hz);
-        let pitch = Field {
+        let pitch = InputField {
             name: "Boundary frequency",
             value: &value,
             hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
@@ -182,7 +182,7 @@ fn mode(
         ui.horizontal_top(|ui| {
             ui.label("just felt at");
             let value = show_length(threshold_m);
-            let field = Field {
+            let field = InputField {
                 name: "Threshold of feeling",
                 value: &value,
                 hint: "Peak displacement that is just felt: 1 nm to 10 mm. Illustrative: calibrate on your own plate",

@@ -18,7 +18,7 @@ struct Typing {
 }
 
 /// One field: its name for screen readers, its present value as text, and what is allowed.
-pub(super) struct Field<'a> {
+pub(super) struct InputField<'a> {
     pub(super) name: &'a str,
     pub(super) value: &'a str,
     pub(super) hint: &'a str,
@@ -27,7 +27,7 @@ pub(super) struct Field<'a> {
     pub(super) caption: Option<&'a str>,
 }
 
-impl Field<'_> {
+impl InputField<'_> {
     /// Shows the field, and under it why what was typed is not taken. What is typed goes through `take` on Enter or
     /// when the field is left.
     pub(super) fn show<T>(

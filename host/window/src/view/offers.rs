@@ -66,7 +66,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
     let drive = || offer("Drive", "Sound the tones of the setup (Ctrl+Enter)", Intent::Start);
     let disarm = || offer("Disarm", "Ramp to silence and mute the amplifier", Intent::Disarm);
     match (state, is_simulated) {
-        (State::Fault, true) if autopilot::goes_on(scene.snapshot) => vec![drive()],
+        (State::Fault, true) if autopilot::drive_clears_fault(scene.snapshot) => vec![drive()],
         (State::Idle, true) => {
             let arm = Intent::Request(Request::Arm);
             vec![drive(), offer("Arm", "Accept drives; no real plate hangs on it", arm)]

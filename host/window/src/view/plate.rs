@@ -8,7 +8,7 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
 };
 use slipline_link::protocol::event::State;
-use slipline_model::field::displacement_map::{Row, Surface, Wave, slow_factor};
+use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave, slow_factor};
 use slipline_model::field::sheet::Source;
 use slipline_model::field::steady_field::full_colour_m;
 use slipline_model::numbers::quantity::show_length;
@@ -92,7 +92,7 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
 
 /// What the plate's colours are, and how slow.
 fn drawn(scene: &Scene<'_>) -> String {
-    let Some(picture) = scene.sounding else {
+    let Some(steady) = scene.sounding else {
         let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
     };
@@ -101,7 +101,7 @@ fn drawn(scene: &Scene<'_>) -> String {
         return format!("{source}, largest");
     }
     let paused = if scene.settings.animate { "" } else { ", paused" };
-    format!("{source}, 1/{:.0} speed{paused}", slow_factor(picture))
+    format!("{source}, 1/{:.0} speed{paused}", slow_factor(steady))
 }
 
 /// What the colours stand for: the displacements at both ends, or at the right end only where there is little room.
@@ -175,15 +175,14 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
     // A very wide plate is drawn narrower than it is rather than over its neighbours.
     let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
-    let surface = Surface::new(Wave {
+    let map = DisplacementMap::new(Wave {
         plate,
         sounding: scene.sounding,
         sheet: scene.sheet,
         is_largest: show_amplitude,
         time_s: scene.wave_time_s,
     });
-    let across: Vec<Row> =
-        (0..ROWS).map(|row| surface.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
+    let across: Vec<Row> = (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
     let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
     let mut mesh = Mesh::default();
     mesh.reserve_vertices((columns + 1) * ROWS);
@@ -194,9 +193,9 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let x = screen.min + share * screen.span();
         let x_m = f64::from(share) * axis.length_m();
         let half = half_px(x_m) * squeeze;
-        let across_here = surface.column(x_m);
+        let across_here = map.column(x_m);
         for row in &across {
-            let value = (surface.at(&across_here, row) / full_m) as f32;
+            let value = (map.at(&across_here, row) / full_m) as f32;
             let colour = if show_amplitude {
                 theme::sequential(value.abs(), palette.dark)
             } else {

@@ -45,7 +45,7 @@ struct Axes {
 impl Axes {
     fn of(scene: &Scene<'_>) -> Self {
         let (low_hz, high_hz) = scene.setup.plate.band_hz();
-        let rate_hz = scene.live.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
+        let rate_hz = scene.waveform.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
         Self {
             span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
             top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
@@ -56,8 +56,8 @@ impl Axes {
 /// What is shown now. Paused plots keep what they had.
 fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
     let now = || {
-        let picture = scene.sounding.unwrap_or(scene.predicted);
-        let pitches = picture.tones.iter().map(|wave| wave.tone.frequency_hz).collect();
+        let steady = scene.sounding.unwrap_or(scene.predicted);
+        let pitches = steady.tones.iter().map(|wave| wave.tone.frequency_hz).collect();
         Shown { axes: Axes::of(scene), pitches }
     };
     if scene.settings.animate {
@@ -68,7 +68,7 @@ fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
 
 /// Whether the plots show anything: something sounds, or they are held.
 fn is_shown(scene: &Scene<'_>) -> bool {
-    scene.live.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
+    scene.waveform.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
 }
 
 fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
@@ -88,7 +88,7 @@ fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents)
 
 /// What stands where there is nothing to draw.
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
-    let is_lost = scene.sounding.is_some() && !scene.live.is_true();
+    let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
     let text = if is_lost { "not followed: stop and drive again" } else { "nothing is driven" };
     let palette = theme::palette(ui);
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
@@ -158,7 +158,7 @@ fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let is_reset = head(ui, scene, "Drive waveform", intents);
     let Shown { axes, .. } = look(scene, &mut view.plots);
-    let Some(window) = scene.live.window().filter(|_| is_shown(scene)) else { return nothing(ui, scene) };
+    let Some(window) = scene.waveform.window().filter(|_| is_shown(scene)) else { return nothing(ui, scene) };
     let palette = theme::palette(ui);
     let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
     let shown = wanted.min(window.codes.len());
@@ -189,7 +189,7 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
 
 pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let is_reset = head(ui, scene, "Spectrum", intents);
-    let lines = scene.live.spectrum();
+    let lines = scene.waveform.spectrum();
     let Shown { axes, pitches } = look(scene, &mut view.plots);
     if lines.is_empty() || !is_shown(scene) {
         return nothing(ui, scene);

@@ -2,7 +2,7 @@
 //! value as it is, and the reason stands under the slider.
 
 use super::ViewState;
-use super::field::Field;
+use super::field::InputField;
 use super::theme;
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, Slider};
@@ -106,7 +106,7 @@ impl<'a> Quantity<'a> {
                 intents.push(Intent::Edit((self.edit)(value * self.unit)));
             }
             let hint = format!("{}: {}", self.help, self.allowed);
-            let field = Field {
+            let field = InputField {
                 name: &self.field,
                 value: &self.shown,
                 hint: &hint,

@@ -1,6 +1,6 @@
 //! The tones panel: one row per peak, and what they add up to.
 
-use super::field::{Field, row};
+use super::field::{InputField, row};
 use super::slider::Quantity;
 use super::{Scene, ViewState, stage, theme};
 use crate::intent::{Intent, Intents};
@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                     }
                     let value = show_place(tone.position_m);
                     let label = format!("Position of tone {}", slot + 1);
-                    let field = Field {
+                    let field = InputField {
                         name: &label,
                         value: &value,
                         hint: "A place (120 mm) or a frequency (126 Hz, 40 kHz)",

@@ -8,7 +8,7 @@ use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke,
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::export::figures::Format;
-use slipline_model::field::sheet::WavePicture;
+use slipline_model::field::sheet::SourceChoice;
 use theme::Palette;
 
 /// Height of the bar with its margins, in points.
@@ -286,7 +286,7 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             }
         }
         ui.separator();
-        for choice in WavePicture::ALL {
+        for choice in SourceChoice::ALL {
             if ui.radio(scene.settings.wave == choice, choice.name()).clicked() {
                 intents.push(Intent::Wave(choice));
                 ui.close();

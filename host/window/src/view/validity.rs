@@ -43,9 +43,9 @@ fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette
 
 /// The worst colour and what the summary says.
 fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
-    let Some(verdict) = &scene.background.verdict else { return (None, "checking".to_owned()) };
-    let Ok(report) = &verdict.report else { return (None, "not checked".to_owned()) };
-    let counts = [Colour::Red, Colour::Amber].map(|colour| (verdict.count(colour), colour.name()));
+    let Some(checked) = &scene.background.checked else { return (None, "checking".to_owned()) };
+    let Ok(report) = &checked.report else { return (None, "not checked".to_owned()) };
+    let counts = [Colour::Red, Colour::Amber].map(|colour| (checked.count(colour), colour.name()));
     let bad: Vec<String> = counts
         .iter()
         .filter(|(count, _)| *count > 0)
@@ -91,11 +91,11 @@ pub(super) fn chip(ui: &mut egui::Ui, scene: &Scene<'_>) -> bool {
 /// The list.
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
-    let Some(verdict) = &scene.background.verdict else {
+    let Some(checked) = &scene.background.checked else {
         ui.label(RichText::new("Being checked…").color(palette.weak));
         return;
     };
-    let job = &verdict.job;
+    let job = &checked.job;
     let frequency_hz = job.plate.frequency_for_boundary_hz(job.boundary_m);
     ui.horizontal(|ui| {
         let text = format!("At {}, {}", show_place(job.boundary_m), show_frequency(frequency_hz));
@@ -105,7 +105,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         }
     });
     ui.add_space(4.0);
-    match &verdict.report {
+    match &checked.report {
         Err(reason) => {
             ui.label(RichText::new(reason).color(palette.warn));
         }

@@ -1,196 +1,196 @@
 //! The validity lights, the designer, the 2-D sheet, and work that is given up.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::Request;
 use slipline_model::jobs::table;
-use slipline_model::jobs::{Task, Workshop};
+use slipline_model::jobs::{JobQueue, Task};
 use slipline_plate::Model;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// What the summary of the lights says.
-fn summary(bench: &Bench) -> String {
-    let chip = bench.window.get_by(|node| {
+fn summary(app: &TestApp) -> String {
+    let chip = app.window.get_by(|node| {
         node.role() == Role::Button && node.label().is_some_and(|label| label.starts_with("Validity: "))
     });
     chip.accesskit_node().label().unwrap()
 }
 
-pub(crate) fn open_plate(bench: &mut Bench, text: String) {
-    bench.open("plate.toml", Ok(text));
-    bench.wait(200);
+pub(crate) fn open_plate(app: &mut TestApp, text: String) {
+    app.open("plate.toml", Ok(text));
+    app.wait(200);
 }
 
-fn open_preset(bench: &mut Bench, name: &str) {
-    open_plate(bench, slipline_plate::preset(name).unwrap().to_toml());
-    bench.wait(1500);
+fn open_preset(app: &mut TestApp, name: &str) {
+    open_plate(app, slipline_plate::preset(name).unwrap().to_toml());
+    app.wait(1500);
 }
 
-pub(crate) fn open_page(bench: &mut Bench, page: &str) {
-    bench.window.get_by_role_and_label(Role::Button, "Plate").click();
-    bench.wait(50);
-    bench.window.get_by_role_and_label(Role::Button, page).click();
-    bench.wait(100);
+pub(crate) fn open_page(app: &mut TestApp, page: &str) {
+    app.window.get_by_role_and_label(Role::Button, "Plate").click();
+    app.wait(50);
+    app.window.get_by_role_and_label(Role::Button, page).click();
+    app.wait(100);
 }
 
 #[test]
 fn the_lights_follow_the_boundary_once_it_is_let_go() {
-    let mut bench = Bench::driving();
-    let chip = summary(&bench);
-    bench.window.get_by_label(&chip).click();
-    bench.wait(100);
-    assert!(bench.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some());
-    let line = crate::line_rect(&bench).center();
-    bench.window.drag_at(line);
-    bench.window.step();
-    bench.window.hover_at(line + eframe::egui::vec2(80.0, 0.0));
-    bench.wait(100);
-    assert!(bench.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some(), "still on its way");
-    bench.window.drop_at(line + eframe::egui::vec2(80.0, 0.0));
-    bench.wait(100);
-    assert!(bench.window.query_by_label("At 180.0 mm, 137.8 Hz").is_none());
-    let there = format!("At {:.1} mm", crate::boundary_mm(&bench));
-    assert!(bench.window.query_by_label_contains(&there).is_some(), "{there}");
+    let mut app = TestApp::driving();
+    let chip = summary(&app);
+    app.window.get_by_label(&chip).click();
+    app.wait(100);
+    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some());
+    let line = crate::line_rect(&app).center();
+    app.window.drag_at(line);
+    app.window.step();
+    app.window.hover_at(line + eframe::egui::vec2(80.0, 0.0));
+    app.wait(100);
+    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some(), "still on its way");
+    app.window.drop_at(line + eframe::egui::vec2(80.0, 0.0));
+    app.wait(100);
+    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_none());
+    let there = format!("At {:.1} mm", crate::boundary_mm(&app));
+    assert!(app.window.query_by_label_contains(&there).is_some(), "{there}");
 }
 
 #[test]
 fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
-    let mut bench = Bench::driving();
-    open_page(&mut bench, "Validity");
-    let words = |bench: &Bench, word: &str| bench.window.query_all_by_label_contains(word).count();
+    let mut app = TestApp::driving();
+    open_page(&mut app, "Validity");
+    let words = |app: &TestApp, word: &str| app.window.query_all_by_label_contains(word).count();
     for name in ["edge slope", "loss", "peak", "drive match", "sensitivity", "actuator band", "beat"] {
-        assert_eq!(words(&bench, &format!("{name}: ")), 1, "{name}");
+        assert_eq!(words(&app, &format!("{name}: ")), 1, "{name}");
     }
-    let amber = words(&bench, ": amber");
-    assert!(amber >= 1 && words(&bench, ": green") + amber == 12);
+    let amber = words(&app, ": amber");
+    assert!(amber >= 1 && words(&app, ": green") + amber == 12);
     // No actuator is named: told, but neither counted nor a worry.
-    assert_eq!(words(&bench, "actuator band: unchecked"), 1);
-    assert_eq!(summary(&bench), format!("Validity: {amber} amber"));
-    assert!(bench.window.query_by_label_contains("names no actuator").is_some());
+    assert_eq!(words(&app, "actuator band: unchecked"), 1);
+    assert_eq!(summary(&app), format!("Validity: {amber} amber"));
+    assert!(app.window.query_by_label_contains("names no actuator").is_some());
 }
 
 #[test]
 fn the_panel_has_what_the_thin_plate_light_asks_for() {
-    let mut bench = Bench::driving();
-    open_preset(&mut bench, "al-bending");
-    bench.window.get_by_label(&summary(&bench)).click();
-    bench.wait(100);
-    assert!(bench.window.query_by_label("thin plate: amber").is_some());
-    open_page(&mut bench, "This plate");
-    bench.window.get_by_role_and_label(Role::CheckBox, "Thin plate").click_accesskit();
-    bench.wait(1500);
-    let plate = Arc::clone(&bench.window.state().setup().plate);
+    let mut app = TestApp::driving();
+    open_preset(&mut app, "al-bending");
+    app.window.get_by_label(&summary(&app)).click();
+    app.wait(100);
+    assert!(app.window.query_by_label("thin plate: amber").is_some());
+    open_page(&mut app, "This plate");
+    app.window.get_by_role_and_label(Role::CheckBox, "Thin plate").click_accesskit();
+    app.wait(1500);
+    let plate = Arc::clone(&app.window.state().setup().plate);
     let Model::BendingSupported(bending) = &plate.spec().model else { panic!("{:?}", plate.spec().model) };
     assert!(bending.thick_plate);
     assert_eq!(plate.name(), "al-bending (changed)");
-    bench.window.get_by_role_and_label(Role::Button, "Validity").click();
-    bench.wait(100);
-    assert!(bench.window.query_by_label("thin plate: green").is_some());
+    app.window.get_by_role_and_label(Role::Button, "Validity").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("thin plate: green").is_some());
 }
 
 #[test]
 fn a_plate_that_leaves_no_peak_gets_a_red_light() {
-    let mut bench = Bench::driving();
-    assert!(!summary(&bench).contains("red"));
+    let mut app = TestApp::driving();
+    assert!(!summary(&app).contains("red"));
     let text = slipline_plate::preset("membrane").unwrap().to_toml();
-    open_plate(&mut bench, text.replace("loss_factor = 0.03", "loss_factor = 0.5"));
-    bench.wait(1500);
-    assert!(bench.window.state().setup().plate.spec().loss_factor == 0.5, "it was opened");
-    assert!(summary(&bench).contains("red"), "{}", summary(&bench));
-    open_page(&mut bench, "Validity");
-    assert!(bench.window.query_by_label("peak: red").is_some());
+    open_plate(&mut app, text.replace("loss_factor = 0.03", "loss_factor = 0.5"));
+    app.wait(1500);
+    assert!(app.window.state().setup().plate.spec().loss_factor == 0.5, "it was opened");
+    assert!(summary(&app).contains("red"), "{}", summary(&app));
+    open_page(&mut app, "Validity");
+    assert!(app.window.query_by_label("peak: red").is_some());
 }
 
 #[test]
 fn the_designer_makes_a_plate_that_is_used_saved_and_taken_back() {
-    let mut bench = Bench::driving();
-    let before = bench.window.state().setup().plate.name().to_owned();
-    open_page(&mut bench, "Designer");
-    type_into(&mut bench, "Length", "28 cm");
-    type_into(&mut bench, "Band to", "38 kHz");
-    bench.wait(100);
-    bench.window.get_by_label("Use this plate").click_accesskit();
-    bench.wait(1500);
-    let plate = Arc::clone(&bench.window.state().setup().plate);
+    let mut app = TestApp::driving();
+    let before = app.window.state().setup().plate.name().to_owned();
+    open_page(&mut app, "Designer");
+    type_into(&mut app, "Length", "28 cm");
+    type_into(&mut app, "Band to", "38 kHz");
+    app.wait(100);
+    app.window.get_by_label("Use this plate").click_accesskit();
+    app.wait(1500);
+    let plate = Arc::clone(&app.window.state().setup().plate);
     assert_eq!(plate.name(), "designed");
     let (low, high) = plate.band_hz();
     assert!((plate.length_m() - 0.28).abs() < 1e-12);
     assert!((low - 20e3).abs() < 1.0 && (high - 38e3).abs() < 1.0, "{low} {high}");
-    assert_eq!(bench.snapshot().upload_verified, Some(true), "its table is on the device");
-    bench.window.get_by_label_contains("Save plate (TOML)").click_accesskit();
-    bench.wait(100);
-    bench.window.get_by_label_contains("Save cut files").click_accesskit();
-    bench.wait(100);
-    let saved = bench.drawer.saved.borrow().clone();
+    assert_eq!(app.snapshot().upload_verified, Some(true), "its table is on the device");
+    app.window.get_by_label_contains("Save plate (TOML)").click_accesskit();
+    app.wait(100);
+    app.window.get_by_label_contains("Save cut files").click_accesskit();
+    app.wait(100);
+    let saved = app.files.saved.borrow().clone();
     let names: Vec<&str> = saved.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["plate.toml", "plate.svg", "plate.dxf", "frame.svg", "frame.dxf"]);
     let read = slipline_plate::Plate::from_toml(std::str::from_utf8(&saved[0].1).unwrap()).unwrap();
     assert_eq!(read.spec(), plate.spec());
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    bench.wait(200);
-    assert_eq!(bench.window.state().setup().plate.name(), before);
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(200);
+    assert_eq!(app.window.state().setup().plate.name(), before);
 }
 
 #[test]
 fn a_value_that_no_plate_can_have_is_named_at_its_field() {
-    let mut bench = Bench::driving();
-    let before = Arc::clone(&bench.window.state().setup().plate);
-    open_page(&mut bench, "Designer");
-    bench.window.get_by_label("More").click();
-    bench.wait(300);
-    let is_offered = |bench: &Bench| bench.window.query_by_label("Use this plate").is_some();
-    assert!(is_offered(&bench));
+    let mut app = TestApp::driving();
+    let before = Arc::clone(&app.window.state().setup().plate);
+    open_page(&mut app, "Designer");
+    app.window.get_by_label("More").click();
+    app.wait(300);
+    let is_offered = |app: &TestApp| app.window.query_by_label("Use this plate").is_some();
+    assert!(is_offered(&app));
     for (field, bad, reason, good) in [
         ("Thickness", "5 m", "Thickness 5000 mm: must be 0.001 to 100 mm", "2 mm"),
         ("Band to", "20 kHz", "Band to 20 kHz: must be 21 to 10000 kHz", "40 kHz"),
         ("Length", "10 mm", "Length 10 mm: must be", "300 mm"),
         ("Loss factor", "0,7", "Loss factor 0.7: must be 0 to 0.5", "auto"),
     ] {
-        type_into(&mut bench, field, bad);
-        bench.wait(100);
-        let told = bench.window.get_by_label_contains(reason).rect();
-        let at = bench.window.get_by_role_and_label(Role::TextInput, field).rect();
+        type_into(&mut app, field, bad);
+        app.wait(100);
+        let told = app.window.get_by_label_contains(reason).rect();
+        let at = app.window.get_by_role_and_label(Role::TextInput, field).rect();
         assert!(told.top() >= at.bottom() - 1.0 && told.top() < at.bottom() + 20.0, "{field}: {told} {at}");
-        assert!(!is_offered(&bench), "{field}");
-        type_into(&mut bench, field, good);
-        bench.wait(100);
-        assert!(bench.window.query_by_label_contains(reason).is_none() && is_offered(&bench), "{field}");
+        assert!(!is_offered(&app), "{field}");
+        type_into(&mut app, field, good);
+        app.wait(100);
+        assert!(app.window.query_by_label_contains(reason).is_none() && is_offered(&app), "{field}");
     }
-    type_into(&mut bench, "Thickness", "2 bananas");
-    assert!(bench.window.query_by_label_contains("is no unit that fits here").is_some());
-    assert!(Arc::ptr_eq(&bench.window.state().setup().plate, &before));
+    type_into(&mut app, "Thickness", "2 bananas");
+    assert!(app.window.query_by_label_contains("is no unit that fits here").is_some());
+    assert!(Arc::ptr_eq(&app.window.state().setup().plate, &before));
 }
 
 #[test]
 fn the_wave_is_the_sheet_where_it_runs_live_and_the_modal_lines_elsewhere() {
-    let mut bench = Bench::driving();
-    bench.wait(200);
-    assert!(bench.window.query_by_label("2-D sheet, 1/200 speed").is_some());
-    open_preset(&mut bench, "al-bending");
-    assert!(bench.is_driving());
-    assert!(bench.window.query_by_label_contains("modal lines, 1/").is_some());
-    assert!(bench.window.query_by_label_contains("2-D sheet, 1/").is_none());
-    open_preset(&mut bench, "paper-rubber");
-    assert!(bench.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    let mut app = TestApp::driving();
+    app.wait(200);
+    assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some());
+    open_preset(&mut app, "al-bending");
+    assert!(app.is_driving());
+    assert!(app.window.query_by_label_contains("modal lines, 1/").is_some());
+    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_none());
+    open_preset(&mut app, "paper-rubber");
+    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
     // The same plate under another name has the same table: the device is not asked, the picture is another.
     let text = slipline_plate::preset("paper-rubber").unwrap().to_toml();
-    open_plate(&mut bench, text.replace("name = \"paper-rubber\"", "name = \"mine\""));
-    bench.wait(500);
-    assert_eq!(bench.window.state().setup().plate.name(), "mine");
-    assert!(bench.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    open_plate(&mut app, text.replace("name = \"paper-rubber\"", "name = \"mine\""));
+    app.wait(500);
+    assert_eq!(app.window.state().setup().plate.name(), "mine");
+    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
     // The user may prefer the lines.
-    bench.window.get_by_label("View").click();
-    bench.wait(200);
-    bench.window.get_by_label("Wave: modal lines").click();
-    bench.wait(200);
-    assert!(bench.window.query_by_label_contains("modal lines, 1/").is_some());
-    bench.window.key_press(Key::Space);
-    bench.wait(400);
-    assert!(bench.window.query_by_label("at rest").is_some());
+    app.window.get_by_label("View").click();
+    app.wait(200);
+    app.window.get_by_label("Wave: modal lines").click();
+    app.wait(200);
+    assert!(app.window.query_by_label_contains("modal lines, 1/").is_some());
+    app.window.key_press(Key::Space);
+    app.wait(400);
+    assert!(app.window.query_by_label("at rest").is_some());
 }
 
 #[test]
@@ -206,63 +206,63 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
         }
         table::make(job, task)
     };
-    let mut bench = Bench::with_tables(Workshop::threaded("table", make, || ()).unwrap());
+    let mut app = TestApp::with_tables(JobQueue::threaded("table", make, || ()).unwrap());
     // The table is made on a thread: let it have the time it takes.
-    let until = |bench: &mut Bench, what: &str, is_so: &dyn Fn(&Bench) -> bool| {
+    let until = |app: &mut TestApp, what: &str, is_so: &dyn Fn(&TestApp) -> bool| {
         for _ in 0..3000 {
-            bench.wait(50);
-            if is_so(bench) {
+            app.wait(50);
+            if is_so(app) {
                 return;
             }
             std::thread::sleep(Duration::from_millis(5));
         }
         panic!("never {what}");
     };
-    until(&mut bench, "driving", &|bench| bench.is_driving());
-    bench.wait(400);
-    let plate = Arc::clone(&bench.window.state().setup().plate);
-    let crc = bench.snapshot().table.active.unwrap().crc;
+    until(&mut app, "driving", &|app| app.is_driving());
+    app.wait(400);
+    let plate = Arc::clone(&app.window.state().setup().plate);
+    let crc = app.snapshot().table.active.unwrap().crc;
     is_held.store(true, Ordering::Relaxed);
-    bench.take_sent();
-    open_page(&mut bench, "This plate");
-    type_into(&mut bench, "Wave speed", "13 m/s");
-    assert!(!Arc::ptr_eq(&bench.window.state().setup().plate, &plate));
-    until(&mut bench, "a bar", &|bench| bench.window.query_by_label_contains("table 40 %").is_some());
-    assert!(bench.window.query_by_label("waits for its table").is_some(), "no wave of another plate");
-    bench.window.get_by_label("Cancel").click();
-    bench.wait(100);
-    assert!(Arc::ptr_eq(&bench.window.state().setup().plate, &plate), "the old plate is back");
-    assert!(bench.window.query_by_label_contains("table 40 %").is_none());
-    assert!(bench.window.query_by_label_contains("2-D sheet, 1/").is_some());
-    bench.wait(500);
-    assert_eq!(bench.snapshot().table.active.unwrap().crc, crc);
-    assert!(bench.is_driving());
-    assert!(!bench.take_sent().iter().any(|request| matches!(request, Request::Upload(_))));
+    app.take_sent();
+    open_page(&mut app, "This plate");
+    type_into(&mut app, "Wave speed", "13 m/s");
+    assert!(!Arc::ptr_eq(&app.window.state().setup().plate, &plate));
+    until(&mut app, "a bar", &|app| app.window.query_by_label_contains("table 40 %").is_some());
+    assert!(app.window.query_by_label("waits for its table").is_some(), "no wave of another plate");
+    app.window.get_by_label("Cancel").click();
+    app.wait(100);
+    assert!(Arc::ptr_eq(&app.window.state().setup().plate, &plate), "the old plate is back");
+    assert!(app.window.query_by_label_contains("table 40 %").is_none());
+    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    app.wait(500);
+    assert_eq!(app.snapshot().table.active.unwrap().crc, crc);
+    assert!(app.is_driving());
+    assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Upload(_))));
     // The old table is in force: the boundary can be moved on it.
-    bench.window.key_press(Key::Escape);
-    bench.wait(100);
+    app.window.key_press(Key::Escape);
+    app.wait(100);
     // What was given up can be asked for again.
     is_held.store(false, Ordering::Relaxed);
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    until(&mut bench, "the new table", &|bench| {
-        bench.snapshot().table.active.is_some_and(|header| header.crc != crc)
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    until(&mut app, "the new table", &|app| {
+        app.snapshot().table.active.is_some_and(|header| header.crc != crc)
     });
 }
 
 #[test]
 fn at_rest_nothing_is_painted_again_and_the_sheet_sleeps() {
-    let mut bench = Bench::driving();
-    let delay = |bench: &Bench| {
-        bench.window.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min().unwrap()
+    let mut app = TestApp::driving();
+    let delay = |app: &TestApp| {
+        app.window.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min().unwrap()
     };
-    let before = bench.sheet_jobs.get();
-    bench.wait(500);
-    assert!(bench.sheet_jobs.get() >= before + 5, "it moves while it is driven");
-    assert!(delay(&bench) <= Duration::from_millis(33));
-    bench.window.key_press(Key::Space);
-    bench.wait(3000);
-    let asleep = bench.sheet_jobs.get();
-    bench.wait(1000);
-    assert_eq!(bench.sheet_jobs.get(), asleep);
-    assert!(delay(&bench) > Duration::from_secs(1), "{:?}", delay(&bench));
+    let before = app.sheet_jobs.get();
+    app.wait(500);
+    assert!(app.sheet_jobs.get() >= before + 5, "it moves while it is driven");
+    assert!(delay(&app) <= Duration::from_millis(33));
+    app.window.key_press(Key::Space);
+    app.wait(3000);
+    let asleep = app.sheet_jobs.get();
+    app.wait(1000);
+    assert_eq!(app.sheet_jobs.get(), asleep);
+    assert!(delay(&app) > Duration::from_secs(1), "{:?}", delay(&app));
 }

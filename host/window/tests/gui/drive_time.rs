@@ -1,7 +1,7 @@
 //! Nobody asked anything of the device for ten minutes: it stops by itself, says so, and goes on when asked to.
 
-use crate::bench::{Bench, Drawer, FixedLink, open_window};
 use crate::real_device;
+use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;
@@ -12,19 +12,19 @@ use std::sync::Arc;
 
 #[test]
 fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
-    let mut bench = Bench::driving();
-    bench.pass(u64::from(MAX_DRIVE_MS));
-    bench.wait(500);
-    assert!(bench.window.query_by_label("State: fault").is_some());
+    let mut app = TestApp::driving();
+    app.pass(u64::from(MAX_DRIVE_MS));
+    app.wait(500);
+    assert!(app.window.query_by_label("State: fault").is_some());
     let told = "Stopped after 10 minutes without a command. Press Drive to go on.";
-    assert!(bench.window.query_by_label(told).is_some(), "{:?}", bench.window.state().notice());
-    assert!(bench.window.query_by_label("Clear fault").is_none());
-    bench.wait(1000);
-    assert!(!bench.is_driving(), "not before it is asked to");
-    bench.window.get_by_label("Drive").click();
-    bench.wait(1000);
-    assert!(bench.is_driving());
-    assert!(bench.window.state().notice().is_none(), "{:?}", bench.window.state().notice());
+    assert!(app.window.query_by_label(told).is_some(), "{:?}", app.window.state().notice());
+    assert!(app.window.query_by_label("Clear fault").is_none());
+    app.wait(1000);
+    assert!(!app.is_driving(), "not before it is asked to");
+    app.window.get_by_label("Drive").click();
+    app.wait(1000);
+    assert!(app.is_driving());
+    assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
 }
 
 fn stopped(faults: Faults, is_simulated: bool) -> FixedLink {
@@ -40,7 +40,8 @@ fn a_real_device_and_every_other_fault_are_cleared_by_hand() {
     let drive_time = Faults::NONE.with(Fault::DriveTime);
     for link in [stopped(drive_time, false), stopped(drive_time.with(Fault::Overheat), true)] {
         let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+        let mut window =
+            open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
         window.run_steps(5);
         let told = window.state().notice().cloned().unwrap().text;
         assert!(told.starts_with("Stopped after 10 minutes") && told.contains("Clear fault"), "{told}");

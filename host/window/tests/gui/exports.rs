@@ -1,15 +1,15 @@
 //! What is saved of what is seen.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use eframe::egui::OutputCommand;
 use egui_kittest::kittest::Queryable as _;
 
 /// Chooses an entry of the File menu.
-pub(crate) fn file_menu(bench: &mut Bench, entry: &str) {
-    bench.window.get_by_label("File").click();
-    bench.wait(200);
-    bench.window.get_by_label_contains(entry).click();
-    bench.wait(200);
+pub(crate) fn file_menu(app: &mut TestApp, entry: &str) {
+    app.window.get_by_label("File").click();
+    app.wait(200);
+    app.window.get_by_label_contains(entry).click();
+    app.wait(200);
 }
 
 /// The pixels of a PNG file, as wide as high, and its dots per metre.
@@ -24,9 +24,9 @@ fn decoded(bytes: &[u8]) -> (u32, u32, Vec<[u8; 3]>, Option<u32>) {
 
 #[test]
 fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
-    let mut bench = Bench::driving();
-    file_menu(&mut bench, "Export figure (PNG)…");
-    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    let mut app = TestApp::driving();
+    file_menu(&mut app, "Export figure (PNG)…");
+    let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "figure.png");
     let (width, height, pixels, dots) = decoded(&bytes);
     let mm = |pixels: u32| f64::from(pixels) / f64::from(dots.unwrap()) * 1e3;
@@ -36,8 +36,8 @@ fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
     assert_eq!(count(|p| p[0] > 170 && p[1] < 60 && p[2] < 70), 0);
     assert!(count(|p| p[0] > 190 && (70..130).contains(&p[1]) && p[2] < 60) > 500);
     // As vectors it holds the same words as text.
-    file_menu(&mut bench, "Export figure (SVG)…");
-    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    file_menu(&mut app, "Export figure (SVG)…");
+    let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "figure.svg");
     let svg = String::from_utf8(bytes).unwrap();
     for words in [">membrane</text>", ">simulated plate</text>", ">x from the driven end (mm)</text>"] {
@@ -47,18 +47,18 @@ fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
 
 #[test]
 fn exports_hold_what_is_seen() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for (entry, name) in [
         ("Export envelope (CSV)…", "envelope.csv"),
         ("Export waveform (CSV)…", "waveform.csv"),
         ("Export drive (WAV)…", "drive.wav"),
     ] {
-        file_menu(&mut bench, entry);
-        let (saved, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+        file_menu(&mut app, entry);
+        let (saved, bytes) = app.files.saved.borrow().last().cloned().unwrap();
         assert_eq!(saved, name);
         assert!(bytes.len() > 1000, "{name}: {}", bytes.len());
     }
-    let saved = bench.drawer.saved.borrow();
+    let saved = app.files.saved.borrow();
     let envelope = String::from_utf8(saved[0].1.clone()).unwrap();
     assert!(envelope.contains("\n# plate: membrane\n") && envelope.contains("\nposition_m,"));
     assert!(!envelope.contains("NaN"));
@@ -68,30 +68,30 @@ fn exports_hold_what_is_seen() {
 }
 
 /// Whether diagnostics come to the clipboard within the next pictures.
-fn are_copied(bench: &mut Bench) -> bool {
+fn are_copied(app: &mut TestApp) -> bool {
     let is_it = |command: &OutputCommand| matches!(command, OutputCommand::CopyText(text) if text.contains("== status"));
     (0..4).any(|_| {
-        bench.window.step();
-        bench.window.output().platform_output.commands.iter().any(is_it)
+        app.window.step();
+        app.window.output().platform_output.commands.iter().any(is_it)
     })
 }
 
 #[test]
 fn the_diagnostics_are_copied_at_once_and_then_read_and_saved() {
-    let mut bench = Bench::driving();
-    bench.window.get_by_label("File").click();
-    bench.wait(200);
-    bench.window.get_by_label_contains("Copy diagnostics").click();
-    assert!(are_copied(&mut bench), "one click is enough");
-    bench.wait(200);
-    let text = bench.window.get_by_label_contains("== status").value().unwrap();
+    let mut app = TestApp::driving();
+    app.window.get_by_label("File").click();
+    app.wait(200);
+    app.window.get_by_label_contains("Copy diagnostics").click();
+    assert!(are_copied(&mut app), "one click is enough");
+    app.wait(200);
+    let text = app.window.get_by_label_contains("== status").value().unwrap();
     assert!(text.contains("Sample rate:                   400000 Hz") && !text.contains("Some("), "{text}");
-    assert!(bench.window.query_by_label_contains("read it before you send it").is_some());
-    bench.window.get_by_label("Copy again").click_accesskit();
-    assert!(are_copied(&mut bench));
-    bench.window.get_by_label("Save diagnostics…").click();
-    bench.wait(100);
-    let (name, bytes) = bench.drawer.saved.borrow().last().cloned().unwrap();
+    assert!(app.window.query_by_label_contains("read it before you send it").is_some());
+    app.window.get_by_label("Copy again").click_accesskit();
+    assert!(are_copied(&mut app));
+    app.window.get_by_label("Save diagnostics…").click();
+    app.wait(100);
+    let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "slipline-diagnostics.txt");
     assert!(String::from_utf8(bytes).unwrap().contains("== log"));
 }

@@ -1,11 +1,9 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
 mod background;
-mod bench;
 mod drive_time;
 mod exports;
 mod focus;
-mod heard;
 mod notices;
 mod painter;
 mod paths;
@@ -16,54 +14,56 @@ mod sizes;
 mod sliders;
 mod small;
 mod snapshots;
+mod sounding;
 mod stage;
 mod states;
 mod stop;
 mod tab_order;
+mod test_app;
 mod unknown;
 
-use bench::{Bench, Drawer, FixedLink, open_window};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Request, Snapshot};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
+use test_app::{FakeFiles, FixedLink, TestApp, open_window};
 
 /// Types into the field of this name and leaves it with Enter.
-fn type_into(bench: &mut Bench, name: &str, text: &str) {
-    bench.window.get_by_role_and_label(Role::TextInput, name).focus();
-    bench.window.step();
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    bench.window.step();
-    bench.window.get_by_role_and_label(Role::TextInput, name).type_text(text);
-    bench.window.step();
-    bench.window.key_press(Key::Enter);
-    bench.window.step();
-    bench.window.step();
+fn type_into(app: &mut TestApp, name: &str, text: &str) {
+    app.window.get_by_role_and_label(Role::TextInput, name).focus();
+    app.window.step();
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    app.window.step();
+    app.window.get_by_role_and_label(Role::TextInput, name).type_text(text);
+    app.window.step();
+    app.window.key_press(Key::Enter);
+    app.window.step();
+    app.window.step();
 }
 
 /// Adds a tone on the page of tones, which stays open.
-fn add_tone(bench: &mut Bench) {
-    bench.window.get_by_label("Tones").click();
-    bench.wait(50);
-    bench.window.get_by_label("Add tone").click();
-    bench.wait(200);
+fn add_tone(app: &mut TestApp) {
+    app.window.get_by_label("Tones").click();
+    app.wait(50);
+    app.window.get_by_label("Add tone").click();
+    app.wait(200);
 }
 
 /// Where the boundary's handle is.
-fn line_rect(bench: &Bench) -> eframe::egui::Rect {
-    bench.window.get_by_role_and_label(Role::Slider, "Boundary").rect()
+fn line_rect(app: &TestApp) -> eframe::egui::Rect {
+    app.window.get_by_role_and_label(Role::Slider, "Boundary").rect()
 }
 
-fn boundary_mm(bench: &Bench) -> f64 {
-    bench.window.state().setup().tones[0].position_m * 1e3
+fn boundary_mm(app: &TestApp) -> f64 {
+    app.window.state().setup().tones[0].position_m * 1e3
 }
 
 /// Moves the boundary by a millimetre.
-fn arrow_right(bench: &mut Bench) {
-    bench.window.key_press(Key::ArrowRight);
-    bench.window.step();
+fn arrow_right(app: &mut TestApp) {
+    app.window.key_press(Key::ArrowRight);
+    app.window.step();
 }
 
 fn drives(requests: &[Request]) -> Vec<f64> {
@@ -76,10 +76,10 @@ fn drives(requests: &[Request]) -> Vec<f64> {
 
 #[test]
 fn the_first_start_shows_the_plate_already_moving() {
-    let bench = Bench::driving();
-    assert!(bench.window.query_by_label("State: driving").is_some());
-    assert!(bench.window.query_by_label("STOP").is_some());
-    let snapshot = bench.snapshot();
+    let app = TestApp::driving();
+    assert!(app.window.query_by_label("State: driving").is_some());
+    assert!(app.window.query_by_label("STOP").is_some());
+    let snapshot = app.snapshot();
     assert_eq!(snapshot.upload_verified, Some(true));
     assert!(
         snapshot.log.iter().all(|entry| entry.severity < slipline_link::Severity::Warning),
@@ -90,147 +90,147 @@ fn the_first_start_shows_the_plate_already_moving() {
 
 #[test]
 fn dragging_the_line_sends_the_boundary_with_every_move_of_the_pointer() {
-    let mut bench = Bench::driving();
-    let line = line_rect(&bench);
+    let mut app = TestApp::driving();
+    let line = line_rect(&app);
     assert!(line.width() >= 24.0, "the handle can be touched");
-    let before = boundary_mm(&bench);
-    bench.take_sent();
-    bench.window.drag_at(line.center());
-    bench.window.step();
+    let before = boundary_mm(&app);
+    app.take_sent();
+    app.window.drag_at(line.center());
+    app.window.step();
     let mut sent = Vec::new();
     for step in 1..=8 {
-        bench.window.hover_at(line.center() + vec2(5.0 * step as f32, 0.0));
-        bench.window.step();
-        sent.extend(drives(&bench.take_sent()));
+        app.window.hover_at(line.center() + vec2(5.0 * step as f32, 0.0));
+        app.window.step();
+        sent.extend(drives(&app.take_sent()));
     }
-    bench.window.drop_at(line.center() + vec2(40.0, 0.0));
-    bench.window.step();
+    app.window.drop_at(line.center() + vec2(40.0, 0.0));
+    app.window.step();
     assert_eq!(sent.len(), 8, "one drive for each move: {sent:?}");
     assert!(sent.windows(2).all(|pair| pair[1] > pair[0]));
     // The line is where the pointer let it go, to the pixel.
-    let moved = line_rect(&bench).center().x - line.center().x;
+    let moved = line_rect(&app).center().x - line.center().x;
     assert!((moved - 40.0).abs() <= 1.0, "{moved}");
-    assert!((sent[7] - boundary_mm(&bench)).abs() < 1e-9 && boundary_mm(&bench) > before + 10.0);
+    assert!((sent[7] - boundary_mm(&app)).abs() < 1e-9 && boundary_mm(&app) > before + 10.0);
     // The device has it, too.
-    bench.wait(200);
-    let mm = bench.window.get_by_role_and_label(Role::TextInput, "Boundary position").value().unwrap();
-    assert_eq!(mm, format!("{:.1} mm", boundary_mm(&bench)));
-    assert!(bench.is_driving());
+    app.wait(200);
+    let mm = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").value().unwrap();
+    assert_eq!(mm, format!("{:.1} mm", boundary_mm(&app)));
+    assert!(app.is_driving());
 }
 
 #[test]
 fn the_line_can_be_grabbed_over_the_envelope_and_the_strip() {
     for share in [0.15, 0.7, 0.97] {
-        let mut bench = Bench::driving();
-        let line = line_rect(&bench);
-        let before = boundary_mm(&bench);
+        let mut app = TestApp::driving();
+        let line = line_rect(&app);
+        let before = boundary_mm(&app);
         let grip = line.left_top() + vec2(0.5 * line.width(), share * line.height());
-        bench.window.drag_at(grip);
-        bench.window.step();
-        bench.window.hover_at(grip - vec2(30.0, 0.0));
-        bench.window.step();
-        bench.window.drop_at(grip - vec2(30.0, 0.0));
-        bench.window.step();
-        assert!(boundary_mm(&bench) < before - 5.0, "at {share} of the height");
+        app.window.drag_at(grip);
+        app.window.step();
+        app.window.hover_at(grip - vec2(30.0, 0.0));
+        app.window.step();
+        app.window.drop_at(grip - vec2(30.0, 0.0));
+        app.window.step();
+        assert!(boundary_mm(&app) < before - 5.0, "at {share} of the height");
     }
 }
 
 #[test]
 fn arrow_keys_move_the_boundary_by_a_millimetre_and_with_shift_by_a_tenth() {
-    let mut bench = Bench::driving();
-    let before = boundary_mm(&bench);
-    bench.window.key_press(Key::ArrowRight);
-    bench.window.step();
-    assert!((boundary_mm(&bench) - before - 1.0).abs() < 1e-9);
-    bench.window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowLeft);
-    bench.window.step();
-    assert!((boundary_mm(&bench) - before - 0.9).abs() < 1e-9);
+    let mut app = TestApp::driving();
+    let before = boundary_mm(&app);
+    app.window.key_press(Key::ArrowRight);
+    app.window.step();
+    assert!((boundary_mm(&app) - before - 1.0).abs() < 1e-9);
+    app.window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowLeft);
+    app.window.step();
+    assert!((boundary_mm(&app) - before - 0.9).abs() < 1e-9);
 }
 
 #[test]
 fn a_typed_place_or_frequency_moves_the_boundary_and_nonsense_does_not() {
-    let mut bench = Bench::driving();
-    type_into(&mut bench, "Boundary position", "120,5 mm");
-    assert!((boundary_mm(&bench) - 120.5).abs() < 1e-6);
-    type_into(&mut bench, "Boundary position", "0,151 kHz");
-    assert!((boundary_mm(&bench) - 200.0).abs() < 1.0, "{}", boundary_mm(&bench));
-    let there = boundary_mm(&bench);
+    let mut app = TestApp::driving();
+    type_into(&mut app, "Boundary position", "120,5 mm");
+    assert!((boundary_mm(&app) - 120.5).abs() < 1e-6);
+    type_into(&mut app, "Boundary position", "0,151 kHz");
+    assert!((boundary_mm(&app) - 200.0).abs() < 1.0, "{}", boundary_mm(&app));
+    let there = boundary_mm(&app);
     for (text, reason) in [
         ("12 bananas", "is no unit that fits here"),
         ("900 mm", "outside 80 to 280 mm"),
         ("1 Hz", "cannot enter this plate"),
         ("NaN", "does not begin with a number"),
     ] {
-        type_into(&mut bench, "Boundary position", text);
-        assert_eq!(boundary_mm(&bench), there, "{text}");
-        assert!(bench.window.query_by_label_contains(reason).is_some(), "{text}: {reason}");
+        type_into(&mut app, "Boundary position", text);
+        assert_eq!(boundary_mm(&app), there, "{text}");
+        assert!(app.window.query_by_label_contains(reason).is_some(), "{text}: {reason}");
     }
 }
 
 #[test]
 fn escape_stops_while_typing_and_space_stops_elsewhere() {
-    let mut bench = Bench::driving();
-    bench.window.get_by_role_and_label(Role::TextInput, "Boundary position").focus();
-    bench.window.step();
-    bench.take_sent();
-    bench.window.key_press(Key::Escape);
-    bench.window.step();
-    assert!(matches!(bench.take_sent()[..], [Request::Stop]));
-    bench.wait(200);
-    assert!(!bench.is_driving());
-    assert!(bench.window.query_by_label("State: armed").is_some());
+    let mut app = TestApp::driving();
+    app.window.get_by_role_and_label(Role::TextInput, "Boundary position").focus();
+    app.window.step();
+    app.take_sent();
+    app.window.key_press(Key::Escape);
+    app.window.step();
+    assert!(matches!(app.take_sent()[..], [Request::Stop]));
+    app.wait(200);
+    assert!(!app.is_driving());
+    assert!(app.window.query_by_label("State: armed").is_some());
     // Moving the boundary now must not start the drive again.
-    bench.window.key_press(Key::ArrowRight);
-    bench.wait(100);
-    assert!(drives(&bench.take_sent()).is_empty() && !bench.is_driving());
-    bench.window.get_by_role_and_label(Role::Button, "Drive").click();
-    bench.wait(200);
-    assert!(bench.is_driving());
-    bench.window.key_press(Key::Space);
-    bench.wait(200);
-    assert!(!bench.is_driving());
+    app.window.key_press(Key::ArrowRight);
+    app.wait(100);
+    assert!(drives(&app.take_sent()).is_empty() && !app.is_driving());
+    app.window.get_by_role_and_label(Role::Button, "Drive").click();
+    app.wait(200);
+    assert!(app.is_driving());
+    app.window.key_press(Key::Space);
+    app.wait(200);
+    assert!(!app.is_driving());
 }
 
 #[test]
 fn escape_stops_and_closes_the_page_that_is_open() {
-    let mut bench = Bench::driving();
-    bench.window.key_press(Key::F1);
-    bench.wait(50);
-    assert!(bench.window.query_by_label("Shortcuts").is_some());
-    bench.window.key_press(Key::Escape);
-    bench.wait(400);
-    assert!(!bench.is_driving());
-    assert!(bench.window.query_by_label("Shortcuts").is_none());
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::F1);
+    app.wait(50);
+    assert!(app.window.query_by_label("Shortcuts").is_some());
+    app.window.key_press(Key::Escape);
+    app.wait(400);
+    assert!(!app.is_driving());
+    assert!(app.window.query_by_label("Shortcuts").is_none());
 }
 
 #[test]
 fn undo_takes_back_a_whole_drag_and_redo_does_it_again() {
-    let mut bench = Bench::driving();
-    let first = boundary_mm(&bench);
-    let line = line_rect(&bench).center();
-    bench.window.drag_at(line);
-    bench.window.step();
+    let mut app = TestApp::driving();
+    let first = boundary_mm(&app);
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.window.step();
     for step in 1..=5 {
-        bench.window.hover_at(line + vec2(6.0 * step as f32, 0.0));
-        bench.window.step();
+        app.window.hover_at(line + vec2(6.0 * step as f32, 0.0));
+        app.window.step();
     }
-    bench.window.drop_at(line + vec2(30.0, 0.0));
-    bench.window.step();
-    let dragged = boundary_mm(&bench);
-    bench.take_sent();
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    bench.window.step();
-    assert_eq!(boundary_mm(&bench), first);
-    assert_eq!(drives(&bench.take_sent()), [first], "the device follows");
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
-    bench.window.step();
-    assert_eq!(boundary_mm(&bench), dragged);
+    app.window.drop_at(line + vec2(30.0, 0.0));
+    app.window.step();
+    let dragged = boundary_mm(&app);
+    app.take_sent();
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.window.step();
+    assert_eq!(boundary_mm(&app), first);
+    assert_eq!(drives(&app.take_sent()), [first], "the device follows");
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    app.window.step();
+    assert_eq!(boundary_mm(&app), dragged);
 }
 
 #[test]
 fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
-    let mut bench = Bench::driving();
-    let good = bench.setup_text();
+    let mut app = TestApp::driving();
+    let good = app.setup_text();
     let huge = Err("the file is too big: must be at most 1048576 bytes".to_owned());
     let cases = [
         (Ok("\u{0}\u{1}nonsense".to_owned()), "line 1"),
@@ -239,81 +239,81 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
         (huge, "too big"),
     ];
     for (text, reason) in cases {
-        bench.open("bad.toml", text);
-        assert_eq!(bench.setup_text(), good, "{reason}");
-        let notice = bench.window.state().notice().cloned().unwrap();
+        app.open("bad.toml", text);
+        assert_eq!(app.setup_text(), good, "{reason}");
+        let notice = app.window.state().notice().cloned().unwrap();
         assert!(
             notice.is_error && notice.text.contains("bad.toml") && notice.text.contains(reason),
             "{notice:?}"
         );
         // In the message and in the log.
-        assert!(bench.window.query_all_by_label_contains("nothing has changed").count() >= 2);
-        bench.window.get_by_label("Dismiss").click();
-        bench.wait(50);
-        assert!(bench.window.state().notice().is_none());
+        assert!(app.window.query_all_by_label_contains("nothing has changed").count() >= 2);
+        app.window.get_by_label("Dismiss").click();
+        app.wait(50);
+        assert!(app.window.state().notice().is_none());
     }
-    assert!(bench.is_driving());
+    assert!(app.is_driving());
 }
 
 #[test]
 fn a_saved_setup_opens_again_with_its_tones() {
-    let mut bench = Bench::driving();
-    add_tone(&mut bench);
-    assert_eq!(bench.window.state().setup().tones.len(), 2);
-    assert!(bench.window.query_by_label("Peak of tone 2").is_some());
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    bench.wait(50);
-    let (name, bytes) = bench.drawer.saved.borrow()[0].clone();
-    let saved = bench.window.state().setup().clone();
-    bench.window.get_by_label("Remove tone 2").click();
-    bench.wait(50);
-    assert_eq!(bench.window.state().setup().tones.len(), 1);
+    let mut app = TestApp::driving();
+    add_tone(&mut app);
+    assert_eq!(app.window.state().setup().tones.len(), 2);
+    assert!(app.window.query_by_label("Peak of tone 2").is_some());
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    app.wait(50);
+    let (name, bytes) = app.files.saved.borrow()[0].clone();
+    let saved = app.window.state().setup().clone();
+    app.window.get_by_label("Remove tone 2").click();
+    app.wait(50);
+    assert_eq!(app.window.state().setup().tones.len(), 1);
     let text = String::from_utf8(bytes).unwrap();
-    bench.open(&name, Ok(text));
-    assert_eq!(bench.window.state().setup(), &saved);
-    assert!(!bench.window.state().settings().recent.is_empty());
+    app.open(&name, Ok(text));
+    assert_eq!(app.window.state().setup(), &saved);
+    assert!(!app.window.state().settings().recent.is_empty());
 }
 
 #[test]
 fn a_lost_link_is_shown_and_comes_back_by_itself() {
-    let mut bench = Bench::driving();
-    bench.plug(false);
-    bench.wait(1500);
-    assert!(matches!(bench.snapshot().link, LinkState::Reconnecting(_) | LinkState::Lost(_)));
-    assert!(bench.window.query_by_label("State: reconnecting").is_some());
-    assert!(bench.window.query_by_label("STOP").is_some());
-    let setup = bench.setup_text();
-    bench.plug(true);
-    bench.wait(2000);
-    assert!(bench.snapshot().is_connected());
-    assert!(!bench.is_driving(), "it comes back silent");
-    assert_eq!(bench.setup_text(), setup);
-    bench.window.get_by_role_and_label(Role::Button, "Drive").click();
-    bench.wait(300);
-    assert!(bench.is_driving());
+    let mut app = TestApp::driving();
+    app.plug(false);
+    app.wait(1500);
+    assert!(matches!(app.snapshot().link, LinkState::Reconnecting(_) | LinkState::Lost(_)));
+    assert!(app.window.query_by_label("State: reconnecting").is_some());
+    assert!(app.window.query_by_label("STOP").is_some());
+    let setup = app.setup_text();
+    app.plug(true);
+    app.wait(2000);
+    assert!(app.snapshot().is_connected());
+    assert!(!app.is_driving(), "it comes back silent");
+    assert_eq!(app.setup_text(), setup);
+    app.window.get_by_role_and_label(Role::Button, "Drive").click();
+    app.wait(300);
+    assert!(app.is_driving());
 }
 
 #[test]
 fn another_plate_gets_its_table_made_sent_and_verified() {
-    let mut bench = Bench::driving();
-    let before = bench.snapshot().table.active.unwrap().crc;
-    bench.window.get_by_label("Plate").click();
-    bench.wait(50);
-    type_into(&mut bench, "Wave speed", "13 m/s");
-    bench.wait(1500);
-    let snapshot = bench.snapshot();
+    let mut app = TestApp::driving();
+    let before = app.snapshot().table.active.unwrap().crc;
+    app.window.get_by_label("Plate").click();
+    app.wait(50);
+    type_into(&mut app, "Wave speed", "13 m/s");
+    app.wait(1500);
+    let snapshot = app.snapshot();
     assert_ne!(snapshot.table.active.unwrap().crc, before);
     assert_eq!(snapshot.upload_verified, Some(true));
     assert_eq!(snapshot.status.unwrap().state, State::Driving);
     // A value that no plate can have stays in its field with the reason.
-    type_into(&mut bench, "Loss factor", "7");
-    assert!(bench.window.query_by_label_contains("must be").is_some());
-    assert!(bench.window.state().setup().plate.spec().loss_factor < 0.5);
+    type_into(&mut app, "Loss factor", "7");
+    assert!(app.window.query_by_label_contains("must be").is_some());
+    assert!(app.window.state().setup().plate.spec().loss_factor < 0.5);
 }
 
 /// A device with a real plate on it, in this state.
 fn real_device(state: State) -> FixedLink {
-    let mut snapshot: Snapshot = Bench::driving().snapshot();
+    let mut snapshot: Snapshot = TestApp::driving().snapshot();
     let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
     identity.simulated = false;
     snapshot.identity = Some(Arc::new(identity));
@@ -326,7 +326,7 @@ fn real_device(state: State) -> FixedLink {
 fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself() {
     let link = real_device(State::Idle);
     let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     let asked = |link: &FixedLink, want: fn(&Request) -> bool| link.sent.borrow().iter().any(want);
     window.get_by_label("Arm…").click();
@@ -349,7 +349,7 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
     let snapshot = Arc::make_mut(&mut link.snapshot);
     snapshot.table.active.as_mut().unwrap().crc ^= 1;
     let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     assert!(!link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
     window.get_by_label("table differs: upload").click();
@@ -359,14 +359,14 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
 
 #[test]
 fn every_control_has_a_name_for_those_who_cannot_see_it() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for tab in ["Boundary", "Tones", "Plate", "Device"] {
-        bench.window.get_by_role_and_label(Role::Button, tab).click();
-        bench.wait(50);
+        app.window.get_by_role_and_label(Role::Button, tab).click();
+        app.wait(50);
         for role in
             [Role::Button, Role::Slider, Role::TextInput, Role::ComboBox, Role::CheckBox, Role::RadioButton]
         {
-            for node in bench.window.query_all_by_role(role) {
+            for node in app.window.query_all_by_role(role) {
                 let access = node.accesskit_node();
                 let is_named = access.label().is_some_and(|label| !label.is_empty())
                     || access.labelled_by().next().is_some();

@@ -1,102 +1,100 @@
 //! Messages: they say what was done, cover nothing that is needed, and what was done stays in the log.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, accesskit::Role, pos2};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Severity;
 
-fn save(bench: &mut Bench) {
-    bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    bench.wait(100);
+fn save(app: &mut TestApp) {
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    app.wait(100);
 }
 
 /// Lets so many seconds pass for the window, at 60 pictures a second.
-fn watch(bench: &mut Bench, seconds: usize) {
-    bench.window.run_steps(60 * seconds);
+fn watch(app: &mut TestApp, seconds: usize) {
+    app.window.run_steps(60 * seconds);
 }
 
 /// Lets the window's clock go on by so many seconds at once.
-fn skip(bench: &mut Bench, seconds: f64) {
-    let now = bench.window.ctx.input(|input| input.time);
-    bench.window.input_mut().time = Some(now + seconds);
-    bench.window.step();
-    bench.window.input_mut().time = None;
-    bench.window.step();
+fn skip(app: &mut TestApp, seconds: f64) {
+    let now = app.window.ctx.input(|input| input.time);
+    app.window.input_mut().time = Some(now + seconds);
+    app.window.step();
+    app.window.input_mut().time = None;
+    app.window.step();
 }
 
 #[test]
 fn a_plain_message_goes_by_itself_and_an_error_stays() {
-    let mut bench = Bench::driving();
-    save(&mut bench);
-    watch(&mut bench, 3);
-    assert!(bench.window.query_by_label("Saved setup.toml").is_some());
+    let mut app = TestApp::driving();
+    save(&mut app);
+    watch(&mut app, 3);
+    assert!(app.window.query_by_label("Saved setup.toml").is_some());
     // Another message has its whole time.
-    let text = bench.setup_text();
-    bench.open("x.toml", Ok(text));
-    watch(&mut bench, 3);
-    assert!(bench.window.query_by_label("Opened x.toml").is_some());
-    watch(&mut bench, 3);
-    assert!(bench.window.state().notice().is_none());
-    bench.open("bad.toml", Ok("nonsense".to_owned()));
-    watch(&mut bench, 12);
-    let notice = bench.window.state().notice().cloned().unwrap();
+    let text = app.setup_text();
+    app.open("x.toml", Ok(text));
+    watch(&mut app, 3);
+    assert!(app.window.query_by_label("Opened x.toml").is_some());
+    watch(&mut app, 3);
+    assert!(app.window.state().notice().is_none());
+    app.open("bad.toml", Ok("nonsense".to_owned()));
+    watch(&mut app, 12);
+    let notice = app.window.state().notice().cloned().unwrap();
     assert!(notice.text.contains("bad.toml was not opened"), "{notice:?}");
-    assert!(bench.window.query_by_label("Dismiss").is_some());
+    assert!(app.window.query_by_label("Dismiss").is_some());
 }
 
 #[test]
 fn a_message_goes_even_where_nothing_else_moves() {
-    let mut bench = Bench::driving();
-    bench.window.key_press(Key::Space);
-    bench.wait(3000);
-    save(&mut bench);
-    watch(&mut bench, 1);
-    let delay = bench.window.output().viewport_output.values().map(|view| view.repaint_delay).min().unwrap();
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::Space);
+    app.wait(3000);
+    save(&mut app);
+    watch(&mut app, 1);
+    let delay = app.window.output().viewport_output.values().map(|view| view.repaint_delay).min().unwrap();
     assert!((1.0..=5.0).contains(&delay.as_secs_f64()), "{delay:?}");
 }
 
 #[test]
 fn a_click_on_a_message_dismisses_it() {
-    let mut bench = Bench::driving();
-    save(&mut bench);
-    bench.window.get_by_label("Saved setup.toml").click();
-    bench.wait(100);
-    assert!(bench.window.state().notice().is_none());
+    let mut app = TestApp::driving();
+    save(&mut app);
+    app.window.get_by_label("Saved setup.toml").click();
+    app.wait(100);
+    assert!(app.window.state().notice().is_none());
 }
 
 #[test]
 fn a_message_covers_nothing_that_is_used_or_watched() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for size in [[1280.0, 800.0], [960.0, 620.0]] {
-        bench.window.set_size(size.into());
-        save(&mut bench);
-        let message = bench.window.get_by_label("Saved setup.toml").rect().expand(8.0);
+        app.window.set_size(size.into());
+        save(&mut app);
+        let message = app.window.get_by_label("Saved setup.toml").rect().expand(8.0);
         for name in ["Wave", "Amplitude", "STOP", "Boundary", "Fit Spectrum", "Copy", "Filter the log"] {
-            for node in bench.window.query_all_by_label(name) {
+            for node in app.window.query_all_by_label(name) {
                 assert!(!message.intersects(node.rect()), "{size:?}: {name}");
             }
         }
-        let chip = bench.window.get_by_label_contains("Validity").rect();
+        let chip = app.window.get_by_label_contains("Validity").rect();
         assert!(!message.intersects(chip), "{size:?}: validity");
-        let lines = bench.window.get_all_by_label_contains("simulated with firmware");
+        let lines = app.window.get_all_by_label_contains("simulated with firmware");
         assert!(
-            lines
-                .chain(bench.window.get_all_by_label("Log"))
-                .all(|line| message.bottom() < line.rect().top())
+            lines.chain(app.window.get_all_by_label("Log")).all(|line| message.bottom() < line.rect().top())
         );
-        bench.window.get_by_label("Dismiss").click();
-        bench.wait(100);
+        app.window.get_by_label("Dismiss").click();
+        app.wait(100);
     }
 }
 
 #[test]
 fn the_log_tells_of_files_by_their_names_alone() {
-    let mut bench = Bench::driving();
-    save(&mut bench);
-    let text = bench.setup_text();
-    bench.open("/home/somebody/good.toml", Ok(text));
-    bench.open("/home/somebody/bad.toml", Ok("nonsense".to_owned()));
-    let log = bench.snapshot().log;
+    let mut app = TestApp::driving();
+    save(&mut app);
+    let text = app.setup_text();
+    app.open("/home/somebody/good.toml", Ok(text));
+    app.open("/home/somebody/bad.toml", Ok("nonsense".to_owned()));
+    let log = app.snapshot().log;
     let has = |severity: Severity, text: &str| {
         log.iter().any(|entry| entry.severity == severity && entry.text.starts_with(text))
     };
@@ -107,62 +105,62 @@ fn the_log_tells_of_files_by_their_names_alone() {
 }
 
 /// A file that is refused with a reason of many lines.
-fn open_bad_file(bench: &mut Bench) {
-    bench.open("bad.toml", Err("this reason is as long as a reason gets when a file says much. ".repeat(12)));
-    bench.wait(100);
+fn open_bad_file(app: &mut TestApp) {
+    app.open("bad.toml", Err("this reason is as long as a reason gets when a file says much. ".repeat(12)));
+    app.wait(100);
 }
 
 #[test]
 fn an_error_goes_after_half_a_minute_and_stays_in_the_log() {
-    let mut bench = Bench::driving();
-    open_bad_file(&mut bench);
-    skip(&mut bench, 28.0);
-    assert!(bench.window.state().notice().is_some_and(|notice| notice.is_error));
-    skip(&mut bench, 3.0);
-    assert!(bench.window.state().notice().is_none());
-    assert!(bench.snapshot().log.iter().any(|entry| entry.text.starts_with("bad.toml was not opened")));
+    let mut app = TestApp::driving();
+    open_bad_file(&mut app);
+    skip(&mut app, 28.0);
+    assert!(app.window.state().notice().is_some_and(|notice| notice.is_error));
+    skip(&mut app, 3.0);
+    assert!(app.window.state().notice().is_none());
+    assert!(app.snapshot().log.iter().any(|entry| entry.text.starts_with("bad.toml was not opened")));
 }
 
 #[test]
 fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
-    let mut bench = Bench::driving();
-    open_bad_file(&mut bench);
-    let text = bench.window.state().notice().unwrap().text.clone();
-    let message = |bench: &Bench| {
-        let nodes = bench.window.get_all_by_label(&text).map(|node| node.rect());
+    let mut app = TestApp::driving();
+    open_bad_file(&mut app);
+    let text = app.window.state().notice().unwrap().text.clone();
+    let message = |app: &TestApp| {
+        let nodes = app.window.get_all_by_label(&text).map(|node| node.rect());
         // The log has the same words.
         nodes.filter(|rect| rect.left() > 960.0 && rect.top() < 590.0).next().unwrap()
     };
-    let cut = message(&bench);
+    let cut = message(&app);
     assert!(cut.height() < 50.0, "{cut}");
     let at = cut.center();
-    bench.window.hover_at(at);
+    app.window.hover_at(at);
     for pressed in [true, false] {
         let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        bench.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
-        bench.window.step();
+        app.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        app.window.step();
     }
-    bench.wait(200);
-    assert!(message(&bench).height() > 4.0 * cut.height(), "{}", message(&bench));
+    app.wait(200);
+    assert!(message(&app).height() > 4.0 * cut.height(), "{}", message(&app));
     // It is being read: no time takes it away.
-    skip(&mut bench, 60.0);
-    assert!(bench.window.state().notice().is_some());
-    bench.window.get_by_label("Dismiss").click();
-    bench.wait(100);
-    assert!(bench.window.state().notice().is_none());
+    skip(&mut app, 60.0);
+    assert!(app.window.state().notice().is_some());
+    app.window.get_by_label("Dismiss").click();
+    app.wait(100);
+    assert!(app.window.state().notice().is_none());
 }
 
 #[test]
 fn several_messages_leave_the_panels_controls_in_sight() {
     for size in [[640.0, 480.0], [800.0, 480.0], [960.0, 620.0], [1280.0, 800.0]] {
-        let mut bench = Bench::driving();
-        bench.window.set_size(size.into());
-        bench.wait(100);
-        ask_too_much(&mut bench);
-        open_bad_file(&mut bench);
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-        bench.wait(200);
-        let dismiss: Vec<Rect> = bench.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
+        let mut app = TestApp::driving();
+        app.window.set_size(size.into());
+        app.wait(100);
+        ask_too_much(&mut app);
+        open_bad_file(&mut app);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+        app.wait(200);
+        let dismiss: Vec<Rect> = app.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
         assert_eq!(dismiss.len(), 2, "{size:?}");
         assert!(
             dismiss.iter().all(|rect| rect.width() >= 24.0 && rect.height() >= 24.0),
@@ -170,7 +168,7 @@ fn several_messages_leave_the_panels_controls_in_sight() {
         );
         let top = dismiss.iter().map(|rect| rect.top()).fold(f32::INFINITY, f32::min);
         for name in ["Boundary position", "Boundary frequency"] {
-            let field = bench.window.get_by_role_and_label(Role::TextInput, name).rect();
+            let field = app.window.get_by_role_and_label(Role::TextInput, name).rect();
             assert!(
                 field.bottom() < top && field.top() > 60.0,
                 "{size:?}: {name} {field}, messages from {top}"
@@ -181,82 +179,82 @@ fn several_messages_leave_the_panels_controls_in_sight() {
 }
 
 /// Two tones in one place, both as loud as can be: more than the DAC can send.
-fn ask_too_much(bench: &mut Bench) {
-    crate::add_tone(bench);
-    let mut setup = bench.window.state().setup().clone();
+fn ask_too_much(app: &mut TestApp) {
+    crate::add_tone(app);
+    let mut setup = app.window.state().setup().clone();
     setup.master_db = 0.0;
     for tone in &mut setup.tones {
         tone.level = 1.0;
         tone.position_m = 0.2;
     }
-    bench.open("loud.toml", Ok(slipline_model::setup::file::write(&setup)));
-    bench.wait(300);
+    app.open("loud.toml", Ok(slipline_model::setup::file::write(&setup)));
+    app.wait(300);
 }
 
 #[test]
 fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
-    let mut bench = Bench::driving();
-    ask_too_much(&mut bench);
-    let is_told = |bench: &Bench| bench.window.query_all_by_label_contains("Refused: ").count() > 0;
-    assert!(is_told(&bench), "{:?}", bench.window.state().notice());
-    save(&mut bench);
-    assert!(is_told(&bench) && bench.window.query_by_label("Saved setup.toml").is_some());
-    watch(&mut bench, 7);
-    assert!(bench.window.query_by_label("Saved setup.toml").is_none());
-    assert!(bench.window.state().notice().is_some_and(|notice| notice.text.starts_with("Refused: ")));
+    let mut app = TestApp::driving();
+    ask_too_much(&mut app);
+    let is_told = |app: &TestApp| app.window.query_all_by_label_contains("Refused: ").count() > 0;
+    assert!(is_told(&app), "{:?}", app.window.state().notice());
+    save(&mut app);
+    assert!(is_told(&app) && app.window.query_by_label("Saved setup.toml").is_some());
+    watch(&mut app, 7);
+    assert!(app.window.query_by_label("Saved setup.toml").is_none());
+    assert!(app.window.state().notice().is_some_and(|notice| notice.text.starts_with("Refused: ")));
     // It goes when the device takes something newer.
-    bench.window.get_by_label("Make it fit").click();
-    bench.wait(500);
-    assert!(bench.window.state().notice().is_none(), "{:?}", bench.window.state().notice());
+    app.window.get_by_label("Make it fit").click();
+    app.wait(500);
+    assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
 }
 
 #[test]
 fn a_port_that_does_not_answer_is_told_until_another_one_does() {
-    let mut bench = Bench::driving();
-    bench.window.get_by_label("Device").click();
-    bench.wait(100);
-    bench.window.get_by_label("Disconnect").click();
-    bench.wait(500);
-    bench.plug(false);
-    let connect = |bench: &mut Bench| {
-        bench.window.get_all_by_label("Connect").next().unwrap().click();
-        bench.wait(2000);
+    let mut app = TestApp::driving();
+    app.window.get_by_label("Device").click();
+    app.wait(100);
+    app.window.get_by_label("Disconnect").click();
+    app.wait(500);
+    app.plug(false);
+    let connect = |app: &mut TestApp| {
+        app.window.get_all_by_label("Connect").next().unwrap().click();
+        app.wait(2000);
     };
-    connect(&mut bench);
-    let notice = bench.window.state().notice().cloned().unwrap();
+    connect(&mut app);
+    let notice = app.window.state().notice().cloned().unwrap();
     assert!(
         notice.is_error && notice.text == "There is no port sim: is the device plugged in?",
         "{notice:?}"
     );
-    save(&mut bench);
-    assert!(bench.window.query_by_label(&notice.text).is_some(), "it stands beside what is told meanwhile");
-    bench.plug(true);
-    connect(&mut bench);
-    assert!(bench.snapshot().is_connected());
-    assert!(bench.window.query_by_label(&notice.text).is_none());
+    save(&mut app);
+    assert!(app.window.query_by_label(&notice.text).is_some(), "it stands beside what is told meanwhile");
+    app.plug(true);
+    connect(&mut app);
+    assert!(app.snapshot().is_connected());
+    assert!(app.window.query_by_label(&notice.text).is_none());
 }
 
 #[test]
 fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
-    let mut bench = Bench::driving();
-    crate::add_tone(&mut bench);
-    let told = bench.window.state().notice().cloned().unwrap().text;
+    let mut app = TestApp::driving();
+    crate::add_tone(&mut app);
+    let told = app.window.state().notice().cloned().unwrap().text;
     assert_eq!(told, "Master lowered to -4.1 dB, so that 2 tones fit.");
-    let line = crate::line_rect(&bench);
-    bench.window.get_by_label("Dismiss").click();
+    let line = crate::line_rect(&app);
+    app.window.get_by_label("Dismiss").click();
     // Long enough for that click to be none of the two below.
-    watch(&mut bench, 1);
+    watch(&mut app, 1);
     // At the wide end, where no boundary can be.
     let at = pos2(120.0, line.top() + 0.3 * line.height());
-    bench.window.hover_at(at);
+    app.window.hover_at(at);
     for pressed in [true, false, true, false] {
         let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        bench.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
-        bench.window.step();
+        app.window.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        app.window.step();
     }
-    bench.wait(200);
-    assert_eq!(bench.window.state().setup().tones.len(), 3);
-    let told = bench.window.state().notice().cloned().unwrap().text;
+    app.wait(200);
+    assert_eq!(app.window.state().setup().tones.len(), 3);
+    let told = app.window.state().notice().cloned().unwrap().text;
     assert!(
         told.starts_with("Tone 3 is at 80.0 mm: the span is 80.0 mm to 280.0 mm. Master lowered"),
         "{told}"
@@ -265,12 +263,12 @@ fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
 
 #[test]
 fn the_same_words_again_are_shown_their_whole_time() {
-    let mut bench = Bench::driving();
-    save(&mut bench);
-    watch(&mut bench, 3);
-    save(&mut bench);
-    watch(&mut bench, 3);
-    assert!(bench.window.query_by_label("Saved setup.toml").is_some());
-    watch(&mut bench, 3);
-    assert!(bench.window.query_by_label("Saved setup.toml").is_none());
+    let mut app = TestApp::driving();
+    save(&mut app);
+    watch(&mut app, 3);
+    save(&mut app);
+    watch(&mut app, 3);
+    assert!(app.window.query_by_label("Saved setup.toml").is_some());
+    watch(&mut app, 3);
+    assert!(app.window.query_by_label("Saved setup.toml").is_none());
 }

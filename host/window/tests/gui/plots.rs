@@ -1,14 +1,14 @@
 //! The axes of the plots: labels on them in every case, and the same ones while a boundary is dragged or held.
 
 use crate::background::open_plate;
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use crate::{line_rect, type_into};
 use eframe::egui::{FullOutput, Key, Rect, Shape, epaint::ClippedShape, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 
 /// Every word that is painted, and where.
-fn painted(bench: &Bench) -> Vec<(String, Rect)> {
-    words(bench.window.output())
+fn painted(app: &TestApp) -> Vec<(String, Rect)> {
+    words(app.window.output())
 }
 
 /// Every word of a picture, and where.
@@ -34,14 +34,14 @@ pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
 }
 
 /// The labels of both axes of a plot, in the order of their places.
-fn labels(bench: &Bench, plot: &str) -> (Vec<String>, Vec<String>) {
-    let head = bench.window.get_by_label(plot).rect();
-    let fit = bench.window.get_by_label(&format!("Fit {plot}")).rect();
-    let bottom = bench.window.ctx.content_rect().bottom();
+fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
+    let head = app.window.get_by_label(plot).rect();
+    let fit = app.window.get_by_label(&format!("Fit {plot}")).rect();
+    let bottom = app.window.ctx.content_rect().bottom();
     let area =
         Rect::from_min_max(pos2(head.left() - 6.0, head.bottom() + 2.0), pos2(fit.right() + 6.0, bottom));
     let words: Vec<(String, Rect)> =
-        painted(bench).into_iter().filter(|(_, rect)| area.contains(rect.center())).collect();
+        painted(app).into_iter().filter(|(_, rect)| area.contains(rect.center())).collect();
     let lowest = words.iter().map(|(_, rect)| rect.center().y).fold(0.0, f32::max);
     let (mut x, mut y): (Vec<_>, Vec<_>) =
         words.into_iter().partition(|(_, rect)| (rect.center().y - lowest).abs() < 3.0);
@@ -55,15 +55,15 @@ const PLOTS: [&str; 2] = ["Drive waveform", "Spectrum"];
 
 #[test]
 fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for preset in slipline_plate::presets() {
-        open_plate(&mut bench, slipline_plate::preset(preset.name).unwrap().to_toml());
-        bench.wait(1500);
+        open_plate(&mut app, slipline_plate::preset(preset.name).unwrap().to_toml());
+        app.wait(1500);
         for size in [[1280.0, 800.0], [960.0, 620.0], [640.0, 480.0]] {
-            bench.window.set_size(size.into());
-            bench.wait(100);
+            app.window.set_size(size.into());
+            app.wait(100);
             for plot in PLOTS {
-                let (x, y) = labels(&bench, plot);
+                let (x, y) = labels(&app, plot);
                 assert!(x.len() >= 2 && y.len() >= 2, "{} {size:?} {plot}: {x:?} {y:?}", preset.name);
                 let units = x.iter().filter(|label| label.contains(' ')).count();
                 assert_eq!(units, 1, "{} {plot}: one label has the unit: {x:?}", preset.name);
@@ -74,27 +74,27 @@ fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
 
 #[test]
 fn the_axes_stay_while_the_boundary_is_dragged_and_while_the_plots_are_held() {
-    let mut bench = Bench::driving();
-    let before = PLOTS.map(|plot| labels(&bench, plot));
-    let line = line_rect(&bench).center();
-    bench.window.drag_at(line);
-    bench.window.step();
+    let mut app = TestApp::driving();
+    let before = PLOTS.map(|plot| labels(&app, plot));
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.window.step();
     for step in [-60.0, 40.0, 90.0] {
-        bench.window.hover_at(line + vec2(step, 0.0));
-        bench.wait(200);
-        assert_eq!(PLOTS.map(|plot| labels(&bench, plot)), before, "dragged by {step}");
+        app.window.hover_at(line + vec2(step, 0.0));
+        app.wait(200);
+        assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "dragged by {step}");
     }
-    bench.window.drop_at(line + vec2(90.0, 0.0));
-    bench.wait(200);
-    bench.window.key_press(Key::P);
-    bench.wait(200);
-    assert_eq!(PLOTS.map(|plot| labels(&bench, plot)), before, "held");
+    app.window.drop_at(line + vec2(90.0, 0.0));
+    app.wait(200);
+    app.window.key_press(Key::P);
+    app.wait(200);
+    assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held");
     // What is held keeps its axes whatever is set up meanwhile.
-    type_into(&mut bench, "Boundary position", "90 mm");
-    open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
-    bench.wait(1500);
-    assert_eq!(PLOTS.map(|plot| labels(&bench, plot)), before, "held, with another plate");
-    bench.window.key_press(Key::P);
-    bench.wait(300);
-    assert_ne!(PLOTS.map(|plot| labels(&bench, plot)), before, "those of the other plate");
+    type_into(&mut app, "Boundary position", "90 mm");
+    open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
+    app.wait(1500);
+    assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held, with another plate");
+    app.window.key_press(Key::P);
+    app.wait(300);
+    assert_ne!(PLOTS.map(|plot| labels(&app, plot)), before, "those of the other plate");
 }

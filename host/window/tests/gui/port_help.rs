@@ -1,6 +1,6 @@
 //! The page that helps with ports.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use eframe::egui::OutputCommand;
 use egui_kittest::kittest::Queryable as _;
 
@@ -10,19 +10,19 @@ const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../f
 #[test]
 fn the_rules_on_the_page_are_the_file_that_is_shipped() {
     assert!(SHIPPED.contains("ATTRS{idProduct}==\"df11\""), "a device is also flashed");
-    let mut bench = Bench::driving();
-    bench.window.get_by_label("Help").click();
-    bench.wait(200);
-    bench.window.get_by_label_contains("Ports and permissions").click();
-    bench.wait(200);
-    assert!(bench.window.query_by_label(SHIPPED).is_some());
-    bench.window.get_by_label("Copy the rules").scroll_to_me();
-    bench.wait(300);
-    bench.window.get_by_label("Copy the rules").click();
+    let mut app = TestApp::driving();
+    app.window.get_by_label("Help").click();
+    app.wait(200);
+    app.window.get_by_label_contains("Ports and permissions").click();
+    app.wait(200);
+    assert!(app.window.query_by_label(SHIPPED).is_some());
+    app.window.get_by_label("Copy the rules").scroll_to_me();
+    app.wait(300);
+    app.window.get_by_label("Copy the rules").click();
     let mut copied = Vec::new();
     for _ in 0..4 {
-        bench.window.step();
-        copied.extend(bench.window.output().platform_output.commands.iter().filter_map(|command| {
+        app.window.step();
+        copied.extend(app.window.output().platform_output.commands.iter().filter_map(|command| {
             if let OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
         }));
     }

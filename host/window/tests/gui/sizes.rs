@@ -1,71 +1,71 @@
 //! The window at sizes and zooms that leave no room for what it shows.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use eframe::egui::{Key, Modifiers, Vec2, vec2};
 use egui_kittest::kittest::Queryable as _;
 
 #[test]
 fn no_window_is_too_small_to_be_shown() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     let zoomed = (10..=50).step_by(5).map(|tenths| vec2(1280.0, 800.0) * 10.0 / tenths as f32);
     let tiny = [[500.0, 350.0], [960.0, 100.0], [100.0, 620.0], [40.0, 40.0], [1.0, 1.0]].map(Vec2::from);
     for size in zoomed.chain(tiny) {
-        bench.window.set_size(size);
+        app.window.set_size(size);
         for tab in [Key::Num1, Key::Num2, Key::Num3, Key::Num4] {
-            bench.window.key_press_modifiers(Modifiers::COMMAND, tab);
-            bench.wait(100);
+            app.window.key_press_modifiers(Modifiers::COMMAND, tab);
+            app.wait(100);
         }
     }
     for page in ["Validity", "Designer"] {
-        bench.window.set_size(vec2(1280.0, 800.0));
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
-        bench.wait(100);
-        bench.window.get_by_label(page).click();
-        bench.wait(100);
+        app.window.set_size(vec2(1280.0, 800.0));
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
+        app.wait(100);
+        app.window.get_by_label(page).click();
+        app.wait(100);
         for size in tiny {
-            bench.window.set_size(size);
-            bench.wait(100);
+            app.window.set_size(size);
+            app.wait(100);
         }
     }
-    assert!(bench.is_driving());
+    assert!(app.is_driving());
 }
 
 /// Presses a key with Ctrl, in a window that keeps its size on the screen as a system's window does.
-fn zoom(bench: &mut Bench, key: Key, size: Vec2) -> Vec2 {
-    bench.window.key_press_modifiers(Modifiers::COMMAND, key);
+fn zoom(app: &mut TestApp, key: Key, size: Vec2) -> Vec2 {
+    app.window.key_press_modifiers(Modifiers::COMMAND, key);
     for _ in 0..4 {
-        bench.wait(50);
-        let points = size / bench.window.ctx.zoom_factor();
-        bench.window.set_size(points);
+        app.wait(50);
+        let points = size / app.window.ctx.zoom_factor();
+        app.window.set_size(points);
     }
-    bench.window.ctx.content_rect().size()
+    app.window.ctx.content_rect().size()
 }
 
 #[test]
 fn the_zoom_ends_where_the_window_could_not_be_used() {
     for (size, most) in [([1280.0, 800.0], 1.5), ([1920.0, 1080.0], 2.0), ([500.0, 350.0], 1.0)] {
-        let mut bench = Bench::driving();
+        let mut app = TestApp::driving();
         let size = Vec2::from(size);
         for _ in 0..30 {
-            zoom(&mut bench, Key::Plus, size);
+            zoom(&mut app, Key::Plus, size);
         }
-        let seen = bench.window.ctx.zoom_factor();
+        let seen = app.window.ctx.zoom_factor();
         assert!((seen - most).abs() < 1e-3, "{size}: {seen}");
-        let room = zoom(&mut bench, Key::Minus, size);
+        let room = zoom(&mut app, Key::Minus, size);
         assert!((room * (most - 0.1) - size).abs().max_elem() < 1.0, "{size}: {room}");
     }
 }
 
 #[test]
 fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for width in (640..=1280).step_by(20) {
-        bench.window.set_size(vec2(width as f32, 620.0));
-        bench.wait(100);
+        app.window.set_size(vec2(width as f32, 620.0));
+        app.wait(100);
         let mut seen: Vec<(String, eframe::egui::Rect)> = Vec::new();
         for name in ["Slipline", "File", "Edit", "View", "Help", "Device: ", "State: ", "round trip", "STOP"]
         {
-            let nodes = bench.window.query_all_by_label_contains(name);
+            let nodes = app.window.query_all_by_label_contains(name);
             seen.extend(
                 nodes.map(|node| (name.to_owned(), node.rect())).filter(|(_, rect)| rect.top() < 40.0),
             );
@@ -84,19 +84,19 @@ fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
 
 #[test]
 fn the_logs_controls_stay_in_the_window() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for width in (640..=1280).step_by(40) {
-        bench.window.set_size(vec2(width as f32, 620.0));
-        bench.wait(100);
-        let head = bench.window.get_by_label("Log").rect();
+        app.window.set_size(vec2(width as f32, 620.0));
+        app.wait(100);
+        let head = app.window.get_by_label("Log").rect();
         for name in ["Log level", "Copy"] {
-            let rect = bench.window.get_by_label(name).rect();
+            let rect = app.window.get_by_label(name).rect();
             assert!(
                 rect.right() <= width as f32 && rect.left() >= head.right(),
                 "{width}: {name} {rect} {head}"
             );
         }
-        let has_filter = bench.window.query_by_label("Filter the log").is_some();
+        let has_filter = app.window.query_by_label("Filter the log").is_some();
         assert!(has_filter || width < 960, "{width}: there is room for the filter");
     }
 }

@@ -1,21 +1,21 @@
 //! What is typed beside a slider: a value with its unit is taken, everything else is refused in words, and the value
 //! stays as it was.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use crate::{add_tone, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::Request;
 
 /// Level, master in dB and glide in seconds, as they are set.
-fn set(bench: &Bench) -> (f64, f64, f64) {
-    let setup = bench.window.state().setup();
+fn set(app: &TestApp) -> (f64, f64, f64) {
+    let setup = app.window.state().setup();
     (setup.tones[0].level, setup.master_db, setup.glide_s)
 }
 
 #[test]
 fn a_value_is_typed_with_its_unit_and_comma() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for (field, text, wanted, shown) in [
         ("Level", "50%", (0.5, 0.0, 0.02), "0.50"),
         ("Level", "80 %", (0.8, 0.0, 0.02), "0.80"),
@@ -32,18 +32,18 @@ fn a_value_is_typed_with_its_unit_and_comma() {
         ("Glide", "30", (1.0, -96.0, 0.03), "30 ms"),
         ("Glide", "10 s", (1.0, -96.0, 10.0), "10000 ms"),
     ] {
-        type_into(&mut bench, field, text);
-        let (level, master, glide) = set(&bench);
+        type_into(&mut app, field, text);
+        let (level, master, glide) = set(&app);
         let errors = [level - wanted.0, master - wanted.1, glide - wanted.2];
         assert!(errors.iter().all(|error| error.abs() < 1e-9), "{field} {text}: {errors:?}");
-        let value = bench.window.get_by_role_and_label(Role::TextInput, field).value();
+        let value = app.window.get_by_role_and_label(Role::TextInput, field).value();
         assert_eq!(value.as_deref(), Some(shown), "{field} {text}");
     }
 }
 
 #[test]
 fn what_is_out_of_range_or_no_value_changes_nothing_and_is_told_with_the_range() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     let (levels, masters, glides) =
         ("must be 0 to 1, or 0 to 100 %", "must be -96 to 0 dB", "must be 5 ms to 10 s");
     for (field, text, reason, allowed) in [
@@ -64,28 +64,28 @@ fn what_is_out_of_range_or_no_value_changes_nothing_and_is_told_with_the_range()
         ("Glide", "11 s", "Glide 11 s: ", glides),
         ("Glide", "1 h", "Glide: \"h\" is no unit that fits here: use s, ms or min; ", glides),
     ] {
-        let before = set(&bench);
-        bench.take_sent();
-        type_into(&mut bench, field, text);
-        bench.wait(100);
-        assert_eq!(set(&bench), before, "{field} {text:?}");
-        let sent = bench.take_sent();
+        let before = set(&app);
+        app.take_sent();
+        type_into(&mut app, field, text);
+        app.wait(100);
+        assert_eq!(set(&app), before, "{field} {text:?}");
+        let sent = app.take_sent();
         assert!(
             !sent.iter().any(|request| matches!(request, Request::Drive(_))),
             "{field} {text:?}: {sent:?}"
         );
         let told = format!("{reason}{allowed}");
-        let reason = bench.window.query_by_label(&told);
+        let reason = app.window.query_by_label(&told);
         assert!(reason.is_some(), "{told}");
         // The next attempt begins at the value that stands.
-        bench.window.get_by_role_and_label(Role::TextInput, field).focus();
-        bench.window.step();
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-        bench.window.step();
-        type_into(&mut bench, field, &shown(field, before));
-        bench.wait(100);
-        assert!(bench.window.query_by_label(&told).is_none(), "{told}");
-        assert_eq!(set(&bench), before, "{field}");
+        app.window.get_by_role_and_label(Role::TextInput, field).focus();
+        app.window.step();
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        app.window.step();
+        type_into(&mut app, field, &shown(field, before));
+        app.wait(100);
+        assert!(app.window.query_by_label(&told).is_none(), "{told}");
+        assert_eq!(set(&app), before, "{field}");
     }
 }
 
@@ -100,15 +100,15 @@ fn shown(field: &str, (level, master, glide): (f64, f64, f64)) -> String {
 
 #[test]
 fn the_level_of_each_tone_has_a_field_of_its_own() {
-    let mut bench = Bench::driving();
-    add_tone(&mut bench);
-    type_into(&mut bench, "Level of tone 2", "30%");
-    type_into(&mut bench, "Level of tone 1", "7");
-    bench.wait(100);
-    let levels: Vec<f64> = bench.window.state().setup().tones.iter().map(|tone| tone.level).collect();
+    let mut app = TestApp::driving();
+    add_tone(&mut app);
+    type_into(&mut app, "Level of tone 2", "30%");
+    type_into(&mut app, "Level of tone 1", "7");
+    app.wait(100);
+    let levels: Vec<f64> = app.window.state().setup().tones.iter().map(|tone| tone.level).collect();
     assert_eq!(levels, [0.8, 0.3]);
-    let told = bench.window.get_by_label_contains("Level of tone 1 7: must be 0 to 1");
-    let field = bench.window.get_by_role_and_label(Role::TextInput, "Level of tone 1");
+    let told = app.window.get_by_label_contains("Level of tone 1 7: must be 0 to 1");
+    let field = app.window.get_by_role_and_label(Role::TextInput, "Level of tone 1");
     assert!(told.rect().top() >= field.rect().bottom(), "under its field");
     assert!(field.accesskit_node().value().is_some_and(|value| value == "7"), "it can be mended");
 }

@@ -1,6 +1,6 @@
 //! Small screens: STOP, the plate's line and the controls stay usable, with whatever page is open.
 
-use crate::bench::{Bench, Drawer, open_window};
+use crate::test_app::{FakeFiles, TestApp, open_window};
 use crate::{boundary_mm, line_rect, real_device};
 use eframe::egui::{Key, Modifiers, Rect, Vec2, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;
@@ -16,50 +16,50 @@ fn screen(size: [f32; 2]) -> Rect {
     Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size))
 }
 
-fn stop_is_on_the_screen(bench: &Bench, size: [f32; 2], what: &str) {
-    let stop = bench.window.get_by_label("STOP").rect();
+fn stop_is_on_the_screen(app: &TestApp, size: [f32; 2], what: &str) {
+    let stop = app.window.get_by_label("STOP").rect();
     assert!(screen(size).contains_rect(stop), "{size:?} {what}: {stop}");
     assert!(stop.width() >= 80.0 && stop.height() >= 30.0, "{size:?} {what}: {stop}");
 }
 
 /// A window of this size that drives.
-fn small(size: [f32; 2]) -> Bench {
+fn small(size: [f32; 2]) -> TestApp {
     let builder = HarnessBuilder::default().with_size(size).with_theme(eframe::egui::Theme::Light);
-    Bench::driving_with(ThemeChoice::Light, builder)
+    TestApp::driving_with(ThemeChoice::Light, builder)
 }
 
 #[test]
 fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
     for size in SIZES {
-        let mut bench = small(size);
+        let mut app = small(size);
         for panel in ["Boundary", "Tones", "Plate", "Device"] {
-            bench.window.get_by_role_and_label(Role::Button, panel).click();
-            bench.wait(100);
-            stop_is_on_the_screen(&bench, size, panel);
+            app.window.get_by_role_and_label(Role::Button, panel).click();
+            app.wait(100);
+            stop_is_on_the_screen(&app, size, panel);
         }
         for page in ["Shortcuts", "Ports and permissions", "About Slipline", "Copy diagnostics"] {
             let menu = if page == "Copy diagnostics" { "File" } else { "Help" };
-            bench.window.get_by_label(menu).click();
-            bench.wait(200);
-            bench.window.get_by_label_contains(page).click();
-            bench.wait(200);
-            stop_is_on_the_screen(&bench, size, page);
+            app.window.get_by_label(menu).click();
+            app.wait(200);
+            app.window.get_by_label_contains(page).click();
+            app.wait(200);
+            stop_is_on_the_screen(&app, size, page);
             // The page's own button is there, too, and STOP does not lie over it.
-            let close = bench.window.get_by_label("Close").rect();
-            let stop = bench.window.get_by_label("STOP").rect();
+            let close = app.window.get_by_label("Close").rect();
+            let stop = app.window.get_by_label("STOP").rect();
             assert!(screen(size).contains_rect(close), "{size:?} {page}: {close}");
             assert!(!stop.expand(2.0).intersects(close), "{size:?} {page}: {close}");
-            bench.window.get_by_label("Close").click();
-            bench.wait(200);
-            assert!(bench.window.query_by_label("Close").is_none(), "{size:?} {page}");
+            app.window.get_by_label("Close").click();
+            app.wait(200);
+            assert!(app.window.query_by_label("Close").is_none(), "{size:?} {page}");
         }
-        bench.take_sent();
-        bench.window.key_press(Key::F1);
-        bench.wait(200);
-        bench.window.get_by_label("STOP").click();
-        bench.wait(300);
-        assert!(bench.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{size:?}");
-        assert!(!bench.is_driving(), "{size:?}");
+        app.take_sent();
+        app.window.key_press(Key::F1);
+        app.wait(200);
+        app.window.get_by_label("STOP").click();
+        app.wait(300);
+        assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{size:?}");
+        assert!(!app.is_driving(), "{size:?}");
     }
 }
 
@@ -68,7 +68,7 @@ fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
     for size in SIZES {
         let link = real_device(State::Idle);
         let builder = HarnessBuilder::default().with_size(size);
-        let mut window = open_window(Box::new(link), &Drawer::default(), ThemeChoice::Light, builder);
+        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
         window.run_steps(5);
         window.get_by_label("Arm…").click();
         window.run_steps(5);
@@ -78,12 +78,12 @@ fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
             assert!(screen(size).contains_rect(rect), "{size:?}: {name} {rect}");
             assert!(name == "STOP" || !rect.intersects(stop), "{size:?}: {name} {rect}");
         }
-        let mut bench = small(size);
-        bench.drawer.has_no_dialogs.set(true);
-        bench.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-        bench.wait(200);
+        let mut app = small(size);
+        app.files.has_no_dialogs.set(true);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+        app.wait(200);
         for name in ["Cancel", "Save", "STOP"] {
-            let rect = bench.window.get_by_label(name).rect();
+            let rect = app.window.get_by_label(name).rect();
             assert!(screen(size).contains_rect(rect), "{size:?}: {name} {rect}");
         }
     }
@@ -92,20 +92,20 @@ fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
 #[test]
 fn the_line_can_be_dragged_on_a_small_screen() {
     for size in SIZES {
-        let mut bench = small(size);
-        let line = line_rect(&bench);
+        let mut app = small(size);
+        let line = line_rect(&app);
         assert!(line.width() >= 24.0 && line.height() >= 150.0, "{size:?}: {line}");
-        let before = boundary_mm(&bench);
-        bench.window.drag_at(line.center());
-        bench.window.step();
-        bench.window.hover_at(line.center() + vec2(20.0, 0.0));
-        bench.window.step();
-        bench.window.drop_at(line.center() + vec2(20.0, 0.0));
-        bench.wait(100);
-        assert!(boundary_mm(&bench) > before + 10.0, "{size:?}: {}", boundary_mm(&bench));
-        assert!(bench.is_driving(), "{size:?}");
+        let before = boundary_mm(&app);
+        app.window.drag_at(line.center());
+        app.window.step();
+        app.window.hover_at(line.center() + vec2(20.0, 0.0));
+        app.window.step();
+        app.window.drop_at(line.center() + vec2(20.0, 0.0));
+        app.wait(100);
+        assert!(boundary_mm(&app) > before + 10.0, "{size:?}: {}", boundary_mm(&app));
+        assert!(app.is_driving(), "{size:?}");
         // The panel at the side does not lie over the plate, and its first field is in sight.
-        let field = bench.window.get_by_role_and_label(Role::TextInput, "Boundary position").rect();
+        let field = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").rect();
         assert!(screen(size).contains_rect(field) && field.left() > line.right(), "{size:?}: {field}");
     }
 }
@@ -114,17 +114,17 @@ fn the_line_can_be_dragged_on_a_small_screen() {
 fn stop_is_on_the_screen_at_every_zoom_and_pixel_density() {
     for (pixels, density) in [([1280.0, 800.0], 1.0), ([1600.0, 1000.0], 2.0), ([800.0, 480.0], 1.0)] {
         let size = Vec2::from(pixels) / density;
-        let mut bench = small(size.into());
-        bench.window.set_pixels_per_point(density);
+        let mut app = small(size.into());
+        app.window.set_pixels_per_point(density);
         for key in [Key::Plus, Key::Minus] {
             for _ in 0..12 {
-                bench.window.key_press_modifiers(Modifiers::COMMAND, key);
+                app.window.key_press_modifiers(Modifiers::COMMAND, key);
                 for _ in 0..3 {
-                    bench.wait(50);
-                    bench.window.set_size(size / bench.window.ctx.zoom_factor());
+                    app.wait(50);
+                    app.window.set_size(size / app.window.ctx.zoom_factor());
                 }
-                let seen = bench.window.ctx.content_rect();
-                let stop = bench.window.get_by_label("STOP").rect();
+                let seen = app.window.ctx.content_rect();
+                let stop = app.window.get_by_label("STOP").rect();
                 assert!(seen.contains_rect(stop), "{pixels:?} at {density}: {seen} {stop}");
             }
         }

@@ -3,8 +3,8 @@
 //! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui` takes the present look as right.
 
 use crate::background::{open_page, open_plate};
-use crate::bench::Bench;
 use crate::painter::Painter;
+use crate::test_app::TestApp;
 use eframe::egui::{Color32, ColorImage, Theme};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
@@ -18,16 +18,16 @@ const DIFFERS: u8 = 24;
 const MOST_PER_MILLE: usize = 3;
 
 /// The window in this theme and of this size, in points, after something was done with it.
-fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut Bench)) -> ColorImage {
+fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut TestApp)) -> ColorImage {
     let painter = Painter::default();
     let egui_theme = if theme == ThemeChoice::Dark { Theme::Dark } else { Theme::Light };
     let builder = HarnessBuilder::default()
         .with_size(size.map(f32::from))
         .with_theme(egui_theme)
         .renderer(painter.clone());
-    let mut bench = Bench::driving_with(theme, builder);
-    prepare(&mut bench);
-    painter.paint(&bench.window.ctx, bench.window.output(), size.map(usize::from))
+    let mut app = TestApp::driving_with(theme, builder);
+    prepare(&mut app);
+    painter.paint(&app.window.ctx, app.window.output(), size.map(usize::from))
 }
 
 fn read(path: &PathBuf) -> ColorImage {
@@ -87,32 +87,32 @@ fn the_window_looks_as_it_was_approved_in_dark() {
 
 #[test]
 fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
-    let long_name = |bench: &mut Bench| {
+    let long_name = |app: &mut TestApp| {
         let text = slipline_plate::preset("membrane").unwrap().to_toml();
         let name = "name = \"a plate whose name is as long as a name may be made by whoever has the time\"";
-        open_plate(bench, text.replace("name = \"membrane\"", name));
-        bench.window.get_by_label("Dismiss").click();
-        bench.wait(1500);
+        open_plate(app, text.replace("name = \"membrane\"", name));
+        app.window.get_by_label("Dismiss").click();
+        app.wait(1500);
     };
     compare("smallest", &picture(ThemeChoice::Light, SMALLEST, long_name));
 }
 
 #[test]
 fn the_lights_look_as_they_were_approved() {
-    compare("validity", &picture(ThemeChoice::Dark, USUAL, |bench| open_page(bench, "Validity")));
+    compare("validity", &picture(ThemeChoice::Dark, USUAL, |app| open_page(app, "Validity")));
 }
 
 #[test]
 fn the_designer_looks_as_it_was_approved() {
-    compare("designer", &picture(ThemeChoice::Light, USUAL, |bench| open_page(bench, "Designer")));
+    compare("designer", &picture(ThemeChoice::Light, USUAL, |app| open_page(app, "Designer")));
 }
 
 #[test]
 fn what_is_felt_is_faint_while_nothing_is_driven() {
     for theme in [ThemeChoice::Light, ThemeChoice::Dark] {
-        let stop = |bench: &mut Bench| {
-            bench.window.key_press(eframe::egui::Key::Space);
-            bench.wait(300);
+        let stop = |app: &mut TestApp| {
+            app.window.key_press(eframe::egui::Key::Space);
+            app.wait(300);
         };
         // A place on the strip where much is felt, and one beside the plate.
         let contrast = |seen: &ColorImage| -> u32 {

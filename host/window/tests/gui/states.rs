@@ -1,6 +1,6 @@
 //! Every state of link and device offers its way on, and Drive tells what stands in its way.
 
-use crate::bench::{Bench, Drawer, FixedLink, open_window};
+use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
 use eframe::egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
@@ -37,7 +37,7 @@ fn no_device(link: LinkState) -> Snapshot {
 fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
     let link = FixedLink::of(snapshot);
     let builder = HarnessBuilder::default().with_size(size);
-    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     link.sent.borrow_mut().clear();
     (window, link)
@@ -92,7 +92,7 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let driving = Bench::driving().snapshot();
+    let driving = TestApp::driving().snapshot();
     let real = |state| in_state(&driving, state, false);
     let simulated = |state| in_state(&driving, state, true);
     let case = |name, snapshot, offers: &[(&'static str, Effect)], drive| Case {
@@ -228,7 +228,7 @@ fn drive_by_the_keys_acts_or_says_what_helps() {
 
 #[test]
 fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
-    let driving = Bench::driving().snapshot();
+    let driving = TestApp::driving().snapshot();
     let mut uploading = in_state(&driving, State::Armed, false);
     uploading.upload = Some(UploadProgress { sent: 100, total: 256 });
     let mut differs = in_state(&driving, State::Armed, false);
@@ -266,20 +266,20 @@ fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
 
 #[test]
 fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
-    let mut bench = Bench::driving();
-    bench.window.get_by_label("STOP").click();
-    bench.wait(300);
-    bench.disarm();
-    bench.wait(600);
-    assert!(bench.window.query_by_label("State: idle").is_some());
-    bench.window.get_by_label("Drive").click();
-    bench.wait(600);
-    assert!(bench.is_driving(), "{:?}", bench.snapshot().log);
+    let mut app = TestApp::driving();
+    app.window.get_by_label("STOP").click();
+    app.wait(300);
+    app.disarm();
+    app.wait(600);
+    assert!(app.window.query_by_label("State: idle").is_some());
+    app.window.get_by_label("Drive").click();
+    app.wait(600);
+    assert!(app.is_driving(), "{:?}", app.snapshot().log);
 }
 
 #[test]
 fn drive_in_vain_is_no_leave_to_drive_later() {
-    let driving = Bench::driving().snapshot();
+    let driving = TestApp::driving().snapshot();
     let (mut window, link) = show(in_state(&driving, State::Idle, false), [1280.0, 800.0]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     window.run_steps(3);
@@ -297,7 +297,7 @@ fn drive_in_vain_is_no_leave_to_drive_later() {
 
 #[test]
 fn a_fault_that_stands_after_it_was_cleared_is_told() {
-    let driving = Bench::driving().snapshot();
+    let driving = TestApp::driving().snapshot();
     let (mut window, link) = show(in_state(&driving, State::Fault, false), [1280.0, 800.0]);
     window.get_by_label("Clear fault").click();
     window.run_steps(3);

@@ -1,8 +1,8 @@
 //! STOP can be seen and pressed in every state of the window, of whatever size.
 
-use crate::bench::{Bench, Drawer, open_window};
 use crate::painter::Painter;
 use crate::real_device;
+use crate::test_app::{FakeFiles, TestApp, open_window};
 use eframe::egui::{Color32, Key, Rect, Theme, Vec2, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
@@ -10,30 +10,30 @@ use slipline_link::Request;
 use slipline_link::protocol::event::State;
 use slipline_window::settings::ThemeChoice;
 
-fn press_stop(bench: &mut Bench, while_what: &str) {
-    bench.take_sent();
-    bench.window.get_by_label("STOP").click();
-    bench.wait(200);
-    assert!(bench.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{while_what}");
-    assert!(!bench.is_driving(), "{while_what}");
+fn press_stop(app: &mut TestApp, while_what: &str) {
+    app.take_sent();
+    app.window.get_by_label("STOP").click();
+    app.wait(200);
+    assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{while_what}");
+    assert!(!app.is_driving(), "{while_what}");
 }
 
 #[test]
 fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
     for entry in ["Shortcuts", "Ports and permissions", "About Slipline"] {
-        let mut bench = Bench::driving();
-        bench.window.get_by_label("Help").click();
-        bench.wait(200);
-        bench.window.get_by_label_contains(entry).click();
-        bench.wait(200);
-        assert!(bench.window.query_by_label("Close").is_some(), "{entry} is open");
-        press_stop(&mut bench, entry);
+        let mut app = TestApp::driving();
+        app.window.get_by_label("Help").click();
+        app.wait(200);
+        app.window.get_by_label_contains(entry).click();
+        app.wait(200);
+        assert!(app.window.query_by_label("Close").is_some(), "{entry} is open");
+        press_stop(&mut app, entry);
     }
     for menu in ["File", "Edit", "View", "Help"] {
-        let mut bench = Bench::driving();
-        bench.window.get_by_label(menu).click();
-        bench.wait(200);
-        press_stop(&mut bench, menu);
+        let mut app = TestApp::driving();
+        app.window.get_by_label(menu).click();
+        app.wait(200);
+        press_stop(&mut app, menu);
     }
 }
 
@@ -41,7 +41,7 @@ fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
 fn one_click_on_stop_stops_while_something_waits_to_be_confirmed() {
     let link = real_device(State::Idle);
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     window.get_by_label("Arm…").click();
     window.run_steps(5);
@@ -60,32 +60,32 @@ fn stop_is_as_bright_behind_a_page_as_without_one() {
         .with_size([1280.0, 800.0])
         .with_theme(Theme::Light)
         .renderer(painter.clone());
-    let mut bench = Bench::driving_with(ThemeChoice::Light, builder);
-    let look = |bench: &mut Bench| -> (Color32, Color32) {
-        let seen = painter.paint(&bench.window.ctx, bench.window.output(), [1280, 800]);
-        let stop = bench.window.get_by_label("STOP").rect().left_center() + vec2(8.0, 0.0);
+    let mut app = TestApp::driving_with(ThemeChoice::Light, builder);
+    let look = |app: &mut TestApp| -> (Color32, Color32) {
+        let seen = painter.paint(&app.window.ctx, app.window.output(), [1280, 800]);
+        let stop = app.window.get_by_label("STOP").rect().left_center() + vec2(8.0, 0.0);
         let at = |x: f32, y: f32| seen.pixels[y as usize * 1280 + x as usize];
         (at(stop.x, stop.y), at(1100.0, 400.0))
     };
-    let before = look(&mut bench);
-    bench.window.key_press(Key::F1);
-    bench.wait(300);
-    let behind = look(&mut bench);
+    let before = look(&mut app);
+    app.window.key_press(Key::F1);
+    app.wait(300);
+    let behind = look(&mut app);
     assert_eq!(behind.0, before.0, "STOP");
     assert_ne!(behind.1, before.1, "the window behind the page is dimmed");
 }
 
 #[test]
 fn stop_stays_in_a_window_that_is_too_small_for_the_rest() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for size in [[960.0, 620.0], [640.0, 400.0], [500.0, 350.0], [256.0, 160.0]] {
-        bench.window.set_size(Vec2::from(size));
-        bench.wait(100);
-        let stop = bench.window.get_by_label("STOP").rect();
+        app.window.set_size(Vec2::from(size));
+        app.wait(100);
+        let stop = app.window.get_by_label("STOP").rect();
         assert!(
             Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size)).contains_rect(stop),
             "{size:?}: {stop}"
         );
     }
-    press_stop(&mut bench, "in a small window");
+    press_stop(&mut app, "in a small window");
 }

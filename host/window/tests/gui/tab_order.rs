@@ -1,6 +1,6 @@
 //! The Tab key walks through every control of the window, each once.
 
-use crate::bench::Bench;
+use crate::test_app::TestApp;
 use eframe::egui::{Key, Rect, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::collections::BTreeMap;
@@ -19,10 +19,10 @@ const CONTROLS: [Role; 7] = [
 type Control = (String, String, [i32; 2]);
 
 /// The controls that can be used, and how often each has the focus now (0 or 1).
-fn controls(bench: &Bench) -> BTreeMap<Control, usize> {
+fn controls(app: &TestApp) -> BTreeMap<Control, usize> {
     let mut found = BTreeMap::new();
     for role in CONTROLS {
-        for node in bench.window.query_all_by_role(role) {
+        for node in app.window.query_all_by_role(role) {
             let access = node.accesskit_node();
             if access.is_disabled() {
                 continue;
@@ -39,34 +39,34 @@ fn controls(bench: &Bench) -> BTreeMap<Control, usize> {
 }
 
 /// Where the control with the focus is.
-fn here(bench: &Bench) -> Rect {
-    bench.window.get_by(|node| node.is_focused()).rect()
+fn here(app: &TestApp) -> Rect {
+    app.window.get_by(|node| node.is_focused()).rect()
 }
 
-fn walk(bench: &mut Bench, page: &str) {
+fn walk(app: &mut TestApp, page: &str) {
     // A click on nothing takes the focus away.
-    bench.window.ctx.memory_mut(|memory| {
+    app.window.ctx.memory_mut(|memory| {
         if let Some(id) = memory.focused() {
             memory.surrender_focus(id);
         }
     });
-    bench.window.step();
-    let all: Vec<Control> = controls(bench).into_keys().collect();
+    app.window.step();
+    let all: Vec<Control> = controls(app).into_keys().collect();
     let mut visited: BTreeMap<Control, usize> = BTreeMap::new();
     let mut first = None;
     let mut before: Option<(String, String, Rect)> = None;
     for _ in 0..2 * all.len() {
-        bench.window.key_press(Key::Tab);
-        bench.window.step();
-        bench.window.step();
-        let Some((focused, _)) = controls(bench).into_iter().find(|(_, has)| *has == 1) else { continue };
+        app.window.key_press(Key::Tab);
+        app.window.step();
+        app.window.step();
+        let Some((focused, _)) = controls(app).into_iter().find(|(_, has)| *has == 1) else { continue };
         // In a row the Tab key goes as one reads.
         if let Some((_, last, at)) = &before
-            && (at.center().y - here(bench).center().y).abs() < 4.0
+            && (at.center().y - here(app).center().y).abs() < 4.0
         {
-            assert!(at.left() < here(bench).left(), "{page}: {} comes after {last}", focused.1);
+            assert!(at.left() < here(app).left(), "{page}: {} comes after {last}", focused.1);
         }
-        before = Some((focused.0.clone(), focused.1.clone(), here(bench)));
+        before = Some((focused.0.clone(), focused.1.clone(), here(app)));
         // Scrolling moves what is in the panel at the side: its height does not count.
         if first.as_ref() == Some(&focused) {
             break;
@@ -88,20 +88,20 @@ fn walk(bench: &mut Bench, page: &str) {
 
 #[test]
 fn tab_reaches_every_control_once() {
-    let mut bench = Bench::driving();
+    let mut app = TestApp::driving();
     for tab in ["Boundary", "Tones", "Plate", "Device"] {
-        bench.window.get_by_role_and_label(Role::Button, tab).click();
-        bench.wait(100);
-        walk(&mut bench, tab);
+        app.window.get_by_role_and_label(Role::Button, tab).click();
+        app.wait(100);
+        walk(&mut app, tab);
     }
     for page in ["Validity", "Designer"] {
-        bench.window.get_by_role_and_label(Role::Button, "Plate").click();
-        bench.wait(100);
-        bench.window.get_by_role_and_label(Role::Button, page).click();
-        bench.wait(100);
-        walk(&mut bench, page);
+        app.window.get_by_role_and_label(Role::Button, "Plate").click();
+        app.wait(100);
+        app.window.get_by_role_and_label(Role::Button, page).click();
+        app.wait(100);
+        walk(&mut app, page);
     }
-    bench.window.get_by_label("More").click();
-    bench.wait(300);
-    walk(&mut bench, "More");
+    app.window.get_by_label("More").click();
+    app.wait(300);
+    walk(&mut app, "More");
 }

@@ -1,7 +1,7 @@
 //! What is not known is a dash, never a number that looks like one.
 
-use crate::bench::{Bench, Drawer, FixedLink, open_window};
 use crate::plots::words;
+use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::{Port, Request, Snapshot};
@@ -11,7 +11,7 @@ use slipline_window::settings::ThemeChoice;
 fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away() {
     let link = FixedLink::of(Snapshot::default());
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &Drawer::default(), ThemeChoice::Light, builder);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
     window.run_steps(5);
     for meter in ["Level", "Headroom", "Thermal load"] {
         assert!(window.query_by_label(&format!("{meter}: –")).is_some(), "{meter}");
@@ -31,17 +31,17 @@ fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away(
 
 #[test]
 fn another_plates_heights_are_dashes_until_its_table_is_made() {
-    let mut bench = Bench::driving();
-    let dashes = |bench: &Bench| words(bench.window.output()).iter().filter(|(word, _)| word == "–").count();
-    assert_eq!(dashes(&bench), 0);
-    bench.plug(false);
-    bench.wait(1500);
+    let mut app = TestApp::driving();
+    let dashes = |app: &TestApp| words(app.window.output()).iter().filter(|(word, _)| word == "–").count();
+    assert_eq!(dashes(&app), 0);
+    app.plug(false);
+    app.wait(1500);
     // The device that could tell its rate is away: the new plate's table cannot be made.
-    crate::background::open_plate(&mut bench, slipline_plate::preset("al-bending").unwrap().to_toml());
-    assert!(dashes(&bench) >= 3);
-    let painted = words(bench.window.output());
+    crate::background::open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
+    assert!(dashes(&app) >= 3);
+    let painted = words(app.window.output());
     assert!(!painted.iter().any(|(word, _)| word == "1.00 µm" || word == "+1.00 µm"), "{painted:?}");
-    bench.plug(true);
-    bench.wait(3000);
-    assert_eq!(dashes(&bench), 0);
+    app.plug(true);
+    app.wait(3000);
+    assert_eq!(dashes(&app), 0);
 }

@@ -9,11 +9,11 @@ fn setup() -> Setup {
 #[test]
 fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
     let setup = setup();
-    let picture = Picture::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
     let position_m: Vec<f64> = (0..16).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
     let maximum_m: Vec<f64> = (0..16).map(|i| 1e-6 * (1.0 + f64::from(i))).collect();
     let measured = Measured { number: 1, position_m: position_m.clone(), maximum_m: maximum_m.clone() };
-    let text = envelope_csv(&setup, &picture, Some(&measured), 1e-4);
+    let text = envelope_csv(&setup, &steady, Some(&measured), 1e-4);
     let rows: Vec<Vec<&str>> = text
         .lines()
         .filter(|line| !line.starts_with('#'))
@@ -23,8 +23,8 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
     assert!(rows.iter().all(|row| row.len() == 4));
     let column = |i: usize| -> Vec<f64> { rows.iter().filter_map(|row| row[i].parse().ok()).collect() };
     assert!(column(0).windows(2).all(|pair| pair[0] <= pair[1]), "the places rise");
-    assert_eq!(column(1), picture.bound_m);
-    assert_eq!(column(2), picture.rms_m);
+    assert_eq!(column(1), steady.bound_m);
+    assert_eq!(column(2), steady.rms_m);
     assert_eq!(column(3), maximum_m, "each simulated value once");
     let at: Vec<f64> =
         rows.iter().filter(|row| !row[3].is_empty()).map(|row| row[0].parse().unwrap()).collect();
@@ -36,8 +36,8 @@ fn the_head_says_what_the_envelope_is_of() {
     let mut setup = setup();
     setup.master_db = -3.0;
     setup.boundary = BoundaryMode::FeltEdge { threshold_m: 1e-5 };
-    let picture = Picture::solve(&setup.plate, &steady_tones(&setup, 1e-4));
-    let text = envelope_csv(&setup, &picture, None, 1e-4);
+    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let text = envelope_csv(&setup, &steady, None, 1e-4);
     for part in [
         "# plate: membrane",
         "# boundary: where 1e-5 m is just felt",

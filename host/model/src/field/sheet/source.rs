@@ -12,7 +12,7 @@ const BUDGET_ON_REQUEST: f64 = 5e10;
 
 /// What the user wants the wave on the plate to be drawn from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum WavePicture {
+pub enum SourceChoice {
     /// The 2-D sheet where it runs live, else the modal lines.
     #[default]
     Automatic,
@@ -22,7 +22,7 @@ pub enum WavePicture {
     Sheet,
 }
 
-impl WavePicture {
+impl SourceChoice {
     /// Every choice, in the order of the menu.
     pub const ALL: [Self; 3] = [Self::Automatic, Self::Lines, Self::Sheet];
 
@@ -49,11 +49,11 @@ pub enum Source {
 /// What the wave of this plate is drawn from at this sample rate, in Hz. Follows from its arguments alone, not from the
 /// machine. A plate that has no sheet at this rate gets the lines, whatever the wish.
 #[must_use]
-pub fn source(plate: &Plate, sample_rate_hz: f64, wish: WavePicture) -> Source {
+pub fn source(plate: &Plate, sample_rate_hz: f64, wish: SourceChoice) -> Source {
     let (budget, is_wished) = match wish {
-        WavePicture::Lines => return Source::Lines(None),
-        WavePicture::Automatic => (BUDGET, false),
-        WavePicture::Sheet => (BUDGET_ON_REQUEST, true),
+        SourceChoice::Lines => return Source::Lines(None),
+        SourceChoice::Automatic => (BUDGET, false),
+        SourceChoice::Sheet => (BUDGET_ON_REQUEST, true),
     };
     let reason = match grid(plate).cost(plate, sample_rate_hz) {
         Ok(cost) if cost.updates_per_second() <= budget => return Source::Sheet,
@@ -74,14 +74,14 @@ mod tests {
     fn slow_plates_get_the_sheet_and_stiff_ones_the_lines() {
         let of = |name: &str, wish| source(&slipline_plate::preset(name).unwrap(), 400e3, wish);
         for name in ["membrane", "paper-rubber"] {
-            assert_eq!(of(name, WavePicture::Automatic), Source::Sheet, "{name}");
-            assert_eq!(of(name, WavePicture::Lines), Source::Lines(None), "{name}");
+            assert_eq!(of(name, SourceChoice::Automatic), Source::Sheet, "{name}");
+            assert_eq!(of(name, SourceChoice::Lines), Source::Lines(None), "{name}");
         }
         for name in ["al-bending", "al-sh"] {
-            assert_eq!(of(name, WavePicture::Automatic), Source::Lines(None), "{name}");
+            assert_eq!(of(name, SourceChoice::Automatic), Source::Lines(None), "{name}");
         }
-        assert_eq!(of("al-sh", WavePicture::Sheet), Source::Sheet);
-        let Source::Lines(Some(reason)) = of("al-bending", WavePicture::Sheet) else { panic!("it bends") };
+        assert_eq!(of("al-sh", SourceChoice::Sheet), Source::Sheet);
+        let Source::Lines(Some(reason)) = of("al-bending", SourceChoice::Sheet) else { panic!("it bends") };
         assert!(reason.contains("bending"), "{reason}");
     }
 }

@@ -2,7 +2,7 @@
 //! their words are those of `slipline design`.
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel, Unit};
-use crate::view::field::{Field, Fields, labelled};
+use crate::view::field::{Fields, InputField, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_model::jobs::design::{Draft, Kind, Stretch};
@@ -95,7 +95,7 @@ impl<'a> Form<'a> {
         let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
-                let field = Field { name, value, hint, width: FIELD, caption: None };
+                let field = InputField { name, value, hint, width: FIELD, caption: None };
                 let draft = self.draft;
                 let taken = field.show(ui, self.fields, |text| {
                     let mut draft = draft.clone();

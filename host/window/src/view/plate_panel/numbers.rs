@@ -2,7 +2,7 @@
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel};
 use crate::intent::{Intent, Intents};
-use crate::view::field::{Field, labelled, row};
+use crate::view::field::{InputField, labelled, row};
 use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
@@ -39,7 +39,7 @@ impl Numbers<'_, '_> {
     ) {
         labelled(ui, caption.name, |ui| {
             let text = caption.unit.written(value, FIELD_DIGITS);
-            let field = Field {
+            let field = InputField {
                 name: caption.name,
                 value: &text,
                 hint: "The range is checked by the rule that plate files obey",

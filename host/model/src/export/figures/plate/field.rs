@@ -6,7 +6,7 @@ use super::super::{PRINT_DOTS_PER_INCH, PRINT_WIDTH};
 use super::Subject;
 use super::layout::Layout;
 use crate::colour_map;
-use crate::field::displacement_map::{Surface, Wave};
+use crate::field::displacement_map::{DisplacementMap, Wave};
 
 /// Points per pixel: pixels of the finished picture, because finer ones are not printed.
 const PIXEL: f64 = 72.0 / PRINT_DOTS_PER_INCH;
@@ -43,7 +43,7 @@ pub(super) fn draw_scale(
 /// Draws the displacement within the plate's outline.
 pub(super) fn draw_field(page: &mut Page, subject: &Subject, layout: &Layout) -> Result<(), DrawError> {
     let plate = &subject.setup.plate;
-    let surface = Surface::new(Wave {
+    let map = DisplacementMap::new(Wave {
         plate,
         sounding: subject.sounding.as_ref(),
         sheet: subject.sheet.as_ref(),
@@ -55,7 +55,7 @@ pub(super) fn draw_field(page: &mut Page, subject: &Subject, layout: &Layout) ->
     let count = |points: f64| (points / PIXEL).ceil().clamp(1.0, PRINT_WIDTH / PIXEL) as u32;
     let (columns, rows) = (count(layout.right - layout.left), count(2.0 * high));
     let across: Vec<_> = (0..columns)
-        .map(|column| surface.column(plate.length_m() * (f64::from(column) + 0.5) / f64::from(columns)))
+        .map(|column| map.column(plate.length_m() * (f64::from(column) + 0.5) / f64::from(columns)))
         .collect();
     let mut pixels = Vec::with_capacity((columns * rows) as usize);
     for row in 0..rows {
@@ -63,7 +63,7 @@ pub(super) fn draw_field(page: &mut Page, subject: &Subject, layout: &Layout) ->
         for column in &across {
             // Pixels that the outline cuts, or leaves out, are coloured as the edge.
             let beta = (down / layout.half_width(column.half_width_m)).clamp(-1.0, 1.0);
-            pixels.push(opaque(subject.colour(surface.at(column, &surface.row(beta)) / full_m)));
+            pixels.push(opaque(subject.colour(map.at(column, &map.row(beta)) / full_m)));
         }
     }
     let file = encode((columns, rows), &pixels, None)?;

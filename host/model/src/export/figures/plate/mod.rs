@@ -13,7 +13,7 @@ use super::page::{Anchor, BLACK, HUES, Ink, Page, Pen, Place};
 use super::plot::{TEXT, TITLE};
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{
-    POINTS, Picture, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m,
+    POINTS, SteadyField, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m,
 };
 use crate::field::time_domain::Measured;
 use crate::jobs::Task;
@@ -39,9 +39,9 @@ pub struct Subject {
     /// The plate and its tones.
     pub setup: Setup,
     /// What the setup would do.
-    pub predicted: Picture,
+    pub predicted: SteadyField,
     /// What sounds; `None` at rest.
-    pub sounding: Option<Picture>,
+    pub sounding: Option<SteadyField>,
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<Frame>,
     /// What the simulated plate did.
@@ -56,7 +56,7 @@ pub struct Subject {
 
 /// A figure that is asked for.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub struct FigureJob {
     /// What is seen.
     pub subject: Subject,
     /// The file it is to be.
@@ -75,7 +75,7 @@ pub struct File {
 /// The work of the thread that draws: the file, or a sentence that says why there is none. `None` when the task was
 /// over before.
 #[must_use]
-pub fn work(job: &Job, task: &Task) -> Option<Result<File, String>> {
+pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, String>> {
     if task.is_over() {
         return None;
     }

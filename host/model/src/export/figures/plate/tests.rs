@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 fn subject(preset: &str) -> Subject {
     let setup = Setup::new(Arc::new(slipline_plate::preset(preset).unwrap()));
-    let predicted = Picture::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
     Subject {
         sounding: Some(predicted.clone()),
         setup,
@@ -94,7 +94,7 @@ fn sixteen_tones_and_every_preset_can_be_drawn() {
     }
     subject.setup.boundary = BoundaryMode::FeltEdge { threshold_m: 1e-6 };
     let tones: Vec<SteadyTone> = steady_tones(&subject.setup, 1e-4);
-    subject.predicted = Picture::solve(&subject.setup.plate, &tones);
+    subject.predicted = SteadyField::solve(&subject.setup.plate, &tones);
     let layout = Layout::new(&subject);
     let caption = layout.caption.join(" ");
     assert!(layout.caption.len() > 4 && caption.contains("16: boundary"), "{:?}", layout.caption);

@@ -9,7 +9,7 @@ use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
 use slipline_model::export::figures;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
-use slipline_model::jobs::Workshop;
+use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check;
 use slipline_model::jobs::design;
 use slipline_model::jobs::table;
@@ -27,21 +27,21 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The device and its cable.
-struct Desk {
+struct PluggablePort {
     device: SimulatedDevice,
     is_plugged: bool,
 }
 
-struct DeskLine(Arc<Mutex<Desk>>);
+struct PluggableTransport(Arc<Mutex<PluggablePort>>);
 
-impl Transport for DeskLine {
+impl Transport for PluggableTransport {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut desk = self.0.lock().unwrap();
-        if !desk.is_plugged {
+        let mut port = self.0.lock().unwrap();
+        if !port.is_plugged {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
         let mut bytes = Vec::new();
-        desk.device.take(&mut bytes);
+        port.device.take(&mut bytes);
         if bytes.is_empty() {
             return Err(io::ErrorKind::WouldBlock.into());
         }
@@ -51,27 +51,27 @@ impl Transport for DeskLine {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut desk = self.0.lock().unwrap();
-        if !desk.is_plugged {
+        let mut port = self.0.lock().unwrap();
+        if !port.is_plugged {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
-        desk.device.feed(bytes);
+        port.device.feed(bytes);
         Ok(bytes.len())
     }
 }
 
-struct DeskOpener(Arc<Mutex<Desk>>);
+struct PluggableOpener(Arc<Mutex<PluggablePort>>);
 
-impl Opener for DeskOpener {
-    type Transport = DeskLine;
+impl Opener for PluggableOpener {
+    type Transport = PluggableTransport;
 
     fn list(&mut self) -> Vec<PortInfo> {
         if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
     }
 
-    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<DeskLine, LinkError> {
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<PluggableTransport, LinkError> {
         if self.0.lock().unwrap().is_plugged {
-            Ok(DeskLine(Arc::clone(&self.0)))
+            Ok(PluggableTransport(Arc::clone(&self.0)))
         } else {
             Err(LinkError::NoSuchPort(port.clone()))
         }
@@ -79,15 +79,15 @@ impl Opener for DeskOpener {
 }
 
 /// The worker's part: the connection, told the time by the test.
-struct Rig {
-    connection: Connection<DeskOpener>,
-    desk: Arc<Mutex<Desk>>,
+struct SteppedWorker {
+    connection: Connection<PluggableOpener>,
+    port: Arc<Mutex<PluggablePort>>,
     now: Duration,
     tickets: u64,
     sent: Vec<Request>,
 }
 
-impl Rig {
+impl SteppedWorker {
     fn advance(&mut self, time: Duration) {
         const STEP: Duration = Duration::from_millis(1);
         let end = self.now + time;
@@ -96,30 +96,30 @@ impl Rig {
             // 400 kS/s in blocks of 128 are 3.125 blocks a millisecond.
             let blocks = |time: Duration| time.as_millis() as u64 * 25 / 8;
             let due = blocks(self.now) - blocks(self.now - STEP);
-            self.desk.lock().unwrap().device.advance(due, |_| {});
+            self.port.lock().unwrap().device.advance(due, |_| {});
             self.connection.step(self.now);
         }
     }
 }
 
-struct RigLink(Rc<RefCell<Rig>>);
+struct SteppedLink(Rc<RefCell<SteppedWorker>>);
 
-impl Link for RigLink {
+impl Link for SteppedLink {
     fn send(&self, request: Request) -> Ticket {
-        let mut rig = self.0.borrow_mut();
-        rig.tickets += 1;
-        let (ticket, now) = (Ticket(rig.tickets), rig.now);
-        rig.sent.push(request.clone());
-        rig.connection.request(ticket, request, now);
-        rig.connection.step(now);
+        let mut worker = self.0.borrow_mut();
+        worker.tickets += 1;
+        let (ticket, now) = (Ticket(worker.tickets), worker.now);
+        worker.sent.push(request.clone());
+        worker.connection.request(ticket, request, now);
+        worker.connection.step(now);
         ticket
     }
 
     fn snapshot(&self) -> Arc<Snapshot> {
-        let mut rig = self.0.borrow_mut();
+        let mut worker = self.0.borrow_mut();
         // As the worker does: it numbers the changes.
-        rig.connection.take_changes();
-        Arc::new(rig.connection.view().clone())
+        worker.connection.take_changes();
+        Arc::new(worker.connection.view().clone())
     }
 }
 
@@ -128,7 +128,7 @@ type Shared<T> = Rc<RefCell<Vec<T>>>;
 
 /// Files as the test gives them.
 #[derive(Clone, Default)]
-pub(crate) struct Drawer {
+pub(crate) struct FakeFiles {
     /// What opening a path gives.
     pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
     /// What was saved.
@@ -138,14 +138,14 @@ pub(crate) struct Drawer {
     events: Rc<RefCell<VecDeque<FileEvent>>>,
 }
 
-impl Drawer {
+impl FakeFiles {
     fn write(&self, path: PathBuf, save: Save) -> FileEvent {
         self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
         FileEvent::Saved(path, Ok(()))
     }
 }
 
-impl Files for Drawer {
+impl Files for FakeFiles {
     fn begin(&mut self, job: FileJob) {
         let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
         let event = match job {
@@ -184,17 +184,17 @@ impl Files for Drawer {
 }
 
 /// The app, its device and its files.
-pub(crate) struct Bench {
+pub(crate) struct TestApp {
     /// The window.
     pub(crate) window: Harness<'static, App>,
     /// The files.
-    pub(crate) drawer: Drawer,
+    pub(crate) files: FakeFiles,
     /// How often the 2-D sheet was asked to move on.
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
-    rig: Rc<RefCell<Rig>>,
+    worker: Rc<RefCell<SteppedWorker>>,
 }
 
-impl Bench {
+impl TestApp {
     /// The app at its first start, connected and driving.
     pub(crate) fn driving() -> Self {
         Self::driving_with(
@@ -205,80 +205,80 @@ impl Bench {
 
     /// The same with a theme and a window of the test's own.
     pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        let mut bench = Self::starting(theme, builder);
+        let mut app = Self::starting(theme, builder);
         for _ in 0..40 {
-            bench.wait(50);
-            if bench.is_driving() {
+            app.wait(50);
+            if app.is_driving() {
                 // The plate settles and the pictures follow.
-                bench.wait(400);
-                return bench;
+                app.wait(400);
+                return app;
             }
         }
-        panic!("the simulated plate does not move: {:?}", bench.snapshot().log);
+        panic!("the simulated plate does not move: {:?}", app.snapshot().log);
     }
 
     /// The app at its first start, with tables made the test's own way, on a thread.
-    pub(crate) fn with_tables(tables: Workshop<TableJob, TableState>) -> Self {
+    pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         Self::starting_with(ThemeChoice::Light, builder, tables)
     }
 
     fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::starting_with(theme, builder, Workshop::inline(table::make))
+        Self::starting_with(theme, builder, JobQueue::inline(table::make))
     }
 
     fn starting_with(
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
-        tables: Workshop<TableJob, TableState>,
+        tables: JobQueue<TableJob, TableState>,
     ) -> Self {
         let device = SimulatedDevice::new(Options::default());
-        let desk = Arc::new(Mutex::new(Desk { device, is_plugged: true }));
+        let port = Arc::new(Mutex::new(PluggablePort { device, is_plugged: true }));
         let mut nonce = 0u32;
         let nonces = Box::new(move || {
             nonce += 1;
             nonce.to_le_bytes()
         });
-        let connection = Connection::new(DeskOpener(Arc::clone(&desk)), Waker::new(|| {}), nonces);
-        let rig = Rig { connection, desk, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
-        let rig = Rc::new(RefCell::new(rig));
-        let drawer = Drawer::default();
-        let link = Box::new(RigLink(Rc::clone(&rig)));
+        let connection = Connection::new(PluggableOpener(Arc::clone(&port)), Waker::new(|| {}), nonces);
+        let worker = SteppedWorker { connection, port, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
+        let worker = Rc::new(RefCell::new(worker));
+        let files = FakeFiles::default();
+        let link = Box::new(SteppedLink(Rc::clone(&worker)));
         let sheet_jobs = Rc::default();
-        let parts = parts(link, &drawer, tables, &sheet_jobs);
+        let parts = parts(link, &files, tables, &sheet_jobs);
         let window = open_window_with(parts, theme, builder);
-        Self { window, drawer, sheet_jobs, rig }
+        Self { window, files, sheet_jobs, worker }
     }
 
     /// Lets time pass, in milliseconds, and the window look at what has changed.
     pub(crate) fn wait(&mut self, ms: u64) {
         for _ in 0..ms.div_ceil(50) {
-            self.rig.borrow_mut().advance(Duration::from_millis(50.min(ms)));
+            self.worker.borrow_mut().advance(Duration::from_millis(50.min(ms)));
             self.window.step();
         }
     }
 
     /// Opens the file that the dialog gives: its path, and its text or why it cannot be read.
     pub(crate) fn open(&mut self, path: &str, text: Result<String, String>) {
-        *self.drawer.contents.borrow_mut() = vec![(PathBuf::from(path), text)];
+        *self.files.contents.borrow_mut() = vec![(PathBuf::from(path), text)];
         self.window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
         self.wait(100);
     }
 
     /// Lets time pass, in milliseconds, with nobody looking at the window.
     pub(crate) fn pass(&mut self, ms: u64) {
-        self.rig.borrow_mut().advance(Duration::from_millis(ms));
+        self.worker.borrow_mut().advance(Duration::from_millis(ms));
     }
 
     /// What is known of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
-        self.rig.borrow().connection.view().clone()
+        self.worker.borrow().connection.view().clone()
     }
 
     /// Everything the app has asked of the link since the last call.
     pub(crate) fn take_sent(&self) -> Vec<Request> {
-        std::mem::take(&mut self.rig.borrow_mut().sent)
+        std::mem::take(&mut self.worker.borrow_mut().sent)
     }
 
     /// Whether tones sound.
@@ -290,16 +290,16 @@ impl Bench {
 
     /// Disarms the device behind the window's back, as one does that waits for a stalled program in vain.
     pub(crate) fn disarm(&mut self) {
-        RigLink(Rc::clone(&self.rig)).send(Request::Disarm);
+        SteppedLink(Rc::clone(&self.worker)).send(Request::Disarm);
     }
 
     /// Pulls the cable, or puts it in again; the device restarts.
     pub(crate) fn plug(&mut self, is_plugged: bool) {
-        let rig = self.rig.borrow();
-        let mut desk = rig.desk.lock().unwrap();
-        desk.is_plugged = is_plugged;
+        let worker = self.worker.borrow();
+        let mut port = worker.port.lock().unwrap();
+        port.is_plugged = is_plugged;
         if is_plugged {
-            desk.device.restart(slipline_link::protocol::event::ResetCause::PowerOn);
+            port.device.restart(slipline_link::protocol::event::ResetCause::PowerOn);
         }
     }
 
@@ -348,34 +348,34 @@ impl Link for FixedLink {
 /// The app's window over a link.
 pub(crate) fn open_window(
     link: Box<dyn Link>,
-    drawer: &Drawer,
+    files: &FakeFiles,
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
-    let parts = parts(link, drawer, Workshop::inline(table::make), &Rc::default());
+    let parts = parts(link, files, JobQueue::inline(table::make), &Rc::default());
     open_window_with(parts, theme, builder)
 }
 
 fn parts(
     link: Box<dyn Link>,
-    drawer: &Drawer,
-    tables: Workshop<TableJob, TableState>,
+    files: &FakeFiles,
+    tables: JobQueue<TableJob, TableState>,
     sheet_jobs: &Rc<Cell<usize>>,
 ) -> Parts {
     let (count, mut run_sheet) = (Rc::clone(sheet_jobs), sheet::work());
     Parts {
         link,
         tables,
-        checks: Workshop::inline(check::work()),
-        designs: Workshop::inline(design::work),
-        sheets: Workshop::inline(move |job, task: &_| {
+        checks: JobQueue::inline(check::work()),
+        designs: JobQueue::inline(design::work),
+        sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)
         }),
-        live: Workshop::inline(waveform::work()),
-        trials: Workshop::inline(|job, task: &_| time_domain::run(&job, task)),
-        figures: Workshop::inline(|job, task: &_| figures::plate::work(&job, task)),
-        files: Box::new(drawer.clone()),
+        waveforms: JobQueue::inline(waveform::work()),
+        time_domain: JobQueue::inline(|job, task: &_| time_domain::run(&job, task)),
+        figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
+        files: Box::new(files.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
     }
 }
