@@ -85,8 +85,16 @@ impl OutOfRange {
 impl fmt::Display for OutOfRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let space = if self.range.unit.is_empty() { "" } else { " " };
-        let given = format!("{} = {}{space}{}", self.field, typed(self.value), self.range.unit);
-        f.write_str(&must_be(given, self.range))
+        let value = if self.value.is_nan() { "NaN".to_owned() } else { typed(self.value) };
+        let given = format!("{} = {value}{space}{}", self.field, self.range.unit);
+        // A range of counts is told to the last digit: rounding would leave allowed ones out.
+        let is_of_counts =
+            self.range.unit.is_empty() && self.range.low.fract() == 0.0 && self.range.high.fract() == 0.0;
+        if is_of_counts {
+            f.write_str(&must_be(given, self.range.in_words(|end| end.to_string())))
+        } else {
+            f.write_str(&must_be(given, self.range))
+        }
     }
 }
 
@@ -121,7 +129,8 @@ mod tests {
         assert_eq!(points.to_string(), "points = 4: must be 8 to 200001");
         let boundary = OutOfRange::check("boundary", 0.5, Range::new(3e-4, 0.3, "m")).unwrap_err();
         assert_eq!(boundary.to_string(), "boundary = 0.5 m: must be 0.0003 to 0.3 m");
-        assert!(OutOfRange::check("level", f64::NAN, Range::new(0.0, 1.0, "")).is_err());
+        let level = OutOfRange::check("level", f64::NAN, Range::new(0.0, 1.0, "")).unwrap_err();
+        assert_eq!(level.to_string(), "level = NaN: must be 0 to 1");
         assert_eq!(OutOfRange::check("level", 1.0, Range::new(0.0, 1.0, "")), Ok(()));
     }
 }
