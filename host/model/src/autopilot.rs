@@ -1,4 +1,5 @@
-//! What the app asks of the device by itself: the table after a change of plate, the drive once it may be sent.
+//! Requests that the app sends to the device without a user action: the table after a change of plate, and the
+//! drive as soon as the device takes it.
 //!
 //! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
@@ -11,7 +12,7 @@ use slipline_link::table::DeviceTable;
 use slipline_link::{Change, LinkState, Port, Snapshot};
 use std::sync::Arc;
 
-/// Something to ask of the device.
+/// A request to the device.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Send this table.
@@ -20,15 +21,16 @@ pub enum Action {
     Drive,
 }
 
-/// What the user wants of the device, and what has been tried for it.
+/// What the user wants of the device, and what was already sent for it.
 #[derive(Clone, Debug, Default)]
 pub struct Autopilot {
     wants_drive: bool,
-    /// Whether the user stopped the drive: another connection does not begin it again.
+    /// Whether the user stopped the drive: a new connection must not start it again.
     is_stopped: bool,
-    /// Whether the screen shows a setup that came as a whole and was not sent yet, as a file that was opened.
+    /// Whether the screen shows a complete new setup, such as an opened file, that was not sent yet.
     is_setup_new: bool,
-    /// The table that was sent by itself last: one that fails is not sent again and again.
+    /// The CRC of the latest table that was sent automatically, so that a table that fails is not sent again and
+    /// again.
     sent_table: Option<u32>,
     /// Whether a drive has been sent since the device was last armed or its table changed.
     has_driven: bool,
@@ -58,29 +60,31 @@ impl Autopilot {
         self.has_driven = false;
     }
 
-    /// The screen shows another setup, for which a table is to be made first: it is sent once the device holds it.
+    /// The screen shows another setup, whose table must be made first. Its tones are sent when the device holds
+    /// that table.
     pub fn setup_replaced(&mut self) {
         self.is_setup_new = true;
     }
 
-    /// The user wants the plate driven; whether the drive is to be sent now. While its table is on its way it is not:
-    /// [`look`](Self::look) sends it then. `made` is the table for the plate on the screen.
+    /// The user wants the plate driven. Returns whether to send the drive now. While the table is on its way the
+    /// answer is no, and [`update`](Self::update) sends the drive later. `made` is the table for the plate on the
+    /// screen.
     pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
         if !is_held(snapshot, made) && snapshot.upload.is_none() {
-            // One whose upload was given up or has failed is tried again: the user asks for it.
+            // A table whose upload was cancelled or failed is tried again, because the user asks for it.
             self.sent_table = None;
         }
         self.has_driven = self.may_drive(snapshot) && !is_table_coming(snapshot, made);
         if self.has_driven {
-            // It is on its way: nothing is left to be sent for it.
+            // The caller sends the drive now, so nothing remains to be sent for this setup.
             self.is_setup_new = false;
         }
         self.has_driven
     }
 
-    /// Whether a change of the setup is to be sent now.
+    /// Whether a change of the setup must be sent now.
     #[must_use]
     pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
         let takes_drives = snapshot
@@ -89,8 +93,8 @@ impl Autopilot {
         self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
-    /// Looks at what has changed on the link; `made` is the table for the plate on the screen;
-    /// `is_uploading_wanted` whether a real device gets a new table without being asked.
+    /// Compares two snapshots of the link and returns what to send. `made` is the table for the plate on the
+    /// screen; `is_uploading_wanted` says whether a real device gets a new table automatically.
     pub fn update(
         &mut self,
         before: &Snapshot,
@@ -102,13 +106,13 @@ impl Autopilot {
         let is_lost =
             matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
         if is_lost {
-            // It comes back disarmed and silent; the table is looked at anew.
+            // After a lost connection the device is disarmed and silent, and its table must be checked again.
             self.forget_drive();
             self.sent_table = None;
             return actions;
         }
         let state = now.status.map(|status| status.state);
-        // One that stands when the user presses Drive is being cleared: what was asked for then still holds.
+        // If the user pressed Drive during this fault, the fault is being cleared and the drive is still wanted.
         let is_cleared = drive_clears_fault(before) && drive_clears_fault(now);
         if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
             self.forget_drive();
@@ -118,7 +122,7 @@ impl Autopilot {
         }
         let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
         if state == Some(State::Idle) && !is_simulated {
-            // It was disarmed: arming it is no leave to drive it, too.
+            // The device was disarmed. Arming it later is no permission to drive it.
             self.forget_drive();
         }
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
@@ -128,7 +132,7 @@ impl Autopilot {
         let is_held = is_held(now, made);
         if let Some(made) = made {
             let crc = made.device_table.crc();
-            // A table the device holds from before is only recognised: that asks nothing of the user.
+            // A table that the device already holds is only recognised, which needs no permission of the user.
             let is_wanted = is_simulated || is_uploading_wanted || is_held;
             let is_known = is_held && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
@@ -141,7 +145,8 @@ impl Autopilot {
         if table_changed || !matches!(state, Some(State::Armed | State::Driving | State::Stopping)) {
             self.has_driven = false;
         }
-        // The same plate from another file has the same table: nothing else tells that there is something to send.
+        // The same plate from another file has the same table, so only this flag shows that there are tones to
+        // send.
         let is_due = !self.has_driven || (self.is_setup_new && is_held);
         if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
             self.has_driven = true;
@@ -152,8 +157,8 @@ impl Autopilot {
     }
 }
 
-/// Whether Drive clears the fault by itself: the drive time's alone, on a simulated device, where it can do no harm. A
-/// real device needs the user's leave for both steps.
+/// Whether Drive also clears the fault: only the fault of the drive time, and only on a simulated device, where it
+/// is harmless. On a real device the user must do both steps.
 #[must_use]
 pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
@@ -163,7 +168,7 @@ pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
         && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
 }
 
-/// Whether Drive arms the device first: a simulated one, on which no real plate hangs.
+/// Whether Drive also arms the device: only a simulated one, which moves no real plate.
 #[must_use]
 pub fn drive_arms(snapshot: &Snapshot) -> bool {
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
@@ -172,32 +177,32 @@ pub fn drive_arms(snapshot: &Snapshot) -> bool {
         && snapshot.status.is_some_and(|status| status.state == State::Idle)
 }
 
-/// Whether the device has the table of the plate on the screen.
+/// Whether the device holds the table of the plate on the screen.
 fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     let on_device = snapshot.table.active.map(|header| header.crc);
     made.is_some_and(|made| on_device == Some(made.device_table.crc()))
 }
 
-/// Whether a table is on its way: until it is there the places would be those of the old one.
+/// Whether a table is on its way. Until it arrives, the device would place tones by the old table.
 fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     snapshot.upload.is_some() || (is_simulated && !is_held(snapshot, made))
 }
 
-/// What the device has acknowledged and sounds.
+/// The drive that the device has acknowledged and plays now.
 #[derive(Clone, Debug)]
 pub struct SoundingDrive {
     /// The number of the journal's entry.
     pub number: u64,
     /// The drive, in the device's units.
     pub drive: Arc<Drive>,
-    /// The table it is played with.
+    /// The table with which it is played.
     pub table: Arc<DeviceTable>,
-    /// Its tones, as the plate gets them.
+    /// Its tones, in physical units.
     pub tones: Vec<SteadyTone>,
 }
 
-/// What sounds; `None` when the device is silent or plays a table this program does not know.
+/// The drive that sounds; `None` when the device is silent or uses a table that this program does not know.
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let is_sounding =

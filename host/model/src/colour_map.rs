@@ -1,12 +1,13 @@
 //! Colour maps of displacement and amplitude, for the screen and for print.
 //!
-//! They are straight lines in OKLab lightness, so that equal steps of the value look like equal steps. They run along
-//! blue and orange (signed) or blue and yellow (amplitude), which every kind of colour vision tells apart.
+//! Lightness in OKLab is linear in the value, so that equal steps of the value look like equal steps. The hues are
+//! blue and orange (signed) or blue and yellow (amplitude), because every kind of colour vision can tell them
+//! apart.
 
 /// Red, green and blue in sRGB, 0 to 255 each.
 pub type Rgb = [u8; 3];
 
-/// OKLab (lightness 0..1, a, b) as sRGB; what lies outside sRGB is clipped.
+/// OKLab (lightness 0..1, a, b) as sRGB; a colour outside sRGB is clipped.
 fn oklab(lightness: f32, a: f32, b: f32) -> Rgb {
     let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
     let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
@@ -29,7 +30,7 @@ fn oklab(lightness: f32, a: f32, b: f32) -> Rgb {
 pub fn diverging(value: f32, dark: bool) -> Rgb {
     let value = if value.is_finite() { value.clamp(-1.0, 1.0) } else { 0.0 };
     let strength = value.abs();
-    // Both arms share lightness and chroma, so that up and down weigh the same.
+    // Both arms have the same lightness and chroma, so that positive and negative values look equally strong.
     let lightness = if dark { 0.27 + 0.53 * strength } else { 0.95 - 0.47 * strength };
     let chroma = 0.15 * strength.powf(0.7);
     let hue = if value < 0.0 { 255f32 } else { 55f32 }.to_radians();

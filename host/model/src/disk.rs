@@ -1,4 +1,4 @@
-//! Files on disk: written whole or not at all, and read no further than they may be long.
+//! Files on disk. A write is atomic: the whole file or nothing. A read stops at a size limit.
 //!
 //! ```text
 //! write(path) --> temporary file in the same folder --> sync --> the old file's permissions --> rename over path
@@ -14,20 +14,20 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 
-/// The files that are being written, each with the name of its temporary file.
+/// The files that are being written now, each with the name of its temporary file.
 static UNFINISHED: Mutex<BTreeMap<PathBuf, PathBuf>> = Mutex::new(BTreeMap::new());
 
 fn unfinished() -> MutexGuard<'static, BTreeMap<PathBuf, PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Writes a file through `write`: into a temporary file first, so that the old file is there until the new one is
-/// whole. The new file has the old one's permissions; where there was none, those that the system gives a new file.
-/// What a symbolic link leads to is replaced, not the link. A pipe or a device is written to as it is.
+/// Writes a file through `write`, into a temporary file first, so that the old file stays until the new one is
+/// complete. The new file gets the permissions of the old one, or the system's default if there was none. For a
+/// symbolic link, the link's target is replaced, not the link. A pipe or a device is written to directly.
 ///
 /// # Errors
-/// What the system or `write` says; then the old file is as it was. [`ErrorKind::ResourceBusy`] when another thread
-/// is writing the same file.
+/// The error of the system or of `write`; the old file is then unchanged. [`ErrorKind::ResourceBusy`] when another
+/// thread is writing the same file.
 pub fn write<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
@@ -40,7 +40,7 @@ pub fn write<E: From<io::Error>>(
     if is_stream(path) {
         return through(&File::create(path)?);
     }
-    // What is not there yet has no other name.
+    // A file that does not exist yet keeps the given path.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let old = path.metadata().ok();
     let (part, _registration) = begin(&path, old.as_ref())?;
@@ -48,7 +48,7 @@ pub fn write<E: From<io::Error>>(
     Ok(finish(part, old.as_ref(), &path)?)
 }
 
-/// That a file is being written.
+/// Marks a file as being written, until it is dropped.
 struct Registration<'a>(&'a Path);
 
 impl Drop for Registration<'_> {
@@ -57,7 +57,7 @@ impl Drop for Registration<'_> {
     }
 }
 
-/// A temporary file beside `path`, which is removed when it is dropped.
+/// A temporary file in the folder of `path`; it is removed on drop.
 fn begin<'a>(path: &'a Path, old: Option<&Metadata>) -> io::Result<(NamedTempFile, Registration<'a>)> {
     let mut all = unfinished();
     if all.contains_key(path) {
@@ -68,8 +68,8 @@ fn begin<'a>(path: &'a Path, old: Option<&Metadata>) -> io::Result<(NamedTempFil
     #[cfg(unix)]
     if old.is_none() {
         use std::os::unix::fs::PermissionsExt as _;
-        // Less what the umask takes away, which is the mode of every program's new files. In place of an old file the
-        // owner alone reads the temporary one: it may hold what others must not read.
+        // The umask is subtracted from this mode, as for a new file of any program. If an old file is replaced,
+        // only the owner may read the temporary file: its content may be private.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     #[cfg(not(unix))]
@@ -80,7 +80,7 @@ fn begin<'a>(path: &'a Path, old: Option<&Metadata>) -> io::Result<(NamedTempFil
     Ok((part, Registration(path)))
 }
 
-/// Puts a whole file in its place.
+/// Renames the complete temporary file to its final name.
 fn finish(part: NamedTempFile, old: Option<&Metadata>, path: &Path) -> io::Result<()> {
     if let Some(old) = old {
         part.as_file().set_permissions(old.permissions())?;
@@ -89,36 +89,36 @@ fn finish(part: NamedTempFile, old: Option<&Metadata>, path: &Path) -> io::Resul
     part.persist(path).map(drop).map_err(|error| error.error)
 }
 
-/// Removes the temporary files of what is not whole yet. No file is begun any more afterwards: for whoever ends the
-/// program.
+/// Removes the temporary files of unfinished writes. Call it only when the program ends: afterwards no write can
+/// begin.
 pub fn remove_unfinished() {
     let all = unfinished();
     for part in all.values() {
         let _ = std::fs::remove_file(part);
     }
-    // Never unlocked again, so that no thread begins another file.
+    // The lock is never released, so that no other thread begins a file.
     std::mem::forget(all);
 }
 
-/// Whether it is a pipe or a device: nothing to replace, and nothing to put in its place. A folder counts, too: it
-/// refuses to be written to.
+/// Whether the path is a pipe or a device, which cannot be replaced by a rename. A folder counts, too: the system
+/// refuses to write to it, and that error is the right one.
 pub fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file())
 }
 
-/// The text of a file that is not too big; what is too big is not read.
+/// Reads a text file of at most `most` bytes; a larger file is not read.
 ///
 /// # Errors
-/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] for what is no text, and what the
-/// system says.
+/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and the
+/// errors of the system.
 pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
     let file = File::open(path)?;
     if file.metadata()?.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));
     }
     let mut bytes = Vec::new();
-    // A pipe has no length to be asked for, so the limit holds while reading: one byte more than allowed tells a file
-    // that is too big from one that just fits.
+    // A pipe has no length to check first, so the limit is applied while reading. Reading one byte more than
+    // allowed distinguishes a file that is too large from one that just fits.
     file.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most {
         let told = format!("the file is too big: must be at most {most} bytes");
@@ -127,13 +127,13 @@ pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }
 
-/// What is to be told of a path whose folder is not there.
+/// The message for a path whose folder does not exist.
 pub fn missing_folder(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())?;
     Some(format!("there is no folder {}", folder.display()))
 }
 
-/// What the system says, without its number and as the end of a sentence.
+/// The system's error text, without its number, so that it can end a sentence.
 pub fn said(error: &impl Display) -> String {
     let mut sentence = error.to_string().split(" (os error").next().unwrap_or_default().to_owned();
     if let Some(first) = sentence.get_mut(..1) {
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use std::io::Write as _;
 
-    /// An empty folder of a test's own.
+    /// An empty folder for one test.
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();

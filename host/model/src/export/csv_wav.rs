@@ -1,4 +1,4 @@
-//! What is seen, as files: CSV, WAV.
+//! Envelope and waveform as CSV and WAV files.
 
 use crate::field::steady_field::{POINTS, SteadyField, drawn_boundary_m};
 use crate::field::time_domain::Measured;
@@ -6,11 +6,12 @@ use crate::setup::{BoundaryMode, Setup};
 use crate::waveform::Waveform;
 use std::fmt::Write as _;
 
-/// Codes of a waveform as CSV, at most: 0.16 s at 400 kS/s.
+/// Most codes of a waveform in a CSV file: 0.16 s at 400 kS/s.
 const CSV_CODES: usize = 1 << 16;
 
-/// The envelope over x as CSV, SI units, after lines that say what it is of. Theory and simulated plate have grids of
-/// their own: a cell is empty where its column has no value. `full_peak_m` is the table's peak at level 1.
+/// The envelope over x as CSV in SI units, after a header that describes plate and tones. Theory and simulated
+/// plate have different grids: a cell is empty where its column has no value. `full_peak_m` is the table's peak at
+/// level 1.
 #[must_use]
 pub fn envelope_csv(
     setup: &Setup,
@@ -36,7 +37,7 @@ pub fn envelope_csv(
     text
 }
 
-/// What an envelope is of, line by line.
+/// The header of an envelope: plate and tones, line by line.
 fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -> String {
     let boundary = match setup.boundary {
         BoundaryMode::TurningPoint => "the turning point".to_owned(),
@@ -76,7 +77,7 @@ fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -
     lines.iter().map(|line| format!("# {line}\n")).collect()
 }
 
-/// The latest codes as CSV: the sample index, the time and the DAC code. `None` while there is none.
+/// The latest codes as CSV: sample index, time and DAC code. `None` while there are no codes.
 #[must_use]
 pub fn waveform_csv(waveform: &Waveform) -> Option<String> {
     let window = waveform.window()?;
@@ -89,10 +90,10 @@ pub fn waveform_csv(waveform: &Waveform) -> Option<String> {
     Some(text)
 }
 
-/// The window of the drive as a 16-bit WAV at the device's rate. `None` while there is none.
+/// The latest codes as a 16-bit WAV file at the device's rate. `None` while there are no codes.
 ///
 /// # Errors
-/// What the encoder says.
+/// The error of the encoder.
 pub fn wav(waveform: &Waveform) -> Result<Option<Vec<u8>>, hound::Error> {
     let Some(window) = waveform.window() else { return Ok(None) };
     let spec = hound::WavSpec {
@@ -104,7 +105,7 @@ pub fn wav(waveform: &Waveform) -> Result<Option<Vec<u8>>, hound::Error> {
     let mut file = std::io::Cursor::new(Vec::new());
     let mut writer = hound::WavWriter::new(&mut file, spec)?;
     for &code in window.codes.iter() {
-        // Twelve bits about mid-scale to sixteen about zero.
+        // From 12 bits around mid-scale to 16 bits around zero.
         writer.write_sample(((i32::from(code) - 2048) * 16) as i16)?;
     }
     writer.finalize()?;

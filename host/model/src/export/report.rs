@@ -1,5 +1,5 @@
-//! What helps to find a fault, as text: versions, link, device, counters, table, setup, log. A line is a name, a
-//! value and its unit. It holds no name of the user or the machine.
+//! The diagnostics report, as text: versions, link, device, counters, table, setup, log. A line is a name, a value
+//! and its unit. The report contains no name of the user or the machine.
 
 use crate::jobs::table::TableState;
 use crate::setup::Setup;
@@ -11,10 +11,10 @@ use slipline_link::{LinkCounters, LinkState, Port, RoundTrip, Snapshot};
 use std::fmt::{Display, Write as _};
 use std::time::Duration;
 
-/// Room for a line's name.
+/// Width of the column of names, in characters.
 const NAME: usize = 30;
 
-/// A text of titled parts.
+/// A text in titled sections.
 #[derive(Default)]
 struct Page(String);
 
@@ -34,7 +34,7 @@ impl Page {
     }
 }
 
-/// The text.
+/// The report's text.
 #[must_use]
 pub fn text(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
     let mut page = Page::default();
@@ -108,7 +108,7 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
         "Port",
         match &snapshot.port {
             None => "none".to_owned(),
-            // Its path may hold the user's name.
+            // The path of a port may contain the user's name.
             Some(Port::Unix(_)) => "a Unix socket".to_owned(),
             Some(port) => port.to_string(),
         },
@@ -118,7 +118,7 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
     page.line("Trouble", trouble);
     let refusal = snapshot.last_refusal.as_ref().map_or("none", |(_, reason)| reason.as_ref());
     page.line("Last refusal", refusal);
-    // Taken apart field by field: what is added to a counter must be added here.
+    // Destructured field by field, so that a new counter does not compile until it is reported here.
     let RoundTrip { last, average, worst } = snapshot.round_trip;
     page.line("Round trip, last", ms(last));
     page.line("Round trip, average", ms(average));
@@ -208,7 +208,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
         sum_per_mille,
         heat_per_mille,
         foldback_per_mille,
-        // Of use to a program that replays the codes, not to a reader.
+        // These help a program that replays the codes, not a reader.
         foldback_before_per_mille: _,
         foldback_changes,
         table_crc,

@@ -1,5 +1,5 @@
-//! The displacement over the plate's surface, as the window and the figure colour it: from the 2-D sheet where it
-//! runs, else from the modal lines.
+//! The displacement over the plate's surface, as window and figure colour it: from the 2-D sheet if it runs, else
+//! from the modal lines.
 
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{POINTS, SteadyField, interpolate};
@@ -7,22 +7,22 @@ use crate::numbers::ticks::round_step;
 use slipline_plate::{Complex64, Model, Plate};
 use std::f64::consts::TAU;
 
-/// What the plate does, and which of it is looked at.
+/// The state of the plate, and whether its largest or its present displacement is shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Wave<'a> {
     /// The plate.
     pub plate: &'a Plate,
-    /// Its tones, solved; `None` at rest.
+    /// The steady field of its tones; `None` at rest.
     pub sounding: Option<&'a SteadyField>,
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<&'a Frame>,
-    /// Whether the largest displacement is looked at, not the present one.
+    /// Whether the largest displacement is shown, not the present one.
     pub is_largest: bool,
     /// Seconds of slow motion so far.
     pub time_s: f64,
 }
 
-/// How much slower than life the wave is shown, so that the slowest tone takes about 1.5 s a turn: a round number.
+/// The slow-motion factor, a round number, so that one period of the slowest tone takes about 1.5 s.
 #[must_use]
 pub fn slow_factor(steady: &SteadyField) -> f64 {
     let slowest = steady.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
@@ -36,7 +36,7 @@ pub struct DisplacementMap<'a> {
     centre_m: Vec<f64>,
 }
 
-/// A line along the plate that keeps its share of the width.
+/// A line along the plate at a constant share of the half-width.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Its place across the plate over the half-width there, -1..=1.
@@ -45,7 +45,7 @@ pub struct Row {
     shape: f64,
 }
 
-/// A line across the plate, and what is the same everywhere on it.
+/// A line across the plate, with the values that are constant along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     x_m: f64,

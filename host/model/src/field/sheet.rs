@@ -1,11 +1,12 @@
-//! The 2-D sheet in the app: whether it runs live, and its state in slow motion.
+//! The 2-D sheet in the app: the choice between sheet and modal lines, and the sheet's state in slow motion.
 //!
 //! ```text
 //! plate --cost against BUDGET--> sheet or modal lines
-//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::Sheet --> settle, then slowly on --> Frame
+//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::Sheet --> settle, then slow motion -->
+//! Frame
 //! ```
-//! The codes are those of the modal line of [`time_domain`]. After a change the sheet runs ahead until it has
-//! settled; then it goes on at the picture's own slow pace, so that one wave takes about as long as an eye likes.
+//! The codes are the same as for the modal line of [`time_domain`]. After a change the sheet runs as fast as it
+//! can until it has settled; then it runs in slow motion, so that the eye can follow one wave.
 
 mod source;
 
@@ -22,9 +23,9 @@ use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Codes from the table to the drive, so that the table is in place.
+/// Codes between table and drive, so that the table is active before the drive begins.
 const AHEAD: u64 = 8 * BLOCK as u64;
-/// The longest stretch of plate time between two pictures, in seconds; a longer pause is skipped.
+/// The longest plate time between two frames, in seconds; the rest of a longer pause is skipped.
 const STRIDE_MAX_S: f64 = 0.05;
 
 /// The cells of the app's sheet: coarse, and with the largest displacement everywhere.
@@ -32,14 +33,14 @@ fn grid(plate: &Plate) -> SheetGrid {
     SheetGrid { envelope: EnvelopeScope::Everywhere, ..SheetGrid::coarse(plate) }
 }
 
-/// The sheet at a moment; of no plate by default, and 0 everywhere.
+/// The sheet at one moment. The default has no plate and is 0 everywhere.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// The plate it is.
+    /// The plate of the sheet.
     pub plate: Option<Arc<Plate>>,
     /// Distance of the stations along the plate and of the rows across it, in metres.
     step_m: (f64, f64),
-    /// Stations of a row.
+    /// Number of stations in a row.
     stations: usize,
     /// Displacement in metres, row by row; the middle row is the centre line.
     now_m: Vec<f32>,
@@ -83,16 +84,16 @@ impl Frame {
 /// A drive for a sheet, and how far its slow motion has come.
 #[derive(Clone, Debug)]
 pub struct SheetJob {
-    /// What is driven.
+    /// The drive and its plate.
     pub drive: TimeDomainJob,
-    /// Plate time that has passed in slow motion, in seconds: the sheet goes on by as much as it is ahead of the job
-    /// before, from 0 to 0.05 s.
+    /// Plate time that has passed in slow motion, in seconds. The sheet advances by the difference to the job
+    /// before, limited to 0 to 0.05 s.
     pub time_s: f64,
 }
 
-/// The work of the thread that runs the sheet; it keeps the sheet from job to job. `None` when the plate has no sheet
-/// at the device's rate, or its codes could not be replayed. A task that is over leaves off settling: the frame shows
-/// how far it came, and the next job goes on from there.
+/// The work of the sheet thread, which keeps the sheet from job to job. `None` when the plate has no sheet at the
+/// device's rate, or its codes could not be replayed. If the task is over during settling, the frame shows the
+/// state so far, and the next job continues from it.
 pub fn work() -> impl FnMut(SheetJob, &Task) -> Option<Frame> + Send {
     let mut run: Option<Run> = None;
     move |job, task| {
@@ -115,7 +116,7 @@ pub fn work() -> impl FnMut(SheetJob, &Task) -> Option<Frame> + Send {
     }
 }
 
-/// A sheet under its codes.
+/// A sheet driven by the codes of a mirror.
 struct Run {
     plate: Arc<Plate>,
     number: Option<u64>,
@@ -125,11 +126,12 @@ struct Run {
     rate_hz: f64,
     dac_bits: u8,
     settle_s: f64,
-    /// Whether it has not settled since the latest change.
+    /// Whether it is still settling after the latest change.
     settling: bool,
     /// Plate time shown so far, in seconds.
     time_s: f64,
-    /// Code up to which the sheet is to run: a slow picture takes less than a block.
+    /// Index of the code up to which the sheet must run. It is fractional because one frame of slow motion takes
+    /// less than a block.
     due: f64,
     /// Codes that the mirror has rendered and the sheet has not taken.
     ahead: VecDeque<f32>,
@@ -160,7 +162,7 @@ impl Run {
         })
     }
 
-    /// The next codes are those of another drive: the tones glide on from where they are.
+    /// Switches to another drive: the tones glide from their present places.
     fn change(&mut self, job: &TimeDomainJob) -> Option<()> {
         let now = self.mirror.now();
         if self.number.is_none() || self.table.crc() != job.table.crc() {
@@ -173,7 +175,7 @@ impl Run {
         Some(())
     }
 
-    /// Runs ahead until the change has died down, then long enough to see the largest displacement.
+    /// Runs until the transient of the change has died down, then long enough to see the largest displacement.
     fn settle(&mut self, job: &TimeDomainJob, task: &Task) {
         let glide_s = f64::from(job.drive.glide) / self.rate_hz;
         let settle = AHEAD + ((glide_s + self.settle_s).min(time_domain::RUN_MAX_S) * self.rate_hz) as u64;
@@ -188,7 +190,7 @@ impl Run {
                 self.due = (self.taken + 16 * BLOCK as u64).min(first + end) as f64;
                 self.advance(self.due as u64);
                 if !task.tell((self.taken - first) as f64 / whole as f64) {
-                    // Something newer is wanted: it goes on from here.
+                    // A newer job is waiting; it continues from here.
                     return;
                 }
             }

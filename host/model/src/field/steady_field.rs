@@ -1,17 +1,17 @@
-//! What the plate does under a set of steady tones, as the views draw it: computed by the frequency-domain solver.
+//! The steady field of a plate under a set of tones, computed by the frequency-domain solver for the views.
 //!
-//! One solution costs tens of microseconds, so a picture is made anew for every step of a drag.
+//! One solution costs tens of microseconds, so the field is solved again for every step of a drag.
 
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
 use slipline_plate::{Complex64, Equation, Plate, respond};
 
-/// Points of a picture along the plate.
+/// Number of points along the plate.
 pub const POINTS: usize = 401;
 
-/// A steady tone on the plate: its frequency and how high its turning-point peak stands.
+/// A steady tone on the plate: its frequency and the height of its turning-point peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyTone {
-    /// Which slot.
+    /// The device's slot of the tone.
     pub slot: u8,
     /// Frequency in Hz.
     pub frequency_hz: f64,
@@ -26,7 +26,7 @@ pub struct ToneWave {
     pub tone: SteadyTone,
     /// Turning point x0 in metres; beyond the plate's end if the wave reaches it.
     pub turning_point_m: f64,
-    /// From the peak to a tenth of it, in metres.
+    /// Distance from the peak to the place where the amplitude is a tenth of it, in metres.
     pub edge_width_m: f64,
     /// Where the peak is, in metres; `None` where loss or a near drive leaves none.
     pub peak_position_m: Option<f64>,
@@ -82,7 +82,8 @@ impl SteadyField {
         interpolate(&self.bound_m, x_m / self.length_m)
     }
 
-    /// The mean frequency at `x`, weighted by what each tone gives there, in Hz; what a finger would call the pitch.
+    /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch that a finger would
+    /// feel.
     #[must_use]
     pub fn frequency_at(&self, x_m: f64) -> f64 {
         let (mut weighted, mut total) = (0.0, 0.0);
@@ -110,7 +111,7 @@ pub fn interpolate(samples: &[f64], share: f64) -> f64 {
 
 fn solve_tone(plate: &Plate, tone: &SteadyTone) -> Option<ToneWave> {
     let response = respond(plate, tone.frequency_hz, POINTS, Equation::Corrected).ok()?;
-    // Where there is no peak the table levels the amplitude at the turning point, 66.28 % of an Airy peak.
+    // Without a peak the table sets the amplitude at the turning point, which is 66.28 % of an Airy peak.
     let reference =
         response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
@@ -141,9 +142,9 @@ pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
     setup.tones.iter().map(|tone| SteadyTone::of(setup, tone, full_peak_m)).collect()
 }
 
-/// Where the boundary of a tone shows, in metres: its turning point, or the place where it is just felt.
+/// The shown boundary of a tone, in metres: its turning point, or the place where it is just felt.
 ///
-/// `None` when nothing of it is felt, or it cannot enter.
+/// `None` when the tone cannot be felt anywhere, or cannot enter the plate.
 #[must_use]
 pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) -> Option<f64> {
     match mode {
@@ -154,8 +155,8 @@ pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) ->
     }
 }
 
-/// Where the boundary of a setup's tone is drawn, in metres: where it shows, or its turning point where nothing of it
-/// is felt, or not known to be; `full_peak_m` is the table's peak at level 1.
+/// The place where the boundary of a setup's tone is drawn, in metres: its shown boundary, or its turning point if
+/// that is not felt or not known. `full_peak_m` is the table's peak at level 1.
 #[must_use]
 pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> f64 {
     full_peak_m
@@ -164,7 +165,7 @@ pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64
         .unwrap_or(tone.position_m)
 }
 
-/// The unit in which a displacement of this size is written, and its size in metres.
+/// The unit in which a displacement of this size is written, and that unit in metres.
 #[must_use]
 pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
     match metres {
@@ -180,8 +181,8 @@ pub fn full_colour_m(sounding: Option<&SteadyField>, full_peak_m: f64) -> f64 {
     full_peak_m.max(sounding.map_or(0.0, SteadyField::highest_m)).max(1e-12)
 }
 
-/// The top of an envelope's axis, in metres: room for level 1 at least, so that the level is seen; it grows with the
-/// sum. `full_peak_m` is the table's peak at level 1.
+/// The top of an envelope's axis, in metres: at least the height of level 1, so that a lower level looks lower;
+/// more if the sum is higher. `full_peak_m` is the table's peak at level 1.
 #[must_use]
 pub fn envelope_top_m(steady: &SteadyField, full_peak_m: f64) -> f64 {
     (full_peak_m * 1.08).max(steady.highest_m() * 1.05).max(1e-12)

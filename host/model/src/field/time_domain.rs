@@ -1,9 +1,9 @@
-//! The simulated plate under the device's codes: what the acknowledged drive does to it, in the time domain.
+//! The simulated plate under the device's codes: its response to the acknowledged drive, in the time domain.
 //!
 //! ```text
 //! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::TimeDomainLine --> settle --> envelope
 //! ```
-//! It shares nothing with the solver that predicts the envelope but the plate: that the two agree is the check.
+//! It shares only the plate with the solver that predicts the envelope, so the agreement of the two checks both.
 
 use crate::jobs::Task;
 use slipline_link::BLOCK;
@@ -15,15 +15,15 @@ use std::sync::Arc;
 
 /// Places along the plate.
 const POINTS: usize = 128;
-/// Turns of the slowest tone that are watched once the plate has settled.
+/// Periods of the slowest tone that are recorded after the plate has settled.
 const TURNS: f64 = 6.0;
-/// The longest watch, in seconds: a beat slower than this is not seen to its top.
+/// The longest recording, in seconds: the maximum of a slower beat may be missed.
 const WATCH_MAX_S: f64 = 0.25;
 /// The longest run, in seconds of the device's time.
 pub(crate) const RUN_MAX_S: f64 = 12.0;
-/// Codes from the table to the drive, so that the table is in place.
+/// Codes between table and drive, so that the table is active before the drive begins.
 const AHEAD: u64 = 8 * BLOCK as u64;
-/// Blocks between two looks at whether the result is still wanted.
+/// Blocks between two checks whether the result is still wanted.
 const BLOCKS_AT_ONCE: u64 = 64;
 
 /// Largest displacement at places along the simulated plate.
@@ -44,7 +44,7 @@ impl Measured {
     }
 }
 
-/// A drive to be tried on a plate.
+/// A drive to simulate on a plate.
 #[derive(Clone, Debug)]
 pub struct TimeDomainJob {
     /// Which acknowledged change it is.
@@ -59,7 +59,7 @@ pub struct TimeDomainJob {
     pub dac_bits: u8,
 }
 
-/// How long the settled plate is watched so that its largest displacement is seen, in seconds.
+/// How long the settled plate is recorded to find its largest displacement, in seconds.
 pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
     let tones = &job.drive.tones;
     let slowest_hz =
@@ -67,8 +67,8 @@ pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
     if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
 }
 
-/// Runs the drive on the plate until it has settled, and watches it. `None` when the plate cannot be run at the
-/// device's rate, the drive could not be replayed, or the task was over before.
+/// Runs the drive on the plate until it has settled, then records the envelope. `None` when the plate cannot be
+/// simulated at the device's rate, the drive could not be replayed, or the task was over before the end.
 #[must_use]
 pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let rate = job.table.header().sample_rate_hz;

@@ -1,11 +1,11 @@
-//! The validity lights of the plate on the screen at its boundary, made in the background.
+//! The validity lights of a plate at a boundary, computed in the background.
 
 use crate::jobs::Task;
 use slipline_plate::check::{CheckError, Checker, Colour, Conditions, Report};
 use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
 
-/// A plate and a boundary to be checked.
+/// A plate and a boundary to check.
 #[derive(Clone, Debug)]
 pub struct CheckJob {
     /// The plate.
@@ -24,17 +24,17 @@ impl PartialEq for CheckJob {
     }
 }
 
-/// What was found.
+/// The result of a check.
 #[derive(Clone, Debug)]
 pub struct Checked {
-    /// What was checked.
+    /// The plate and boundary that were checked.
     pub job: CheckJob,
-    /// The lights, or a sentence that says why there are none.
+    /// The lights, or the reason why there are none.
     pub report: Result<Report, String>,
 }
 
 impl Checked {
-    /// How many lights have a colour.
+    /// The number of lights of a colour.
     #[must_use]
     pub fn count(&self, colour: Colour) -> usize {
         let lights = self.report.as_ref().map_or(&[][..], |report| &report.lights);
@@ -42,7 +42,8 @@ impl Checked {
     }
 }
 
-/// The work of the thread that checks: what was prepared for a plate is kept while the plate stays.
+/// The work of the check thread. It keeps the checker of the latest plate, so that a new boundary on the same
+/// plate costs less.
 pub fn work() -> impl FnMut(CheckJob, &Task) -> Option<Checked> + Send {
     let mut kept: Option<(Arc<Plate>, Checker)> = None;
     move |job, task| {

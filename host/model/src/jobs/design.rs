@@ -1,4 +1,4 @@
-//! The plate designer in the app: what is wanted, and the plate that came of it. The rules are those of
+//! The plate designer in the app: the user's draft and the plate designed from it. The rules are those of
 //! `slipline design`.
 
 use crate::jobs::Task;
@@ -9,9 +9,9 @@ use std::sync::Arc;
 /// How the sheet carries the wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Bending, edges on a knife edge.
+    /// Bending, edges simply supported.
     Supported,
-    /// Bending, edges in a stiff frame.
+    /// Bending, edges clamped in a stiff frame.
     Clamped,
     /// A stretched membrane.
     Membrane,
@@ -35,7 +35,7 @@ impl Kind {
     }
 }
 
-/// How a membrane's stretch is given.
+/// How the stretch of a membrane is specified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stretch {
     /// Wave speed in m/s.
@@ -44,7 +44,7 @@ pub enum Stretch {
     Tension(f64),
 }
 
-/// What is wanted of a plate. `None` is the library's own choice.
+/// The requirements of a plate. `None` leaves a value to the library.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     /// The plate's name.
@@ -97,7 +97,7 @@ impl Default for Draft {
 }
 
 impl Draft {
-    /// What the library is asked for.
+    /// The draft as a request to the plate library.
     ///
     /// # Errors
     /// [`PlateError`] when the library has no such material.
@@ -128,7 +128,7 @@ impl Draft {
     }
 }
 
-/// What came of a draft.
+/// The result of a draft.
 #[derive(Clone, Debug)]
 pub struct Designed {
     /// The draft.
@@ -137,7 +137,7 @@ pub struct Designed {
     pub result: Result<Arc<Design>, PlateError>,
 }
 
-/// Designs the plate; `None` when the task was over before.
+/// Designs the plate; `None` when the task was over before it began.
 #[must_use]
 pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
     if task.is_over() {

@@ -1,4 +1,4 @@
-//! Work that takes longer than a frame, off the UI thread: only the newest job counts, and each can be given up.
+//! Work that takes longer than a frame, off the UI thread. Only the newest job counts; every job can be cancelled.
 
 pub mod check;
 pub mod design;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 
-/// What a job tells while it is done, and whether anybody still wants it.
+/// The progress of a running job, and whether its result is still wanted.
 #[derive(Debug, Default)]
 pub struct Task {
     /// The share done, in millionths.
@@ -19,13 +19,13 @@ pub struct Task {
 }
 
 impl Task {
-    /// Tells that this share (0..=1) is done; returns whether to go on.
+    /// Reports that this share (0..=1) is done; returns whether to continue.
     pub fn tell(&self, share: f64) -> bool {
         self.millionths.store((share.clamp(0.0, 1.0) * 1e6) as u32, Ordering::Relaxed);
         !self.is_over()
     }
 
-    /// Whether the job is to end now: it was cancelled, or a newer one has been asked for.
+    /// Whether the job must end now, because it was cancelled or a newer one was asked for.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.is_over.load(Ordering::Relaxed)
@@ -40,24 +40,25 @@ impl Task {
     }
 }
 
-/// A place where jobs of one kind are done.
+/// Runs jobs of one kind, one at a time, and keeps the newest result.
 ///
-/// [`JobQueue::threaded`] does them on a thread of its own; [`JobQueue::inline`] at once, which makes tests
-/// repeatable. The work gives `None` when nothing came of a job, such as when its [`Task`] was over; nothing comes of one
-/// that panics on the thread either, and the next is done all the same.
+/// [`JobQueue::threaded`] runs them on its own thread; [`JobQueue::inline`] runs them at once in the caller's
+/// thread, which makes tests repeatable. The work returns `None` when a job has no result, for example because its
+/// [`Task`] was over. A job that panics on the thread has no result either, and the thread goes on with the next
+/// job.
 pub struct JobQueue<Job, Done> {
     runner: Runner<Job, Done>,
     done: Receiver<(u64, Option<Done>)>,
     task: Arc<Task>,
     /// Number of the newest job.
     asked: u64,
-    /// Every job up to this one has ended or was given up.
+    /// Every job up to this one has ended or was cancelled.
     ended: u64,
-    /// Results up to this job's are not wanted.
+    /// Results of jobs up to this one are discarded.
     unwanted: u64,
 }
 
-/// What is done with a job.
+/// The work that turns a job into its result.
 type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
 
 enum Runner<Job, Done> {
@@ -66,10 +67,10 @@ enum Runner<Job, Done> {
 }
 
 impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
-    /// Does jobs on a thread named `name` and calls `wake` after each. The thread ends with the queue.
+    /// Runs jobs on a thread named `name` and calls `wake` after each. The thread ends when the queue is dropped.
     ///
     /// # Errors
-    /// What the system says when it gives no thread.
+    /// The error of the system when it cannot start a thread.
     #[cfg_attr(
         not(test),
         expect(
@@ -86,7 +87,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         let (finished, done) = channel();
         thread::Builder::new().name(name.to_owned()).spawn(move || {
             while let Ok(mut next) = queue.recv() {
-                // What was asked for meanwhile makes the older jobs needless.
+                // Jobs that were asked for in the meantime make the older ones obsolete.
                 while let Ok(newer) = queue.try_recv() {
                     next = newer;
                 }
@@ -101,7 +102,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Ok(Self::new(Runner::Thread(jobs), done))
     }
 
-    /// Does every job at once, on the caller's thread.
+    /// Runs every job at once, on the caller's thread.
     #[must_use]
     pub fn inline(work: impl FnMut(Job, &Task) -> Option<Done> + 'static) -> Self {
         let (finished, done) = channel();
@@ -112,13 +113,13 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Self { runner, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
     }
 
-    /// Asks for a job; an older one that is still being done is told that it is over.
+    /// Asks for a job. The task of an older job that still runs is ended.
     pub fn ask(&mut self, job: Job) {
         self.task.end();
         self.task = Arc::default();
         self.asked += 1;
         match &mut self.runner {
-            // A thread that has gone answers no more; the app stays usable without it.
+            // If the thread has ended, there is no result; the rest of the app stays usable.
             Runner::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
             Runner::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
         }

@@ -1,4 +1,4 @@
-//! The turning-point table for the plate on the screen: made in the background, for the device's own rate.
+//! The turning-point table of a plate, computed in the background for the device's sample rate.
 
 use crate::field::simulation::device_table;
 use crate::jobs::Task;
@@ -7,58 +7,58 @@ use slipline_link::table::DeviceTable;
 use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_of};
 use std::sync::Arc;
 
-/// Knots of the tables this program makes: as many as a device takes, because a plate that resonates needs them.
+/// Number of knots of a table: the most a device takes, because a resonant plate needs them.
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 
-/// A table to be made.
+/// A table to compute.
 #[derive(Clone, Debug)]
 pub struct TableJob {
-    /// For this plate.
+    /// The plate.
     pub plate: Arc<Plate>,
-    /// At this rate in Hz.
+    /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
-    /// With so many knots at most.
+    /// The most knots the device takes.
     pub max_knots: usize,
 }
 
-/// A table that was made.
+/// A finished table.
 #[derive(Clone, Debug)]
 pub struct TableMade {
-    /// For this plate.
+    /// The plate.
     pub plate: Arc<Plate>,
-    /// In Hz and gains.
+    /// The table in Hz and gains.
     pub drive_table: DriveTable,
-    /// As the device takes it.
+    /// The table in the device's units.
     pub device_table: Arc<DeviceTable>,
-    /// How far the peak goes off when the plate's waves are 1 % faster than the table thinks, in dB.
+    /// Change of the peak in dB when the plate's waves are 1 % faster than the table assumes.
     pub sensitivity_db: Option<f64>,
 }
 
-/// Where the table stands.
+/// The state of the table.
 #[derive(Clone, Debug, Default)]
 pub enum TableState {
-    /// No device has told its sample rate yet.
+    /// The sample rate of the device is not known yet.
     #[default]
     Waiting,
-    /// It is being made.
+    /// It is being computed.
     Making,
-    /// It is there.
+    /// It is finished.
     Ready(Arc<TableMade>),
-    /// It cannot be made; a sentence that says why.
+    /// It cannot be computed; the text says why.
     Failed(String),
-    /// Its making was given up, and there was none before.
+    /// Its computation was cancelled, and there was no table before.
     Cancelled,
 }
 
 impl TableState {
-    /// The table, if it is there.
+    /// The table, if it is finished.
     #[must_use]
     pub fn made(&self) -> Option<&Arc<TableMade>> {
         if let Self::Ready(made) = self { Some(made) } else { None }
     }
 
-    /// The worst case of the sum of a setup's tones, of the DAC's full scale; gains count as 1 until the table is
-    /// made.
+    /// The largest possible sum of a setup's tones, as a share of the DAC's full scale. Gains count as 1 until the
+    /// table is finished.
     #[must_use]
     pub fn headroom_sum(&self, setup: &Setup) -> f64 {
         let gain = |x_m| self.made().map_or(1.0, |made| made.drive_table.gain(x_m));
@@ -66,8 +66,8 @@ impl TableState {
     }
 }
 
-/// Makes a table: a moment for a usual plate, many times as long for one of many wavelengths. `None` when
-/// the task was over before.
+/// Computes a table. This is fast for a usual plate and takes many times as long for a plate of many wavelengths.
+/// `None` when the task was over before the end.
 #[must_use]
 pub fn make(job: TableJob, task: &Task) -> Option<TableState> {
     match build(job, &mut Progress::new(&mut |share| task.tell(share))) {

@@ -17,33 +17,33 @@ use std::sync::Arc;
 /// One change of the setup.
 #[derive(Clone, Debug)]
 pub enum Edit {
-    /// Put a tone's turning point here, in metres; a place beyond the span is taken as the span's end.
+    /// Move a tone's turning point; a place outside the span is clamped to the span's end.
     Move {
         /// Which tone.
         slot: u8,
-        /// Where to.
+        /// The new place, in metres.
         position_m: f64,
     },
     /// Set a tone's level, 0..=1.
     Level {
         /// Which tone.
         slot: u8,
-        /// How much.
+        /// The level, 0..=1.
         level: f64,
     },
     /// Set the phase a tone starts with, in turns.
     Phase {
         /// Which tone.
         slot: u8,
-        /// Any number of turns; whole turns are dropped.
+        /// Any number of turns; only the fraction counts.
         turns: f64,
     },
     /// Add a tone in the lowest free slot, with its turning point here.
     Add {
-        /// Where, in metres.
+        /// The place, in metres.
         position_m: f64,
     },
-    /// Take a tone away. The last one stays.
+    /// Remove a tone. The last one cannot be removed.
     Remove {
         /// Which tone.
         slot: u8,
@@ -52,25 +52,25 @@ pub enum Edit {
     Master(f64),
     /// Set the glide time, in seconds.
     Glide(f64),
-    /// Choose what the handle holds.
+    /// Choose which boundary the handle moves.
     Boundary(BoundaryMode),
-    /// Take another plate; the tones keep their places as far as its span allows.
+    /// Change the plate; the tones keep their places as far as its span allows.
     Plate(Arc<Plate>),
-    /// Take a whole setup, such as one read from a file.
+    /// Replace the whole setup, for example by one read from a file.
     Replace(Box<Setup>),
-    /// Begin anew with this setup.
+    /// Start again with this setup.
     New(Box<Setup>),
 }
 
-/// Why a change is not made. The setup is as it was.
+/// Why a change was refused. The setup is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EditError {
-    /// A value is outside its range, or no number.
+    /// A value is outside its range, or not a number.
     #[error("{field}: {got} is outside {allowed}")]
     OutOfRange {
         /// The field as the user knows it.
         field: &'static str,
-        /// What came, with its unit.
+        /// The value that was given, with its unit.
         got: String,
         /// The range, with its unit.
         allowed: String,
@@ -78,16 +78,16 @@ pub enum EditError {
     /// There is no tone in this slot.
     #[error("there is no tone {0}")]
     NoTone(u8),
-    /// All slots are taken.
+    /// All slots are in use.
     #[error("all {MAX_TONES} tones are in use")]
     Full,
-    /// The boundary itself cannot be taken away.
+    /// The boundary itself cannot be removed.
     #[error("the last tone stays: stop the drive instead")]
     LastTone,
 }
 
 impl Edit {
-    /// What a menu calls it: `Undo move`.
+    /// Its name in a menu, as in `Undo move`.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -105,7 +105,7 @@ impl Edit {
         }
     }
 
-    /// Which tone it is about, if it is about one.
+    /// The tone that it changes, if it changes a single one.
     pub(crate) const fn slot(&self) -> Option<u8> {
         match *self {
             Self::Move { slot, .. }
@@ -168,7 +168,8 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             let (old_start, old_end) = setup.plate.span_m();
             let fits = setup.tones.iter().all(|tone| (start..=end).contains(&tone.position_m));
             for tone in &mut next.tones {
-                // Clamping would heap the tones up at an end, so a plate with another span keeps the proportions.
+                // Clamping would collect the tones at one end, so the tones keep their proportions on a plate with
+                // another span.
                 if !fits {
                     let share = (tone.position_m - old_start) / (old_end - old_start);
                     tone.position_m = (start + share * (end - start)).clamp(start, end);
@@ -181,7 +182,7 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
     Ok(next)
 }
 
-/// What the device is asked to sound for a setup.
+/// The drive request for a setup.
 #[must_use]
 pub fn drive(setup: &Setup) -> DriveRequest {
     let tones = setup

@@ -26,27 +26,27 @@ pub const FILE_BYTES_MAX: usize = 1 << 20;
 /// The version this program writes.
 const VERSION: i64 = 1;
 
-/// Why a file was not taken. Nothing was changed.
+/// Why a file was refused. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupFileError {
-    /// Too big.
+    /// The file is too large.
     #[error("the file has {bytes} bytes; at most {FILE_BYTES_MAX} are read")]
     TooBig {
-        /// Its size.
+        /// Its size in bytes.
         bytes: usize,
     },
     /// Not TOML, or not of this form.
     #[error("line {line}: {message}")]
     Syntax {
-        /// Where, from 1.
+        /// The line, from 1.
         line: usize,
-        /// What.
+        /// The parser's message.
         message: String,
     },
     /// A version this program does not know.
     #[error("slipline_setup = {0}: this program reads version {VERSION}; install a newer one")]
     Version(i64),
-    /// The plate in it is refused.
+    /// The plate in the file is refused.
     #[error("plate: {0}")]
     Plate(#[from] PlateFileError),
     /// A value is outside its range.
@@ -58,7 +58,7 @@ pub enum SetupFileError {
     /// A slot is out of range or named twice.
     #[error("tones: slot {0} is named twice or outside 0 to 15")]
     Slot(i64),
-    /// What the handle holds is a word this program does not know.
+    /// The `holds` value is not known to this program.
     #[error("boundary.holds = {0:?}: allowed are \"turning-point\" and \"felt-edge\"")]
     Holds(String),
 }
@@ -128,13 +128,14 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
         SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
     };
     let table: toml::Table = toml::from_str(text).map_err(syntax)?;
-    // By what only a setup has: a plate file whose sections are mistyped is still told what a plate file must have.
+    // Recognised by keys that only a setup has, so that a plate file with misspelt sections still gets the errors
+    // of a plate file.
     let is_setup =
         ["slipline_setup", "tones", "plate", "boundary"].iter().any(|key| table.contains_key(*key));
     if !is_setup {
         return Ok(Opened::Plate(Arc::new(Plate::from_toml(text)?)));
     }
-    // First of all: what another version has more is no mistake in the file.
+    // Checked first, because fields of another version are not mistakes in the file.
     if let Some(version) = table.get("slipline_setup").and_then(toml::Value::as_integer)
         && version != VERSION
     {
@@ -148,7 +149,7 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
     let plate_text = toml::to_string(&parsed.plate).unwrap_or_default();
     let plate = match Plate::from_toml(&plate_text) {
         Ok(plate) => Arc::new(plate),
-        // The line would be one of the rewritten text and mislead.
+        // The line number belongs to the rewritten text and would mislead.
         Err(PlateFileError::Plate { error, .. }) => {
             return Err(PlateFileError::Plate { line: None, error }.into());
         }

@@ -1,4 +1,4 @@
-//! What the user has set up: the plate, the tones on it, the levels.
+//! The user's setup: the plate, the tones on it, the levels.
 //!
 //! A [`Setup`] is always valid: it is made from a valid plate and changed only through [`crate::setup::edit`], which holds
 //! the limits below.
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub const MAX_TONES: usize = slipline_link::protocol::limits::MAX_TONES;
 /// The quietest master level, in dB.
 pub const MASTER_MIN_DB: f64 = slipline_link::protocol::limits::MIN_MASTER_CDB as f64 / 100.0;
-/// The quietest master level the slider offers, in dB; typing reaches [`MASTER_MIN_DB`].
+/// The lowest master level of the slider, in dB; a typed value may go down to [`MASTER_MIN_DB`].
 pub const MASTER_SLIDER_MIN_DB: f64 = -48.0;
 /// Glide times a setup may have, in seconds: the protocol's own range.
 pub const GLIDE_RANGE_S: (f64, f64) = (
@@ -27,23 +27,24 @@ pub const THRESHOLD_RANGE_M: (f64, f64) = (1e-9, 1e-2);
 /// One tone: one peak on the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneSetup {
-    /// The device's slot, 0..16; it stays when other tones go, so that they glide on undisturbed.
+    /// The device's slot, 0..16. It does not change when other tones are removed, so that each tone glides
+    /// undisturbed.
     pub slot: u8,
     /// Where its turning point lies, in metres from the driven end, within the plate's span.
     pub position_m: f64,
     /// Its peak relative to the table's full scale, 0..=1.
     pub level: f64,
-    /// Phase at its start from silence, in turns, 0..1.
+    /// Phase when it starts from silence, in turns, 0..1.
     pub phase_turns: f64,
 }
 
-/// Which of the two boundaries the handle holds.
+/// Which of the two boundaries the handle moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum BoundaryMode {
     /// The turning point x0 of the tone.
     #[default]
     TurningPoint,
-    /// The place past the peak where the amplitude falls to what a finger just feels.
+    /// The place past the peak where the amplitude falls to the threshold of feeling.
     FeltEdge {
         /// Peak displacement that is just felt, in metres. Illustrative: calibrate on your own plate.
         threshold_m: f64,
@@ -59,9 +60,9 @@ pub struct Setup {
     pub tones: Vec<ToneSetup>,
     /// Scales all tones, in dB, -96..=0.
     pub master_db: f64,
-    /// How long a change takes, in seconds.
+    /// The glide time of a change, in seconds.
     pub glide_s: f64,
-    /// What the boundary's handle holds.
+    /// Which boundary the handle moves.
     pub boundary: BoundaryMode,
 }
 
@@ -84,8 +85,8 @@ impl Setup {
         Self { plate, tones: vec![tone], master_db: 0.0, glide_s: 0.02, boundary: BoundaryMode::TurningPoint }
     }
 
-    /// The master level in dB by which tones fit the DAC that add up to `sum` of full scale, more than 1. It is a
-    /// little lower than needed, because the device rounds to hundredths of a decibel.
+    /// The master level in dB at which tones whose sum is `sum` times full scale (more than 1) fit the DAC. It is
+    /// slightly lower than needed, because the device rounds to hundredths of a decibel.
     #[must_use]
     pub fn fitting_master_db(&self, sum: f64) -> f64 {
         (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)

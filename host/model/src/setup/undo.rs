@@ -1,17 +1,17 @@
-//! Undo and redo: the setups that were, and those that were taken back.
+//! Undo and redo: the earlier setups, and the ones that were undone.
 
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
 
-/// Setups one can go back to, at most.
+/// The most setups that are kept for undo.
 const DEPTH: usize = 200;
 
-/// What was, and what was undone.
+/// The earlier setups and the undone ones.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<(Setup, &'static str)>,
     future: Vec<(Setup, &'static str)>,
-    /// The gesture, name and tone of the latest change: more of the same in one gesture is one step.
+    /// The gesture, name and tone of the latest change: equal changes in one gesture count as one step.
     latest: Option<(u64, &'static str, Option<u8>)>,
 }
 
@@ -31,7 +31,7 @@ impl History {
         self.past.push((before.clone(), edit.name()));
     }
 
-    /// The setup before the latest change, in exchange for the present one.
+    /// Undoes the latest change: takes the present setup and returns the one before.
     pub fn undo(&mut self, present: &Setup) -> Option<Setup> {
         let (setup, name) = self.past.pop()?;
         self.future.push((present.clone(), name));
@@ -39,7 +39,7 @@ impl History {
         Some(setup)
     }
 
-    /// The setup before the latest undo, in exchange for the present one.
+    /// Redoes the latest undone change: takes the present setup and returns the one that was undone.
     pub fn redo(&mut self, present: &Setup) -> Option<Setup> {
         let (setup, name) = self.future.pop()?;
         self.past.push((present.clone(), name));
@@ -47,13 +47,13 @@ impl History {
         Some(setup)
     }
 
-    /// What undo would take back.
+    /// The name of the change that undo would undo.
     #[must_use]
     pub fn undo_name(&self) -> Option<&'static str> {
         self.past.last().map(|(_, name)| *name)
     }
 
-    /// What redo would do again.
+    /// The name of the change that redo would redo.
     #[must_use]
     pub fn redo_name(&self) -> Option<&'static str> {
         self.future.last().map(|(_, name)| *name)

@@ -1,12 +1,12 @@
-//! A pair of axes on a page: a frame, round numbers, names; and what is drawn inside.
+//! A pair of axes on a page: frame, round numbers and names, and the clipped drawing inside.
 
 use super::font;
 use super::page::{Anchor, BLACK, GRID, Page, Pen, Place};
 use crate::numbers::ticks::Ticks;
 
-/// From one number of an axis to the next, at least, over the text's size: along x and along y.
+/// Least distance of two numbers on an axis, in multiples of the text size: along x and along y.
 const SPACING: Place = (4.5, 3.2);
-/// Length of a mark at the frame.
+/// Length of a tick mark, in points.
 const TICK: f64 = 3.0;
 
 const FRAME: Pen = Pen::solid(BLACK, 0.6);
@@ -61,19 +61,19 @@ impl Axes {
         Ticks::between(self.y.0, self.y.1, SPACING.1 * self.text * per_point)
     }
 
-    /// Room that the numbers and the name of the y axis take, left of the frame.
+    /// Width needed left of the frame by the numbers and the name of the y axis.
     pub(super) fn left_room(&self) -> f64 {
         let ticks = self.y_ticks();
         let widths = ticks.places.iter().map(|&place| font::width(&ticks.label(place), self.text));
         widths.fold(0.0, f64::max) + TICK + 2.0 + 1.8 * self.text
     }
 
-    /// Room that the numbers and the name of the x axis take, below the frame, for text of this size.
+    /// Height needed below the frame by the numbers and the name of the x axis, for text of this size.
     pub(super) const fn bottom_room(text: f64) -> f64 {
         TICK + 3.1 * text
     }
 
-    /// Draws lines at the round numbers, to lie below what is drawn inside.
+    /// Draws grid lines at the round numbers. Call it first, so that the curves lie on top.
     pub(super) fn grid(&self, page: &mut Page) {
         let ((left, right), (top, bottom)) = (self.across, self.down);
         for place in self.x_ticks().places {
@@ -107,7 +107,7 @@ impl Axes {
         page.line(corners.into_iter().chain([corners[0]]), FRAME);
     }
 
-    /// Draws inside the frame: what lies outside is cut off.
+    /// Draws inside the frame, clipped to it.
     pub(super) fn inside(&self, page: &mut Page, draw: impl FnOnce(&mut Page)) {
         page.clipped(self.corners(), draw);
     }

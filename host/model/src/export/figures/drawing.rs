@@ -1,4 +1,4 @@
-//! A finished figure: SVG text for papers, and pixels painted from it.
+//! A finished figure: SVG text for papers, and pixels rendered from it.
 
 use super::font;
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
@@ -10,7 +10,7 @@ use thiserror::Error;
 /// Points per inch: the unit of a page.
 const POINTS_PER_INCH: f64 = 72.0;
 
-/// Why a drawing could not be painted.
+/// Why a drawing could not be rendered.
 #[derive(Debug, Error)]
 pub enum DrawError {
     /// The renderer cannot read it.
@@ -19,7 +19,7 @@ pub enum DrawError {
     /// It has more pixels than fit into memory, or none.
     #[error("the figure could not be painted: {0} x {1} pixels are not possible")]
     Size(u32, u32),
-    /// The PNG writer refused.
+    /// The PNG encoder failed.
     #[error("the picture could not be encoded: {0}")]
     Png(#[from] png::EncodingError),
 }
@@ -37,14 +37,14 @@ impl Format {
     /// Every format.
     pub const ALL: [Self; 2] = [Self::Svg, Self::Png];
 
-    /// The format that a file's ending names, in capitals or not; `None` for any other ending.
+    /// The format of a file name extension, in upper or lower case; `None` for any other extension.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
         Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// The ending of its files, without the dot.
+    /// The file name extension, without the dot.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
@@ -75,7 +75,7 @@ impl Drawing {
     /// The figure as a file of this format.
     ///
     /// # Errors
-    /// [`DrawError`] when the renderer or the encoder refuses.
+    /// [`DrawError`] when the renderer or the encoder fails.
     pub fn file(&self, format: Format) -> Result<Vec<u8>, DrawError> {
         match format {
             Format::Svg => Ok(self.svg.clone().into_bytes()),
@@ -84,7 +84,7 @@ impl Drawing {
     }
 }
 
-/// Paints an SVG file at this many dots per inch, as a PNG file.
+/// Renders an SVG file at this many dots per inch, as a PNG file.
 fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
     let tree = parsed(svg)?;
     let scale = dots_per_inch / POINTS_PER_INCH;
@@ -102,17 +102,17 @@ fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
     encode((width, height), &rgba, Some(dots_per_inch))
 }
 
-/// What the renderer reads in an SVG file, in points.
+/// The SVG file as the renderer parses it, with its size in points.
 pub(super) fn parsed(svg: &str) -> Result<Tree, usvg::Error> {
     let options = Options { dpi: POINTS_PER_INCH as f32, fontdb: font::database(), ..Options::default() };
     Tree::from_str(svg, &options)
 }
 
-/// Pixels as a PNG file: red, green, blue and opacity of `width` x `height` of them, row by row from the top left,
-/// colours not multiplied by the opacity. `dots_per_inch` tells how large they are printed.
+/// Encodes pixels as a PNG file: `width` x `height` pixels of red, green, blue and opacity, row by row from the
+/// top left, with straight (not premultiplied) opacity. `dots_per_inch` sets the size in print.
 ///
 /// # Errors
-/// [`DrawError::Png`], what the encoder says: a picture of no size and pixels of another number are such cases.
+/// [`DrawError::Png`], for example when the size is zero or does not match the number of pixels.
 pub fn encode(
     (width, height): (u32, u32),
     rgba: &[[u8; 4]],

@@ -1,5 +1,5 @@
-//! The envelope along the plate: what the frequency domain says, what the simulated plate did, and where each tone's
-//! boundary is.
+//! The envelope along the plate: the prediction of the frequency domain, the result of the simulated plate, and
+//! the boundary of each tone.
 
 use super::drawing::Drawing;
 use super::legend::Sample;
@@ -8,7 +8,7 @@ use super::plot::{Curve, Plot, TEXT, Upright};
 use crate::field::simulation::Simulated;
 use crate::field::steady_field::displacement_unit;
 
-/// Every so many places of the simulated plate have a dot: with all of them the dots run together.
+/// One dot per so many places of the simulated plate; with a dot at every place they would overlap.
 const STEP: usize = 6;
 
 /// Draws the RMS displacement along the plate with this name.

@@ -1,20 +1,20 @@
-//! The font of the figures. It comes along with the program, so that pictures look alike on every machine, with no
-//! font installed.
+//! The font of the figures. It is part of the program, so that figures look the same on every machine, even one
+//! without fonts.
 
 use resvg::usvg::fontdb::Database;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider as _};
 use std::sync::{Arc, OnceLock};
 
-/// The families that a figure names, the best first: where Ubuntu is not installed, another font takes its place.
+/// The font families that a figure names, in order of preference: a viewer without Ubuntu uses the next one.
 pub(super) const FAMILIES: &str = "Ubuntu, Ubuntu Light, sans-serif";
 /// The weight that a figure names.
 pub(super) const WEIGHT: u16 = 300;
 
-/// The width of a letter that the font does not have, over the text's size.
+/// The assumed width of a letter that no font has, as a multiple of the text size.
 const UNKNOWN: f32 = 1.0;
 
-/// The fonts that letters are taken from, one after the other: the second has letters that the first lacks.
+/// The fonts in the order in which they are searched: the second has letters that the first lacks.
 const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
 
 /// The fonts, for the renderer.
@@ -25,7 +25,7 @@ pub(super) fn database() -> Arc<Database> {
         for font in FONTS {
             database.load_font_data(font.to_vec());
         }
-        // Every text finds a font, whatever family it names.
+        // The fallback for every family name, so that each text finds a font.
         database.set_sans_serif_family("Ubuntu");
         database.set_serif_family("Ubuntu");
         Arc::new(database)
@@ -40,7 +40,7 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     let advance = |letter: char| {
         let of_face = |face: &FontRef<'static>| {
             let glyph = face.charmap().map(letter)?;
-            // Measured at size 1, in shares of the size.
+            // The units of the font, scaled to text size 1.
             face.glyph_metrics(Size::new(1.0), LocationRef::default()).advance_width(glyph)
         };
         f64::from(faces.iter().find_map(of_face).unwrap_or(UNKNOWN))
@@ -48,12 +48,12 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     size * text.chars().map(advance).sum::<f64>()
 }
 
-/// Breaks text into lines no wider than `room`; a word that is wider stands alone.
+/// Breaks text into lines no wider than `room`; a word that is wider gets its own line.
 pub(super) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
     joined(text.split_whitespace(), " ", size, room)
 }
 
-/// As many phrases in a line, with `gap` between them, as fit into `room`; no phrase is broken.
+/// Fills lines of width `room` with phrases, `gap` between them; no phrase is broken.
 pub(super) fn joined<'a>(
     phrases: impl IntoIterator<Item = &'a str>,
     gap: &str,
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(database().faces().count(), FONTS.len());
         assert!(width("W", 10.0) > 2.0 * width("i", 10.0) && width("i", 10.0) > 1.0);
         assert!((width("wave", 20.0) - 2.0 * width("wave", 10.0)).abs() < 1e-9);
-        // A letter that no font has takes room all the same.
+        // A letter that no font has still needs a width.
         assert_eq!(width("\u{10ffff}", 8.0), 8.0);
     }
 }

@@ -1,9 +1,9 @@
-//! What the lines of a figure are: samples with their names, in rows.
+//! The legend of a figure: line samples with their names, in rows.
 
 use super::font;
 use super::page::{Anchor, BLACK, Ink, Page, Pen, Place};
 
-/// Length of a sample, over the text's size.
+/// Length of a sample, as a multiple of the text size.
 const SAMPLE: f64 = 2.0;
 
 /// How a sample is drawn.
@@ -37,7 +37,8 @@ pub(super) const fn row_height(text: f64) -> f64 {
     1.35 * text
 }
 
-/// Draws the entries in rows no wider than `room`, the middle of the first at `start`; returns how many rows.
+/// Draws the entries in rows no wider than `room`, the middle of the first row at `start`; returns the number of
+/// rows.
 pub(super) fn legend(
     page: &mut Page,
     entries: &[(String, Sample)],

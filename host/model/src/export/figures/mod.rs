@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! numbers -> Page (points) -> Drawing (SVG text) -> file of either format
-//!             ^ axes, legend, plot                   ^ resvg, with the font that comes along
+//! ^ axes, legend, plot                   ^ resvg, with the built-in font
 //! ```
-//! The numbers are those of [`slipline_plate::paper`], of the simulation, of the frequency domain and of the screen;
-//! this module only draws them. It reads and writes no file.
+//! The numbers come from [`slipline_plate::paper`], the simulation, the frequency domain and the screen; this
+//! module only draws them. It reads and writes no file.
 
 mod axes;
 mod drawing;
@@ -25,7 +25,7 @@ pub use response::response_figure;
 
 /// Width of a figure for print, in points: 170 mm, the text width of a page of A4.
 const PRINT_WIDTH: f64 = 170.0 / 25.4 * 72.0;
-/// Dots per inch of a figure's picture: what journals ask of figures at print size.
+/// Dots per inch of a figure as PNG: the resolution that journals ask for at print size.
 const PRINT_DOTS_PER_INCH: f64 = 300.0;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! A page measured in points (1/72 inch), on which lines, text and colours are put; it becomes a [`Drawing`].
+//! A page measured in points (1/72 inch) that takes lines, text and images and becomes a [`Drawing`].
 
 use super::drawing::Drawing;
 use super::font;
@@ -14,19 +14,20 @@ pub(super) type Ink = [u8; 3];
 
 pub(super) const BLACK: Ink = [0, 0, 0];
 pub(super) const WHITE: Ink = [255, 255, 255];
-/// Lines that lead the eye along an axis.
+/// The grid lines.
 pub(super) const GRID: Ink = [225, 225, 225];
 /// Colours that stay apart for colour-blind readers (Okabe and Ito), then violet and grey.
 pub(super) const HUES: [Ink; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 60, 160], [90, 90, 90]];
 
-/// From the middle of a line of text down to its base line, over the text's size: half a capital's height.
+/// From the middle of a line of text down to its base line, as a multiple of the text size: half the height of a
+/// capital letter.
 const BASE: f64 = 0.346;
 
-/// A place on the page: points from its left, from its top.
+/// A place on the page: points from the left and from the top.
 pub(super) type Place = (f64, f64);
 
-/// Which point of a text stands at its place.
+/// Which point of a text lies at the given place.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     /// The middle of its left end.
@@ -42,17 +43,17 @@ pub(super) enum Anchor {
 pub(super) struct Pen {
     ink: Ink,
     width: f64,
-    /// Lengths of a dash and of the gap behind it.
+    /// Lengths of a dash and of the gap after it, in points; `None` for a solid line.
     dash: Option<(f64, f64)>,
 }
 
 impl Pen {
-    /// A pen of this many points.
+    /// A solid pen of this width in points.
     pub(super) const fn solid(ink: Ink, width: f64) -> Self {
         Self { ink, width, dash: None }
     }
 
-    /// A pen of this many points that draws dashes: the length of one and of the gap behind it, in points.
+    /// A dashed pen of this width in points; `dash` is the length of a dash and of the gap after it, in points.
     pub(super) const fn dashed(ink: Ink, width: f64, dash: (f64, f64)) -> Self {
         Self { ink, width, dash: Some(dash) }
     }
@@ -68,19 +69,19 @@ pub(super) struct Page {
     size: Place,
     title: String,
     elements: Vec<Box<dyn Node>>,
-    /// How many outlines have been cut so far.
+    /// Number of clip paths so far: each needs its own name.
     clips: usize,
 }
 
 impl Page {
-    /// A white page of this width and height in points, with the title that a viewer shows.
+    /// A white page of this width and height in points; a viewer shows the title.
     pub(super) fn new(size: Place, title: &str) -> Self {
         let mut page = Self { size, title: printable(title), elements: Vec::new(), clips: 0 };
         page.fill((0.0, 0.0), size, WHITE);
         page
     }
 
-    /// Puts a text of one line.
+    /// Draws one line of text.
     pub(super) fn text(&mut self, text: &str, (x, y): Place, anchor: Anchor, size: f64, ink: Ink) {
         let mut element = words(text, anchor, size, ink);
         element.assign("x", number(x));
@@ -88,7 +89,7 @@ impl Page {
         self.elements.push(element.into());
     }
 
-    /// Puts a text that reads upwards, its middle at the place.
+    /// Draws a text that reads upwards, centred on the place.
     pub(super) fn upward(&mut self, text: &str, (x, y): Place, size: f64) {
         let place = format!("translate({} {}) rotate(-90)", number(x + BASE * size), number(y));
         let mut element = words(text, Anchor::Centre, size, BLACK);
@@ -124,14 +125,14 @@ impl Page {
         self.elements.push(Path::new().set("d", circle(x, y, radius)).set("fill", hex(ink)).into());
     }
 
-    /// Puts a picture, a PNG file, into a rectangle and stretches it to fill it.
+    /// Draws a PNG image, stretched to fill the rectangle.
     pub(super) fn picture(&mut self, png: &[u8], from: Place, to: Place) {
         let link = format!("data:image/png;base64,{}", STANDARD.encode(png));
         let image = framed(Image::new(), from, to).set("preserveAspectRatio", "none").set("href", link);
         self.elements.push(image.into());
     }
 
-    /// Draws, and keeps of it what lies within the polygon with these corners.
+    /// Draws, clipped to the polygon with these corners.
     pub(super) fn clipped(&mut self, corners: impl IntoIterator<Item = Place>, draw: impl FnOnce(&mut Self)) {
         self.clips += 1;
         let name = format!("clip{}", self.clips);
@@ -144,7 +145,7 @@ impl Page {
         self.elements.push(inside.into_iter().fold(group, Group::add).into());
     }
 
-    /// The finished drawing, to be painted at this many dots per inch.
+    /// The finished drawing, to be rendered at this many dots per inch.
     pub(super) fn finish(self, dots_per_inch: f64) -> Drawing {
         let (width, height) = (number(self.size.0), number(self.size.1));
         let document = Document::new()
@@ -159,7 +160,7 @@ impl Page {
     }
 }
 
-/// A text, without its place.
+/// The parts of a text element that do not depend on its place.
 fn words(text: &str, anchor: Anchor, size: f64, ink: Ink) -> Element {
     let text = printable(text);
     let side = match anchor {
@@ -167,7 +168,7 @@ fn words(text: &str, anchor: Anchor, size: f64, ink: Ink) -> Element {
         Anchor::Right => "end",
         Anchor::Centre => "middle",
     };
-    // A viewer with another font keeps to the room that the layout gives: nothing runs over what stands beside it.
+    // A viewer with another font stretches the text to this width, so that no text runs over its neighbour.
     let length = number(font::width(&text, size));
     let mut element = Element::new("text");
     let mut set = |name: &str, value: &str| element.assign(name, value);
@@ -229,7 +230,7 @@ fn hex([red, green, blue]: Ink) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A number of points as it is written: hundredths, 3.5 micrometres, are finer than any printer.
+/// A length in points as written in the file: 0.01 point is 3.5 micrometres, finer than any printer.
 fn number(points: f64) -> String {
     let text = format!("{points:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.');

@@ -9,17 +9,17 @@ use slipline_plate::paper::{Figure, Panel, Stroke};
 
 /// Width and height of the page, in points.
 const SIZE: Place = (620.0, 250.0);
-/// Dots per inch of the picture: 1240 x 500 pixels.
+/// Dots per inch of the PNG: 1240 x 500 pixels.
 const DOTS_PER_INCH: f64 = 144.0;
 /// Size of the title's text, of a heading's, and of all other text, in points.
 const TITLE: f64 = 8.6;
 const HEADING: f64 = 7.4;
 const TEXT: f64 = 6.5;
-/// Room around the title and left and right of a panel, in points.
+/// Margin around the title and left and right of a panel, in points.
 const MARGIN: f64 = 7.0;
 /// Where the panels begin, in points.
 const TOP: f64 = 20.0;
-/// What is said of the curves.
+/// The convention under the heading.
 const REMARK: Ink = [40, 40, 40];
 
 /// Draws a figure of the paper.
@@ -50,7 +50,7 @@ fn draw_panel(page: &mut Page, (left, right): (f64, f64), figure: &Figure, panel
 
 fn plot<'a>(figure: &'a Figure, panel: &'a Panel) -> Plot<'a> {
     let curves = panel.series.iter().map(|series| Curve {
-        // The second branch of a curve has its colour and its name already.
+        // The second branch of a curve has the colour of the first and no legend entry of its own.
         name: (!series.name.ends_with(", Im")).then(|| series.name.clone()),
         sample: Sample::Line(match series.stroke {
             Stroke::Solid => Pen::solid(hue(series.hue), 1.3),

@@ -1,4 +1,4 @@
-//! A plot: a legend, axes, curves, vertical lines.
+//! A plot: legend, axes, curves and vertical lines.
 
 use super::axes::Axes;
 use super::drawing::Drawing;
@@ -6,14 +6,14 @@ use super::legend::{Sample, legend, row_height};
 use super::page::{Anchor, BLACK, Page, Pen, Place};
 use super::{PRINT_DOTS_PER_INCH, PRINT_WIDTH};
 
-/// Size of the title's text, of all other text, and room around a plot that stands alone, in points.
+/// Text size of the title, of all other text, and the margin around a plot that is alone on its page, in points.
 pub(super) const TITLE: f64 = 11.0;
 pub(super) const TEXT: f64 = 8.0;
 const MARGIN: f64 = 8.0;
 
 /// A curve over x.
 pub(super) struct Curve {
-    /// What the legend calls it; `None` leaves it out.
+    /// Its name in the legend; `None` leaves it out.
     pub(super) name: Option<String>,
     /// How it is drawn: as a line, or as rings or dots at its points.
     pub(super) sample: Sample,
@@ -23,15 +23,15 @@ pub(super) struct Curve {
 
 /// A vertical line.
 pub(super) struct Upright {
-    /// What the legend calls it; `None` leaves it out.
+    /// Its name in the legend; `None` leaves it out.
     pub(super) name: Option<String>,
     /// Where, in the unit of the x axis.
     pub(super) x: f64,
-    /// What it is drawn with.
+    /// The pen of the line.
     pub(super) pen: Pen,
 }
 
-/// What a plot shows.
+/// The contents of a plot.
 pub(super) struct Plot<'a> {
     /// Range of the x axis, in its unit.
     pub(super) x: (f64, f64),
@@ -41,7 +41,8 @@ pub(super) struct Plot<'a> {
     pub(super) x_name: &'a str,
     /// Name of the y axis, with its unit.
     pub(super) y_name: &'a str,
-    /// The curves, in the order of the legend; a dashed one lies on top, and of two alike the first.
+    /// The curves, in the order of the legend. A dashed curve lies above a solid one; of two solid ones the first
+    /// lies on top.
     pub(super) curves: Vec<Curve>,
     /// Vertical lines, below the curves and behind them in the legend.
     pub(super) uprights: Vec<Upright>,
@@ -50,7 +51,7 @@ pub(super) struct Plot<'a> {
 }
 
 impl Plot<'_> {
-    /// Draws it alone on a page for print, under its title.
+    /// Draws the plot alone on a page for print, under its title.
     pub(super) fn printed(&self, title: &str) -> Drawing {
         let (width, height) = (PRINT_WIDTH, 0.5 * PRINT_WIDTH);
         let mut page = Page::new((width, height), title);
@@ -59,7 +60,7 @@ impl Plot<'_> {
         page.finish(PRINT_DOTS_PER_INCH)
     }
 
-    /// Draws it into the rectangle with these corners, in points.
+    /// Draws the plot into the rectangle with these corners, in points.
     pub(super) fn draw(&self, page: &mut Page, (left, top): Place, (right, bottom): Place) {
         let text = self.text;
         let rows = legend(page, &self.entries(), (left, top + 0.5 * text), right - left, text);
@@ -88,7 +89,8 @@ impl Plot<'_> {
             let x = axes.at_x(upright.x);
             page.line([(x, axes.down.0), (x, axes.down.1)], upright.pen);
         }
-        // Dashed curves last: what is compared lies on top of what it is compared with.
+        // Dashed curves come last, so that a prediction stays visible on top of the measurement it is compared
+        // with.
         let (dashed, solid): (Vec<&Curve>, Vec<&Curve>) = self
             .curves
             .iter()

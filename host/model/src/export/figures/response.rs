@@ -7,10 +7,10 @@ use super::plot::{Curve, Plot, TEXT, Upright};
 use crate::numbers::quantity::{show_frequency, show_place};
 use slipline_plate::Response;
 
-/// Most points of the curve: twice the dots that the picture is wide.
+/// Most points of the curve: two per pixel of the figure's width.
 const MOST: usize = 4001;
 
-/// Draws what the plate with this name answers.
+/// Draws the response of the plate with this name.
 #[must_use]
 pub fn response_figure(response: &Response, plate: &str) -> Drawing {
     let places_mm = response.position_m.iter().map(|x_m| x_m * 1e3);
@@ -21,7 +21,7 @@ pub fn response_figure(response: &Response, plate: &str) -> Drawing {
     let peak_m = response.peak.map(|peak| peak.position_m);
     let marked = [("turning point", Some(response.turning_point_m), 1), ("peak", peak_m, 4)];
     let uprights = marked.into_iter().filter_map(|(name, place_m, hue)| {
-        // A wave that reaches the plate's end turns beyond it.
+        // If the wave reaches the plate's end, its turning point lies beyond the end.
         let place_m = place_m.filter(|place_m| place_m * 1e3 <= length_mm)?;
         let name = Some(format!("{name} {}", show_place(place_m)));
         Some(Upright { name, x: place_m * 1e3, pen: Pen::solid(HUES[hue], 0.8) })

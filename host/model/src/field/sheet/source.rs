@@ -4,16 +4,17 @@ use super::grid;
 use serde::{Deserialize, Serialize};
 use slipline_plate::{Plate, SheetError};
 
-/// Cell updates per second of plate time up to which a sheet is shown without being asked for: few enough that one
-/// processor core has settled it in a moment and runs it on with room to spare.
+/// Most cell updates per second of plate time for which the sheet is chosen automatically: few enough that one
+/// processor core settles it in a moment and then runs it with time to spare.
 const BUDGET: f64 = 5e8;
-/// The most with which one can be asked for: it settles within some tens of seconds on one core.
+/// Most cell updates per second of plate time for which the user can choose the sheet: it settles within some tens
+/// of seconds on one core.
 const BUDGET_ON_REQUEST: f64 = 5e10;
 
-/// What the user wants the wave on the plate to be drawn from.
+/// The user's choice of the source from which the wave is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SourceChoice {
-    /// The 2-D sheet where it runs live, else the modal lines.
+    /// The 2-D sheet where it runs in real time, else the modal lines.
     #[default]
     Automatic,
     /// The modal lines.
@@ -37,17 +38,17 @@ impl SourceChoice {
     }
 }
 
-/// What the wave is drawn from.
+/// The source from which the wave is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
     /// The wave equation on the whole sheet, in time.
     Sheet,
-    /// The first width mode along the plate; with a sentence that says why it is not the sheet, if that was wished.
+    /// The first width mode along the plate, with the reason why it is not the sheet if the user chose the sheet.
     Lines(Option<String>),
 }
 
-/// What the wave of this plate is drawn from at this sample rate, in Hz. Follows from its arguments alone, not from the
-/// machine. A plate that has no sheet at this rate gets the lines, whatever the wish.
+/// The source for this plate at this sample rate in Hz. It depends only on the arguments, not on the machine. A
+/// plate that has no sheet at this rate gets the lines, whatever the choice.
 #[must_use]
 pub fn source(plate: &Plate, sample_rate_hz: f64, wish: SourceChoice) -> Source {
     let (budget, is_wished) = match wish {

@@ -8,13 +8,13 @@ use super::layout::Layout;
 use crate::colour_map;
 use crate::field::displacement_map::{DisplacementMap, Wave};
 
-/// Points per pixel: pixels of the finished picture, because finer ones are not printed.
+/// Points per pixel: the resolution of the finished PNG, because print shows no finer pixels.
 const PIXEL: f64 = 72.0 / PRINT_DOTS_PER_INCH;
-/// Colours of the scale.
+/// Number of colours in the scale.
 const SHADES: u32 = 256;
 
 impl Subject {
-    /// The colour of a displacement, of full colour.
+    /// The colour of a displacement, given as a share of full colour.
     fn colour(&self, value: f64) -> Ink {
         if self.is_largest {
             colour_map::sequential(value.abs() as f32, false)
@@ -24,7 +24,8 @@ impl Subject {
     }
 }
 
-/// Draws the scale from none, or from the lowest, to full colour into a rectangle.
+/// Draws the colour scale into a rectangle: from zero (amplitude) or from the lowest value (signed) to full
+/// colour.
 pub(super) fn draw_scale(
     page: &mut Page,
     subject: &Subject,
@@ -61,7 +62,7 @@ pub(super) fn draw_field(page: &mut Page, subject: &Subject, layout: &Layout) ->
     for row in 0..rows {
         let down = high * (2.0 * (f64::from(row) + 0.5) / f64::from(rows) - 1.0);
         for column in &across {
-            // Pixels that the outline cuts, or leaves out, are coloured as the edge.
+            // Pixels on or outside the outline get the colour of the edge, so that clipping leaves no gap.
             let beta = (down / layout.half_width(column.half_width_m)).clamp(-1.0, 1.0);
             pixels.push(opaque(subject.colour(map.at(column, &map.row(beta)) / full_m)));
         }

@@ -1,4 +1,4 @@
-//! Where the parts of the figure stand, in points from the left and the top, and the words under it.
+//! The layout of the figure, in points from the left and the top, and the caption under it.
 
 use super::super::axes::Axes;
 use super::super::legend::row_height;
@@ -12,16 +12,16 @@ use crate::numbers::ticks;
 use crate::setup::{BoundaryMode, Setup};
 use slipline_plate::Plate;
 
-/// Room left of the axis for its numbers and name, and right of it for half a number.
+/// Width left of the axis for its numbers and name, and right of it for half a number.
 const MARGIN: (f64, f64) = (50.0, 16.0);
 /// Least and greatest height of the plate.
 const PLATE: (f64, f64) = (48.0, 170.0);
-/// Pieces of an edge of the plate.
+/// Number of line segments of one edge of the plate.
 const EDGE: i32 = 400;
 /// Height of the envelope.
 const ENVELOPE: f64 = 150.0;
 
-/// Where the parts of the figure stand.
+/// The places of the parts of the figure.
 pub(super) struct Layout {
     /// Left and right end of the plate.
     pub(super) left: f64,
@@ -29,14 +29,14 @@ pub(super) struct Layout {
     /// Middle of the lines of text over the plate.
     pub(super) title: f64,
     pub(super) colours: f64,
-    /// Top and bottom of the plate's room, and its centre line.
+    /// Top and bottom of the area for the plate, and its centre line.
     pub(super) plate: (f64, f64),
     pub(super) centre: f64,
     /// Top and bottom of the envelope.
     pub(super) envelope: (f64, f64),
     /// Middle of the legend.
     pub(super) legend: f64,
-    /// The lines under it.
+    /// The caption, line by line.
     pub(super) caption: Vec<String>,
     /// The plate's length in metres.
     pub(super) length_m: f64,
@@ -82,7 +82,7 @@ impl Layout {
         (PRINT_WIDTH, self.legend + (self.caption.len() as f64 + 1.0) * row_height(TEXT) + 4.0)
     }
 
-    /// Where a place on the plate is.
+    /// The horizontal position of a place on the plate.
     pub(super) fn x(&self, x_m: f64) -> f64 {
         self.left + x_m / self.length_m * (self.right - self.left)
     }
@@ -101,7 +101,7 @@ impl Layout {
     }
 }
 
-/// The tones in figures, and what holds for all of them: phrases that are not broken.
+/// The numbers of each tone and the values common to all tones, as phrases that are not broken over lines.
 fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
     let mut phrases: Vec<String> = Vec::new();
     for tone in &setup.tones {

@@ -22,7 +22,7 @@ use crate::setup::{BoundaryMode, Setup};
 use layout::Layout;
 
 const WEAK: Ink = HUES[5];
-/// Under the predicted envelope.
+/// The fill under the predicted envelope.
 const AREA: Ink = [214, 229, 240];
 const PREDICTED: Pen = Pen::solid(HUES[0], 1.2);
 const NOT_DRIVEN: Pen = Pen::dashed(HUES[0], 1.2, (4.0, 3.0));
@@ -33,18 +33,18 @@ const BOUNDARY: Pen = Pen::solid(BLACK, 0.9);
 /// Radius of a ring of the simulated plate.
 const RING: f64 = 1.4;
 
-/// What is seen, to be drawn.
+/// The state of the screen that a figure shows.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// The plate and its tones.
     pub setup: Setup,
-    /// What the setup would do.
+    /// The plate under the tones of the setup, predicted.
     pub predicted: SteadyField,
-    /// What sounds; `None` at rest.
+    /// The plate under the tones that sound; `None` at rest.
     pub sounding: Option<SteadyField>,
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<Frame>,
-    /// What the simulated plate did.
+    /// The envelope of the simulated plate.
     pub measured: Option<Measured>,
     /// The table's peak at level 1, in metres.
     pub full_peak_m: f64,
@@ -54,26 +54,25 @@ pub struct Subject {
     pub wave_time_s: f64,
 }
 
-/// A figure that is asked for.
+/// A figure to draw.
 #[derive(Clone, Debug)]
 pub struct FigureJob {
-    /// What is seen.
+    /// The state of the screen.
     pub subject: Subject,
-    /// The file it is to be.
+    /// The format of the file.
     pub format: Format,
 }
 
 /// A figure's file.
 #[derive(Clone, Debug)]
 pub struct File {
-    /// Of which kind it is.
+    /// Its format.
     pub format: Format,
-    /// What is in it.
+    /// Its content.
     pub bytes: Vec<u8>,
 }
 
-/// The work of the thread that draws: the file, or a sentence that says why there is none. `None` when the task was
-/// over before.
+/// The work of the figure thread: the file, or the reason why there is none. `None` when the task was over before.
 #[must_use]
 pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, String>> {
     if task.is_over() {
@@ -83,7 +82,7 @@ pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, String>> {
     Some(bytes.map(|bytes| File { format: job.format, bytes }).map_err(|error| error.to_string()))
 }
 
-/// Draws what is seen.
+/// Draws the state of the screen.
 ///
 /// # Errors
 /// [`DrawError`] when the plate's colours cannot be encoded.
@@ -118,7 +117,7 @@ impl Figure<'_> {
         self.page.text(text, place, anchor, TEXT, ink);
     }
 
-    /// The plate's name, what its colours are, and their scale.
+    /// The plate's name, the meaning of its colours, and their scale.
     fn heading(&mut self) -> Result<(), DrawError> {
         let (subject, layout) = (self.subject, self.layout);
         let (left, y) = (layout.left, layout.colours);
@@ -147,7 +146,7 @@ impl Figure<'_> {
     fn plate(&mut self) -> Result<(), DrawError> {
         let (plate, layout) = (&self.subject.setup.plate, self.layout);
         field::draw_field(self.page, self.subject, layout)?;
-        // Both edges and the narrow end, which joins them.
+        // Both edges and the narrow end between them.
         let edges = layout.edge(plate, -1.0).chain(layout.edge(plate, 1.0).rev());
         self.page.line(edges, Pen::solid(BLACK, 0.9));
         // The driven end is a thick bar: this is where the actuator holds the plate.
@@ -160,7 +159,7 @@ impl Figure<'_> {
         Ok(())
     }
 
-    /// How far the plate moves at each x.
+    /// The envelope: the largest displacement at each x.
     fn envelope(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let predicted = &subject.predicted;
@@ -199,7 +198,8 @@ impl Figure<'_> {
         axes.frame(self.page, "x from the driven end (mm)", &format!("displacement ({unit})"));
     }
 
-    /// A line through plate and envelope for every tone, with its number; with its figures where there is one tone.
+    /// A line through plate and envelope for every tone, labelled with its number, or with its values if there is
+    /// only one tone.
     fn boundaries(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let setup = &subject.setup;
@@ -217,7 +217,7 @@ impl Figure<'_> {
             marks.push((x, text));
         }
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // A number that would lie on the one before stands over it.
+        // A number that would overlap the one before is moved above it.
         let mut taken = [f64::NEG_INFINITY; 2];
         for (x, text) in marks {
             let half = 0.5 * font::width(&text, TEXT);
@@ -229,7 +229,7 @@ impl Figure<'_> {
         }
     }
 
-    /// What the lines are.
+    /// The legend.
     fn legend(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let is_chord = subject.predicted.tones.len() > 1;
@@ -252,7 +252,7 @@ impl Figure<'_> {
         legend(self.page, &entries, (layout.left, layout.legend), layout.right - layout.left, TEXT);
     }
 
-    /// The tones in figures.
+    /// The caption with the values of the tones.
     fn caption(&mut self) {
         let layout = self.layout;
         for (i, line) in layout.caption.iter().enumerate() {
