@@ -5,7 +5,7 @@
 //!   ^                |  <--Snapshot-- link worker <-- device
 //!   +--- Scene ------+  <--table, lights, design, sheet, files, simulated plate-- threads
 //! ```
-//! Nothing here waits: what takes longer than a frame is done by the link worker, a [`JobQueue`] or [`Files`].
+//! Nothing here blocks: work that takes longer than a frame runs in the link worker, a [`JobQueue`] or [`Files`].
 
 mod background;
 mod device;
@@ -48,11 +48,11 @@ use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// The link as the app needs it: the worker, or a test's record of what was asked.
+/// The link as the app needs it: the worker, or a test's stand-in that records the requests.
 pub trait Link {
-    /// Asks for something; never blocks.
+    /// Sends a request; never blocks.
     fn send(&self, request: Request) -> Ticket;
-    /// What is known.
+    /// The latest snapshot of link and device.
     fn snapshot(&self) -> Arc<Snapshot>;
 }
 
@@ -66,27 +66,27 @@ impl Link for Worker {
     }
 }
 
-/// What the app works with; tests give their own.
+/// The parts that the app works with; tests pass their own.
 pub struct Parts {
     /// The link.
     pub link: Box<dyn Link>,
-    /// Where tables are made.
+    /// Computes turning-point tables.
     pub tables: JobQueue<TableJob, TableState>,
-    /// Where validity lights are made.
+    /// Computes validity lights.
     pub checks: JobQueue<CheckJob, Checked>,
-    /// Where plates are designed.
+    /// Designs plates.
     pub designs: JobQueue<Draft, Designed>,
-    /// Where the 2-D sheet is run.
+    /// Runs the 2-D sheet.
     pub sheets: JobQueue<SheetJob, sheet::Frame>,
-    /// Where the mirror follows the device.
+    /// Replays the device's codes with the mirror.
     pub waveforms: JobQueue<WaveformJob, Waveform>,
-    /// Where the simulated plate is run.
+    /// Runs the simulated plate in the time domain.
     pub time_domain: JobQueue<TimeDomainJob, Measured>,
-    /// Where figures are drawn.
+    /// Draws figures.
     pub figures: JobQueue<FigureJob, Result<plate::File, String>>,
     /// Files.
     pub files: Box<dyn Files>,
-    /// Lists the ports that exist, the simulated plate's first.
+    /// Lists the ports that exist, the simulated device first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
 }
 
@@ -97,38 +97,38 @@ pub struct App {
     history: History,
     settings: Settings,
     autopilot: Autopilot,
-    /// The latest connection that was asked for.
+    /// The latest request for a connection.
     connect_sent: Option<Ticket>,
-    /// The latest drive that was sent, until it is known why it was refused.
+    /// The latest drive that was sent, until a refusal of it is handled.
     drive_sent: Option<Ticket>,
     /// The latest drive that was sent.
     latest_drive: Option<Ticket>,
-    /// The latest clearing of faults that was asked for, until it is known what came of it.
+    /// The latest request to clear faults, until its result is known.
     clear_sent: Option<Ticket>,
-    /// The slot of the tone that keys and fields are for.
+    /// The slot of the tone that keys and fields change.
     selected: u8,
     grab: Option<Grab>,
-    /// Rises with every press of pointer or key: a drag is one step of the history.
+    /// Incremented with every press of pointer or key, so that a whole drag is one undo step.
     gesture: u64,
     snapshot: Arc<Snapshot>,
     ports: Vec<PortInfo>,
     table: TableState,
-    /// The plate and rate that the table was asked for.
+    /// The plate and rate of the latest table request.
     table_asked: Option<(Arc<Plate>, u32)>,
-    /// The wave that the setup would make on its plate.
+    /// The field that the setup would produce on its plate.
     predicted: SteadyField,
     playback: Playback,
     background: background::Work,
     notices: Notices,
     dialog: Option<Dialog>,
-    /// The job that waits for a path to be typed.
+    /// The file job that waits until the user types a path.
     asked: Option<FileJob>,
     view: ViewState,
     screenshots: (Sender<Arc<egui::ColorImage>>, Receiver<Arc<egui::ColorImage>>),
 }
 
 impl App {
-    /// An app with these parts, this setup and these settings, connecting to the port used last.
+    /// An app with these parts, setup and settings. It connects to the port that was used last.
     #[must_use]
     pub fn new(ctx: &egui::Context, parts: Parts, setup: Setup, settings: Settings) -> Self {
         theme::install(ctx);
@@ -168,25 +168,25 @@ impl App {
         app
     }
 
-    /// What the user has set up.
+    /// The user's setup.
     #[must_use]
     pub fn setup(&self) -> &Setup {
         &self.setup
     }
 
-    /// What is remembered.
+    /// The settings that are kept between runs.
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The latest message that stands, if one does.
+    /// The latest message that is shown, if any.
     #[must_use]
     pub fn notice(&self) -> Option<&Notice> {
         self.notices.iter().max_by_key(|notice| notice.number)
     }
 
-    /// Takes in all that happened since the last frame. Paints nothing.
+    /// Processes everything that happened since the last frame. Paints nothing.
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.look_at_link();
         self.take_results();
@@ -224,7 +224,7 @@ impl App {
         self.notices.fail(text);
     }
 
-    /// Shows the window in all of `ui`, then carries out what its views ask for.
+    /// Shows the window in all of `ui`, then carries out the intents of its views.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let mut view = std::mem::take(&mut self.view);
         let scene = Scene {
@@ -269,7 +269,7 @@ fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {
     });
 }
 
-/// The setup of a first start: the first preset. `None` when that is damaged.
+/// The setup of a first start: the first preset. `None` when that preset is damaged.
 #[must_use]
 pub fn first_setup() -> Option<Setup> {
     slipline_plate::presets().first()?.plate().map(|plate| Setup::new(Arc::new(plate)))

@@ -3,7 +3,7 @@
 use eframe::egui::{Rangef, Rect};
 use slipline_model::numbers::ticks::Ticks;
 
-/// Places on the plate against pixels on the screen.
+/// The transform between places on the plate and points on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     left: f32,
@@ -21,19 +21,19 @@ impl Axis {
         Self { left, points_per_m: (right - left).max(1.0) / length_m as f32, length_m, pixels_per_point }
     }
 
-    /// Where a place is on the screen.
+    /// The screen position of a place.
     #[must_use]
     pub fn screen_from_place(&self, x_m: f64) -> f32 {
         self.left + x_m as f32 * self.points_per_m
     }
 
-    /// Where a place is on the screen, in the middle of a pixel: for lines that must meet across views.
+    /// The screen position of a place, rounded to the middle of a pixel: for lines that must meet across views.
     #[must_use]
     pub fn line_from_place(&self, x_m: f64) -> f32 {
         ((self.screen_from_place(x_m) * self.pixels_per_point).floor() + 0.5) / self.pixels_per_point
     }
 
-    /// Which place is under a screen point, in metres; may lie off the plate.
+    /// The place under a screen position, in metres; it may lie off the plate.
     #[must_use]
     pub fn place_from_screen(&self, x: f32) -> f64 {
         f64::from((x - self.left) / self.points_per_m)
@@ -57,7 +57,7 @@ impl Axis {
         Rangef::new(self.left, self.screen_from_place(self.length_m))
     }
 
-    /// What of the plate's extent on the screen lies before and behind a span, in metres.
+    /// The parts of the plate's extent on the screen that lie before and after a span in metres.
     #[must_use]
     pub fn beyond(&self, (start, end): (f64, f64)) -> [Rangef; 2] {
         let screen = self.screen();

@@ -1,20 +1,20 @@
-//! What the panels call the fields of a plate, and the units they show them in: for the fields and for what is said of
-//! them.
+//! Captions and units of a plate's fields in the panels, used for the fields and for messages about them.
 
 use slipline_model::numbers::quantity::{self, QuantityError};
 use slipline_plate::number_format::significant;
 
-/// Digits that count of a number in a field: more than anyone measures, fewer than a change of units leaves behind.
+/// Significant digits of a number in a field: more than anyone measures, but few enough to hide rounding from a
+/// change of units.
 pub const FIELD_DIGITS: usize = 7;
 
 /// One field of a panel.
 #[derive(Debug)]
 pub struct Caption {
-    /// What it is called.
+    /// Its caption.
     pub name: &'static str,
-    /// The plate library's names for what is typed there.
+    /// The plate library's names of this field.
     pub keys: &'static [&'static str],
-    /// How its number is shown.
+    /// The unit of its number.
     pub unit: Unit,
 }
 
@@ -25,14 +25,14 @@ pub enum Unit {
     Millimetre,
     /// Hertz, or kilohertz from 1 kHz on.
     Hertz,
-    /// This unit, so many times that of the library.
+    /// A unit of this name that is so many times the library's unit.
     Times(&'static str, f64),
     /// None.
     Pure,
 }
 
 impl Unit {
-    /// The unit's name where a number of this size is shown, and how many of the library's units it is.
+    /// The unit's name for a number of this size, and its size in the library's unit.
     #[must_use]
     pub fn shown(self, value: f64) -> (&'static str, f64) {
         match self {
@@ -44,17 +44,17 @@ impl Unit {
         }
     }
 
-    /// A number of the library's as it stands in the field: with so many digits that count.
+    /// A number in the library's unit as text for the field, with this many significant digits.
     #[must_use]
     pub fn written(self, value: f64, digits: usize) -> String {
         let (name, size) = self.shown(value);
         format!("{} {name}", significant(value / size, digits)).trim_end().to_owned()
     }
 
-    /// A number as it is typed into the field, in the library's unit.
+    /// Parses a number that was typed into the field; the result is in the library's unit.
     ///
     /// # Errors
-    /// [`QuantityError`] for what is no number, or has a unit that does not fit.
+    /// [`QuantityError`] for a text that is not a number, or has a unit that does not fit.
     pub fn read(self, text: &str) -> Result<f64, QuantityError> {
         match self {
             Self::Millimetre => quantity::length_m(text),
@@ -104,7 +104,7 @@ pub const THICKNESS: Caption = caption("Thickness", Unit::Millimetre, &["thickne
 pub const LOSS_FACTOR: Caption = caption("Loss factor", Unit::Pure, &["loss_factor", "material.loss_factor"]);
 /// r of a damped source.
 pub const DRIVE_RATIO: Caption = caption("Resistance ratio", Unit::Pure, &["drive.ratio"]);
-/// Where r holds; no panel has a field for it.
+/// The frequency at which r holds; no panel has a field for it.
 pub const DRIVE_FREQUENCY: Caption =
     caption("Frequency of the resistance", Unit::Hertz, &["drive.at_frequency_hz"]);
 /// Displacement of the drive at DAC full scale, of the plate on the screen.
@@ -125,7 +125,7 @@ pub const RIM: Caption = caption("Rim", Unit::Millimetre, &["rim_m"]);
 /// Name of a design.
 pub const NAME: Caption = caption("Name", Unit::Pure, &["name"]);
 
-/// Whose captions are used.
+/// The panel whose captions are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Panel {
     /// The numbers of the plate on the screen.
@@ -156,8 +156,8 @@ const PLATE: [&Caption; 16] = [
 const DESIGNER: [&Caption; 7] = [&FULL_SCALE, &BAND_LOW, &BAND_HIGH, &START_MARGIN, &END_MARGIN, &RIM, &NAME];
 
 impl Panel {
-    /// The caption of one of the library's fields. What the designer has no field of its own for is called as in the
-    /// other panel, which shows what it chose.
+    /// The caption of one of the library's fields. A field that the designer does not have gets the caption of the
+    /// plate panel, which shows the chosen value.
     #[must_use]
     pub fn caption(self, key: &str) -> Option<&'static Caption> {
         let own = if self == Self::Designer { &DESIGNER[..] } else { &[] };

@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// What is written, and how the file is called if the user gives no other name.
+/// A file to save: its content and the name that is offered.
 #[derive(Clone, Debug)]
 pub struct Save {
     /// The name offered.
     pub name: String,
-    /// What kind of file it is, as the user reads it.
+    /// The kind of file, as the dialog shows it.
     pub kind: &'static str,
     /// The extension, without a dot.
     pub extension: &'static str,
@@ -29,45 +29,45 @@ pub enum FileJob {
     Choose,
     /// Read this file.
     Open(PathBuf),
-    /// Let the user choose where to, and write.
+    /// Let the user choose a path, and write to it.
     Save(Save),
     /// Let the user choose a folder and write these files (name, text) into it.
     SaveFolder(Vec<(String, String)>),
     /// Write to this path.
     SaveAs {
-        /// Where to.
+        /// The path.
         path: PathBuf,
-        /// What.
+        /// The content.
         save: Save,
-        /// Whether a file that is there is replaced.
+        /// Whether an existing file is replaced.
         may_replace: bool,
     },
     /// Write these files (name, text) into this folder.
     SaveInto(PathBuf, Vec<(String, String)>),
 }
 
-/// How it went.
+/// The result of a job.
 #[derive(Clone, Debug)]
 pub enum FileEvent {
-    /// A file was read, or not; then a sentence says why.
+    /// A file was read, or the reason why not.
     Opened(PathBuf, Result<String, String>),
-    /// A file was written, or not; then a sentence says why.
+    /// A file was written, or the reason why not.
     Saved(PathBuf, Result<(), String>),
-    /// The system has no dialog in which this job's path could be chosen.
+    /// The system has no dialog to choose a path for this job.
     NoDialog(FileJob),
-    /// There is a file of that name, and it may not be replaced.
+    /// A file of that name exists and may not be replaced.
     Exists(PathBuf, Save),
 }
 
-/// Where files come from and go to.
+/// The app's access to files.
 pub trait Files {
     /// Begins a job; returns at once.
     fn begin(&mut self, job: FileJob);
-    /// What has been done since.
+    /// The next finished job, if any.
     fn take(&mut self) -> Option<FileEvent>;
 }
 
-/// The system's own dialogs and disk, each job on a thread of its own.
+/// The dialogs and disk of the system; each job runs on its own thread.
 pub struct SystemFiles {
     wake: Arc<dyn Fn() + Send + Sync>,
     sender: Sender<FileEvent>,
@@ -89,7 +89,7 @@ impl Files for SystemFiles {
         let wake = Arc::clone(&self.wake);
         std::thread::spawn(move || {
             if let Some(event) = perform(job) {
-                // The window may be closed by now.
+                // The receiver is gone if the window was closed.
                 let _ = sender.send(event);
                 wake();
             }
@@ -101,7 +101,7 @@ impl Files for SystemFiles {
     }
 }
 
-/// Does a job; `None` when the user chose nothing.
+/// Runs a job; `None` when the user cancelled the dialog.
 fn perform(job: FileJob) -> Option<FileEvent> {
     let needs_dialog = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
     if needs_dialog && !native::is_there() {
@@ -120,7 +120,7 @@ fn perform(job: FileJob) -> Option<FileEvent> {
         FileJob::Save(save) => {
             let dialog = rfd::FileDialog::new().add_filter(save.kind, &[save.extension]);
             let path = dialog.set_file_name(&save.name).save_file()?;
-            // The dialog has asked whether a file that is there is replaced.
+            // The dialog has already asked before replacing an existing file.
             Some(save_as(path, save, true))
         }
         FileJob::SaveFolder(files) => {
@@ -143,7 +143,8 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
     FileEvent::Saved(path, result)
 }
 
-/// Writes all the files or, if one of them is there already, none: choosing a folder is no word on what is in it.
+/// Writes all files, or none if one of them already exists: choosing a folder is no permission to replace its
+/// files.
 fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
     let result = match files.iter().find(|(name, _)| folder.join(name).exists()) {
         Some((name, _)) => Err(format!("{name} is there already: choose another folder")),
@@ -161,7 +162,7 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
         .map_err(|error: io::Error| disk::missing_folder(path).unwrap_or_else(|| said(&error)))
 }
 
-/// The text of a file, or a sentence that says why it cannot be read.
+/// The text of a file, or the reason why it cannot be read.
 fn read_text(path: &Path) -> Result<String, String> {
     disk::read_text(path, FILE_BYTES_MAX).map_err(|error| said(&error))
 }
@@ -170,7 +171,7 @@ fn read_text(path: &Path) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// An empty folder of a test's own.
+    /// An empty folder for one test.
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();

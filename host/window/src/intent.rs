@@ -1,4 +1,5 @@
-//! What a view asks for. Views send nothing and change nothing of the device; the app carries intents out.
+//! The requests of the views. Views send nothing and change nothing on the device; the app carries out their
+//! intents.
 
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
@@ -9,18 +10,18 @@ use slipline_model::jobs::design::Draft;
 use slipline_model::setup::edit::Edit;
 use std::path::PathBuf;
 
-/// What was grabbed with the pointer, so that every later move of the pointer is a move of the tone.
+/// The tone that the pointer drags: every later move of the pointer moves this tone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grab {
     /// The tone.
     pub slot: u8,
     /// The axis it was grabbed on.
     pub axis: Axis,
-    /// How far the pointer was from the line when it took it, in points; kept during the drag.
+    /// Distance of the pointer from the line at the start of the drag, in points; it stays constant.
     pub offset: f32,
 }
 
-/// What is exported.
+/// An export.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
     /// Plate, envelope and boundaries as a figure for print.
@@ -37,24 +38,24 @@ pub enum Export {
     Diagnostics,
 }
 
-/// Which page stands in front of the window.
+/// The page in front of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dialog {
     /// The page of shortcuts.
     Shortcuts,
     /// Help with ports and permissions.
     PortHelp,
-    /// Version, licences, where it comes from.
+    /// Version, licences and origin.
     About,
-    /// Versions, counters, setup and log, to be read before they are sent.
+    /// Versions, counters, setup and log, for the user to read before sending them.
     Diagnostics,
-    /// Where a file is or shall be, where the system has no dialog for that.
+    /// A path to be typed, on a system without a file dialog.
     Path(PathQuestion),
-    /// Something real would happen.
+    /// An action with a real effect must be confirmed.
     Confirm(Confirm),
 }
 
-/// What is asked when a path must be typed.
+/// The question for a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PathQuestion {
     /// What the path is for, as a title.
@@ -63,29 +64,29 @@ pub struct PathQuestion {
     pub verb: &'static str,
     /// The path that is offered.
     pub offered: String,
-    /// The path that was typed and names a file that exists: it would be replaced.
+    /// The typed path if its file exists and would be replaced.
     pub existing: Option<String>,
 }
 
-/// What needs a confirmation.
+/// An action that needs a confirmation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Confirm {
     /// Unmute a real amplifier.
     Arm,
-    /// Overwrite what the device keeps in flash.
+    /// Overwrite the data in the device's flash.
     Store,
-    /// Erase what the device keeps in flash.
+    /// Erase the data in the device's flash.
     Forget,
     /// Restart into the bootloader.
     Bootloader,
 }
 
-/// One thing a view asks for.
+/// A request of a view.
 #[derive(Clone, Debug)]
 pub enum Intent {
     /// Change the setup.
     Edit(Edit),
-    /// Ask the link.
+    /// Send a request to the link.
     Request(Request),
     /// Connect to a port.
     Connect(slipline_link::Port),
@@ -95,13 +96,13 @@ pub enum Intent {
     Stop,
     /// Ramp to silence and mute.
     Disarm,
-    /// Make this tone the selected one.
+    /// Select this tone.
     Select(u8),
     /// The pointer took a handle.
     Grab(Grab),
-    /// Take back the latest change.
+    /// Undo the latest change.
     Undo,
-    /// Do again what was taken back.
+    /// Redo the change that was undone.
     Redo,
     /// Back to one boundary on the first preset.
     New,
@@ -121,13 +122,13 @@ pub enum Intent {
     SaveDesign,
     /// Save the cut files of the designed plate and its frame.
     SaveCutFiles,
-    /// Give up the work that is under way.
+    /// Cancel the work in progress.
     CancelWork,
-    /// Make the table whose making was given up.
+    /// Compute the table whose computation was cancelled.
     MakeTable,
-    /// Choose what the wave is drawn from.
+    /// Choose the source from which the wave is drawn.
     Wave(SourceChoice),
-    /// Save what is seen.
+    /// Export something.
     Export(Export),
     /// Send the table for the plate on the screen.
     Upload,
@@ -135,17 +136,17 @@ pub enum Intent {
     Theme(ThemeChoice),
     /// Show a page, or close it.
     Dialog(Option<Dialog>),
-    /// The path was typed; whether a file that exists there may be replaced.
+    /// The path was typed; the flag says whether an existing file may be replaced.
     Path(String, bool),
     /// Carry out what was confirmed.
     Confirmed(Confirm),
-    /// The message of this number is read.
+    /// Dismiss the message with this number.
     DismissNotice(u64),
     /// Look for ports again.
     RefreshPorts,
-    /// Colour the plate by how far it moves at most, or by where it is now.
+    /// Colour the plate by its largest displacement, or by the present one.
     ShowAmplitude(bool),
-    /// Draw the wave moving, or standing.
+    /// Animate the wave, or pause it.
     Animate(bool),
     /// Put text on the clipboard.
     Copy(String),
@@ -157,5 +158,5 @@ pub enum Intent {
     CopyDiagnostics,
 }
 
-/// What the views of one frame ask for, in order.
+/// The requests of all views in one frame, in order.
 pub type Intents = Vec<Intent>;

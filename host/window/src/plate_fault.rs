@@ -1,15 +1,15 @@
-//! What is wrong with a plate, as the panels write it: fields by their captions, numbers as a person types them, in the
-//! panels' units. The sentences are the plate library's: [`slipline_plate::PlateError::told`].
+//! Errors of a plate, as the panels show them: fields by their captions, numbers in the panels' units and format.
+//! The sentences come from the plate library: [`slipline_plate::PlateError::told`].
 
 use crate::caption::{Panel, Unit};
 use slipline_plate::Notation;
 use slipline_plate::number_format::significant;
 use slipline_plate::quantity::Range;
 
-/// Digits that count: as many as the library's own ranges have.
+/// Significant digits: as many as the library's ranges have.
 const DIGITS: usize = 5;
 
-/// The points of a sampled taper stand in its file alone: no panel can show a number of theirs.
+/// The points of a sampled taper exist only in its file: no panel has a field for them.
 fn is_point(field: &str) -> bool {
     field.starts_with("taper.points")
 }
@@ -35,7 +35,7 @@ impl Notation for Panel {
 
     fn range(&self, field: &str, range: Range) -> String {
         let range = range.rounded();
-        // One unit for both ends.
+        // Both ends of a range get the same unit.
         let largest = if range.high.is_finite() { range.high } else { range.low };
         let (unit, size) = unit_of(*self, field).shown(largest);
         format!("{} {unit}", range.in_words(|end| significant(end / size, DIGITS))).trim_end().to_owned()
@@ -50,7 +50,7 @@ impl Notation for Panel {
     }
 }
 
-/// A value of the library's with the panels' unit.
+/// A value of the library, written with the panel's unit.
 fn written(value: f64, unit: Unit) -> String {
     if value.is_finite() { unit.written(value, DIGITS) } else { "no number".to_owned() }
 }

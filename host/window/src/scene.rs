@@ -1,4 +1,4 @@
-//! Everything the views show, as the app hands it to them.
+//! The scene: everything the views show, as the app passes it to them.
 
 use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
@@ -15,25 +15,25 @@ use std::sync::Arc;
 
 /// Everything the views show.
 pub struct Scene<'a> {
-    /// What the user has set up.
+    /// The user's setup.
     pub setup: &'a Setup,
-    /// The tone that the boundary panel and the arrow keys are about.
+    /// The slot of the tone that the boundary panel and the arrow keys change.
     pub selected: u8,
-    /// The tone under the pointer's button.
+    /// The tone that the pointer drags.
     pub grab: Option<Grab>,
-    /// Link and device.
+    /// The state of link and device.
     pub snapshot: &'a Snapshot,
     /// Whether the user wants the plate driven.
     pub drive_wanted: bool,
-    /// The plate under the setup's tones; of unit height while `full_peak_m` is not known.
+    /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
     /// The plate under the tones that the device has acknowledged and sounds.
     pub sounding: Option<&'a SteadyField>,
-    /// The peak at level 1 in metres; `None` until the table for the plate is made.
+    /// The peak at level 1 in metres; `None` until the table for the plate is finished.
     pub full_peak_m: Option<f64>,
     /// The table for the setup's plate.
     pub table: &'a TableState,
-    /// The mirror's samples.
+    /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
     /// The simulated plate under the tones that sound, once it has settled.
     pub measured: Option<&'a Measured>,
@@ -41,9 +41,9 @@ pub struct Scene<'a> {
     pub background: &'a Background,
     /// The sheet, if the wave is drawn from it.
     pub sheet: Option<&'a Frame>,
-    /// Work that takes long.
+    /// The work that the user waits for.
     pub waiting: Option<Waiting>,
-    /// What is remembered.
+    /// The settings that are kept between runs.
     pub settings: &'a Settings,
     /// Ports that exist.
     pub ports: &'a [PortInfo],
@@ -51,9 +51,9 @@ pub struct Scene<'a> {
     pub notices: Vec<&'a Notice>,
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
-    /// What undo and redo would do.
+    /// The names of the changes that undo and redo would affect.
     pub undo: (Option<&'static str>, Option<&'static str>),
-    /// Seconds of slow motion so far: stands while the wave is paused.
+    /// Seconds of slow motion so far; constant while the wave is paused.
     pub wave_time_s: f64,
 }
 
@@ -63,30 +63,30 @@ impl Scene<'_> {
         self.table.made().map(|made| made.device_table.crc())
     }
 
-    /// Whether the device holds another table than the one for the plate on the screen.
+    /// Whether the device's table differs from the one for the plate on the screen.
     pub(crate) fn is_table_dirty(&self) -> bool {
         let on_device = self.snapshot.table.active.map(|header| header.crc);
         self.snapshot.is_connected() && self.table_crc().is_some_and(|crc| on_device != Some(crc))
     }
 
-    /// The worst case of the sum of all tones, of the DAC's full scale.
+    /// The largest possible sum of all tones, as a share of the DAC's full scale.
     pub(crate) fn headroom_sum(&self) -> f64 {
         self.table.headroom_sum(self.setup)
     }
 }
 
-/// What background work has come to.
+/// The results of the background work.
 #[derive(Default)]
 pub struct Background {
-    /// The lights, of the plate and boundary they name.
+    /// The latest lights, with the plate and boundary they belong to.
     pub checked: Option<Checked>,
-    /// The plate and boundary whose lights were asked for last.
+    /// The latest request for lights.
     pub asked: Option<CheckJob>,
-    /// What is wanted of the designer.
+    /// The draft in the designer.
     pub draft: Draft,
-    /// What came of it.
+    /// The result of the draft.
     pub design: DesignState,
-    /// What the wave is drawn from.
+    /// The source from which the wave is drawn.
     pub source: Option<Source>,
 }
 
@@ -98,38 +98,38 @@ impl Background {
     }
 }
 
-/// Where the designer stands.
+/// The state of the designer.
 #[derive(Clone, Debug, Default)]
 pub enum DesignState {
-    /// Nobody has opened it.
+    /// It was not opened yet.
     #[default]
     Closed,
     /// It is being designed.
     Making,
     /// A plate, or the reason why there is none.
     Ready(Arc<Designed>),
-    /// It was given up.
+    /// It was cancelled.
     Cancelled,
 }
 
-/// Work that is waited for, as a bar shows it.
+/// Work in progress, as a progress bar shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waiting {
-    /// What is being done.
+    /// The name of the work.
     pub what: &'static str,
-    /// How much of it is done, 0..=1.
+    /// The share that is done, 0..=1.
     pub share: f32,
 }
 
 /// A message to the user.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    /// What it says.
+    /// Its text.
     pub text: String,
     /// Whether something went wrong.
     pub is_error: bool,
-    /// Rises with every message: the same words again are another message.
+    /// Incremented with every message, so that a repeated text counts as a new message.
     pub number: u64,
-    /// How long it stands, in seconds; `None`: as long as it holds.
+    /// How long it is shown, in seconds; `None` means as long as it is true.
     pub lasts_s: Option<f64>,
 }

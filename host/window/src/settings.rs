@@ -1,10 +1,10 @@
-//! What the app remembers between runs besides the setup.
+//! The settings that the app keeps between runs, besides the setup.
 
 use serde::{Deserialize, Serialize};
 use slipline_model::field::sheet::SourceChoice;
 use std::path::{Path, PathBuf};
 
-/// Light, dark or as the system has it.
+/// The theme: light, dark or the system's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThemeChoice {
     /// Light.
@@ -31,30 +31,30 @@ impl ThemeChoice {
     }
 }
 
-/// Files the app remembers having opened.
+/// Most files in the list of recent files.
 const RECENT: usize = 8;
 
-/// What the app remembers.
+/// The settings that the app keeps between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// Light, dark or as the system.
     pub theme: ThemeChoice,
-    /// What the wave is drawn from.
+    /// The source from which the wave is drawn.
     pub wave: SourceChoice,
-    /// Whether the plate is coloured by how far it moves at most, not by where it is now.
+    /// Whether the plate is coloured by its largest displacement, not by the present one.
     pub show_amplitude: bool,
-    /// The port used last, as its name is written on the command line.
+    /// The port that was used last, in the form of the command line.
     pub port: Option<String>,
-    /// Whether a lost device is looked for.
+    /// Whether the app reconnects to a lost device by itself.
     pub auto_reconnect: bool,
-    /// Whether a new table goes to a real device by itself, too.
+    /// Whether a new table is also sent to a real device automatically.
     pub auto_upload: bool,
     /// Files opened or saved, newest first.
     pub recent: Vec<PathBuf>,
-    /// Whether the boundary has been dragged once, so that the hint is no longer needed.
+    /// Whether the user has dragged the boundary once, so that the hint is no longer needed.
     pub has_dragged: bool,
-    /// Whether the wave is drawn moving; not kept, so that a start always shows it.
+    /// Whether the wave is animated; not kept between runs, so that every start shows it moving.
     #[serde(skip, default = "moving")]
     pub animate: bool,
 }
@@ -86,8 +86,8 @@ impl Settings {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// Settings from such text. What is missing, unknown or written by a version that knows more words costs no more
-    /// than its own field: that one is as in [`Settings::default`].
+    /// Reads settings from such text. A field that is missing, unknown or written by a newer version gets its
+    /// value from [`Settings::default`]; the other fields are kept.
     #[must_use]
     pub fn read(text: &str) -> Self {
         let fields: toml::Table = text.parse().unwrap_or_default();
@@ -98,9 +98,9 @@ impl Settings {
         })
     }
 
-    /// Puts a file at the top of the recent ones.
+    /// Moves a file to the top of the recent files.
     pub fn used(&mut self, path: &Path) {
-        // A path that is no text could not be written, and nothing else with it.
+        // A path that is not UTF-8 cannot be written, and would prevent the other settings from being written.
         if path.to_str().is_none() {
             return;
         }

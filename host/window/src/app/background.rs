@@ -1,4 +1,5 @@
-//! What takes longer than a frame: the validity lights, the designer, the 2-D sheet; how far each is, and giving it up.
+//! Work that takes longer than a frame: the validity lights, the designer, the 2-D sheet; their progress and their
+//! cancellation.
 
 use super::{App, Parts};
 use crate::scene::{Background, DesignState, Waiting};
@@ -17,44 +18,44 @@ use std::time::Duration;
 
 /// Work that takes longer than this gets a bar and a Cancel button, in seconds.
 const PATIENCE_S: f64 = 0.3;
-/// Time between two looks at how far the work is.
+/// Time between two updates of the progress bar.
 const BAR: Duration = Duration::from_millis(100);
-/// The sample rate that is supposed until a device tells its own, in Hz.
+/// The sample rate that is assumed until a device reports its own, in Hz.
 const USUAL_RATE_HZ: f64 = 400e3;
 
-/// What the app keeps of its background work.
+/// The state of the app's background work.
 #[derive(Default)]
 pub(super) struct Work {
-    /// What the views show of it.
+    /// The part that the views show.
     pub(super) shown: Background,
-    /// For which plate, rate and wish that was decided.
+    /// The plate, rate and choice for which the source was decided.
     decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
     driven: Option<TimeDomainJob>,
     /// Plate time that has passed in slow motion, in seconds.
     plate_time_s: f64,
-    /// The table made last.
+    /// The table that was finished last.
     kept: Option<Arc<TableMade>>,
-    /// What is waited for, and since when.
+    /// The work that the user waits for, and since when.
     since: Option<(&'static str, f64)>,
     is_long: bool,
 }
 
 impl Work {
-    /// Notes the table that was made last: it comes back when another's making is given up.
+    /// Keeps the table that was finished last: it is restored when the computation of another one is cancelled.
     pub(super) fn keep(&mut self, table: &TableState) {
         if let Some(made) = table.made() {
             self.kept = Some(Arc::clone(made));
         }
     }
 
-    /// The work that is waited for, once it has taken longer than people like to wait.
+    /// The work that the user waits for, once it has taken longer than [`PATIENCE_S`].
     pub(super) fn waiting(&self, parts: &Parts) -> Option<Waiting> {
         under_way(parts).filter(|_| self.is_long)
     }
 }
 
-/// The work that is under way, the weightiest first.
+/// The work in progress, the most important first.
 fn under_way(parts: &Parts) -> Option<Waiting> {
     [
         ("table", parts.tables.progress()),
@@ -67,10 +68,10 @@ fn under_way(parts: &Parts) -> Option<Waiting> {
 }
 
 impl App {
-    /// Asks for what the screen needs, and watches how long it takes.
+    /// Starts the work that the screen needs, and tracks how long it takes.
     pub(super) fn look_after_background(&mut self, ctx: &egui::Context) {
         self.decide_source();
-        // While something is held down, boundary and levels are on their way.
+        // While the pointer is down, boundary and levels still change.
         if self.grab.is_none() && !ctx.input(|input| input.pointer.any_down()) {
             self.check();
         }
@@ -109,7 +110,7 @@ impl App {
         }
     }
 
-    /// Has the lights made for the plate and boundary on the screen, unless they are.
+    /// Requests the lights for the plate and boundary on the screen, unless that was done already.
     fn check(&mut self) {
         let Some(tone) = self.setup.tone(self.selected) else { return };
         let others = self.setup.tones.iter().filter(|other| other.slot != tone.slot);
@@ -129,7 +130,7 @@ impl App {
         }
     }
 
-    /// Has the sheet take this drive, if the wave is drawn from it.
+    /// Passes this drive to the sheet, if the wave is drawn from it.
     pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
@@ -139,7 +140,7 @@ impl App {
         }
     }
 
-    /// Moves the sheet on by `step_s` seconds of what the user sees.
+    /// Advances the sheet by `step_s` seconds of the user's time.
     pub(super) fn advance_sheet(&mut self, step_s: f64) {
         let Some(sounding) = &self.playback.sounding else { return };
         self.background.plate_time_s += step_s / slow_factor(&sounding.steady);
@@ -175,14 +176,14 @@ impl App {
         }
     }
 
-    /// Has the plate of a draft designed.
+    /// Requests the design of a draft.
     pub(super) fn design(&mut self, draft: Draft) {
         self.background.shown.draft = draft.clone();
         self.background.shown.design = DesignState::Making;
         self.parts.designs.ask(draft);
     }
 
-    /// Gives up what is under way. A table's making ends with the plate and the table that were there before.
+    /// Cancels the work in progress. If that is a table, the plate and the table from before are restored.
     pub(super) fn cancel_work(&mut self) {
         match under_way(&self.parts).map(|waiting| waiting.what) {
             Some("table") => {

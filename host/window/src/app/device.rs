@@ -1,5 +1,5 @@
-//! The device as the app steers it: which port, what its snapshot changes, the table and the drive it is sent. When
-//! the app asks by itself is the [`autopilot`]'s affair.
+//! The device as the app controls it: its port, the effects of a new snapshot, and the table and drive that it is
+//! sent. The [`autopilot`] decides when the app sends something without a user action.
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
@@ -8,7 +8,7 @@ use slipline_model::autopilot;
 use slipline_model::setup::edit;
 use std::sync::Arc;
 
-/// A reason as a message of its own.
+/// A reason as a whole sentence.
 fn sentence(reason: &str) -> String {
     let mut letters = reason.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
@@ -16,10 +16,10 @@ fn sentence(reason: &str) -> String {
 
 impl App {
     pub(super) fn connect(&mut self, port: Port) {
-        // The port that was asked for is remembered even if it is not there today.
+        // The chosen port is remembered even if it does not exist at the moment.
         self.settings.port = Some(port.to_string());
         self.autopilot.connecting(&port);
-        // What was wrong with the connection before is being tried again.
+        // The connection is tried again, so the message about the earlier failure is obsolete.
         self.notices.connected();
         self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
     }
@@ -38,7 +38,7 @@ impl App {
         if self.snapshot.is_connected() {
             self.notices.connected();
         } else {
-            // Nothing sounds: nothing of what was refused is left.
+            // Nothing sounds any more, so messages about refused drives are obsolete.
             self.notices.settle();
         }
         let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
@@ -66,12 +66,12 @@ impl App {
         self.update_playback();
     }
 
-    /// The table for the plate on the screen, once it is made.
+    /// The table for the plate on the screen, once it is finished.
     pub(super) fn screen_table(&self) -> Option<&Arc<TableMade>> {
         self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
     }
 
-    /// Tells that the device has stopped because nobody asked anything of it, and what to do.
+    /// Tells the user that the device stopped at the end of its drive time, and what to do.
     fn tell_of_drive_time(&mut self, before: &Snapshot) {
         let has = |snapshot: &Snapshot| {
             snapshot.status.is_some_and(|status| status.faults.contains(Fault::DriveTime))
@@ -90,12 +90,12 @@ impl App {
         self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
     }
 
-    /// Tells of faults that stand although the user has cleared them: their cause is still there.
+    /// Tells the user about faults that remain after they were cleared: their cause still exists.
     fn tell_of_standing_faults(&mut self) {
         let Some(ticket) = self.clear_sent else { return };
         let Some(status) = self.snapshot.status else { return };
         match self.snapshot.outcome(ticket) {
-            // A status that was read before the faults were cleared tells nothing of it.
+            // A status from before the clearing does not show its result.
             Some(Outcome::Done { at }) if status.now >= *at => {
                 self.clear_sent = None;
                 if !status.faults.is_empty() {
@@ -122,7 +122,7 @@ impl App {
         }
     }
 
-    /// Has the table made for the plate on the screen and the device's rate, unless it was asked for.
+    /// Requests the table for the plate on the screen and the device's rate, unless that was done already.
     pub(super) fn ask_for_table(&mut self) {
         let Some(identity) = &self.snapshot.identity else { return };
         let rate = identity.sample_rate_hz;
@@ -142,7 +142,7 @@ impl App {
         });
     }
 
-    /// Takes a table that was made, unless the screen shows another plate by now.
+    /// Takes a finished table, unless the screen shows another plate by now.
     pub(super) fn take_table(&mut self) {
         let Some(table) = self.parts.tables.take() else { return };
         let is_current = table.made().is_none_or(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
@@ -172,7 +172,7 @@ impl App {
         }
         self.parts.link.send(Request::Stop);
         self.send_drive();
-        // If this one is refused, too, it is for another reason.
+        // If the device also refuses this one, the reason is another.
         self.drive_sent = None;
         true
     }

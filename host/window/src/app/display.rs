@@ -1,12 +1,12 @@
-//! Why no window opens, and what helps, in words for the person who started the program.
+//! Why no window opens, and what helps, as a message to the user.
 
 /// The variables that name a display on Linux and BSD.
 const DISPLAYS: [&str; 2] = ["WAYLAND_DISPLAY", "DISPLAY"];
 
-/// One sentence or more for an error of the window system.
+/// The message for an error of the window system.
 pub(super) fn explain(error: &eframe::Error) -> String {
     let reason = match error {
-        // Their own text, without the name of the type that the outer error puts in front.
+        // The text of the inner error, without the type name that the outer error puts in front.
         eframe::Error::Winit(error) => error.to_string(),
         eframe::Error::WinitEventLoop(error) => error.to_string(),
         error => error.to_string(),
@@ -32,7 +32,7 @@ pub(super) fn explain(error: &eframe::Error) -> String {
     )
 }
 
-/// The reason without the source file and line that the window library puts in front of it: they name a folder of the
+/// The reason without the source file and line that the window library puts in front: they name a folder of the
 /// machine that built the program.
 fn without_source_place(text: &str) -> String {
     let place = text.find("os error at ").and_then(|start| {

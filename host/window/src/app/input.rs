@@ -1,4 +1,4 @@
-//! What keys, pointer and dropped files ask for, taken in before anything is painted.
+//! Input from keys, pointer and dropped files, processed before anything is painted.
 
 use super::App;
 use crate::files::FileJob;
@@ -8,7 +8,7 @@ use eframe::egui::{self, Key, Modifiers};
 use slipline_model::field::steady_field::turning_point_for;
 use slipline_model::setup::edit::Edit;
 
-/// The least that the window is zoomed to, in points: below it the panels cover each other.
+/// The smallest window after zooming, in points: in a smaller one the panels would overlap.
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
 
 impl App {
@@ -26,7 +26,7 @@ impl App {
                 )
             };
             let presses = input.events.iter().filter(is_press).count() as u64;
-            // Escape is looked at, not taken: it also closes pages and leaves fields.
+            // Escape is read, not consumed: it also closes pages and leaves fields.
             if input.key_pressed(Key::Escape) {
                 asked.push(Intent::Stop);
             }
@@ -62,7 +62,7 @@ impl App {
                     self.view.open_tab(index);
                 }
             }
-            // A focused slider or field keeps its arrow keys.
+            // A slider or field that has the focus uses the arrow keys itself.
             if focused.is_none() || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
@@ -78,7 +78,7 @@ impl App {
         self.perform(ctx, asked);
     }
 
-    /// A drag: each move of the pointer is a move of the tone, sent before anything is painted.
+    /// During a drag, each move of the pointer moves the tone, and is sent before anything is painted.
     pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
         let Some(grab) = self.grab else { return };
         let (moves, is_down) = ctx.input(|input| {
@@ -118,7 +118,7 @@ impl App {
     }
 }
 
-/// Takes back a zoom that leaves less than [`LEAST_ROOM`]; in a window that is small by itself, one above 1.
+/// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all.
 fn end_zoom(ctx: &egui::Context) {
     let zoom = ctx.zoom_factor();
     let steps = 10.0 * zoom * (ctx.content_rect().size() / LEAST_ROOM).min_elem();

@@ -1,4 +1,4 @@
-//! Paths that are typed, where the system has no dialog for files.
+//! Typed paths, for systems without a file dialog.
 
 use super::App;
 use crate::files::FileJob;
@@ -6,13 +6,13 @@ use crate::intent::{Dialog, PathQuestion};
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Asks for the path of a job; `existing` was typed, and names a file that is there.
+    /// Asks for the path of a job; `existing` is a path that was typed and names a file that exists.
     pub(super) fn ask_for_path(&mut self, job: FileJob, existing: Option<&Path>) {
         let (title, verb, name) = match &job {
             FileJob::Choose => ("Open a setup or a plate", "Open", ""),
             FileJob::Save(save) => ("Save as", "Save", save.name.as_str()),
             FileJob::SaveFolder(_) => ("A folder for the files", "Save", ""),
-            // Their path is known.
+            // These jobs have a path already.
             FileJob::Open(_) | FileJob::SaveAs { .. } | FileJob::SaveInto(..) => return,
         };
         let existing = existing.map(|path| path.display().to_string());
@@ -22,7 +22,7 @@ impl App {
         self.asked = Some(job);
     }
 
-    /// Does the job that waited for this path.
+    /// Runs the job that waited for this path.
     pub(super) fn take_path(&mut self, text: &str, may_replace: bool) {
         self.dialog = None;
         let path = self.typed_path(text);
@@ -35,8 +35,7 @@ impl App {
         self.parts.files.begin(job);
     }
 
-    /// What was typed as a path: `~` is the home folder, and what does not begin at the root begins in the usual
-    /// folder.
+    /// A typed text as a path: `~` is the home folder, and a relative path begins in the usual folder.
     fn typed_path(&self, text: &str) -> PathBuf {
         let text = text.trim();
         match (text.strip_prefix("~/"), std::env::home_dir()) {
@@ -45,7 +44,7 @@ impl App {
         }
     }
 
-    /// Where the file used last is, else the home folder.
+    /// The folder of the file that was used last, else the home folder.
     fn usual_folder(&self) -> PathBuf {
         let last = self.settings.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
         let last = last.filter(|folder| folder.is_dir());

@@ -1,4 +1,4 @@
-//! Carrying out what the views ask for.
+//! Carries out the intents of the views.
 
 use super::{App, first_setup, set_theme};
 use crate::files::{FileEvent, FileJob, Save};
@@ -127,7 +127,7 @@ impl App {
         }
     }
 
-    /// The plate that was designed for the present draft.
+    /// The plate that was designed from the present draft.
     fn designed(&self) -> Option<Arc<Design>> {
         let DesignState::Ready(designed) = &self.background.shown.design else { return None };
         designed.result.as_ref().ok().cloned()
@@ -161,7 +161,7 @@ impl App {
             Export::Screenshot => {
                 let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());
                 let taken = egui::ScreenshotCallback::new(move |image| {
-                    // Nobody waits for it once the window is closed.
+                    // The receiver is gone if the window was closed.
                     let _ = sender.send(image);
                     waker.request_repaint();
                 });
@@ -196,7 +196,8 @@ impl App {
     }
 
     pub(super) fn file_event(&mut self, event: FileEvent) {
-        // The log is part of the diagnostics: it holds the names of files, not where in whose folders they are.
+        // The log is part of the diagnostics, so it contains only names of files, not their folders, which may
+        // name the user.
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match event {
             FileEvent::Opened(path, text) => {

@@ -1,5 +1,6 @@
-//! What the app hears of the device: what sounds by its own word, the picture of it on the plate, the codes it sends
-//! and what the simulated plate does under them. The wave moves while there is something to hear.
+//! The playback of what the device sounds: the drive that it has acknowledged, the steady field of that drive on
+//! the plate, the codes that it sends, and the response of the simulated plate. The wave moves while something
+//! sounds.
 
 use super::App;
 use eframe::egui;
@@ -11,19 +12,19 @@ use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time between two pictures of the moving wave.
+/// Time between two frames of the moving wave.
 const FRAME: Duration = Duration::from_millis(33);
-/// Time between two looks at the meters while the wave stands.
+/// Time between two updates of the meters while the wave is paused.
 const GLANCE: Duration = Duration::from_millis(500);
 
-/// What has been heard.
+/// The state of the playback.
 #[derive(Default)]
 pub(super) struct Playback {
     /// What sounds; `None` at rest.
     pub(super) sounding: Option<Sounding>,
     /// The codes the device sends.
     pub(super) waveform: Waveform,
-    /// The latest run of the simulated plate, perhaps under a drive that sounds no more.
+    /// The latest result of the simulated plate; its drive may have ended.
     pub(super) measured: Option<Measured>,
     /// How long the wave has moved, in seconds of the user's time.
     pub(super) wave_time_s: f64,
@@ -33,24 +34,25 @@ pub(super) struct Playback {
 pub(super) struct Sounding {
     /// The number of the journal's entry.
     pub(super) number: u64,
-    /// The plate it was solved for: the screen may show another, whose table is still to come.
+    /// The plate of the solution: the screen may already show another one, whose table is not on the device yet.
     plate: Arc<Plate>,
-    /// Its wave on that plate.
+    /// The steady field on that plate.
     pub(super) steady: SteadyField,
 }
 
 impl App {
-    /// Has the mirror follow the device up to now.
+    /// Asks the mirror to replay the journal up to now.
     pub(super) fn follow(&mut self) {
         if let Some(job) = WaveformJob::of(&self.snapshot) {
             self.parts.waveforms.ask(job);
         }
     }
 
-    /// Solves for what the device has acknowledged, when that has changed, and has it tried on the simulated plate.
+    /// Solves the field of the drive that the device has acknowledged, if it has changed, and passes the drive to
+    /// the simulated plate.
     pub(super) fn update_playback(&mut self) {
         let acknowledged = autopilot::sounding(&self.snapshot);
-        // At rest the mirror has nothing to follow; the change to rest itself is followed.
+        // At rest there is nothing to replay, but the change to rest itself must be replayed.
         if acknowledged.is_some() || self.playback.sounding.is_some() {
             self.follow();
         }
@@ -58,7 +60,7 @@ impl App {
             self.playback.sounding = None;
             return;
         };
-        // Another plate with the very same table leaves the device as it is; the picture is another all the same.
+        // Another plate may have the same table: then the device does not change, but the field does.
         let has_table =
             self.screen_table().is_some_and(|made| made.device_table.crc() == acknowledged.table.crc());
         let is_new =
@@ -66,7 +68,7 @@ impl App {
         if !is_new && (self.sounding_on_screen().is_some() || !has_table) {
             return;
         }
-        // What was refused before is settled: the device sounds something newer.
+        // The device sounds a newer drive, so an earlier refusal no longer matters.
         self.notices.settle();
         let plate = Arc::clone(&self.setup.plate);
         let steady = SteadyField::solve(&plate, &acknowledged.tones);
@@ -86,19 +88,19 @@ impl App {
         self.run_sheet(job);
     }
 
-    /// The wave of what sounds, if it was solved for the plate on the screen.
+    /// The field of what sounds, if it was solved for the plate on the screen.
     pub(super) fn sounding_on_screen(&self) -> Option<&SteadyField> {
         let sounding = self.playback.sounding.as_ref()?;
         Arc::ptr_eq(&sounding.plate, &self.setup.plate).then_some(&sounding.steady)
     }
 
-    /// What was measured, if it belongs to what sounds.
+    /// The result of the simulated plate, if it belongs to what sounds.
     pub(super) fn current_measured(&self) -> Option<&Measured> {
         let number = self.playback.sounding.as_ref()?.number;
         self.playback.measured.as_ref().filter(|measured| measured.number == number)
     }
 
-    /// Takes what the mirror and the simulated plate have come to.
+    /// Takes new results of the mirror and of the simulated plate.
     pub(super) fn take_playback(&mut self) {
         if let Some(waveform) = self.parts.waveforms.take()
             && (self.settings.animate || self.playback.waveform.window().is_none())
@@ -110,7 +112,7 @@ impl App {
         }
     }
 
-    /// Moves the wave on and asks for the next picture, but only while something moves.
+    /// Advances the wave and requests the next frame, but only while something moves.
     pub(super) fn advance(&mut self, ctx: &egui::Context) {
         let is_visible = ctx.input(|input| {
             let viewport = input.viewport();

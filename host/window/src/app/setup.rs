@@ -1,4 +1,5 @@
-//! The setup in the app: a change is made, noted for undo, predicted, and sent at once if the plate is driven.
+//! The setup in the app: a change is applied, recorded for undo, predicted, and sent at once if the plate is
+//! driven.
 
 use super::App;
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
@@ -9,7 +10,7 @@ use slipline_model::setup::edit::{self, Edit};
 use std::sync::Arc;
 
 impl App {
-    /// Makes a change, notes it, and tells the device at once if the plate is driven.
+    /// Applies a change, records it for undo, and sends it at once if the plate is driven.
     pub(super) fn edit(&mut self, edit: &Edit) {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
@@ -28,7 +29,7 @@ impl App {
         }
     }
 
-    /// Takes another setup, from an edit or from the history.
+    /// Replaces the setup, after an edit, undo or redo.
     pub(super) fn take(&mut self, next: Setup) {
         let is_new_plate = !Arc::ptr_eq(&self.setup.plate, &next.plate);
         let added = next.tones.iter().find(|tone| self.setup.tone(tone.slot).is_none()).map(|tone| tone.slot);
@@ -49,21 +50,21 @@ impl App {
         self.predict();
     }
 
-    /// The peak at level 1 and full master, in metres; `None` until the plate's table is made.
+    /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
     pub(super) fn full_peak_m(&self) -> Option<f64> {
         self.screen_table().map(|made| made.drive_table.peak_at_full_scale_m)
     }
 
-    /// Solves for what the setup would sound.
+    /// Predicts the field of the setup.
     pub(super) fn predict(&mut self) {
-        // Of a height that is not known yet the shape is drawn all the same.
+        // While the height is not known, the shape is drawn with unit height.
         let tones = steady_tones(&self.setup, self.full_peak_m().unwrap_or(1.0));
         self.predicted = SteadyField::solve(&self.setup.plate, &tones);
     }
 }
 
-/// Lowers the master until the tones fit the DAC wherever on the plate they are dragged: a place's gain is 1 at most.
-/// Returns what is to be told of it, if the master was lowered.
+/// Lowers the master until the tones fit the DAC even at the largest gain, which is 1, so that they can be dragged
+/// anywhere. Returns the message to the user if the master was lowered.
 fn make_fit(setup: &mut Setup) -> Option<String> {
     let sum = setup.tones.iter().map(|tone| tone.level).sum::<f64>() * setup.master();
     if sum <= 1.0 {
@@ -74,7 +75,7 @@ fn make_fit(setup: &mut Setup) -> Option<String> {
     Some(format!("Master lowered to {master} dB, so that {count} tones fit."))
 }
 
-/// What is to be told of the tone that was added, if it was asked for beyond the span, in metres.
+/// The message about an added tone if its requested place, in metres, was outside the span.
 fn moved_into_span(setup: &Setup, asked_m: f64) -> Option<String> {
     let tone = setup.tones.last().filter(|tone| tone.position_m != asked_m)?;
     let (start, end) = setup.plate.span_m();

@@ -1,4 +1,4 @@
-//! What Drive does: the tones are sent, or what stands in the way is told together with what helps.
+//! The Drive button: it sends the tones, or tells the user the obstacle and what helps.
 
 use super::App;
 use crate::intent::{Confirm, Dialog};
@@ -22,7 +22,7 @@ impl From<&str> for Obstacle {
 }
 
 impl App {
-    /// The user wants the plate driven: the tones are sent now, or once the device is ready for them.
+    /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them.
     pub(super) fn start(&mut self) {
         if let Some(Obstacle { text, page }) = self.obstacle() {
             self.notices.hinder(text);
@@ -56,7 +56,7 @@ impl App {
         self.screen_table().is_some_and(|made| on_device == Some(made.device_table.crc()))
     }
 
-    /// What keeps the plate from being driven and does not go away by itself.
+    /// The obstacle that prevents driving and does not disappear by itself, if there is one.
     fn obstacle(&self) -> Option<Obstacle> {
         let snapshot = &self.snapshot;
         match &snapshot.link {
@@ -95,7 +95,8 @@ impl App {
         self.obstacle_of_table(is_simulated)
     }
 
-    /// What is wrong with the table. A simulated device gets it by itself; a real one when it is asked for.
+    /// The obstacle of the table, if there is one. A simulated device gets its table automatically; a real one at
+    /// the user's request.
     fn obstacle_of_table(&self, is_simulated: bool) -> Option<Obstacle> {
         let is_coming = self.snapshot.upload.is_some();
         let may_go_on = !is_simulated && self.snapshot.table.active.is_some();

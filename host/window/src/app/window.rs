@@ -1,4 +1,4 @@
-//! The app in a window of the system: what is kept between runs, the threads it works with.
+//! The app in a window of the system: its stored state and its threads.
 
 use super::{App, Parts, display, first_setup};
 use crate::files::SystemFiles;
@@ -17,9 +17,9 @@ use slipline_model::waveform;
 /// The app in a window of the system.
 struct Window(App);
 
-/// The smallest that the window can be made, in points: a screen of 640 x 480 also shows bars of the system's own.
+/// The smallest size of the window, in points: a screen of 640 x 480 also shows bars of the system.
 const LEAST_SIZE: [f32; 2] = [640.0, 400.0];
-/// Keys of what is kept between runs.
+/// Keys of the values that are stored between runs.
 const KEPT_SETTINGS: &str = "settings";
 const KEPT_SETUP: &str = "setup";
 
@@ -38,16 +38,17 @@ impl eframe::App for Window {
     }
 
     fn persist_egui_memory(&self) -> bool {
-        // What a page shows and where it was scrolled to is not worth an old crash coming back.
+        // The state of pages and scroll areas is not stored: a stored state that caused a crash would cause it
+        // again.
         false
     }
 }
 
-/// Opens the window and stays until it is closed. `opened` is given the link and a way to close the window from any
-/// thread, for whoever ends the program.
+/// Opens the window and returns when it is closed. `opened` receives the link and a handle that closes the window
+/// from any thread, for the code that ends the program.
 ///
 /// # Errors
-/// When there is no display, or the system gives no thread.
+/// When there is no display, or the system cannot start a thread.
 pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Slipline")
@@ -57,13 +58,13 @@ pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> an
         .with_clamp_size_to_monitor_size(true)
         .with_drag_and_drop(true);
     let mut options = eframe::NativeOptions { viewport, ..Default::default() };
-    // Waiting for the display's next picture would hold back what the pointer asks of the device by up to 17 ms.
+    // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
     options.glow_options.vsync = false;
     eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
         .map_err(|error| anyhow::anyhow!(display::explain(&error)))
 }
 
-/// Closes the window from any thread, as if the user did.
+/// Closes the window from any thread, as if the user had closed it.
 fn closer(ctx: &egui::Context) -> Box<dyn FnMut() + Send> {
     let ctx = ctx.clone();
     Box::new(move || {

@@ -1,16 +1,16 @@
-//! Whether the system has a dialog for files. On Linux that is a service on the session's bus or a program, and where
-//! both are missing the dialog's answer is the same as when the user chose nothing: so it is found out before.
+//! Whether the system has a file dialog. On Linux the dialog is a service on the session bus or a program. If both
+//! are missing, the dialog library answers as if the user had cancelled, so this must be checked before.
 
 #[cfg(target_os = "linux")]
 use zbus::blocking::connection::Builder;
 
-/// Whether a dialog would show.
+/// Whether a dialog would open.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn is_there() -> bool {
     true
 }
 
-/// Whether a dialog would show: the desktop's portal has a file chooser, or zenity is installed.
+/// Whether a dialog would open: the desktop portal has a file chooser, or zenity is installed.
 #[cfg(target_os = "linux")]
 pub(super) fn is_there() -> bool {
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -25,7 +25,7 @@ fn is_on_path(program: &str, path: &std::ffi::OsStr) -> bool {
 /// Asks the portal for its file chooser. A portal with no desktop behind it answers, but has none.
 #[cfg(target_os = "linux")]
 fn has_portal(bus: Builder<'_>) -> zbus::Result<bool> {
-    /// A desktop that is just starting may take a moment.
+    /// A desktop that is just starting may answer late.
     const PATIENCE: std::time::Duration = std::time::Duration::from_secs(5);
     let bus = bus.method_timeout(PATIENCE).build()?;
     let portal = zbus::blocking::Proxy::new(

@@ -1,5 +1,5 @@
-//! Controls at the right end of a row. A row laid out from right to left would hand the Tab key to them in that
-//! order; here they are laid out as they are read, after as much room as they leave free.
+//! Controls at the right end of a row. In a right-to-left layout the Tab key would visit them from right to left;
+//! here they are laid out in reading order, after a gap that fills the rest of the row.
 
 use super::theme;
 use eframe::egui;
@@ -10,7 +10,7 @@ pub(super) struct Width {
     known: Option<f32>,
 }
 
-/// Less than this is a rounding, in points.
+/// A smaller change of width is only rounding, in points.
 const DIFFERS: f32 = 0.5;
 
 impl Width {
@@ -20,12 +20,12 @@ impl Width {
         Self { id, known: ui.data(|data| data.get_temp(id)) }
     }
 
-    /// As it was, in points; 0 before it was seen.
+    /// The width in the pass before, in points; 0 before the first pass.
     pub(super) fn points(&self) -> f32 {
         self.known.unwrap_or(0.0)
     }
 
-    /// Notes the width as it is. When that is another one, the window is laid out again before it is shown.
+    /// Stores the measured width. If it has changed, the window is laid out again before it is shown.
     pub(super) fn note(self, ui: &egui::Ui, points: f32) {
         if self.known.is_none_or(|known| (known - points).abs() > DIFFERS) {
             ui.data_mut(|data| data.insert_temp(self.id, points));
@@ -34,7 +34,7 @@ impl Width {
     }
 }
 
-/// A heading, and controls that end where the row ends; the heading gives way to them.
+/// A heading, and controls at the right end of its row; the heading is shortened if there is too little space.
 pub(super) fn headed<R>(ui: &mut egui::Ui, heading: &str, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     ui.horizontal(|ui| {
         let taken = Width::of(ui, AT_RIGHT).points() + ui.spacing().item_spacing.x;
@@ -50,11 +50,11 @@ pub(super) fn headed<R>(ui: &mut egui::Ui, heading: &str, add: impl FnOnce(&mut 
 
 const AT_RIGHT: &str = "at right";
 
-/// Adds controls so that they end where the row ends.
+/// Adds controls at the right end of the row.
 pub(super) fn at_right<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     let width = Width::of(ui, AT_RIGHT);
     ui.add_space((ui.available_width() - width.points()).max(0.0));
-    // In the whole height of the row, so that what is high and what is low stand at one middle.
+    // Uses the whole height of the row, so that high and low controls are centred on the same line.
     let shown = ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), add);
     width.note(ui, shown.response.rect.width());
     shown.inner

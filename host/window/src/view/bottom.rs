@@ -4,10 +4,10 @@ use super::{Scene, ViewState, log, meters, plots};
 use crate::intent::Intents;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
-/// Height of the row where there is room for it, and in the lowest window, in points.
+/// Usual height of the row, and its height in the lowest window, in points.
 const HEIGHT: f32 = 194.0;
 const LEAST_HEIGHT: f32 = 100.0;
-/// A window lower than this takes it from the row first, in points: the plate is what the window is for.
+/// In a window lower than this, in points, the row shrinks first, because the plate is more important.
 const ROOMY: f32 = 620.0;
 
 /// Height of the row in this window, in points.
@@ -16,7 +16,7 @@ pub(super) fn height(ui: &egui::Ui) -> f32 {
     (HEIGHT - missing).max(LEAST_HEIGHT)
 }
 
-/// Shares of the width; the gaps between them hold a line each.
+/// Shares of the width; each gap between two parts has a separator line.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
 const GAP: f32 = 21.0;
 
@@ -27,14 +27,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     for (i, share) in SHARES.into_iter().enumerate() {
         let rect =
             Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
-        // A child of its own: a column that needs more room than it has must not move its neighbours.
+        // A separate child `Ui`: a column that needs more space than it has must not move its neighbours.
         let mut column = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(i));
         column.shrink_clip_rect(rect.expand(4.0));
         match i {
             0 => plots::waveform(&mut column, scene, view, intents),
             1 => plots::spectrum(&mut column, scene, view, intents),
             2 => {
-                // In a low row the last of them are scrolled to.
+                // In a low row the last meters are reached by scrolling.
                 let area = egui::ScrollArea::vertical().id_salt("meters").auto_shrink([false, false]);
                 area.show(&mut column, |ui| meters::show(ui, scene));
             }

@@ -1,4 +1,4 @@
-//! The boundary panel: where it is, what is sent for it, how strong it is.
+//! The boundary panel: the boundary's place, its tone and its level.
 
 use super::field::{InputField, UNKNOWN, row};
 use super::slider::Quantity;
@@ -81,8 +81,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     Quantity::glide(setup.glide_s).show(ui, setup, view, intents);
 }
 
-/// What may be typed, or why what was typed is not taken. The room for it is always there, so that a reason moves
-/// nothing.
+/// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason
+/// moves nothing.
 fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
     let palette = theme::palette(ui);
     let ((start, end), (low, high)) = (plate.span_m(), plate.band_hz());
@@ -94,7 +94,7 @@ fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
         show_frequency(high)
     );
     let (text, colour) = match reason {
-        // What names the range already needs no second one.
+        // A reason that already names the range needs no second one.
         Some(reason) if reason.starts_with("outside") => (reason, palette.wrong),
         Some(reason) => (format!("{reason}. Type {span}."), palette.wrong),
         None => (span, palette.weak),
@@ -109,7 +109,7 @@ fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
     });
 }
 
-/// Where the boundary is, in words; a felt edge is not known before the height of its tone is.
+/// The place of the boundary as text; a felt edge is unknown until the height of its tone is known.
 fn position_words(scene: &Scene<'_>, tone: &ToneSetup, steady: Option<&SteadyTone>) -> String {
     let setup = scene.setup;
     match (setup.boundary, steady) {
@@ -121,7 +121,7 @@ fn position_words(scene: &Scene<'_>, tone: &ToneSetup, steady: Option<&SteadyTon
     }
 }
 
-/// The turning point that a typed place or frequency asks for.
+/// The turning point for a typed place or frequency.
 fn position(scene: &Scene<'_>, tone: Option<&SteadyTone>, text: &str) -> Result<f64, String> {
     let plate = &scene.setup.plate;
     let (start, end) = plate.span_m();
@@ -140,7 +140,7 @@ fn position(scene: &Scene<'_>, tone: Option<&SteadyTone>, text: &str) -> Result<
             )
         })?,
     };
-    // A rounding in the text must not refuse the very ends.
+    // The ends of the range must not be refused because of rounding in the text.
     if (start - 1e-5..=end + 1e-5).contains(&x_m) {
         return Ok(x_m);
     }
@@ -162,7 +162,7 @@ fn mode(
     intents: &mut Intents,
 ) {
     let setup = scene.setup;
-    // A tenth of the full peak: where the edge's width ends. Illustrative until it is calibrated.
+    // A tenth of the full peak, where the edge's width ends. Illustrative until it is calibrated.
     let default_threshold_m = scene.full_peak_m.map(|full_peak_m| (0.1 * full_peak_m).clamp(1e-9, 1e-2));
     let is_felt = matches!(setup.boundary, BoundaryMode::FeltEdge { .. });
     ui.horizontal(|ui| {

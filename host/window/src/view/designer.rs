@@ -1,4 +1,4 @@
-//! The designer: what a plate is wanted for (its [`form`]), the plate that comes of it, and what can be done with it.
+//! The designer: the requirements (its [`form`]), the resulting plate, and the actions on it.
 
 mod form;
 
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
 }
 
-/// What can be done with the plate: the word, what it does, what is asked.
+/// The actions on the plate: the button's text, its explanation and its intent.
 type Offer = (&'static str, &'static str, fn() -> Intent);
 
 const USE: Offer = ("Use this plate", "Put it on the screen; Undo takes it back", || Intent::UseDesign);

@@ -177,14 +177,14 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     }
 }
 
-/// Why what writes to flash cannot be pressed.
+/// Why the buttons that write to flash are disabled.
 const SOUNDS: &str = "Only while nothing sounds";
 
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
     let state = scene.snapshot.status.map(|status| status.state);
     let is_silent = matches!(state, Some(State::Idle | State::Armed));
-    // A device that is not compatible may not tell a state; flashing it is what helps.
+    // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.
     let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));
     ui.horizontal_wrapped(|ui| {
         for (name, help, may, otherwise, confirm) in [

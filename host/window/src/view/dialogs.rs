@@ -28,12 +28,12 @@ pub(super) const SHORTCUTS: [(&str, &str); 14] = [
     ("F1", "This page"),
 ];
 
-/// Space between a page's edge and what is on it, in points.
+/// Space between the edge of a page and its content, in points.
 const MARGIN: i8 = 16;
 /// Width of a page, and of one with much text, in points; less in a narrow window.
 const USUAL: f32 = 460.0;
 const WIDE: f32 = 620.0;
-/// Height of a page in a window that has no room for any, in points.
+/// Least height of a page, even in a window that is too low for it, in points.
 const LEAST_HEIGHT: f32 = 90.0;
 /// Height of the row with Close, and the space before it, in points.
 const CLOSE: f32 = 26.0 + 2.0 * GAP;
@@ -46,13 +46,13 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
     let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
     let width = if matches!(dialog, Dialog::Diagnostics | Dialog::PortHelp) { WIDE } else { USUAL };
-    // As high as it may be without lying under STOP, which is above every page.
+    // The page is low enough to stay clear of STOP, which is drawn above every page.
     let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
         let area = egui::ScrollArea::vertical().max_height(height - CLOSE).auto_shrink([false, true]);
         let is_ended = area.show(ui, |ui| {
-            // The scroll bar floats; nothing may lie under it.
+            // The scroll bar floats over the content; this margin keeps the content free of it.
             ui.set_max_width(ui.available_width() - GAP);
             match dialog {
                 Dialog::Shortcuts => shortcuts(ui),
@@ -87,7 +87,7 @@ fn shortcuts(ui: &mut egui::Ui) {
     });
 }
 
-/// The udev rules that let the user at the screen open a device and flash it: the very file that is shipped.
+/// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.
 const UDEV_RULES: &str = include_str!("../../../../firmware/70-slipline.rules");
 
 fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
@@ -133,7 +133,7 @@ fn about(ui: &mut egui::Ui) {
     }
 }
 
-/// Height of the text of the diagnostics, in points: less in a small window.
+/// Height of the diagnostics text, in points; less in a small window.
 const DIAGNOSTICS: f32 = 380.0;
 
 fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -159,7 +159,7 @@ fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     });
 }
 
-/// Title, what happens, and the word on the button.
+/// Title, explanation and button text.
 const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
     match confirm {
         Confirm::Arm => (

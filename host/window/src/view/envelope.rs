@@ -1,4 +1,4 @@
-//! How far the plate moves at each x: predicted by the solver, and as the simulated plate did.
+//! The envelope: the largest displacement at each x, predicted by the solver and from the simulated plate.
 
 use super::field::UNKNOWN;
 use super::{Scene, theme};
@@ -8,7 +8,7 @@ use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_to
 use slipline_model::numbers::ticks::Ticks;
 use slipline_model::setup::BoundaryMode;
 
-/// Displacement against the screen: 0 at the bottom.
+/// The transform from displacement to screen position; 0 is at the bottom.
 struct Height {
     rect: Rect,
     top_m: f64,
@@ -130,7 +130,7 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     }
 }
 
-/// What the lines and points are, in a box: what runs through the envelope must not run through the words.
+/// The legend, in an opaque box, so that the boundary lines do not cross its text.
 pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let painter = ui.painter();

@@ -1,10 +1,10 @@
-//! Fields in which a value with a unit is typed. A value that is not taken stays in the field with the reason under it.
+//! Input fields for a value with a unit. A refused text stays in the field, with the reason under it.
 
 use super::theme;
 use eframe::egui::{self, Id, Key, RichText};
 use std::collections::HashMap;
 
-/// What stands in the fields that are being typed in.
+/// The texts of the fields that are being edited.
 #[derive(Default)]
 pub(crate) struct Fields {
     texts: HashMap<Id, Typing>,
@@ -13,23 +13,23 @@ pub(crate) struct Fields {
 struct Typing {
     text: String,
     error: Option<String>,
-    /// The value that the text was typed over.
+    /// The value that the field had before typing began.
     over: String,
 }
 
-/// One field: its name for screen readers, its present value as text, and what is allowed.
+/// One input field: its name for screen readers, its present value as text, and a hint of the allowed range.
 pub(super) struct InputField<'a> {
     pub(super) name: &'a str,
     pub(super) value: &'a str,
     pub(super) hint: &'a str,
     pub(super) width: f32,
-    /// A word over the field, where its place does not say what it is.
+    /// A caption over the field, where its place alone does not explain it.
     pub(super) caption: Option<&'a str>,
 }
 
 impl InputField<'_> {
-    /// Shows the field, and under it why what was typed is not taken. What is typed goes through `take` on Enter or
-    /// when the field is left.
+    /// Shows the field, with the reason of a refusal under it. The text goes through `take` on Enter or when the
+    /// field loses the focus.
     pub(super) fn show<T>(
         self,
         ui: &mut egui::Ui,
@@ -40,7 +40,7 @@ impl InputField<'_> {
             let mut reason = None;
             let taken = self.show_apart(ui, fields, &mut reason, take);
             if let Some(reason) = reason {
-                // As wide as the field and no wider: a reason must not move what stands beside it.
+                // No wider than the field: a reason must not move the controls beside it.
                 ui.set_max_width(ui.min_rect().width());
                 let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
                 ui.add(egui::Label::new(text).wrap());
@@ -50,7 +50,7 @@ impl InputField<'_> {
         .inner
     }
 
-    /// The same, with the reason left to be shown where the caller has room for it.
+    /// Shows the field alone; the caller shows the reason where there is space for it.
     pub(super) fn show_apart<T>(
         self,
         ui: &mut egui::Ui,
@@ -63,7 +63,7 @@ impl InputField<'_> {
             if let Some(caption) = self.caption {
                 ui.label(RichText::new(caption).small().color(theme::palette(ui).weak));
             }
-            // What was refused is over when the value has changed by another way, such as undo.
+            // A refused text is dropped when the value has changed in another way, such as by undo.
             let is_over = fields.texts.get(&id).is_some_and(|typing| typing.over != self.value);
             if is_over && !ui.memory(|memory| memory.has_focus(id)) {
                 fields.texts.remove(&id);
@@ -87,7 +87,7 @@ impl InputField<'_> {
             }
             let mut taken = None;
             if response.lost_focus() {
-                // Escape gives up what was typed; everything else takes it.
+                // Escape discards the text; every other way to leave the field applies it.
                 let is_given_up = ui.input(|input| input.key_pressed(Key::Escape));
                 if is_given_up || text.trim() == self.value {
                     fields.texts.remove(&id);
@@ -119,7 +119,7 @@ impl InputField<'_> {
     }
 }
 
-/// A control with its name at the left, so that names and controls line up.
+/// A control with its name at the left, so that names and controls are aligned.
 pub(super) fn labelled<R>(ui: &mut egui::Ui, name: &str, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     ui.horizontal_top(|ui| {
         let palette = theme::palette(ui);
@@ -131,7 +131,7 @@ pub(super) fn labelled<R>(ui: &mut egui::Ui, name: &str, add: impl FnOnce(&mut e
     .inner
 }
 
-/// Stands for a value that is not known.
+/// The text for an unknown value.
 pub(super) const UNKNOWN: &str = "–";
 
 /// Height of a line of a table of values, in points.

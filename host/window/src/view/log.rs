@@ -1,4 +1,4 @@
-//! The log: what was done and what went wrong, filtered, to be copied.
+//! The log: successes and failures, with a filter and a copy button.
 
 use super::aligned::{self, Width};
 use super::{Scene, ViewState, theme};
@@ -6,7 +6,7 @@ use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, ScrollArea};
 use slipline_link::{LogEntry, Severity};
 
-/// What of the log is shown.
+/// The filter of the log.
 pub(crate) struct LogView {
     least: Severity,
     filter: String,
@@ -18,11 +18,11 @@ impl Default for LogView {
     }
 }
 
-/// Room for the heading and the space after it, in points.
+/// Width of the heading and the space after it, in points.
 const LEAST_HEADING: f32 = 34.0;
-/// Room for the button at the end and the space before it, in points.
+/// Width of the button at the end and the space before it, in points.
 const COPY: f32 = 60.0;
-/// A filter with less room than this is left out, in points.
+/// The least width of the filter, in points; with less space it is left out.
 const LEAST_FILTER: f32 = 46.0;
 
 const LEVELS: [(Severity, &str); 4] = [
@@ -32,7 +32,7 @@ const LEVELS: [(Severity, &str); 4] = [
     (Severity::Error, "errors"),
 ];
 
-/// Width of the menu of levels in a row with this room: a narrow one leaves some of it to the filter.
+/// Width of the level menu in a row of this width: narrow rows leave some space to the filter.
 fn level_width(room: f32) -> f32 {
     if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
 }
@@ -52,9 +52,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     aligned::headed(ui, "Log", |ui| {
         let rest = Width::of(ui, "level and copy");
         let width = room - rest.points() - 2.0 * ui.spacing().item_spacing.x;
-        // A filter that is set stays in sight: lines are missing because of it.
+        // An active filter stays visible, because it hides lines.
         if width >= LEAST_FILTER || !log.filter.is_empty() {
-            // A word that a narrow field has room for.
+            // A hint that fits a narrow field.
             let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("find");
             ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64)).widget_info(|| {
                 let mut info = egui::WidgetInfo::text_edit(true, "", "", "find");
@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         }
         rest.note(ui, copy.rect.right() - response.response.rect.left());
     });
-    // One column for the times: the longest is the latest one's.
+    // All times share one column; the latest time is the longest.
     let seconds = |entry: &LogEntry| format!("{:.2}", entry.time.as_secs_f64());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let times = shown.last().map_or(0.0, |latest| {

@@ -1,4 +1,4 @@
-//! How loud, how much room is left, how warm, and how good the link is.
+//! The meters: level, headroom, thermal load and quality of the link.
 
 use super::field::{UNKNOWN, row};
 use super::{Scene, theme};
@@ -9,10 +9,10 @@ use theme::Palette;
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let palette = theme::palette(ui);
     ui.spacing_mut().item_spacing.y = 1.0;
-    // As high as the headings beside it, which have buttons.
+    // As high as the neighbouring headings, which have buttons.
     ui.horizontal(|ui| theme::heading(ui, "Output"));
     let warn_from = |limit: f32, value: f32| if value >= limit { palette.warn } else { palette.accent };
-    // Without a device nothing is known of it.
+    // Without a device the values are unknown.
     let status = scene.snapshot.status;
     let meter = |ui: &mut egui::Ui, name: &str, known: Option<Meter>, help: &str| {
         meter(ui, name, known.unwrap_or_else(|| Meter::unknown(palette)), help);
@@ -31,7 +31,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let load = status.map(|status| {
         let heat = f32::from(status.heat_per_mille) / 1000.0;
         let held = f32::from(status.foldback_per_mille) / 10.0;
-        // Before its first block a device has not said what it holds back.
+        // Before its first block a device has not reported its thermal limit.
         let is_held = status.now > 0 && status.foldback_per_mille < 1000;
         let held = if is_held { format!(", held to {held:.0} %") } else { String::new() };
         Meter { share: heat, text: format!("{:.0} %{held}", heat * 100.0), colour: warn_from(0.8, heat) }
@@ -58,7 +58,7 @@ fn count(ui: &mut egui::Ui, name: &str, value: Option<u32>) {
     row(ui, name, RichText::new(value).color(colour));
 }
 
-/// What a meter shows.
+/// The content of a meter.
 struct Meter {
     share: f32,
     text: String,

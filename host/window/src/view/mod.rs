@@ -1,5 +1,5 @@
-//! What the window shows. Every view takes the [`Scene`] and returns what the user asks for as intents; none sends
-//! anything or changes what it shows.
+//! The views of the window. Every view takes the [`Scene`] and returns the user's requests as intents; no view
+//! sends anything or changes the state it shows.
 //!
 //! ```text
 //! top_bar ................................ STOP
@@ -38,7 +38,7 @@ use crate::intent::Intents;
 use crate::scene::Scene;
 use eframe::egui;
 
-/// What the views remember themselves: what is typed, which tab is open.
+/// The state of the views themselves: typed texts, the open tab.
 #[derive(Default)]
 pub struct ViewState {
     pub(crate) tab: side::Tab,

@@ -1,5 +1,5 @@
-//! Messages to the user, as compact lines at the bottom of the panel at the side. They have room of their own there,
-//! never more than a share of the panel: more of them scroll, a long one is cut and told in full when it is pressed.
+//! Messages to the user, as compact lines at the bottom of the side panel. Their area is limited to a share of the
+//! panel: more messages scroll, and a long message is cut and shown in full when it is pressed.
 
 use super::{Scene, ViewState, theme};
 use crate::intent::{Intent, Intents};
@@ -7,10 +7,10 @@ use crate::scene::Notice;
 use eframe::egui::{self, Label, ScrollArea, Sense, text::LayoutJob};
 use std::time::Duration;
 
-/// What is remembered of a message that is shown.
+/// The state of a shown message.
 pub(crate) struct Shown {
     number: u64,
-    /// The window's time at which it was shown first, in seconds.
+    /// The time at which it was shown first, in seconds of the window's clock.
     since_s: f64,
     /// Whether it is shown in full.
     is_open: bool,
@@ -19,10 +19,10 @@ pub(crate) struct Shown {
 /// The messages that are shown.
 pub(crate) type Seen = Vec<Shown>;
 
-/// The share of the panel's height that messages may take, and the least and the most of it, in points.
+/// The share of the panel's height for messages, and the smallest and largest height in points.
 const SHARE: f32 = 0.3;
 const HEIGHT: (f32, f32) = (44.0, 140.0);
-/// A panel lower than this has room for one line of a message only, else for two; in points.
+/// In a panel lower than this, in points, a message gets one line, else two.
 const ROOM_FOR_TWO: f32 = 380.0;
 /// Size of the button that dismisses a message, in points.
 const BUTTON: f32 = 24.0;
@@ -38,7 +38,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             view.notices.len() - 1
         });
         let seen = &view.notices[known];
-        // One that is being read stays until it is dismissed.
+        // A message that is shown in full stays until it is dismissed.
         let left_s = notice.lasts_s.filter(|_| !seen.is_open).map(|lasts_s| seen.since_s + lasts_s - now_s);
         match left_s {
             Some(left_s) if left_s <= 0.0 => intents.push(Intent::DismissNotice(notice.number)),
@@ -76,7 +76,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     });
 }
 
-/// What a press on a message asks for.
+/// The effect of a press on a message.
 enum Press {
     None,
     Open,
@@ -107,7 +107,7 @@ fn message(ui: &mut egui::Ui, notice: &Notice, rows: usize) -> Press {
             let layout = egui::Layout::left_to_right(egui::Align::Center);
             let words = ui.allocate_ui_with_layout(egui::vec2(room, height), layout, |ui| {
                 ui.set_min_width(room);
-                // The Tab key has the button.
+                // The button has the keyboard focus.
                 ui.add(Label::new(galley).selectable(false).sense(Sense::CLICK))
             });
             let mut words = words.inner;

@@ -1,5 +1,5 @@
-//! What can be asked of link and device in each of their states. Each state offers a way on; while the plate is driven
-//! that is STOP, which is always there.
+//! The actions that are offered in each state of link and device. Every state offers a next step; while the plate
+//! is driven that is STOP, which is always shown.
 
 use super::Scene;
 use crate::intent::{Confirm, Dialog, Intent};
@@ -8,7 +8,7 @@ use slipline_link::{LinkError, LinkState, Port, Request};
 use slipline_model::autopilot;
 use slipline_model::jobs::table::TableState;
 
-/// One thing to ask: the word on its button, what it does, and what is asked.
+/// One action: the text of its button, its explanation and its intent.
 pub(super) struct Offer {
     pub(super) name: &'static str,
     pub(super) help: String,
@@ -19,7 +19,7 @@ fn offer(name: &'static str, help: impl Into<String>, asks: Intent) -> Offer {
     Offer { name, help: help.into(), asks: vec![asks] }
 }
 
-/// What is offered now, the likeliest first.
+/// The actions of the present state, the most likely first.
 pub(super) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
     let snapshot = scene.snapshot;
     let port = snapshot.port.clone().unwrap_or(Port::Simulated);
@@ -41,7 +41,7 @@ pub(super) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
     }
 }
 
-/// What is offered while the device answers.
+/// The actions while the device answers.
 fn connected(scene: &Scene<'_>) -> Vec<Offer> {
     let snapshot = scene.snapshot;
     if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
@@ -60,8 +60,8 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
     offers
 }
 
-/// What is offered in a state. Arming is explicit on a real device; Drive arms a simulated one and clears its fault if
-/// that can do no harm.
+/// The actions in a device state. Arming is explicit on a real device; Drive arms a simulated one, and clears its
+/// fault if that is harmless.
 fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
     let drive = || offer("Drive", "Sound the tones of the setup (Ctrl+Enter)", Intent::Start);
     let disarm = || offer("Disarm", "Ramp to silence and mute the amplifier", Intent::Disarm);

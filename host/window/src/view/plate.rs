@@ -20,16 +20,18 @@ const ROWS: usize = 19;
 /// Width of a mesh column, in points.
 const COLUMN: f32 = 3.0;
 
-/// The narrowest line above the plate that has room for the whole colour scale, in points.
+/// The least width of the line above the plate for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
 
-/// A line narrower than this has no room for the colour scale; the envelope's axis tells the same, in points.
+/// In a line narrower than this, in points, the colour scale is left out; the envelope's axis shows the same
+/// values.
 const ROOM_FOR_ANY_SCALE: f32 = 440.0;
 
-/// Room that the plate's name has at least, before the words beside it, in points.
+/// Least width of the plate's name, in points.
 const NAME: f32 = 110.0;
 
-/// The line above the plate: what is drawn, how slow, the validity lights' summary, and the colour scale.
+/// The line above the plate: the plate's name, the source and slow-motion factor of the wave, the summary of the
+/// validity lights, and the colour scale.
 pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal_centered(|ui| {
@@ -44,7 +46,7 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             + scale
             + 3.0 * GAP
             + 14.0;
-        // The name gives way to what stands at the right; its whole is told on hovering.
+        // The name is shortened in favour of the controls at the right; hovering shows all of it.
         let left = vec2((ui.available_width() - right).max(30.0), ui.available_height());
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(left.x);
@@ -59,7 +61,7 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
                 ui.add(egui::Label::new(name).truncate());
             });
             if !has_scale {
-                // The name needs what room there is.
+                // The name needs all the remaining space.
                 return;
             }
             let shown = ui.add(egui::Label::new(text).truncate());
@@ -90,7 +92,7 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
     galley.size().x + 2.0 * ui.spacing().button_padding.x
 }
 
-/// What the plate's colours are, and how slow.
+/// The meaning of the plate's colours, and the slow-motion factor.
 fn drawn(scene: &Scene<'_>) -> String {
     let Some(steady) = scene.sounding else {
         let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
@@ -104,7 +106,7 @@ fn drawn(scene: &Scene<'_>) -> String {
     format!("{source}, 1/{:.0} speed{paused}", slow_factor(steady))
 }
 
-/// What the colours stand for: the displacements at both ends, or at the right end only where there is little room.
+/// The colour scale, with the displacements at both ends, or only at the right end if there is little space.
 #[derive(Clone, Copy)]
 struct Scale {
     show_amplitude: bool,
@@ -116,7 +118,7 @@ impl Scale {
         vec2(if self.is_wide { 90.0 } else { 40.0 }, 10.0)
     }
 
-    /// The words at its ends.
+    /// The labels at its ends.
     fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
         let full = scene.full_peak_m.map_or_else(
             || UNKNOWN.to_owned(),
@@ -165,7 +167,7 @@ impl Scale {
     }
 }
 
-/// Shows the plate in `rect`, its ends at the axis' ends.
+/// Shows the plate in `rect`, aligned with the axis.
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let show_amplitude = scene.settings.show_amplitude;
@@ -173,7 +175,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let screen = axis.screen();
     let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
-    // A very wide plate is drawn narrower than it is rather than over its neighbours.
+    // A very wide plate is drawn narrower than to scale, so that it does not cover its neighbours.
     let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
     let map = DisplacementMap::new(Wave {
         plate,

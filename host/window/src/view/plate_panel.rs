@@ -1,4 +1,4 @@
-//! The plate panel: which plate, its numbers, the table for it; its validity lights; the designer.
+//! The plate panel: the plate, its numbers and its table; the validity lights; the designer.
 
 mod numbers;
 
@@ -11,7 +11,7 @@ use slipline_model::setup::edit::Edit;
 use slipline_plate::Plate;
 use std::sync::Arc;
 
-/// What the panel is open at.
+/// The open page of the panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Page {
     #[default]

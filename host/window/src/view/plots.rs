@@ -1,4 +1,4 @@
-//! The drive in time and frequency, from the mirror.
+//! The plots of waveform and spectrum, from the codes of the mirror.
 
 use super::{Scene, ViewState, aligned, theme};
 use crate::intent::{Intent, Intents};
@@ -8,32 +8,33 @@ use slipline_model::numbers::quantity::show_frequency;
 use slipline_model::numbers::ticks::{self, Ticks};
 use std::ops::RangeInclusive;
 
-/// What the plots remember.
+/// The state of the plots.
 #[derive(Default)]
 pub(crate) struct PlotsView {
-    /// What they show; held while they are paused.
+    /// The content; frozen while the plots are paused.
     shown: Option<Shown>,
 }
 
-/// What the plots are of, besides the codes.
+/// The content of the plots besides the codes.
 struct Shown {
     axes: Axes,
-    /// The frequencies that sound, in Hz; the setup's while nothing does.
+    /// The frequencies that sound, in Hz; at rest the setup's.
     pitches: Vec<f64>,
 }
 
-/// Points of the waveform, at most.
+/// Most points of the waveform plot.
 const POINTS: usize = 900;
-/// Turns of the plate's slowest tone that the waveform shows.
+/// Periods of the plate's slowest tone that the waveform shows.
 const TURNS: f64 = 4.0;
-/// The waveform shows as many codes as this at least.
+/// Fewest codes that the waveform shows.
 const LEAST_CODES: f64 = 64.0;
 /// The spectrum is drawn up to this multiple of the plate's highest tone.
 const HARMONICS: f64 = 3.0;
 /// The spectrum is drawn down to here, in dB of full scale.
 const FLOOR_DB: f64 = -120.0;
 
-/// How far the plots reach. That is the plate's affair, not the tone's: they stay put while a boundary is dragged.
+/// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
+/// is dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Axes {
     /// Duration of the waveform, in seconds.
@@ -53,7 +54,7 @@ impl Axes {
     }
 }
 
-/// What is shown now. Paused plots keep what they had.
+/// The present content. Paused plots keep theirs.
 fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
     let now = || {
         let steady = scene.sounding.unwrap_or(scene.predicted);
@@ -66,7 +67,7 @@ fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
     view.shown.get_or_insert_with(now)
 }
 
-/// Whether the plots show anything: something sounds, or they are held.
+/// Whether the plots show anything: something sounds, or they are paused.
 fn is_shown(scene: &Scene<'_>) -> bool {
     scene.waveform.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
 }
@@ -86,7 +87,7 @@ fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents)
     })
 }
 
-/// What stands where there is nothing to draw.
+/// The text in place of an empty plot.
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
     let text = if is_lost { "not followed: stop and drive again" } else { "nothing is driven" };
@@ -99,11 +100,11 @@ fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
 
 /// The least distance of labels, in points: of the x axis, of the y axis.
 const SPACING: (f64, f64) = (56.0, 26.0);
-/// What a label of the x axis needs right of its mark, in points.
+/// Space that a label of the x axis needs right of its tick mark, in points.
 const HALF_LABEL: f64 = 16.0;
 
-/// A plot from 0 to `end` in this unit. It has a memory of its own for every `end`: where the user has zoomed to on
-/// other axes is nothing to these.
+/// A plot from 0 to `end` in this unit. Each `end` has its own zoom memory, because a zoom makes no sense on other
+/// axes.
 fn plot<'a>(name: &str, end: f64, unit: &'static str, y: (f64, f64), palette: &theme::Palette) -> Plot<'a> {
     let font = FontId::proportional(11.5);
     let x_axis = AxisHints::new_x()
@@ -137,7 +138,7 @@ fn plot<'a>(name: &str, end: f64, unit: &'static str, y: (f64, f64), palette: &t
 /// The least distance of grid lines, in points.
 const GRID: f32 = 8.0;
 
-/// Round places along an axis, all of which have a label: two at least. `end` points at its end hold none.
+/// Round values along an axis for labels, at least two. The last `end` points get none.
 fn marks(input: &GridInput, spacing: f64, end: f64) -> Vec<GridMark> {
     let per_point = input.base_step_size / f64::from(GRID);
     let (low, high) = input.bounds;
@@ -162,7 +163,7 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
     let palette = theme::palette(ui);
     let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
     let shown = wanted.min(window.codes.len());
-    // Begin at a rising zero, as an oscilloscope does, so that the picture stands still.
+    // Begin at a rising zero crossing, as an oscilloscope does, so that the plot stands still.
     let latest = window.codes.len() - shown;
     let trigger = (latest.saturating_sub(shown / 2)..latest)
         .rev()

@@ -1,4 +1,4 @@
-//! The panel at the right: one of boundary, tones, plate, device at a time.
+//! The side panel at the right: shows one of boundary, tones, plate and device.
 
 use super::{Scene, ViewState, boundary, device, notices, plate_panel, tones};
 use crate::intent::Intents;
@@ -48,7 +48,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.separator();
     ui.add_space(4.0);
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-        // The scroll bar floats; nothing may lie under it.
+        // The scroll bar floats over the content; this margin keeps the content free of it.
         ui.set_max_width(ui.available_width() - 8.0);
         match view.tab {
             Tab::Boundary => boundary::show(ui, scene, view, intents),

@@ -1,5 +1,5 @@
-//! Sliders whose value can be typed, too. What is typed goes through a parser with units; what is not taken leaves the
-//! value as it is, and the reason stands under the slider.
+//! Sliders whose value can also be typed. The typed text is parsed with its unit; a refused text leaves the value
+//! unchanged, and the reason is shown under the slider.
 
 use super::ViewState;
 use super::field::InputField;
@@ -13,26 +13,26 @@ use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
 
 /// A value that a slider and a field show and change.
 pub(super) struct Quantity<'a> {
-    /// What the slider is called.
+    /// The slider's name.
     name: &'a str,
-    /// What the field is called where the slider's name is not enough.
+    /// The field's name, if it differs from the slider's.
     field: String,
     help: &'static str,
     /// The value on the slider's scale.
     value: f64,
-    /// The value as it stands in the field.
+    /// The value as text in the field.
     shown: String,
-    /// What may be typed, as it would be typed.
+    /// The allowed range, in the form in which it is typed.
     allowed: &'static str,
     slider: fn(&mut f64) -> Slider<'_>,
-    /// A typed text in the edit's unit.
+    /// Parses a typed text; the result is in the edit's unit.
     read: fn(&str) -> Result<f64, QuantityError>,
-    /// A value of the slider's in the edit's unit.
+    /// Converts a slider value to the edit's unit.
     unit: f64,
     edit: &'a dyn Fn(f64) -> Edit,
 }
 
-/// What may be typed for a level, for the master level and for a glide time. [`edit::apply`] holds the limits.
+/// The hints for a level, the master level and a glide time. [`edit::apply`] checks the limits.
 const LEVELS: &str = "0 to 1, or 0 to 100 %";
 const MASTERS: &str = "-96 to 0 dB";
 const GLIDES: &str = "5 ms to 10 s";
@@ -86,7 +86,7 @@ impl<'a> Quantity<'a> {
         }
     }
 
-    /// The edit that a typed text asks for, or why it is not taken: what is not understood, and what may be typed.
+    /// The edit for a typed text, or the reason of the refusal: the problem and the allowed range.
     fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, String> {
         let Self { field, allowed, .. } = self;
         let value = (self.read)(text).map_err(|error| format!("{field}: {error}; must be {allowed}"))?;
@@ -97,7 +97,7 @@ impl<'a> Quantity<'a> {
         }
     }
 
-    /// Shows the slider, the field beside it, and under both why what was typed is not taken.
+    /// Shows the slider, the field beside it, and the reason of a refusal under both.
     pub(super) fn show(self, ui: &mut egui::Ui, setup: &Setup, view: &mut ViewState, intents: &mut Intents) {
         let mut reason = None;
         ui.horizontal(|ui| {
@@ -125,14 +125,14 @@ impl<'a> Quantity<'a> {
 
 /// Width of the box with a slider's value, in points: the longest is "10000 ms".
 const VALUE: f32 = 76.0;
-/// What a field's own edges add to its width, in points.
+/// Width that the margins of a field add, in points.
 const FIELD_EDGES: f32 = 8.0;
 /// Width of a slider's name, in points.
 const NAME: f32 = 58.0;
 /// The shortest a slider is, in points.
 const LEAST_SLIDER: f32 = 60.0;
 
-/// A slider with its name at the left, so that names and sliders line up, and room for a field at the right.
+/// A slider with its name at the left, so that names and sliders are aligned, and space for a field at the right.
 fn slide(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui::Response {
     let size = egui::vec2(NAME, ui.spacing().interact_size.y);
     let label = ui
@@ -146,7 +146,7 @@ fn slide(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui:
         (ui.available_width() - VALUE - ui.spacing().item_spacing.x).max(LEAST_SLIDER);
     let response = ui.add(slider.show_value(false)).labelled_by(label.id).on_hover_text(help);
     if response.has_focus() {
-        // The slider's own look hardly changes when the keys are its.
+        // The slider's own style hardly shows the keyboard focus.
         let ring = response.rect.expand(2.0);
         let stroke = egui::Stroke::new(2.0, theme::palette(ui).accent);
         ui.painter().rect_stroke(ring, 6.0, stroke, egui::StrokeKind::Inside);

@@ -12,7 +12,7 @@ use slipline_model::numbers::quantity::{show_frequency, show_place};
 use slipline_model::setup::edit::Edit;
 use theme::HANDLE;
 
-/// Room left of the plate for the envelope's scale, and right of it for the last label, in points.
+/// Space left of the plate for the envelope's scale, and right of it for the last label, in points.
 const MARGIN: (f32, f32) = (58.0, 22.0);
 const TITLE: f32 = 26.0;
 const LABEL: f32 = 26.0;
@@ -20,7 +20,7 @@ const STRIP: f32 = 30.0;
 const SCALE: f32 = 34.0;
 const GAP: f32 = 8.0;
 
-/// Where the three views lie.
+/// The rectangles of the three views.
 struct Layout {
     axis: Axis,
     title: Rect,
@@ -42,7 +42,7 @@ impl Layout {
         };
         let title = row(area.top(), TITLE);
         let label = row(title.bottom(), LABEL);
-        // In a window too small for the rows they lie over each other's ends, but stay in order.
+        // In a window that is too low, the views overlap at their ends but stay in order.
         let free = (area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
         // The plate gets what it needs at scale; the envelope gets the rest.
         let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
@@ -67,13 +67,13 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
-    // The selected tone last, so that it lies on top and is taken first.
+    // The selected tone comes last, so that it is drawn on top and gets the pointer first.
     let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
     order.sort_by_key(|&slot| slot == scene.selected);
     for slot in order {
         handle(ui, scene, &layout, slot, view, intents);
     }
-    // Over the lines of the tones.
+    // Drawn over the lines of the tones.
     hint(ui, scene, &layout);
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
     add_by_double_click(ui, scene, &layout, intents);
@@ -100,7 +100,7 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let font = FontId::proportional(11.5);
     let top = layout.scale.top() + 3.0;
     painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
-    // Where a boundary can be put.
+    // The span in which a boundary can be placed.
     let (start, end) = scene.setup.plate.span_m();
     let span = Rangef::new(layout.axis.screen_from_place(start), layout.axis.screen_from_place(end));
     painter.hline(span, top, Stroke::new(2.0, palette.weak));
@@ -117,7 +117,7 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     painter.text(below, Align2::RIGHT_BOTTOM, strip::words(scene), font, palette.weak);
 }
 
-/// What the hint says, in as many words as there is room for.
+/// The text of the hint, in the longest form that fits.
 const HINTS: [&str; 2] = ["Drag the line: it moves the boundary", "Drag the line"];
 
 fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
@@ -134,7 +134,7 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     };
     let room = right - line - HANDLE;
     let fits = HINTS.into_iter().map(size).find(|(size, _)| size.x <= room);
-    // Beside the line: on the narrow side of the plate if it can be, else on the other.
+    // The hint is beside the line: towards the narrow end of the plate if it fits there, else on the other side.
     let (anchor, (size, galley)) = match fits {
         Some(fits) => (right, fits),
         None => (line - HANDLE, size(HINTS[1])),
@@ -150,7 +150,7 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
 }
 
-/// The name of a tone's handle for those who cannot see it.
+/// The accessible name of a tone's handle.
 pub(super) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
     if scene.setup.tones.first().is_some_and(|first| first.slot == slot) {
         "Boundary".to_owned()
@@ -222,7 +222,7 @@ fn handle(
     }
 }
 
-/// What is said of a boundary that goes no further, after where it is.
+/// The note after the place of a boundary that is at a limit.
 fn end_of_span((start, end): (f64, f64), position_m: f64) -> &'static str {
     match position_m {
         x_m if x_m <= start => "   the span begins here",
@@ -290,7 +290,7 @@ fn paint_label(ui: &egui::Ui, layout: &Layout, x: f32, text: &str) {
     let ink = if palette.dark { palette.page } else { palette.well };
     let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
     let size = galley.size() + vec2(20.0, 6.0);
-    // Where there is no room for both ends, the left one is seen.
+    // If the label does not fit, its left end stays visible.
     let left = (x - 0.5 * size.x).min(layout.label.right() - size.x).max(layout.label.left());
     let rect = Rect::from_min_size(pos2(left, layout.label.bottom() - size.y), size);
     ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
@@ -311,10 +311,10 @@ fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intent
     }
 }
 
-/// The move that a key asks for: 1 mm, or 0.1 mm with Shift.
+/// The step of a key press: 1 mm, or 0.1 mm with Shift.
 pub(crate) fn arrow_step_m(input: &mut egui::InputState) -> f64 {
     let mut step = 0.0;
-    // Shift first: a key with no modifier asked for is taken with Shift, too.
+    // Shift is tested first, because a test without modifiers also matches a key with Shift.
     for (modifiers, size) in [(egui::Modifiers::SHIFT, 1e-4), (egui::Modifiers::NONE, 1e-3)] {
         step += size * input.count_and_consume_key(modifiers, Key::ArrowRight) as f64;
         step -= size * input.count_and_consume_key(modifiers, Key::ArrowLeft) as f64;

@@ -1,4 +1,4 @@
-//! What a finger would feel along x. Illustrative: nobody has calibrated it on the user's plate and finger.
+//! The strip: what a finger would feel along x. Illustrative: it is not calibrated to the user's plate and finger.
 
 use super::{Scene, theme};
 use crate::axis::Axis;
@@ -8,10 +8,10 @@ use slipline_plate::sensation::{SLIPPERY_FROM_HZ, Sensation, felt};
 /// A vibration this far above the threshold of feeling gets the full colour, in dB.
 const STRONG_DB: f64 = 50.0;
 
-/// What is left of the colour while nothing is driven.
+/// The share of the colour while nothing is driven.
 const AT_REST: f32 = 0.3;
 
-/// What is felt, as a share of the most that is drawn.
+/// The felt strength, as a share of the full colour.
 fn strength(sensation: Sensation) -> f64 {
     match sensation {
         Sensation::Vibration { level_db } => (level_db / STRONG_DB).clamp(0.0, 1.0),
@@ -24,10 +24,10 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let over = axis.over_plate(rect);
     let painter = ui.painter();
-    // What is not driven is not felt: as faint as the envelope then is.
+    // At rest nothing is felt, so the strip is as faint as the envelope.
     let share = if scene.sounding.is_some() { 1.0 } else { AT_REST };
     let columns = (over.width() / 2.0).ceil() as usize;
-    // Of a height that is not known nothing can be told.
+    // While the height is unknown, the felt strength is unknown, too.
     let columns = if scene.full_peak_m.is_some() { columns } else { 0 };
     for i in 0..columns {
         let x = over.left() + 2.0 * i as f32;
@@ -43,7 +43,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     painter.text(label, Align2::RIGHT_CENTER, "felt", small, palette.weak);
 }
 
-/// What the strip stands for; said beside it, because words on it would hide where the edge is.
+/// The explanation of the strip. It is beside the strip, because text on it would hide the edge.
 pub(super) fn words(scene: &Scene<'_>) -> &'static str {
     let mut waves = scene.predicted.tones.iter();
     if waves.any(|wave| wave.tone.frequency_hz >= SLIPPERY_FROM_HZ) {

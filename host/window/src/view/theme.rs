@@ -3,43 +3,43 @@
 use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, vec2};
 use slipline_model::colour_map::{self, Rgb};
 
-/// Space between related things, in points.
+/// Space between related controls, in points.
 pub const GAP: f32 = 8.0;
-/// The narrowest a handle may be to be touched, in points.
+/// The least width of a handle that can be touched, in points.
 pub const HANDLE: f32 = 24.0;
 
 /// The colours of one theme.
 #[derive(Clone, Copy, Debug)]
 pub struct Palette {
-    /// Whether it is the dark one.
+    /// Whether it is the dark theme.
     pub dark: bool,
-    /// Behind everything.
+    /// Background of the window.
     pub page: Color32,
-    /// Panels.
+    /// Background of the panels.
     pub panel: Color32,
-    /// Behind pictures and plots.
+    /// Background of views and plots.
     pub well: Color32,
-    /// Lines between things.
+    /// Separator lines.
     pub line: Color32,
-    /// Grid lines in pictures.
+    /// Grid lines in views and plots.
     pub grid: Color32,
-    /// Words.
+    /// Text.
     pub text: Color32,
-    /// Words that matter less.
+    /// Text of less importance.
     pub weak: Color32,
     /// The boundary line and its handle.
     pub boundary: Color32,
-    /// The one accent.
+    /// The accent colour.
     pub accent: Color32,
-    /// Good.
+    /// A good state.
     pub good: Color32,
-    /// Look at this.
+    /// A warning.
     pub warn: Color32,
-    /// Behind STOP, and around what went wrong.
+    /// Background of STOP, and frames of errors.
     pub bad: Color32,
-    /// Words that say that something is wrong.
+    /// Text of an error.
     pub wrong: Color32,
-    /// Words on `bad`, `good` and `accent`.
+    /// Text on `bad`, `good` and `accent`.
     pub on_colour: Color32,
 }
 
@@ -80,7 +80,7 @@ const DARK: Palette = Palette {
 };
 
 impl Palette {
-    /// Over what of a picture cannot be reached.
+    /// Shade over the part of a view that a boundary cannot reach.
     #[must_use]
     pub fn beyond(&self) -> Color32 {
         self.line.gamma_multiply(0.45)

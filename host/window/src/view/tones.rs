@@ -1,4 +1,4 @@
-//! The tones panel: one row per peak, and what they add up to.
+//! The tones panel: one row per tone, and their sum.
 
 use super::field::{InputField, row};
 use super::slider::Quantity;

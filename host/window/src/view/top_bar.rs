@@ -1,4 +1,4 @@
-//! The bar at the top: what is connected, its state, and STOP.
+//! The top bar: the connected device, its state, and STOP.
 
 use super::aligned::{self, Width};
 use super::{Scene, offers, theme};
@@ -16,18 +16,18 @@ pub(super) const HEIGHT: f32 = STOP.y + 20.0;
 /// Size of the STOP button, in points.
 const STOP: Vec2 = vec2(104.0, 34.0);
 
-/// What safe mode is, and what helps.
+/// The explanation of safe mode, and what helps.
 pub(crate) const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
     Take its power away and connect it again; if it comes back like this, flash its firmware.";
 
-/// What went wrong, with the end of a sentence.
+/// The error text, closed with a full stop.
 fn sentence(trouble: &LinkError) -> String {
     let text = trouble.to_string();
     let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
     text + end
 }
 
-/// What the state chip says: a word, its colour, and a sentence.
+/// The content of the state chip: a word, its colour, and a sentence.
 pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
     let snapshot = scene.snapshot;
     match &snapshot.link {
@@ -57,11 +57,11 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
     }
 }
 
-/// Windows narrower than this have no room for the program's name, in points.
+/// In windows narrower than this, in points, the program's name is left out.
 const ROOM_FOR_NAME: f32 = 760.0;
-/// Space in and between the buttons of such a bar, in points.
+/// Space in and between the buttons of such a narrow bar, in points.
 const NARROW: f32 = 4.0;
-/// Narrowest and widest that the menu of devices is, in points.
+/// Smallest and largest width of the device menu, in points.
 const DEVICE: (f32, f32) = (70.0, 180.0);
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -78,7 +78,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
         }
         menu(ui, scene, intents);
         ui.separator();
-        // What comes after the menu of devices and must be seen: that menu, then the round trip, give way to it.
+        // The width of the controls after the device menu that must stay visible. The device menu shrinks for them
+        // first, then the round trip is left out.
         let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
         let gap = ui.spacing().item_spacing.x;
         let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
@@ -102,7 +103,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     });
 }
 
-/// How long the device takes to answer, if the words fit this room, in points.
+/// The round-trip time of the device, if its text fits this width in points.
 fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
     if !scene.snapshot.is_connected() {
         return None;
@@ -114,7 +115,7 @@ fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
     (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
 }
 
-/// A word in a rounded box with a dot of its colour.
+/// A rounded box with a coloured dot and a word.
 fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
     let galley = ui.painter().layout_no_wrap(word.to_owned(), FontId::proportional(13.0), colour);
     let size = vec2(galley.size().x + 34.0, 24.0);
@@ -133,10 +134,11 @@ fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
     response
 }
 
-/// STOP lies over every page and menu, undimmed and within the window, and takes one click in every state.
+/// STOP is above every page and menu, never dimmed, always inside the window, and works with one click in every
+/// state.
 fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
     let (place, _) = ui.allocate_exact_size(STOP, Sense::hover());
-    // A page in front takes what is below its layer: a floating layer of its own keeps STOP above it.
+    // A page blocks clicks on all layers below it; a separate floating layer keeps STOP above it.
     let area = egui::Area::new(egui::Id::unique("stop"))
         .order(egui::Order::Tooltip)
         .fixed_pos(place.min)
@@ -189,14 +191,14 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &
     }
 }
 
-/// The button that gives up what is under way; a sign in a narrow bar.
+/// The button that cancels the work in progress; only a symbol in a narrow bar.
 fn cancel(ui: &mut egui::Ui, is_narrow: bool, help: &str) -> bool {
     let button = ui.button(if is_narrow { "×" } else { "Cancel" });
     button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Cancel"));
     button.on_hover_text(help).clicked()
 }
 
-/// How far what is under way is; in a narrow bar without words.
+/// The progress bar of the work; without text in a narrow bar.
 fn bar(ui: &mut egui::Ui, is_narrow: bool, share: f32, text: String, help: &str) {
     let bar = egui::ProgressBar::new(share);
     if is_narrow {
@@ -206,7 +208,7 @@ fn bar(ui: &mut egui::Ui, is_narrow: bool, share: f32, text: String, help: &str)
     }
 }
 
-/// The menu of devices, this wide in points.
+/// The device menu, with this width in points.
 fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Intents) -> egui::Response {
     let current = scene.snapshot.port.as_ref();
     let label = current.map_or_else(

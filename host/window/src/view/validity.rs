@@ -1,4 +1,4 @@
-//! The validity lights: a summary that is always in sight, and the list with a sentence each.
+//! The validity lights: a summary that is always visible, and the list with a sentence for each light.
 
 use super::{Scene, theme};
 use eframe::egui::{
@@ -8,7 +8,7 @@ use slipline_model::numbers::quantity::{show_frequency, show_place};
 use slipline_plate::check::{Colour, Light};
 use theme::Palette;
 
-/// Half the size of a light's mark, in points.
+/// Half the size of a light's symbol, in points.
 const MARK: f32 = 4.5;
 
 fn ink(colour: Colour, palette: &Palette) -> Color32 {
@@ -20,7 +20,8 @@ fn ink(colour: Colour, palette: &Palette) -> Color32 {
     }
 }
 
-/// The mark of a colour: a ring, a dot, a triangle, a square. The shape tells it to those who cannot tell the colours.
+/// The symbol of a colour: a ring, a dot, a triangle or a square. The shape serves users who cannot distinguish
+/// the colours.
 fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette) {
     let fill = ink(colour, palette);
     match colour {
@@ -41,7 +42,7 @@ fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette
     }
 }
 
-/// The worst colour and what the summary says.
+/// The worst colour and the text of the summary.
 fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
     let Some(checked) = &scene.background.checked else { return (None, "checking".to_owned()) };
     let Ok(report) = &checked.report else { return (None, "not checked".to_owned()) };
@@ -111,7 +112,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         }
         Ok(report) => {
             let mut lights: Vec<&Light> = report.lights.iter().collect();
-            // What needs a look comes first; among equals the order stays.
+            // Problems come first; lights of the same colour keep their order.
             lights.sort_by_key(|light| std::cmp::Reverse(light.colour));
             for shown in lights {
                 light(ui, shown, palette);

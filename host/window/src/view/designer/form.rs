@@ -1,5 +1,5 @@
-//! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. The fields and
-//! their words are those of `slipline design`.
+//! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. Fields and
+//! terms are those of `slipline design`.
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel, Unit};
 use crate::view::field::{Fields, InputField, labelled};
@@ -15,7 +15,7 @@ use slipline_plate::quantity::Range;
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
-/// What stands in a field that is left to the library.
+/// The text of a field whose value is left to the library.
 const AUTOMATIC: &str = "auto";
 
 /// The fields of a draft.
@@ -26,16 +26,16 @@ pub(super) struct Form<'a> {
     shown: Shown,
 }
 
-/// What came of showing it.
+/// The result of showing the form.
 #[derive(Default)]
 pub(super) struct Shown {
-    /// The draft that the user makes of it.
+    /// The changed draft, if the user changed it.
     pub(super) change: Option<Draft>,
-    /// Whether the reason of the refusal stands at its field.
+    /// Whether the reason of the refusal was shown at its field.
     pub(super) is_told: bool,
 }
 
-/// One field: what it is called, what stands in it and what is allowed.
+/// One field: its name, its text and its allowed range.
 struct Entry {
     caption: &'static Caption,
     value: String,
@@ -54,7 +54,7 @@ fn lengths(allowed: Range) -> String {
     show_range(allowed.low, allowed.high, Measure::Length)
 }
 
-/// What is typed, or `None` for nothing or `auto`.
+/// The typed value, or `None` for an empty text or `auto`.
 fn optional(text: &str, read: impl FnOnce(&str) -> Result<f64, String>) -> Result<Option<f64>, String> {
     let text = text.trim();
     if text.is_empty() || text == AUTOMATIC { Ok(None) } else { read(text).map(Some) }
@@ -84,7 +84,7 @@ impl<'a> Form<'a> {
         self.shown
     }
 
-    /// A field; what is typed changes the draft by `take`.
+    /// Shows a field; `take` applies the typed text to the draft.
     fn entry(
         &mut self,
         ui: &mut egui::Ui,
@@ -112,7 +112,7 @@ impl<'a> Form<'a> {
         });
     }
 
-    /// A menu of values and their names; `now` is chosen, another one changes the draft by `take`.
+    /// Shows a menu of values and their names; `now` is selected, and `take` applies another choice to the draft.
     fn choice<T: PartialEq + Copy>(
         &mut self,
         ui: &mut egui::Ui,
@@ -143,7 +143,7 @@ impl<'a> Form<'a> {
         });
     }
 
-    /// What the sheet is of, and how it carries the wave.
+    /// The material of the sheet, and the kind of its wave.
     fn sheet(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let materials = material_names().map(|name| (name, name));
@@ -172,7 +172,7 @@ impl<'a> Form<'a> {
         }
     }
 
-    /// How a membrane is stretched: by a wave speed or by a tension.
+    /// The stretch of a membrane: a wave speed or a tension.
     fn stretch(&mut self, ui: &mut egui::Ui) {
         let value = match self.draft.stretch {
             Stretch::WaveSpeed(speed) => format!("{speed} m/s"),
@@ -194,7 +194,7 @@ impl<'a> Form<'a> {
         });
     }
 
-    /// The band, and how long the plate is for it.
+    /// The band and the length of the plate.
     fn size(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let low = Entry {
@@ -219,7 +219,7 @@ impl<'a> Form<'a> {
         self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
     }
 
-    /// What the library chooses, unless it is chosen here.
+    /// The values that the library chooses unless the user gives them.
     fn rest(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);

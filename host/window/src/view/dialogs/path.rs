@@ -1,17 +1,17 @@
-//! A path that is typed, where the system has no dialog for files.
+//! The page for typing a path, on a system without a file dialog.
 
 use crate::intent::{Intent, Intents, PathQuestion};
 use crate::view::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Key, RichText};
 
-/// What is typed, and for which question.
+/// The typed text and its question.
 pub(crate) struct TypedPath {
     question: PathQuestion,
     text: String,
 }
 
-/// Shows the question; returns whether it was given up.
+/// Shows the question; returns whether it was cancelled.
 pub(super) fn show(
     ui: &mut egui::Ui,
     question: &PathQuestion,
@@ -39,7 +39,7 @@ pub(super) fn show(
     if is_new {
         field.request_focus();
     }
-    // Only of the very file that was found there may it be said that it is replaced.
+    // The warning applies only to the path whose file was found, not to a text that was edited since.
     let is_replacing = question.existing.as_deref() == Some(typed.text.trim());
     if is_replacing {
         let text = "There is a file of that name. Replace it, or type another name.";
@@ -51,7 +51,7 @@ pub(super) fn show(
         let verb = if is_replacing { "Replace" } else { question.verb };
         let button = egui::Button::new(RichText::new(verb).strong());
         let is_pressed = ui.add_enabled(!typed.text.trim().is_empty(), button).clicked();
-        // Replacing takes a press of the button that says so.
+        // To replace a file, the user must press the button that says so; Enter is not enough.
         if is_pressed || (is_entered && !is_replacing && !typed.text.trim().is_empty()) {
             intents.push(Intent::Path(typed.text.trim().to_owned(), is_replacing));
         }

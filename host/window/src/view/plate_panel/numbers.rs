@@ -1,4 +1,4 @@
-//! The numbers of the plate on the screen, each a field that makes a new plate.
+//! The numbers of the plate on the screen. A change of one field makes a new plate.
 
 use crate::caption::{self, Caption, FIELD_DIGITS, Panel};
 use crate::intent::{Intent, Intents};
@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut egui::Ui, plate: &Arc<Plate>, view: &mut ViewState, 
     drive_end(ui, &mut numbers);
 }
 
-/// Where they are shown and changed.
+/// The `Ui` and state with which the fields are shown.
 struct Numbers<'a, 'b> {
     plate: &'a Arc<Plate>,
     view: &'b mut ViewState,
@@ -161,7 +161,7 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     });
 }
 
-/// Whether shear and rotary inertia are left out. The box can be pressed where the plate stands either way.
+/// The box for leaving out shear and rotary inertia. It is enabled if the plate is valid either way.
 fn thin_plate(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, bending: &Bending) {
     let mut thin = !bending.thick_plate;
     let mut spec = numbers.plate.spec().clone();
