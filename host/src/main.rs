@@ -11,16 +11,17 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Err(error) = signals::watch() {
-        // A signal still ends the program, and the device stops when its host is silent.
+        // If signals cannot be handled, they still end the program, and the device stops by itself when its host
+        // is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
     let ended = match cli.command {
         None => open_window(),
         Some(command) => command.run(cli.json).map_err(|failure| (failure.to_string(), failure.exit_code())),
     };
-    // What a signal has cut short says nothing more.
+    // If a signal has ended the command, nothing more is printed.
     signals::hold_while_ending();
-    // A thread of the window may still be writing.
+    // A thread of the window may still be writing a file.
     disk::remove_unfinished();
     match ended {
         Ok(()) => ExitCode::SUCCESS,

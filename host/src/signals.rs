@@ -1,8 +1,8 @@
-//! How the program ends when it is told to: by Ctrl-C, on Unix as well by SIGTERM, and by SIGHUP unless the program is
-//! to outlive its terminal. It ends in one place, so that no way out leaves a device driven or half a file behind.
+//! Ends the program after a signal: Ctrl-C, on Unix also SIGTERM, and SIGHUP unless it is ignored (nohup). There
+//! is one place that ends the program, so that it never leaves a driven device or a half-written file.
 //!
 //! ```text
-//! signal --> has the command an end of its own (drive, the window)?
+//! signal --> does the command have its own orderly end (drive, the window)?
 //!              yes: it is asked to end, and returns by itself -----------------------> its own exit code
 //!              no, it takes too long, or a second signal comes:
 //!                   devices stopped and disarmed --> temporary files removed --> exit code 130
@@ -18,22 +18,22 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The exit code of what was cut short by a signal: what a shell reports of a program that Ctrl-C ended.
+/// The exit code after a signal: the one that a shell reports for a program ended by Ctrl-C.
 const EXIT_CODE: i32 = 130;
-/// A command with an end of its own has so long for it.
+/// Time limit for a command with its own orderly end.
 const CLOSING: Duration = Duration::from_secs(5);
-/// A device has so long to agree to stop and disarm. It does so by itself when its host is silent.
+/// Time limit for a device to acknowledge stop and disarm. Without a host it stops by itself.
 const STOPPING: Duration = Duration::from_secs(1);
 
-/// What is done before the program ends.
+/// The actions before the program ends.
 struct Endings {
     /// Devices to stop, by number.
     devices: Vec<(u64, Handle)>,
-    /// The command's own end, by number.
+    /// The command's own orderly end, with its number.
     close: Option<(u64, Box<dyn FnMut() + Send>)>,
-    /// What is done last.
+    /// The last action.
     last: Option<fn()>,
-    /// The latest number.
+    /// The number that was given last.
     count: u64,
     is_ending: bool,
 }
@@ -45,7 +45,7 @@ fn endings() -> MutexGuard<'static, Endings> {
     ENDINGS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Something to be done before the program ends; dropped, it no longer is.
+/// Registers an action before the program ends; dropping it removes the action.
 #[must_use]
 pub(crate) struct Ending(u64);
 
@@ -57,7 +57,7 @@ impl Drop for Ending {
     }
 }
 
-/// Has this device stopped and disarmed before the program ends.
+/// Registers a device to be stopped and disarmed before the program ends.
 pub(crate) fn stop_before_end(device: Handle) -> Ending {
     hold_while_ending();
     let mut endings = endings();
@@ -67,8 +67,8 @@ pub(crate) fn stop_before_end(device: Handle) -> Ending {
     Ending(number)
 }
 
-/// Has `close` called when the program is told to end. It stops the device and lets the program return from its main
-/// function.
+/// Registers `close`, which is called on a signal. It must stop the device and let the program return from its
+/// main function.
 pub(crate) fn end_by(close: impl FnMut() + Send + 'static) -> Ending {
     hold_while_ending();
     let mut endings = endings();
@@ -78,8 +78,8 @@ pub(crate) fn end_by(close: impl FnMut() + Send + 'static) -> Ending {
     Ending(number)
 }
 
-/// Has the window closed when the program is told to end: its device is stopped at once, then it keeps what it keeps
-/// and returns. For the window's `run`.
+/// Registers the window: on a signal its device is stopped at once, then the window stores its state and returns.
+/// For the window's `run`.
 #[cfg(feature = "gui")]
 pub fn end_window(device: Handle, mut close: Box<dyn FnMut() + Send>) {
     let stop = device.clone();
@@ -87,30 +87,32 @@ pub fn end_window(device: Handle, mut close: Box<dyn FnMut() + Send>) {
         stop.send(Request::Stop);
         close();
     });
-    // To the end of the program.
+    // Registered until the program ends.
     std::mem::forget((stop_before_end(device), closing));
 }
 
-/// Has `last` called when a signal cuts the program short, after everything else: so that the terminal is left clean.
+/// Registers `last`, which is called after everything else when a signal ends the program, to leave a clean
+/// terminal.
 pub(crate) fn before_exit(last: fn()) {
     endings().last = Some(last);
 }
 
-/// Never returns once the program is being ended: whoever would begin or report something waits for the end here.
+/// Does not return while the program is being ended, so that a thread that would begin or report something waits
+/// here for the end.
 pub fn hold_while_ending() {
     while endings().is_ending {
         thread::park_timeout(STOPPING);
     }
 }
 
-/// Watches for signals from now on, on a thread of its own. For the main function, once.
+/// Starts a thread that handles signals. The main function calls it once.
 ///
 /// # Errors
-/// When the system takes no handler or gives no thread.
+/// When the system refuses the signal handler or the thread.
 pub fn watch() -> io::Result<()> {
     let (told, signals) = channel();
     listen(move || {
-        // Nobody listens any more when the program is at its end.
+        // The receiver is gone when the program is at its end.
         let _ = told.send(());
     })?;
     let wait = move || {
@@ -121,7 +123,7 @@ pub fn watch() -> io::Result<()> {
     thread::Builder::new().name("slipline-ending".to_owned()).spawn(wait).map(drop)
 }
 
-/// Ends the program; on the way out, more signals come.
+/// Ends the program; `signals` reports further signals meanwhile.
 fn end(signals: &Receiver<()>) {
     let is_closing = match &mut endings().close {
         Some((_, close)) => {
@@ -131,7 +133,7 @@ fn end(signals: &Receiver<()>) {
         None => false,
     };
     if is_closing {
-        // The program ends meanwhile. A second signal means that nobody will wait for it.
+        // The main function ends the program meanwhile. A second signal means that the user does not want to wait.
         let _ = signals.recv_timeout(CLOSING);
     }
     let devices: Vec<Handle> = {
@@ -140,11 +142,11 @@ fn end(signals: &Receiver<()>) {
         endings.devices.iter().map(|(_, device)| device.clone()).collect()
     };
     for device in &devices {
-        // It stops and disarms before it closes the port; what is asked afterwards is not done.
+        // The worker stops and disarms the device before it closes the port, and ignores later requests.
         device.send(Request::Disconnect);
     }
     for device in &devices {
-        // One that does not answer stops by its dead-man's time.
+        // A device that does not answer stops by itself after its dead-man time.
         let _ = device.wait_for(STOPPING, |seen| matches!(seen.link, LinkState::Disconnected).then_some(()));
     }
     disk::remove_unfinished();
@@ -153,11 +155,11 @@ fn end(signals: &Receiver<()>) {
     process::exit(EXIT_CODE);
 }
 
-/// Has `told` called for every signal.
+/// Calls `told` for every signal.
 #[cfg(unix)]
 fn listen(mut told: impl FnMut() + Send + 'static) -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    // Whoever began the program with nohup wants it to go on when the terminal closes.
+    // A user who started the program with nohup wants it to continue when the terminal closes.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let hangup = (!is_ignored(SIGHUP, &status)).then_some(SIGHUP);
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup))?;
@@ -165,7 +167,7 @@ fn listen(mut told: impl FnMut() + Send + 'static) -> io::Result<()> {
     thread::Builder::new().name("slipline-signals".to_owned()).spawn(wait).map(drop)
 }
 
-/// Whether a process ignores a signal, by what Linux says of it in `/proc`. Other systems do not say.
+/// Whether a process ignores a signal, according to `/proc` of Linux. Other systems do not report it.
 #[cfg(unix)]
 fn is_ignored(signal: i32, status: &str) -> bool {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -173,7 +175,7 @@ fn is_ignored(signal: i32, status: &str) -> bool {
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// Has `told` called for every Ctrl-C.
+/// Calls `told` for every Ctrl-C.
 #[cfg(not(unix))]
 fn listen(told: impl FnMut() + Send + 'static) -> io::Result<()> {
     ctrlc::set_handler(told).map_err(io::Error::other)

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn up_and_down_weigh_the_same_and_zero_is_the_plate() {
+    fn positive_and_negative_have_similar_luminance_and_zero_is_the_plates_colour() {
         for dark in [false, true] {
             assert_eq!(diverging(0.0, dark), diverging(f32::NAN, dark));
             for value in [0.25, 0.5, 1.0] {

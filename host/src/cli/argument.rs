@@ -1,4 +1,4 @@
-//! What stands on the command line: quantities, tones, plates.
+//! Arguments of the command line: quantities, tones, plates.
 
 use super::failure::Failure;
 use slipline_model::disk::{read_text, said};
@@ -7,7 +7,7 @@ use slipline_plate::quantity::Range;
 use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
 
-/// A value whose range depends on the plate or the device, with what was typed for it.
+/// A value whose range depends on the plate or the device, with its typed text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Typed<T> {
     pub(super) text: String,
@@ -24,8 +24,8 @@ pub(super) struct ToneArgument {
     level: f64,
 }
 
-/// Keeps what was typed. What is no number, or too large for one, is not a number, and so out of every range: it is
-/// refused where the range is known, and told.
+/// Parses a value and keeps the typed text. A text that is not a number, or too large, becomes NaN, which is
+/// outside every range. It is refused later, where the range is known and the message can name it.
 pub(super) fn typed<T>(
     text: &str,
     parse: fn(&str) -> Result<T, QuantityError>,
@@ -103,8 +103,8 @@ pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
 }
 
 impl Typed<f64> {
-    /// The value if it is in its range; `more` follows the range in what is told of another, `option` is where it was
-    /// typed.
+    /// The value if it is in its range. The error names `option`, the typed text and the range, followed by
+    /// `more`.
     pub(super) fn within(
         &self,
         option: &str,
@@ -121,7 +121,7 @@ impl Typed<f64> {
 }
 
 impl Boundary {
-    /// Its place in metres, within the plate's span; `option` is where it was typed.
+    /// Its place in metres, within the plate's span; an error names `option`.
     pub(super) fn on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
         let (start_m, end_m) = plate.span_m();
         let (low_hz, high_hz) = plate.band_hz();

@@ -77,7 +77,7 @@ pub struct DesignArguments {
 /// How the edges of a bending plate are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum EdgeArgument {
-    // No sentence each: they would make the whole help twice as long.
+    // The variants have no help text: it would double the length of the help.
     Supported,
     Clamped,
 }
@@ -129,7 +129,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         .transpose()?
         .unwrap_or_default();
     let designed = design(&request).map_err(Failure::usage)?;
-    // A band above what the usual device can play is designed all the same: only its lights are missing.
+    // A band above the range of the usual device is still designed; only its lights are missing.
     let lights = progress::watched("check", |progress| {
         Checker::watched(&designed.plate, Conditions::default(), &mut progress.part(0.0, 0.2))?
             .over_span_watched(&mut progress.part(0.2, 1.0))
@@ -157,7 +157,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         "files": files,
     });
     output::print(as_json, &value, |out| {
-        // The figures are comments, so that what is printed is the plate file itself.
+        // The summary is written as comments, so that the output is a valid plate file.
         for (name, text) in summary(&designed) {
             writeln!(out, "# {name:<18} {text}")?;
         }
@@ -241,13 +241,13 @@ fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
     worries.map(|light| format!("{}: {}", light.colour.name(), light.sentence))
 }
 
-/// What is written into the folder.
+/// The files that are written into the folder.
 const FILES: [&str; 5] = ["plate.toml", "plate.svg", "plate.dxf", "frame.svg", "frame.dxf"];
 
 /// Writes the plate file and the cut files, each to its destination; returns their paths.
 fn write_files<'a>(designed: &Design, free: &'a [Destination]) -> Result<Vec<&'a Path>, Failure> {
     let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
-    // In the order of their names above.
+    // In the order of the names above.
     let texts = [designed.plate.to_toml(), plate.to_svg(), plate.to_dxf(), frame.to_svg(), frame.to_dxf()];
     free.iter()
         .zip(texts)

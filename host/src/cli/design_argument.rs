@@ -14,7 +14,7 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let end =
         |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
     let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
-    // Both are in their range by now.
+    // Both were checked against their range before.
     if !band_high_range(low_hz).contains(high_hz) {
         return Err(format!(
             "the second frequency must be at least {BAND_WIDTH_MIN_PERCENT} % above the first",
@@ -42,7 +42,7 @@ pub(super) fn margin(text: &str) -> Result<Typed<f64>, QuantityError> {
 }
 
 pub(super) fn material(text: &str) -> Result<Material, String> {
-    // The parser of the command line names the option and the value.
+    // The command line's parser adds the option and the value.
     Material::named(text).map_err(|error| match error {
         PlateError::UnknownKind { allowed, .. } => format!("must be {allowed}"),
         other => other.to_string(),

@@ -1,4 +1,4 @@
-//! Files that a command writes: none that is there is lost unasked.
+//! Files that a command writes. An existing file is never replaced without permission.
 
 use super::Failure;
 use clap::Args;
@@ -16,7 +16,7 @@ pub struct ForceArgument {
     pub(super) force: bool,
 }
 
-/// A file to be written: looked at before the work begins, so that no work is done in vain.
+/// A file to write. It is checked before the computation begins, so that no computation is wasted.
 #[derive(Debug)]
 pub(super) struct Destination(PathBuf);
 
@@ -40,12 +40,12 @@ impl Destination {
         }
     }
 
-    /// A file that is asked for or not.
+    /// An optional file.
     pub(super) fn perhaps(path: Option<&Path>, may_replace: ForceArgument) -> Result<Option<Self>, Failure> {
         path.map(|path| Self::new(path, may_replace)).transpose()
     }
 
-    /// A folder, made if it is not there, in which none of these files is (or may be replaced).
+    /// The files in a folder, which is created if needed. An error if one of them exists and may not be replaced.
     pub(super) fn folder(
         folder: &Path,
         names: &[&str],
@@ -66,13 +66,13 @@ impl Destination {
         names.iter().map(|name| Self::new(&folder.join(name), may_replace)).collect()
     }
 
-    /// Whether two of them are one file, however its path was written.
+    /// Whether both are the same file, even if their paths are written differently.
     pub(super) fn is(&self, other: &Self) -> bool {
         let place = |path: &Path| {
             let folder =
                 path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
             let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-            // What is not there yet is known by its folder and its name.
+            // A file that does not exist yet is identified by its folder and name.
             path.canonicalize().ok().or_else(in_folder)
         };
         !disk::is_stream(&self.0) && place(&self.0) == place(&other.0)
@@ -82,7 +82,7 @@ impl Destination {
         &self.0
     }
 
-    /// Writes it through `write`, whole or not at all.
+    /// Writes the file through `write`: all of it or nothing.
     pub(super) fn write(
         &self,
         write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,

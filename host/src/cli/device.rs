@@ -1,4 +1,4 @@
-//! A device for one command: the worker, waited for.
+//! A device for one command: blocking calls to the link worker.
 
 use super::{Failure, progress};
 use crate::signals::{self, Ending};
@@ -11,20 +11,21 @@ use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Opening a port and greeting takes less, or the link gives up by itself.
+/// Time limit for opening a port and the handshake; usually the link gives up earlier.
 const CONNECTING: Duration = Duration::from_secs(5);
-/// A table over a slow link: 47 chunks, each a few milliseconds, and repeats.
+/// Time limit of a request. The longest is a table over a slow link: 47 chunks of a few milliseconds each, and
+/// repeats.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A connected device. When it is dropped, it is stopped and disarmed.
 pub(super) struct Device {
     worker: Worker,
-    /// A signal stops and disarms it, too.
+    /// While this exists, a signal also stops and disarms the device.
     _ending: Ending,
 }
 
 impl Device {
-    /// Connects; a lost link stays lost.
+    /// Connects to a device. A lost link is not reconnected.
     pub(super) fn connect(port: &Port) -> Result<Self, Failure> {
         let worker = Worker::spawn(|| ()).map_err(Failure::failed)?;
         let ending = signals::stop_before_end(worker.handle());
@@ -45,7 +46,7 @@ impl Device {
         self.worker.handle()
     }
 
-    /// Who it is.
+    /// The identity of the device.
     pub(super) fn identity(&self) -> Result<Arc<Identity>, Failure> {
         let snapshot = self.snapshot();
         match (&snapshot.identity, snapshot.compatibility) {
@@ -55,7 +56,7 @@ impl Device {
         }
     }
 
-    /// Has something done.
+    /// Sends a request and waits for its result.
     pub(super) fn perform(&self, request: Request) -> Result<Outcome, Failure> {
         let ticket = self.worker.send(request);
         match self.worker.wait(ticket, PATIENCE) {
@@ -72,7 +73,7 @@ impl Device {
         }
     }
 
-    /// Has something done that shows at an index.
+    /// Sends a request and returns the sample index at which its effect begins.
     pub(super) fn perform_at(&self, request: Request) -> Result<u64, Failure> {
         match self.perform(request)? {
             Outcome::Done { at } => Ok(at),

@@ -10,7 +10,7 @@ use slipline_model::numbers::quantity::{show_frequency, show_place};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-/// The device's state is looked at this often meanwhile.
+/// Time between two checks of the device's state.
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
@@ -67,12 +67,12 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
 }
 
-/// Waits until the time is over or the user interrupts; returns the seconds that were driven.
+/// Waits until the time is over or the user interrupts; returns the driven time in seconds.
 fn hold(device: &Device, duration_s: Option<f64>) -> Result<f64, Failure> {
     let (interrupted, interruption) = channel();
     let stop = device.handle();
     let _closing = signals::end_by(move || {
-        // At once, before anything is waited for.
+        // Sent at once, before waiting for anything.
         stop.send(Request::Stop);
         let _ = interrupted.send(());
     });

@@ -1,16 +1,16 @@
-//! How a command fails, and with which exit code.
+//! The failures of a command and their exit codes.
 
 use slipline_model::field::simulation::SimulationError;
 use std::fmt;
 
-/// Why a command was not done.
+/// Why a command failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// Bad usage or a bad file: exit code 2. The message names what, and the allowed range.
+    /// Bad usage or a bad file: exit code 2. The message names the value and its allowed range.
     Usage(String),
-    /// It could not be done: exit code 1.
+    /// The command could not be carried out: exit code 1.
     Failed(String),
-    /// It was done, and the plate has red lights: exit code 3. The message says how many.
+    /// The command was carried out, and the plate has red lights: exit code 3. The message gives their number.
     Red(String),
 }
 
@@ -25,7 +25,7 @@ impl Failure {
         }
     }
 
-    /// An option's value that does not fit, in the words of the parser of the command line.
+    /// An option's value outside its range, with the wording of the command line's parser.
     pub(super) fn value(option: &str, text: &str, must: impl fmt::Display) -> Self {
         Self::Usage(format!("invalid value '{text}' for '{option}': must be {must}"))
     }
@@ -50,7 +50,7 @@ impl fmt::Display for Failure {
 impl From<SimulationError> for Failure {
     fn from(error: SimulationError) -> Self {
         match error {
-            // What was asked for does not fit the plate.
+            // A plate that cannot be used as requested.
             SimulationError::Table(_)
             | SimulationError::DeviceTable(_)
             | SimulationError::Respond(_)

@@ -1,4 +1,4 @@
-//! A figure's file on the command line: its ending says what is written.
+//! A figure's file on the command line: its extension selects the format.
 
 use super::Failure;
 use super::destination::{Destination, ForceArgument};
@@ -6,14 +6,14 @@ use slipline_model::disk::is_stream;
 use slipline_model::export::figures::{Drawing, Format};
 use std::path::PathBuf;
 
-/// Where a figure goes, and as what.
+/// The destination and format of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FigureFile {
     path: PathBuf,
     format: Format,
 }
 
-/// A file whose ending names its format. A pipe or a device, which has none, gets a PNG file.
+/// A file whose extension names its format. A pipe or a device, which has no extension, gets a PNG file.
 pub(super) fn figure_file(text: &str) -> Result<FigureFile, String> {
     let path = PathBuf::from(text);
     let format = match Format::of(&path) {
@@ -25,12 +25,12 @@ pub(super) fn figure_file(text: &str) -> Result<FigureFile, String> {
 }
 
 impl FigureFile {
-    /// The file, looked at before the work begins.
+    /// The file, checked before the computation begins.
     pub(super) fn destination(&self, may_replace: ForceArgument) -> Result<Destination, Failure> {
         Destination::new(&self.path, may_replace)
     }
 
-    /// Writes the figure there.
+    /// Writes the figure to its destination.
     pub(super) fn write(&self, destination: &Destination, drawing: &Drawing) -> Result<(), Failure> {
         let file = drawing.file(self.format).map_err(Failure::failed)?;
         destination.write(|out| Ok(std::io::Write::write_all(out, &file)?))

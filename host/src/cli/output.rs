@@ -1,4 +1,4 @@
-//! What a command says: aligned lines for people, JSON for programs.
+//! The output of a command: aligned lines for people, JSON for programs.
 
 use super::failure::Failure;
 use slipline_model::disk::said;
@@ -13,7 +13,7 @@ pub(super) fn print(
     let mut out = BufWriter::new(std::io::stdout().lock());
     let written = if as_json { writeln!(out, "{value}") } else { text(&mut out) };
     match written.and_then(|()| out.flush()) {
-        // Whoever read us has had enough: `slipline table | head` is no error.
+        // The reader of the pipe has closed it: `slipline table | head` is no error.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|error| Failure::Failed(format!("standard output: {}", said(&error)))),
     }

@@ -1,5 +1,4 @@
-//! How far a long computation is, as a bar on a terminal's error stream; nothing where there is no terminal to look at
-//! it.
+//! The progress of a long computation, as a bar on the error stream. Shown only if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipline_link::table::DeviceTable;
@@ -8,15 +7,15 @@ use slipline_plate::{DriveTable, Plate, Progress};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What takes no longer than this is not talked about.
+/// A computation that is shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Steps of a bar: finer than a terminal shows.
+/// Steps of a bar: finer than the resolution of a terminal.
 const STEPS: u64 = 1000;
 
-/// The bar that is on the terminal, for whoever ends the program.
+/// The bar on the terminal, so that the code that ends the program can remove it.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Takes the bar off the terminal: whatever is written next begins on an empty line.
+/// Removes the bar from the terminal, so that the next output begins on an empty line.
 pub(super) fn wipe() {
     if let Some(bar) = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take() {
         bar.finish_and_clear();
@@ -29,7 +28,7 @@ fn show(bar: &ProgressBar) {
     *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
 }
 
-/// Does a computation that tells how far it is. Ctrl-C ends it as it ends any program.
+/// Runs a computation that reports its progress. Ctrl-C ends it like any program.
 pub(super) fn watched<R>(what: &'static str, compute: impl FnOnce(&mut Progress<'_>) -> R) -> R {
     let bar = ProgressBar::hidden().with_message(what);
     bar.set_length(STEPS);
@@ -50,7 +49,7 @@ pub(super) fn watched<R>(what: &'static str, compute: impl FnOnce(&mut Progress<
     result
 }
 
-/// [`simulation::table_for`], watched.
+/// [`simulation::table_for`] with a progress bar.
 pub(super) fn table_for(
     plate: &Plate,
     sample_rate_hz: u32,

@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
     })
 }
 
-/// Records so many codes, from the block in which the drive begins.
+/// Records this many codes, from the block in which the drive begins.
 fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     table.check_sum(tones).map_err(Failure::usage)?;
@@ -50,14 +50,14 @@ fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -
         let mut result = Ok(());
         let mut take = |codes: &[u16]| {
             for &code in codes.iter().take(left as usize) {
-                // 12 bits about mid-scale in the upper bits of 16.
+                // 12 bits around mid-scale, shifted to the upper bits of 16.
                 let sample = (i32::from(code) - 2048) * 16;
                 result = std::mem::replace(&mut result, Ok(())).and_then(|()| wav.write_sample(sample));
                 left -= 1;
             }
         };
         take(codes.get((at.saturating_sub(begin)) as usize..).unwrap_or_default());
-        // Rounded up to blocks, so never too few.
+        // Rounded up to whole blocks, so there are always enough codes.
         chain.pass(samples, &mut take);
         result?;
         Ok(wav.finalize()?)

@@ -101,7 +101,7 @@ fn ignores_hangup(process: &str) -> bool {
 
 #[cfg(unix)]
 #[test]
-fn whoever_ends_it_leaves_no_half_written_file_and_keeps_the_old_one() {
+fn a_signal_leaves_no_half_written_file_and_keeps_the_old_one() {
     for signal in ["-INT", "-TERM", "-HUP"] {
         // Tests that were begun with nohup cannot give their children a SIGHUP back.
         if signal != "-HUP" || !ignores_hangup("self") {

@@ -80,14 +80,14 @@ fn a_terminal_shows_a_bar_that_is_gone_in_the_end() {
 }
 
 #[test]
-fn a_pipe_shows_nothing() {
+fn a_pipe_shows_no_progress_bar() {
     let output = slipline(&LONG);
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(!told.contains('%') && !told.contains('\u{1b}'), "{told:?}");
 }
 
 #[test]
-fn whoever_ends_it_finds_an_empty_line() {
+fn a_signal_removes_the_progress_bar_from_the_terminal() {
     let command = OnTerminal::begun(&LONG);
     assert!(command.is_shown(" %"), "{:?}", command.shown());
     let told = Command::new("kill").args(["-INT", &command.child.id().to_string()]).status().unwrap();

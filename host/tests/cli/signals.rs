@@ -87,7 +87,7 @@ fn signal(child: &Child, signal: &str) {
 }
 
 #[test]
-fn whoever_ends_it_leaves_a_device_that_is_stopped_and_disarmed() {
+fn a_signal_stops_and_disarms_the_device() {
     // Its exit code: a drive lasts until Ctrl-C; what verify was to find out is not known.
     for (arguments, code) in [("drive --plate membrane --boundary 120mm", 0), ("verify --window 250ms", 130)]
     {

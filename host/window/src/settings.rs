@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_is_not_understood_costs_no_other() {
+    fn a_field_that_is_not_understood_leaves_the_other_fields() {
         let text = uncommon().write();
         for (from, to, wanted) in [
             ("\"Dark\"", "\"Sepia\"", Settings { theme: ThemeChoice::System, ..uncommon() }),
@@ -152,7 +152,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_path_that_is_no_text_keeps_nothing_from_being_written() {
+    fn a_path_that_is_not_utf8_does_not_prevent_the_settings_from_being_written() {
         use std::os::unix::ffi::OsStrExt as _;
         let mut settings = uncommon();
         settings.used(Path::new(std::ffi::OsStr::from_bytes(b"/\xff.toml")));

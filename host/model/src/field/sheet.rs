@@ -2,8 +2,7 @@
 //!
 //! ```text
 //! plate --cost against BUDGET--> sheet or modal lines
-//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::Sheet --> settle, then slow motion -->
-//! Frame
+//! acknowledged drive + table --> mirror --> DAC codes --> slipline_plate::Sheet --> settle, slow motion --> Frame
 //! ```
 //! The codes are the same as for the modal line of [`time_domain`]. After a change the sheet runs as fast as it
 //! can until it has settled; then it runs in slow motion, so that the eye can follow one wave.

@@ -90,7 +90,7 @@ mod tests {
     use super::decibel;
 
     #[test]
-    fn a_level_of_nothing_has_no_sign() {
+    fn a_level_of_zero_has_no_sign() {
         assert_eq!([decibel(-0.0), decibel(-0.04), decibel(-0.06)], ["0.0 dB", "0.0 dB", "-0.1 dB"]);
     }
 }

@@ -250,7 +250,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
 }
 
 #[test]
-fn at_rest_nothing_is_painted_again_and_the_sheet_sleeps() {
+fn at_rest_nothing_is_repainted_and_the_sheet_does_not_run() {
     let mut app = TestApp::driving();
     let delay = |app: &TestApp| {
         app.window.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min().unwrap()

@@ -358,7 +358,7 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
 }
 
 #[test]
-fn every_control_has_a_name_for_those_who_cannot_see_it() {
+fn every_control_has_an_accessible_name() {
     let mut app = TestApp::driving();
     for tab in ["Boundary", "Tones", "Plate", "Device"] {
         app.window.get_by_role_and_label(Role::Button, tab).click();

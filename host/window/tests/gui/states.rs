@@ -278,7 +278,7 @@ fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
 }
 
 #[test]
-fn drive_in_vain_is_no_leave_to_drive_later() {
+fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
     let driving = TestApp::driving().snapshot();
     let (mut window, link) = show(in_state(&driving, State::Idle, false), [1280.0, 800.0]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! numbers -> Page (points) -> Drawing (SVG text) -> file of either format
-//! ^ axes, legend, plot                   ^ resvg, with the built-in font
+//!             ^ axes, legend, plot                   ^ resvg, with the built-in font
 //! ```
 //! The numbers come from [`slipline_plate::paper`], the simulation, the frequency domain and the screen; this
 //! module only draws them. It reads and writes no file.
