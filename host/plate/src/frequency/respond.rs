@@ -15,6 +15,14 @@ pub const POINTS_MIN: usize = 8;
 pub const POINTS_MAX: usize = 200_001;
 
 /// Steady amplitude over the plate at one frequency.
+///
+/// ```
+/// use slipline_plate::{Equation, preset, respond};
+///
+/// let response = respond(&preset("membrane").unwrap(), 150.0, 257, Equation::Corrected).unwrap();
+/// assert_eq!(response.amplitude.len(), 257);
+/// assert!(response.peak.unwrap().position_m < response.turning_point_m);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Frequency, Hz.

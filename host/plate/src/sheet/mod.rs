@@ -55,6 +55,17 @@ pub struct SheetEnvelope {
 }
 
 /// A tapered plate in two dimensions, at one moment.
+///
+/// ```
+/// use slipline_plate::{Sheet, SheetGrid, preset};
+///
+/// let plate = preset("membrane").unwrap();
+/// let mut sheet = Sheet::new(&plate, 400e3, SheetGrid::new(64, 8)).unwrap();
+/// sheet.push(&[1.0; 4000]);
+/// let mut centre_line = vec![0.0; sheet.positions_m().len()];
+/// sheet.centre_line_m(&mut centre_line);
+/// assert!(centre_line.iter().any(|displacement_m| *displacement_m != 0.0));
+/// ```
 #[derive(Debug)]
 pub struct Sheet {
     fdtd: FdtdGrid,

@@ -42,6 +42,12 @@ pub struct PlateSpec {
 }
 
 /// A validated plate.
+///
+/// ```
+/// let plate = slipline_plate::preset("membrane").unwrap();
+/// let frequency_hz = plate.frequency_for_boundary_hz(0.16);
+/// assert!((plate.turning_point_m(frequency_hz).unwrap() - 0.16).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plate {
     spec: PlateSpec,

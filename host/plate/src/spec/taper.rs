@@ -8,6 +8,15 @@ use crate::spec::error::{Origin, PlateError};
 use crate::spec::limits;
 
 /// The law of the half-width W(x); x = 0 is the driven, wide end.
+///
+/// ```
+/// use slipline_plate::{Plate, Taper, preset};
+///
+/// let mut spec = preset("membrane").unwrap().spec().clone();
+/// spec.taper = Taper::Exponential { half_width_m: 0.05, rate_per_m: 4.62 };
+/// let plate = Plate::new(spec).unwrap();
+/// assert!((plate.half_width_m(0.15) - 0.05 * (-4.62_f64 * 0.15).exp()).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Taper {
     /// W = W0 e^(-d x): every boundary is linear in the logarithm of the frequency.

@@ -29,6 +29,14 @@ pub struct Knot {
 }
 
 /// A turning-point table for one plate at one sample rate.
+///
+/// ```
+/// use slipline_plate::{DriveTable, preset};
+///
+/// let table = DriveTable::build(&preset("membrane").unwrap(), 400e3, 65).unwrap();
+/// assert_eq!(table.knots.len(), 65);
+/// assert!(table.knots.iter().all(|knot| knot.gain > 0.0 && knot.gain <= 1.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveTable {
     /// Place of the first knot, metres.

@@ -36,7 +36,16 @@ pub enum LineError {
     OutOfRange(#[from] OutOfRange),
 }
 
-/// One width mode of a plate, running.
+/// One width mode of a plate in the time domain: DAC codes in, displacement over x out.
+///
+/// ```
+/// use slipline_plate::{TimeDomainLine, preset};
+///
+/// let mut line = TimeDomainLine::new(&preset("membrane").unwrap(), 400e3, 64, 1).unwrap();
+/// let tone = |n: u32| (std::f32::consts::TAU * 150.0 * n as f32 / 400e3).cos();
+/// line.push(&(0..400_000).map(tone).collect::<Vec<_>>());
+/// assert!(line.envelope().maximum_m().iter().any(|displacement_m| *displacement_m > 0.0));
+/// ```
 pub struct TimeDomainLine {
     arch: Arch,
     drive: AnalyticDrive,
