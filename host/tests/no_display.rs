@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-/// What the program says and its exit code, with these variables and no other that names a display.
+/// The message and exit code of the program, with these variables and no other that names a display.
 fn start(variables: &[(&str, &str)]) -> (String, Option<i32>) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
     for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {

@@ -1,4 +1,4 @@
-//! What the subcommands answer, as JSON and in files.
+//! The output of the subcommands, as JSON and in files.
 
 use super::{file, json, number};
 use serde_json::Value;
@@ -41,7 +41,7 @@ fn respond_gives_the_amplitude_over_x_and_the_turning_point() {
         assert_eq!(amplitude.len(), 500);
         assert!((number(&response, "turning_point_m") - turning_point_m).abs() < 1e-4);
         assert!(number(&response, "edge_width_m") > 0.01);
-        // Driven by displacement: the end moves as the drive does.
+        // Driven by displacement: the driven end follows the drive.
         assert!((number(&amplitude[0], "re").hypot(number(&amplitude[0], "im")) - 1.0).abs() < 1e-6);
     }
     let paper = json(&["respond", "--plate", "al-bending", "--freq", "40kHz", "--paper-mode"]);
@@ -122,7 +122,7 @@ fn simulate_lists_several_tones_and_runs_on_another_plate() {
         assert!(off_m.abs() < number(tone, "edge_width_m") / 20.0);
     }
 
-    // A membrane under a tenth more tension than the table thinks.
+    // A membrane under 10 % more tension than the table assumes.
     let toml = slipline_plate::preset("membrane").unwrap().with_wave_speed(1.05).unwrap().to_toml();
     let path = file("tense.toml");
     std::fs::write(&path, toml).unwrap();

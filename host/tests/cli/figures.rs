@@ -1,4 +1,4 @@
-//! Figures: SVG or PNG by the file's ending.
+//! Figures: SVG or PNG by the file's extension.
 
 use super::{failure, file, json, slipline};
 use resvg::usvg::roxmltree;
@@ -59,7 +59,7 @@ fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
         assert!(message.contains("--figure <F>") && message.contains(".svg or .png"), "{message}");
         assert!(!path.exists());
     }
-    // The option's first name; and two kinds of file are never written into one.
+    // The first name of the option still works, and two kinds of output never share one file.
     let path = file("both.svg");
     let path = path.to_str().unwrap();
     let both = [&simulate[..5], &["--png", path, "--csv", path]].concat();

@@ -1,4 +1,4 @@
-//! Files that are there already, and being told to end while one is written.
+//! Existing files, and a signal while a file is being written.
 
 use super::{design, failure, file, slipline};
 #[cfg(unix)]
@@ -29,7 +29,7 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
         assert_eq!(output.status.code(), Some(0), "{name}");
         assert_ne!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
     }
-    // A folder's own files are kept alike, all or none of them.
+    // Files in a folder are kept in the same way: all or none are replaced.
     std::fs::write(folder.join("plate.toml"), "mine").unwrap();
     let output = design(&["--out", &own]);
     let message = String::from_utf8(output.stderr).unwrap();
@@ -45,7 +45,7 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// A long recording over a file that is there, ended by a signal once it is being written.
+/// A long recording over an existing file, ended by a signal while it is being written.
 #[cfg(unix)]
 struct Recording {
     folder: PathBuf,
@@ -54,7 +54,7 @@ struct Recording {
 
 #[cfg(unix)]
 impl Recording {
-    /// Begins it by these words of a shell before the command itself.
+    /// Starts it through a shell, with these words before the command itself.
     fn begun(name: &str, shell: &str) -> Self {
         let folder = file(name);
         std::fs::create_dir_all(&folder).unwrap();
@@ -82,7 +82,7 @@ impl Recording {
         assert!(told.success());
     }
 
-    /// It ends, and the old file is there alone.
+    /// It ends, and only the old file exists.
     fn ends(mut self) {
         assert_eq!(self.child.wait().unwrap().code(), Some(130));
         assert_eq!(self.files(), 1);
@@ -103,7 +103,7 @@ fn ignores_hangup(process: &str) -> bool {
 #[test]
 fn a_signal_leaves_no_half_written_file_and_keeps_the_old_one() {
     for signal in ["-INT", "-TERM", "-HUP"] {
-        // Tests that were begun with nohup cannot give their children a SIGHUP back.
+        // Tests started with nohup cannot make their children receive SIGHUP again.
         if signal != "-HUP" || !ignores_hangup("self") {
             let recording = Recording::begun("interrupted", "");
             recording.signal(signal);

@@ -1,4 +1,4 @@
-//! Red lights and the exit code: a check says them, a design only tells of them.
+//! Red lights and the exit code: `check` fails with them, `design` only reports them.
 
 use super::{failure, json, slipline};
 

@@ -1,4 +1,4 @@
-//! The command line as other programs use it: JSON fields, exit codes, and what it says of bad input.
+//! The command line as other programs use it: JSON fields, exit codes, and messages about bad input.
 
 mod answers;
 mod figures;
@@ -37,7 +37,7 @@ fn number(value: &Value, field: &str) -> f64 {
     value[field].as_f64().unwrap_or_else(|| panic!("{field} is {:?}", value[field]))
 }
 
-/// A file of this test's own.
+/// A file for one test.
 fn file(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{}-{name}", std::process::id()))
 }

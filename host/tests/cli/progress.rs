@@ -1,4 +1,4 @@
-//! How far a long command is: a bar on a terminal, nothing on a pipe.
+//! The progress of a long command: a bar on a terminal, nothing on a pipe.
 #![cfg(target_os = "linux")]
 
 use super::slipline;
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 /// Takes more than a second on the fastest machine.
 const LONG: [&str; 3] = ["check", "--plate", "al-bending"];
-/// Goes to the line's beginning and clears it.
+/// Moves to the line's beginning and clears the line.
 const CLEARED: &str = "\r\u{1b}[2K";
 
 /// A command whose error stream is a terminal.
@@ -31,7 +31,7 @@ impl OnTerminal {
         let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
         command.args(arguments).env("TERM", "xterm").stdout(Stdio::null()).stderr(theirs);
         let child = command.spawn().unwrap();
-        // The command holds their side of it: once it is gone, reading ends.
+        // Only the command keeps the terminal's other side open: when it ends, reading ends.
         drop(command);
         let shown = Arc::new(Mutex::new(Vec::new()));
         let reader = std::thread::spawn({
@@ -61,7 +61,7 @@ impl OnTerminal {
         false
     }
 
-    /// What it had shown when it ended, and its exit code.
+    /// Its complete output and its exit code.
     fn ended(mut self) -> (String, Option<i32>) {
         let code = self.child.wait().unwrap().code();
         self.reader.join().unwrap();

@@ -1,4 +1,4 @@
-//! What is refused, with which exit code and in which words.
+//! Refusals: the exit code and the message.
 
 use super::{design, failure, file, slipline};
 

@@ -1,4 +1,4 @@
-//! Being told to end while a device is driven: it is stopped and disarmed first.
+//! A signal while a device is driven: the device is stopped and disarmed first.
 
 use super::file;
 use slipline_link::native::system_clock;
@@ -13,7 +13,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// A simulated device behind a socket, for one host, and the commands that it was sent.
+/// A simulated device behind a socket, for one host, and the commands it has received.
 struct Socket {
     path: PathBuf,
     sent: Arc<Mutex<Vec<Message>>>,
@@ -76,7 +76,7 @@ impl Socket {
         child
     }
 
-    /// The place of the last such command among those that were sent.
+    /// The index of the last such command among those received.
     fn last(&self, is_it: impl Fn(&Message) -> bool) -> Option<usize> {
         self.sent.lock().unwrap().iter().rposition(is_it)
     }
@@ -88,7 +88,7 @@ fn signal(child: &Child, signal: &str) {
 
 #[test]
 fn a_signal_stops_and_disarms_the_device() {
-    // Its exit code: a drive lasts until Ctrl-C; what verify was to find out is not known.
+    // The exit codes: a drive ends normally with Ctrl-C; verify has no result.
     for (arguments, code) in [("drive --plate membrane --boundary 120mm", 0), ("verify --window 250ms", 130)]
     {
         for told in ["-INT", "-TERM"] {

@@ -1,12 +1,13 @@
-//! A plate driven through the whole chain, measured and compared with what the frequency domain says.
+//! A plate driven through the whole signal chain, measured and compared with the prediction of the frequency
+//! domain.
 //!
 //! ```text
 //! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeDomainLine of the actual plate -> demodulation
 //!                                                        |                                           |
 //!                                       frequency played +--> respond(actual plate) --- compared ----+
 //! ```
-//! Once the plate has settled, the field at each place is multiplied by each tone's own phasor under a Hann window:
-//! what is left is that tone's complex amplitude, whatever else sounds.
+//! After the plate has settled, the field at each place is multiplied by the phasor of each tone and averaged
+//! under a Hann window. The result is the complex amplitude of that tone, even if other tones sound.
 
 mod demodulator;
 
@@ -23,29 +24,29 @@ use std::sync::Arc;
 
 /// Samples per second of the simulated device, in Hz.
 pub const SAMPLE_RATE_HZ: u32 = 400_000;
-/// Knots of a table: the most a device takes.
+/// Number of knots of a table: the most a device takes.
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
-/// Places along the plate at which the field is taken.
+/// Number of places along the plate at which the field is measured.
 pub const PLACES: usize = 513;
 /// The longest simulation, in seconds.
 pub const MAX_SECONDS: f64 = 600.0;
-/// The measuring window holds so many periods of the lowest tone, and of the smallest difference of two tones.
+/// Periods of the lowest tone, and of the smallest difference of two tones, in the measuring window.
 const PERIODS: f64 = 12.0;
 /// The window is no longer than this, in seconds.
 const MAX_WINDOW_S: f64 = 2.0;
 
-/// What to simulate.
+/// A simulation to run.
 #[derive(Clone, Debug)]
 pub struct Simulation<'a> {
-    /// The plate the table is made for.
+    /// The plate for which the table is made.
     pub plate: &'a Plate,
-    /// The plate the waves run on.
+    /// The plate on which the waves run.
     pub actual: &'a Plate,
     /// (boundary in metres from the driven end, level 0..=1) of each tone, 1 to 16.
     pub tones: &'a [(f64, f64)],
     /// Whether the table's gains are used; without them every tone is driven at the same DAC amplitude.
     pub has_gains: bool,
-    /// How long the drive lasts, in seconds; `None`: until the plate has settled and the window is full.
+    /// How long the drive lasts, in seconds; `None` means until the plate has settled and the window is full.
     pub seconds: Option<f64>,
 }
 
@@ -58,13 +59,13 @@ pub enum SimulationError {
     /// The table cannot be put into the device's units.
     #[error(transparent)]
     DeviceTable(#[from] DeviceTableError),
-    /// The frequency that is played does not fit the plate.
+    /// The played frequency does not fit the plate.
     #[error(transparent)]
     Respond(#[from] RespondError),
-    /// The plate cannot be simulated in time.
+    /// The plate cannot be simulated in the time domain.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// The tones add up to too much.
+    /// The sum of the tones exceeds the DAC's range.
     #[error("{0}")]
     Sum(Refusal),
     /// The link or the device refused.
@@ -72,31 +73,32 @@ pub enum SimulationError {
     Loopback(#[from] LoopbackError),
 }
 
-/// One tone, commanded, predicted and measured.
+/// One tone: requested, predicted and measured.
 #[derive(Clone, Debug)]
 pub struct ToneResult {
-    /// The boundary that was asked for, in metres.
+    /// The requested boundary, in metres.
     pub boundary_m: f64,
     /// Its level.
     pub level: f64,
-    /// What the device plays, in Hz.
+    /// The frequency that the device plays, in Hz.
     pub frequency_hz: f64,
-    /// What the frequency domain says for the actual plate at that frequency, at the same places.
+    /// The prediction of the frequency domain for the actual plate at that frequency, at the same places.
     pub predicted: Response,
-    /// The peak displacement it says, in metres.
+    /// The predicted peak displacement, in metres.
     pub predicted_peak_m: Option<f64>,
     /// The tone's measured complex amplitude at each place, in metres.
     pub field_m: Vec<Complex64>,
     /// The measured peak; its amplitude is in metres.
     pub measured: Option<Peak>,
-    /// Where the measured amplitude has fallen to the share of the peak that the turning point has, in metres.
+    /// The place where the measured amplitude has fallen to the share of the peak that it has at the turning
+    /// point, in metres.
     pub measured_turning_point_m: Option<f64>,
 }
 
-/// What came of it.
+/// The result of a simulation.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// The tones, in the order asked for.
+    /// The tones, in the requested order.
     pub tones: Vec<ToneResult>,
     /// Places along the plate, in metres.
     pub position_m: Vec<f64>,
@@ -104,13 +106,13 @@ pub struct Simulated {
     pub maximum_m: Vec<f32>,
     /// RMS displacement at each place while measured, in metres.
     pub rms_m: Vec<f32>,
-    /// RMS displacement that the frequency domain says, in metres.
+    /// RMS displacement predicted by the frequency domain, in metres.
     pub predicted_rms_m: Vec<f64>,
     /// Codes that had to be clamped to the DAC's range.
     pub clipped_samples: u32,
-    /// How long was driven, in seconds.
+    /// The duration of the drive, in seconds.
     pub seconds: f64,
-    /// The part of it that was measured, in seconds.
+    /// The measured part of it, in seconds.
     pub window_s: f64,
     /// The table's peak displacement at level 1, in metres.
     pub peak_at_full_scale_m: f64,
@@ -127,7 +129,7 @@ pub fn table_for(
     table_for_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
 }
 
-/// [`table_for`] that tells how far it is and can be stopped.
+/// [`table_for`] with progress reports, and the possibility to stop it.
 ///
 /// # Errors
 /// As [`table_for`], and when it was stopped.
@@ -141,10 +143,10 @@ pub fn table_for_watched(
     Ok((table, device_table))
 }
 
-/// A plate's table as the device takes it.
+/// Converts a plate's table to the device's units.
 ///
 /// # Errors
-/// [`DeviceTableError`]: what does not fit the device's units.
+/// [`DeviceTableError`]: the value that does not fit the device's units.
 pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
     let span_m = (table.span_start_m, table.span_end_m);
     let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
@@ -168,7 +170,7 @@ impl Simulation<'_> {
         self.run_with(&table)
     }
 
-    /// Runs with a table that was built before.
+    /// Runs with a finished table.
     ///
     /// # Errors
     /// [`SimulationError`]: what does not fit, and why.
@@ -228,7 +230,7 @@ impl Simulation<'_> {
         })
     }
 
-    /// What the device plays for each tone.
+    /// The frequency and level that the device plays for each tone.
     fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
         self.tones
             .iter()
@@ -280,7 +282,8 @@ fn in_samples(seconds: f64) -> u64 {
     (seconds * f64::from(SAMPLE_RATE_HZ)).ceil() as u64
 }
 
-/// Long enough to tell each tone from rest, from its own mirror image and from the other tones.
+/// A window long enough to separate each tone from the constant part, from its own mirror image and from the other
+/// tones.
 fn window_s(frequencies: &[f64]) -> f64 {
     let lowest = frequencies.iter().copied().fold(f64::INFINITY, f64::min);
     let mut sorted = frequencies.to_vec();
@@ -290,7 +293,7 @@ fn window_s(frequencies: &[f64]) -> f64 {
     (PERIODS / nearest.max(1e-3)).clamp(0.01, MAX_WINDOW_S)
 }
 
-/// The first place past `from_m` where |field| has fallen to `to`.
+/// The first place after `from_m` where |field| has fallen to `to`.
 fn falls_to(field: &[Complex64], step_m: f64, from_m: f64, to: f64) -> Option<f64> {
     let first = (from_m / step_m).ceil() as usize;
     let magnitude = |i: usize| field.get(i).map(|value| value.norm());

@@ -19,19 +19,19 @@ pub(super) struct Band {
     number: usize,
     bands: usize,
     stride: usize,
-    first: Field,
-    second: Field,
+    first: AlignedField,
+    second: AlignedField,
     record: EnvelopeRecord,
 }
 
 /// The field at one time, in memory that starts on a cache line.
 #[derive(Debug)]
-struct Field {
+struct AlignedField {
     numbers: Vec<f32>,
     start: usize,
 }
 
-impl Field {
+impl AlignedField {
     fn new(lines: usize) -> Self {
         let numbers = vec![0.0; (lines + 1) * LANES];
         let start = numbers.as_ptr().align_offset(size_of::<Line>()).min(LANES);
@@ -62,8 +62,8 @@ impl Band {
             number,
             bands,
             stride: plan.stride,
-            first: Field::new(count),
-            second: Field::new(count),
+            first: AlignedField::new(count),
+            second: AlignedField::new(count),
             record,
         }
     }

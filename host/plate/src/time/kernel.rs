@@ -82,15 +82,15 @@ impl WithSimd for Step<'_> {
     }
 }
 
-/// field[x] = sum over signals of shape[signal][x] signal; `shape` is stored tile by tile (see [`tiles`]).
-pub(crate) struct Field<'a> {
+/// A SIMD sum: field[x] = sum over signals of shape[signal][x] signal; `shape` is stored tile by tile (see [`tiles`]).
+pub(crate) struct FieldSum<'a> {
     pub(crate) shape: &'a [f32],
     pub(crate) signal: &'a [[f32; 2]],
     pub(crate) re: &'a mut [f32],
     pub(crate) im: &'a mut [f32],
 }
 
-impl WithSimd for Field<'_> {
+impl WithSimd for FieldSum<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -114,7 +114,7 @@ impl WithSimd for Field<'_> {
     }
 }
 
-/// Lays a matrix out for [`Field`]: for each tile of places, for each signal, TILE real and TILE imaginary parts.
+/// Lays a matrix out for [`FieldSum`]: for each tile of places, for each signal, TILE real and TILE imaginary parts.
 ///
 /// Places beyond the last are filled with zeros; the result covers `places` rounded up to whole tiles.
 pub(crate) fn tiles(places: usize, signals: usize, value: impl Fn(usize, usize) -> [f32; 2]) -> Vec<f32> {

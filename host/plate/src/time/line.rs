@@ -164,7 +164,7 @@ impl TimeDomainLine {
         for (signal, (re, im)) in self.signal[3..].iter_mut().zip(states) {
             *signal = [*re as f32, *im as f32];
         }
-        self.arch.dispatch(kernel::Field {
+        self.arch.dispatch(kernel::FieldSum {
             shape: &self.shape,
             signal: &self.signal,
             re: &mut self.field_re,

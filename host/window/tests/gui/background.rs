@@ -1,4 +1,4 @@
-//! The validity lights, the designer, the 2-D sheet, and work that is given up.
+//! The validity lights, the designer, the 2-D sheet, and cancelled work.
 
 use crate::test_app::TestApp;
 use crate::type_into;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What the summary of the lights says.
+/// The text of the summary of the lights.
 fn summary(app: &TestApp) -> String {
     let chip = app.window.get_by(|node| {
         node.role() == Role::Button && node.label().is_some_and(|label| label.starts_with("Validity: "))
@@ -67,7 +67,7 @@ fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
     }
     let amber = words(&app, ": amber");
     assert!(amber >= 1 && words(&app, ": green") + amber == 12);
-    // No actuator is named: told, but neither counted nor a worry.
+    // No actuator is given: shown, but neither counted nor a warning.
     assert_eq!(words(&app, "actuator band: unchecked"), 1);
     assert_eq!(summary(&app), format!("Validity: {amber} amber"));
     assert!(app.window.query_by_label_contains("names no actuator").is_some());
@@ -176,7 +176,8 @@ fn the_wave_is_the_sheet_where_it_runs_live_and_the_modal_lines_elsewhere() {
     assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_none());
     open_preset(&mut app, "paper-rubber");
     assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
-    // The same plate under another name has the same table: the device is not asked, the picture is another.
+    // The same plate under another name has the same table: nothing is sent to the device, but the field is solved
+    // again.
     let text = slipline_plate::preset("paper-rubber").unwrap().to_toml();
     open_plate(&mut app, text.replace("name = \"paper-rubber\"", "name = \"mine\""));
     app.wait(500);
@@ -207,7 +208,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
         table::make(job, task)
     };
     let mut app = TestApp::with_tables(JobQueue::threaded("table", make, || ()).unwrap());
-    // The table is made on a thread: let it have the time it takes.
+    // The table is computed on a thread: wait for it.
     let until = |app: &mut TestApp, what: &str, is_so: &dyn Fn(&TestApp) -> bool| {
         for _ in 0..3000 {
             app.wait(50);
@@ -238,10 +239,10 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     assert_eq!(app.snapshot().table.active.unwrap().crc, crc);
     assert!(app.is_driving());
     assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Upload(_))));
-    // The old table is in force: the boundary can be moved on it.
+    // The old table is still active: the boundary can be moved with it.
     app.window.key_press(Key::Escape);
     app.wait(100);
-    // What was given up can be asked for again.
+    // Cancelled work can be started again.
     is_held.store(false, Ordering::Relaxed);
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     until(&mut app, "the new table", &|app| {

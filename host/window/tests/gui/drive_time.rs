@@ -1,4 +1,4 @@
-//! Nobody asked anything of the device for ten minutes: it stops by itself, says so, and goes on when asked to.
+//! After ten minutes without a request the device stops by itself, the window says so, and Drive starts it again.
 
 use crate::real_device;
 use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};

@@ -1,4 +1,4 @@
-//! What is saved of what is seen.
+//! The exports.
 
 use crate::test_app::TestApp;
 use eframe::egui::OutputCommand;
@@ -12,7 +12,7 @@ pub(crate) fn file_menu(app: &mut TestApp, entry: &str) {
     app.wait(200);
 }
 
-/// The pixels of a PNG file, as wide as high, and its dots per metre.
+/// The width and height of a PNG file in pixels, its pixels, and its dots per metre.
 fn decoded(bytes: &[u8]) -> (u32, u32, Vec<[u8; 3]>, Option<u32>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut data = vec![0; reader.output_buffer_size().unwrap()];
@@ -31,11 +31,11 @@ fn the_figure_is_of_the_plate_at_print_size_and_not_of_the_window() {
     let (width, height, pixels, dots) = decoded(&bytes);
     let mm = |pixels: u32| f64::from(pixels) / f64::from(dots.unwrap()) * 1e3;
     assert!((mm(width) - 170.0).abs() < 0.2 && (70.0..170.0).contains(&mm(height)), "{width} x {height}");
-    // No STOP on it; the simulated plate's rings are.
+    // The figure has no STOP button, but it has the rings of the simulated plate.
     let count = |is_it: fn(&[u8; 3]) -> bool| pixels.iter().filter(|pixel| is_it(pixel)).count();
     assert_eq!(count(|p| p[0] > 170 && p[1] < 60 && p[2] < 70), 0);
     assert!(count(|p| p[0] > 190 && (70..130).contains(&p[1]) && p[2] < 60) > 500);
-    // As vectors it holds the same words as text.
+    // The SVG file contains the same words as text.
     file_menu(&mut app, "Export figure (SVG)…");
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "figure.svg");
@@ -67,7 +67,7 @@ fn exports_hold_what_is_seen() {
     assert!(wav.into_samples::<i16>().map(|sample| sample.unwrap().abs()).max().unwrap() > 8000);
 }
 
-/// Whether diagnostics come to the clipboard within the next pictures.
+/// Whether diagnostics reach the clipboard within the next frames.
 fn are_copied(app: &mut TestApp) -> bool {
     let is_it = |command: &OutputCommand| matches!(command, OutputCommand::CopyText(text) if text.contains("== status"));
     (0..4).any(|_| {

@@ -1,10 +1,10 @@
-//! It is seen where the keys go.
+//! The keyboard focus is visible.
 
 use crate::test_app::TestApp;
 use eframe::egui::{Rect, Shape, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 
-/// Rings of 2 points and more that are painted.
+/// The painted rings with a width of at least 2 points.
 fn rings(app: &TestApp) -> Vec<Rect> {
     let rings = app.window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
         Shape::Rect(rect) if rect.stroke.width >= 2.0 => Some(rect.rect),

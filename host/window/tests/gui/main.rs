@@ -30,7 +30,7 @@ use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 use test_app::{FakeFiles, FixedLink, TestApp, open_window};
 
-/// Types into the field of this name and leaves it with Enter.
+/// Types into the field with this name and presses Enter.
 fn type_into(app: &mut TestApp, name: &str, text: &str) {
     app.window.get_by_role_and_label(Role::TextInput, name).focus();
     app.window.step();
@@ -51,7 +51,7 @@ fn add_tone(app: &mut TestApp) {
     app.wait(200);
 }
 
-/// Where the boundary's handle is.
+/// The rectangle of the boundary's handle.
 fn line_rect(app: &TestApp) -> eframe::egui::Rect {
     app.window.get_by_role_and_label(Role::Slider, "Boundary").rect()
 }
@@ -107,11 +107,11 @@ fn dragging_the_line_sends_the_boundary_with_every_move_of_the_pointer() {
     app.window.step();
     assert_eq!(sent.len(), 8, "one drive for each move: {sent:?}");
     assert!(sent.windows(2).all(|pair| pair[1] > pair[0]));
-    // The line is where the pointer let it go, to the pixel.
+    // The line is at the pixel where the pointer released it.
     let moved = line_rect(&app).center().x - line.center().x;
     assert!((moved - 40.0).abs() <= 1.0, "{moved}");
     assert!((sent[7] - boundary_mm(&app)).abs() < 1e-9 && boundary_mm(&app) > before + 10.0);
-    // The device has it, too.
+    // The device has the same place.
     app.wait(200);
     let mm = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").value().unwrap();
     assert_eq!(mm, format!("{:.1} mm", boundary_mm(&app)));

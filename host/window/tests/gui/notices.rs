@@ -1,4 +1,4 @@
-//! Messages: they say what was done, cover nothing that is needed, and what was done stays in the log.
+//! Messages: they report results, cover no control that is needed, and remain in the log.
 
 use crate::test_app::TestApp;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Rect, accesskit::Role, pos2};
@@ -10,12 +10,12 @@ fn save(app: &mut TestApp) {
     app.wait(100);
 }
 
-/// Lets so many seconds pass for the window, at 60 pictures a second.
+/// Runs the window for this many seconds, at 60 frames per second.
 fn watch(app: &mut TestApp, seconds: usize) {
     app.window.run_steps(60 * seconds);
 }
 
-/// Lets the window's clock go on by so many seconds at once.
+/// Advances the window's clock by this many seconds in one step.
 fn skip(app: &mut TestApp, seconds: f64) {
     let now = app.window.ctx.input(|input| input.time);
     app.window.input_mut().time = Some(now + seconds);
@@ -30,7 +30,7 @@ fn a_plain_message_goes_by_itself_and_an_error_stays() {
     save(&mut app);
     watch(&mut app, 3);
     assert!(app.window.query_by_label("Saved setup.toml").is_some());
-    // Another message has its whole time.
+    // Another message is shown for its full time.
     let text = app.setup_text();
     app.open("x.toml", Ok(text));
     watch(&mut app, 3);
@@ -104,7 +104,7 @@ fn the_log_tells_of_files_by_their_names_alone() {
     assert!(log.iter().all(|entry| !entry.text.contains("somebody")));
 }
 
-/// A file that is refused with a reason of many lines.
+/// Opens a file that is refused with a reason of many lines.
 fn open_bad_file(app: &mut TestApp) {
     app.open("bad.toml", Err("this reason is as long as a reason gets when a file says much. ".repeat(12)));
     app.wait(100);
@@ -142,7 +142,7 @@ fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
     }
     app.wait(200);
     assert!(message(&app).height() > 4.0 * cut.height(), "{}", message(&app));
-    // It is being read: no time takes it away.
+    // A message that is shown in full does not disappear with time.
     skip(&mut app, 60.0);
     assert!(app.window.state().notice().is_some());
     app.window.get_by_label("Dismiss").click();
@@ -178,7 +178,7 @@ fn several_messages_leave_the_panels_controls_in_sight() {
     }
 }
 
-/// Two tones in one place, both as loud as can be: more than the DAC can send.
+/// Two tones at one place at full level: more than the DAC can output.
 fn ask_too_much(app: &mut TestApp) {
     crate::add_tone(app);
     let mut setup = app.window.state().setup().clone();
@@ -202,7 +202,7 @@ fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
     watch(&mut app, 7);
     assert!(app.window.query_by_label("Saved setup.toml").is_none());
     assert!(app.window.state().notice().is_some_and(|notice| notice.text.starts_with("Refused: ")));
-    // It goes when the device takes something newer.
+    // The message disappears when the device accepts something newer.
     app.window.get_by_label("Make it fit").click();
     app.wait(500);
     assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
@@ -242,7 +242,7 @@ fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
     assert_eq!(told, "Master lowered to -4.1 dB, so that 2 tones fit.");
     let line = crate::line_rect(&app);
     app.window.get_by_label("Dismiss").click();
-    // Long enough for that click to be none of the two below.
+    // Long enough so that this click is not part of the double click below.
     watch(&mut app, 1);
     // At the wide end, where no boundary can be.
     let at = pos2(120.0, line.top() + 0.3 * line.height());

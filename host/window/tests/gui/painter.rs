@@ -1,7 +1,7 @@
-//! Pictures of the window without a display or a GPU: egui's triangles, painted by the processor.
+//! Images of the window without a display or a GPU: a software renderer for egui's triangles.
 //!
-//! It is exact in the same sense as egui's own painters: gamma-space blending of premultiplied colours, textures
-//! sampled linearly. So a picture depends on nothing but the program.
+//! It follows the rules of egui's own painters: gamma-space blending of premultiplied colours, linear sampling of
+//! textures. So an image depends only on the program, not on the machine.
 
 use eframe::egui::{self, Color32, ColorImage, ImageData, Pos2, Rect, TextureId, TexturesDelta, epaint};
 use egui_kittest::TestRenderer;

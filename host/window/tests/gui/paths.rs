@@ -1,4 +1,4 @@
-//! Where the system has no dialog for files, a path is typed.
+//! Typed paths, on a system without a file dialog.
 
 use crate::test_app::TestApp;
 use crate::type_into;

@@ -1,4 +1,4 @@
-//! The axes of the plots: labels on them in every case, and the same ones while a boundary is dragged or held.
+//! The axes of the plots: they always have labels, which do not change during a drag or a pause.
 
 use crate::background::open_plate;
 use crate::test_app::TestApp;
@@ -6,18 +6,18 @@ use crate::{line_rect, type_into};
 use eframe::egui::{FullOutput, Key, Rect, Shape, epaint::ClippedShape, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 
-/// Every word that is painted, and where.
+/// Every painted text and its place.
 fn painted(app: &TestApp) -> Vec<(String, Rect)> {
     words(app.window.output())
 }
 
-/// Every word of a picture, and where.
+/// Every text of a frame and its place.
 pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
     fn collect(shape: &Shape, words: &mut Vec<(String, Rect)>) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, words)),
             Shape::Text(text) => {
-                // What is cut off is not painted.
+                // The rows of a galley hold only the painted part of a shortened text.
                 let rows: Vec<String> = text.galley.rows.iter().map(|row| row.text()).collect();
                 words.push((rows.join(" "), text.visual_bounding_rect()));
             }
@@ -89,7 +89,7 @@ fn the_axes_stay_while_the_boundary_is_dragged_and_while_the_plots_are_held() {
     app.window.key_press(Key::P);
     app.wait(200);
     assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held");
-    // What is held keeps its axes whatever is set up meanwhile.
+    // Paused plots keep their axes, whatever changes in the setup.
     type_into(&mut app, "Boundary position", "90 mm");
     open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     app.wait(1500);

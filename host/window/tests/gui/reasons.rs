@@ -1,4 +1,4 @@
-//! A value that is not taken has its reason under its field, and moves nothing beside it.
+//! The reason of a refused value is under its field, and moves nothing beside it.
 
 use crate::test_app::TestApp;
 use crate::type_into;
@@ -9,7 +9,7 @@ fn rect(app: &TestApp, role: Role, name: &str) -> Rect {
     app.window.get_by_role_and_label(role, name).rect()
 }
 
-/// Where the plate's line is, and how wide the panel at the side: neither may change.
+/// The place of the boundary line and the width of the side panel: neither may change.
 fn outside(app: &TestApp) -> [Rect; 2] {
     [rect(app, Role::Slider, "Boundary"), rect(app, Role::Button, "Tones")]
 }

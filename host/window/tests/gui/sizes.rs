@@ -1,4 +1,4 @@
-//! The window at sizes and zooms that leave no room for what it shows.
+//! The window at sizes and zooms that are too small for its content.
 
 use crate::test_app::TestApp;
 use eframe::egui::{Key, Modifiers, Vec2, vec2};

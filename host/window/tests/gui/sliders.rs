@@ -1,5 +1,5 @@
-//! What is typed beside a slider: a value with its unit is taken, everything else is refused in words, and the value
-//! stays as it was.
+//! Typing beside a slider: a value with its unit is accepted; everything else is refused with a reason, and the
+//! value does not change.
 
 use crate::test_app::TestApp;
 use crate::{add_tone, type_into};
@@ -77,7 +77,7 @@ fn what_is_out_of_range_or_no_value_changes_nothing_and_is_told_with_the_range()
         let told = format!("{reason}{allowed}");
         let reason = app.window.query_by_label(&told);
         assert!(reason.is_some(), "{told}");
-        // The next attempt begins at the value that stands.
+        // The next attempt begins with the present value.
         app.window.get_by_role_and_label(Role::TextInput, field).focus();
         app.window.step();
         app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);

@@ -1,4 +1,4 @@
-//! Small screens: STOP, the plate's line and the controls stay usable, with whatever page is open.
+//! Small screens: STOP, the boundary line and the controls stay usable, whatever page is open.
 
 use crate::test_app::{FakeFiles, TestApp, open_window};
 use crate::{boundary_mm, line_rect, real_device};
@@ -9,7 +9,7 @@ use slipline_link::Request;
 use slipline_link::protocol::event::State;
 use slipline_window::settings::ThemeChoice;
 
-/// Sizes in points: the smallest that is meant to be used, a small panel, and 1600 x 1000 pixels at two a point.
+/// Sizes in points: the smallest supported, a small panel display, and 1600 x 1000 pixels at 2 pixels per point.
 const SIZES: [[f32; 2]; 3] = [[640.0, 480.0], [800.0, 480.0], [800.0, 500.0]];
 
 fn screen(size: [f32; 2]) -> Rect {
@@ -104,7 +104,7 @@ fn the_line_can_be_dragged_on_a_small_screen() {
         app.wait(100);
         assert!(boundary_mm(&app) > before + 10.0, "{size:?}: {}", boundary_mm(&app));
         assert!(app.is_driving(), "{size:?}");
-        // The panel at the side does not lie over the plate, and its first field is in sight.
+        // The side panel does not cover the plate, and its first field is visible.
         let field = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").rect();
         assert!(screen(size).contains_rect(field) && field.left() > line.right(), "{size:?}: {field}");
     }

@@ -1,6 +1,6 @@
-//! How the window looks, in light and dark, against pictures that were looked at.
+//! The look of the window, in light and dark, compared with approved images.
 //!
-//! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui` takes the present look as right.
+//! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui` approves the present look.
 
 use crate::background::{open_page, open_plate};
 use crate::painter::Painter;
@@ -12,12 +12,13 @@ use slipline_model::export::figures::encode;
 use slipline_window::settings::ThemeChoice;
 use std::path::PathBuf;
 
-/// A pixel this far off in one channel differs: less is a rounding of the last bits of a float.
+/// Largest difference of a channel that still counts as equal: the last bits of a float may be rounded
+/// differently.
 const DIFFERS: u8 = 24;
-/// So many pixels may differ, of a thousand.
+/// The largest share of pixels that may differ, per thousand.
 const MOST_PER_MILLE: usize = 3;
 
-/// The window in this theme and of this size, in points, after something was done with it.
+/// The window in this theme and of this size in points, after `prepare` has acted on it.
 fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut TestApp)) -> ColorImage {
     let painter = Painter::default();
     let egui_theme = if theme == ThemeChoice::Dark { Theme::Dark } else { Theme::Light };
@@ -35,7 +36,7 @@ fn read(path: &PathBuf) -> ColorImage {
         panic!("{} is missing: run with SLIPLINE_BLESS=1 and look at it", path.display())
     }));
     let mut decoder = png::Decoder::new(file);
-    // A picture without opacity is read as one that is opaque.
+    // An image without an opacity channel is read as opaque.
     decoder.set_transformations(png::Transformations::ALPHA);
     let mut reader = decoder.read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -114,7 +115,7 @@ fn what_is_felt_is_faint_while_nothing_is_driven() {
             app.window.key_press(eframe::egui::Key::Space);
             app.wait(300);
         };
-        // A place on the strip where much is felt, and one beside the plate.
+        // A place on the strip with a strong feeling, and one beside the plate.
         let contrast = |seen: &ColorImage| -> u32 {
             let at = |x: usize| seen.pixels[544 * seen.size[0] + x];
             let (felt, page) = (at(440), at(940));

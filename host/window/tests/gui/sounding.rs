@@ -1,4 +1,4 @@
-//! What is on the screen is what sounds, by whatever way it came to the screen.
+//! The device sounds the setup on the screen, however that setup got there.
 
 use crate::background::open_plate;
 use crate::test_app::TestApp;
@@ -65,7 +65,8 @@ fn a_tone_that_is_added_can_be_dragged_anywhere() {
 fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
-    // Two tones where the gain is least, as loud as fits there; then where it is most, as loud as fits there.
+    // Two tones at the place of the smallest gain, then at the place of the largest, each time at the highest
+    // level that fits.
     let [least, most] = extremes(&app);
     let text = |app: &TestApp, master: f64, place_mm: f64| {
         let mut setup = app.window.state().setup().clone();
@@ -88,7 +89,7 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     assert_screen_sounds(&app);
 }
 
-/// Stopped, and then another plate opened, whose table is yet to be made.
+/// A stopped app that has opened another plate, whose table is not made yet.
 fn stopped_before_another_plate() -> TestApp {
     let mut app = TestApp::driving();
     app.window.key_press(Key::Space);
@@ -119,7 +120,7 @@ fn drive_while_a_table_is_on_its_way_is_sent_once_the_device_holds_it() {
     assert_eq!(crate::drives(&app.take_sent()).len(), 1);
 }
 
-/// Where the table's gain is least and where it is most: the place in mm and the gain there.
+/// The places of the table's smallest and largest gain: place in mm and gain.
 fn extremes(app: &TestApp) -> [(f64, f64); 2] {
     let plate = &app.window.state().setup().plate;
     let (table, _) = slipline_model::field::simulation::table_for(plate, 400_000).expect("a table");

@@ -1,4 +1,4 @@
-//! The stage: what cannot be reached is seen and said, and no words lie where there is something to see.
+//! The stage: unreachable places are marked and named, and no text covers the views.
 
 use crate::plots::words;
 use crate::test_app::TestApp;

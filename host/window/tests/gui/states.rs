@@ -1,4 +1,4 @@
-//! Every state of link and device offers its way on, and Drive tells what stands in its way.
+//! Every state of link and device offers a next step, and Drive names its obstacle.
 
 use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
 use eframe::egui::{Key, Modifiers, Rect, vec2};
@@ -43,7 +43,7 @@ fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink
     (window, link)
 }
 
-/// What a press must lead to.
+/// The required effect of a press.
 type Effect = fn(&Harness<'static, App>, &[Request]) -> bool;
 
 const fn disconnects(_: &Harness<'static, App>, sent: &[Request]) -> bool {
@@ -82,8 +82,8 @@ fn closes(window: &Harness<'static, App>, _: &[Request]) -> bool {
     views.any(|view| view.commands.contains(&ViewportCommand::Close))
 }
 
-/// A state of link and device, what it offers, what that leads to, and what Ctrl+Enter leads to: something is asked,
-/// or a message with these words.
+/// A state of link and device, what it offers, the effect of that, and the effect of Ctrl+Enter: a request, or a
+/// message with these words.
 struct Case {
     name: &'static str,
     snapshot: Snapshot,
@@ -285,7 +285,7 @@ fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
     window.run_steps(3);
     window.get_by_label("Cancel").click();
     window.run_steps(3);
-    // It is armed by hand a while later.
+    // The device is armed by the user later.
     let mut armed = in_state(&driving, State::Armed, false);
     armed.revision += 1;
     link.become_known(armed);

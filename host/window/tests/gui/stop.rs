@@ -1,4 +1,4 @@
-//! STOP can be seen and pressed in every state of the window, of whatever size.
+//! STOP is visible and can be pressed in every state of the window, at every size.
 
 use crate::painter::Painter;
 use crate::real_device;

@@ -1,4 +1,4 @@
-//! The Tab key walks through every control of the window, each once.
+//! The Tab key reaches every control of the window exactly once.
 
 use crate::test_app::TestApp;
 use eframe::egui::{Key, Rect, accesskit::Role};
@@ -15,7 +15,7 @@ const CONTROLS: [Role; 7] = [
     Role::RadioButton,
 ];
 
-/// A control as a person would tell it: what it is, its name, and where it is.
+/// A control as a person would describe it: its role, its name and its place.
 type Control = (String, String, [i32; 2]);
 
 /// The controls that can be used, and how often each has the focus now (0 or 1).
@@ -60,14 +60,14 @@ fn walk(app: &mut TestApp, page: &str) {
         app.window.step();
         app.window.step();
         let Some((focused, _)) = controls(app).into_iter().find(|(_, has)| *has == 1) else { continue };
-        // In a row the Tab key goes as one reads.
+        // Within a row the Tab key follows the reading order.
         if let Some((_, last, at)) = &before
             && (at.center().y - here(app).center().y).abs() < 4.0
         {
             assert!(at.left() < here(app).left(), "{page}: {} comes after {last}", focused.1);
         }
         before = Some((focused.0.clone(), focused.1.clone(), here(app)));
-        // Scrolling moves what is in the panel at the side: its height does not count.
+        // The side panel scrolls, so vertical places in it do not count.
         if first.as_ref() == Some(&focused) {
             break;
         }

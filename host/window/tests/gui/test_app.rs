@@ -26,7 +26,7 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// The device and its cable.
+/// A simulated device and its cable.
 struct PluggablePort {
     device: SimulatedDevice,
     is_plugged: bool,
@@ -78,7 +78,7 @@ impl Opener for PluggableOpener {
     }
 }
 
-/// The worker's part: the connection, told the time by the test.
+/// In place of the link worker: the connection, stepped by the test in virtual time.
 struct SteppedWorker {
     connection: Connection<PluggableOpener>,
     port: Arc<Mutex<PluggablePort>>,
@@ -117,7 +117,7 @@ impl Link for SteppedLink {
 
     fn snapshot(&self) -> Arc<Snapshot> {
         let mut worker = self.0.borrow_mut();
-        // As the worker does: it numbers the changes.
+        // As the real worker does: this call numbers the changes.
         worker.connection.take_changes();
         Arc::new(worker.connection.view().clone())
     }
@@ -126,10 +126,10 @@ impl Link for SteppedLink {
 /// A list that the test and the app both hold.
 type Shared<T> = Rc<RefCell<Vec<T>>>;
 
-/// Files as the test gives them.
+/// Fake file access: the test sets the contents and reads what was saved.
 #[derive(Clone, Default)]
 pub(crate) struct FakeFiles {
-    /// What opening a path gives.
+    /// The result of opening each path.
     pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
     /// What was saved.
     pub(crate) saved: Shared<(String, Vec<u8>)>,
@@ -189,7 +189,7 @@ pub(crate) struct TestApp {
     pub(crate) window: Harness<'static, App>,
     /// The files.
     pub(crate) files: FakeFiles,
-    /// How often the 2-D sheet was asked to move on.
+    /// Number of jobs for the 2-D sheet so far.
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
     worker: Rc<RefCell<SteppedWorker>>,
 }
@@ -203,13 +203,13 @@ impl TestApp {
         )
     }
 
-    /// The same with a theme and a window of the test's own.
+    /// As [`Self::driving`], with another theme and window.
     pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
         let mut app = Self::starting(theme, builder);
         for _ in 0..40 {
             app.wait(50);
             if app.is_driving() {
-                // The plate settles and the pictures follow.
+                // Time for the plate to settle and the views to follow.
                 app.wait(400);
                 return app;
             }
@@ -217,7 +217,7 @@ impl TestApp {
         panic!("the simulated plate does not move: {:?}", app.snapshot().log);
     }
 
-    /// The app at its first start, with tables made the test's own way, on a thread.
+    /// The app at its first start, with a job queue for tables that the test supplies.
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
@@ -251,7 +251,7 @@ impl TestApp {
         Self { window, files, sheet_jobs, worker }
     }
 
-    /// Lets time pass, in milliseconds, and the window look at what has changed.
+    /// Lets this many milliseconds pass, with a frame of the window every 50 ms.
     pub(crate) fn wait(&mut self, ms: u64) {
         for _ in 0..ms.div_ceil(50) {
             self.worker.borrow_mut().advance(Duration::from_millis(50.min(ms)));
@@ -266,12 +266,12 @@ impl TestApp {
         self.wait(100);
     }
 
-    /// Lets time pass, in milliseconds, with nobody looking at the window.
+    /// Lets this many milliseconds pass without a frame of the window.
     pub(crate) fn pass(&mut self, ms: u64) {
         self.worker.borrow_mut().advance(Duration::from_millis(ms));
     }
 
-    /// What is known of link and device.
+    /// The snapshot of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
         self.worker.borrow().connection.view().clone()
     }
@@ -288,7 +288,7 @@ impl TestApp {
             .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
     }
 
-    /// Disarms the device behind the window's back, as one does that waits for a stalled program in vain.
+    /// Disarms the device without the window, as a device does by itself when its host has stalled.
     pub(crate) fn disarm(&mut self) {
         SteppedLink(Rc::clone(&self.worker)).send(Request::Disarm);
     }
@@ -309,24 +309,24 @@ impl TestApp {
     }
 }
 
-/// A link that knows what the test says and notes what it is asked.
+/// A link with fixed snapshots that records the requests.
 #[derive(Clone)]
 pub(crate) struct FixedLink {
-    /// What is known at first.
+    /// The first snapshot.
     pub(crate) snapshot: Arc<Snapshot>,
-    /// What is known instead from some time on.
+    /// The snapshot that replaces it later.
     later: Rc<RefCell<Option<Arc<Snapshot>>>>,
-    /// What was asked.
+    /// The requests.
     pub(crate) sent: Shared<Request>,
 }
 
 impl FixedLink {
-    /// A link that knows this.
+    /// A link with this snapshot.
     pub(crate) fn of(snapshot: Snapshot) -> Self {
         Self { snapshot: Arc::new(snapshot), later: Rc::default(), sent: Rc::default() }
     }
 
-    /// From now on this is known.
+    /// Replaces the snapshot from now on.
     pub(crate) fn become_known(&self, mut snapshot: Snapshot) {
         snapshot.revision = self.snapshot().revision + 1;
         *self.later.borrow_mut() = Some(Arc::new(snapshot));

@@ -1,4 +1,4 @@
-//! What is not known is a dash, never a number that looks like one.
+//! An unknown value is shown as a dash, never as a number.
 
 use crate::plots::words;
 use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
@@ -36,7 +36,7 @@ fn another_plates_heights_are_dashes_until_its_table_is_made() {
     assert_eq!(dashes(&app), 0);
     app.plug(false);
     app.wait(1500);
-    // The device that could tell its rate is away: the new plate's table cannot be made.
+    // The device is gone, so its rate is unknown and the new plate's table cannot be made.
     crate::background::open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     assert!(dashes(&app) >= 3);
     let painted = words(app.window.output());

@@ -1,13 +1,13 @@
-//! Each tone's complex amplitude, out of the field of all of them.
+//! The demodulator: separates the complex amplitude of each tone from the field of all tones.
 
 use slipline_plate::{Complex64, TimeDomainLine};
 use std::f64::consts::TAU;
 
-/// Takes each tone's complex amplitude out of the field.
+/// Separates the complex amplitude of each tone from the field.
 pub(super) struct Demodulator {
-    /// Codes per step of the line: after so many it has a new field.
+    /// Codes per step of the line; a new field exists after each step.
     stride: usize,
-    /// Turns per step of each tone.
+    /// Phase per step of each tone, in turns.
     turns: Vec<f64>,
     sums: Vec<Vec<Complex64>>,
     field: Vec<Complex64>,
@@ -55,7 +55,7 @@ impl Demodulator {
         let window = 1.0 - (TAU * place).cos();
         self.weight += window;
         for (turns, sums) in self.turns.iter().zip(&mut self.sums) {
-            // e^(+j w t) takes the phasor of e^(-j w t) to rest.
+            // Multiplication by e^(+j w t) makes the phasor of e^(-j w t) constant.
             let phasor = Complex64::cis(TAU * (turns * self.step as f64).fract()) * window;
             for (sum, value) in sums.iter_mut().zip(&self.field) {
                 *sum += phasor * value;

@@ -21,7 +21,7 @@ pub(super) enum Due {
 }
 
 /// One field.
-pub(super) struct Field {
+pub(super) struct FieldSpec {
     pub(super) name: &'static str,
     pub(super) due: Due,
     pub(super) meaning: &'static str,
@@ -35,11 +35,11 @@ pub(super) struct Section {
     pub(super) kind_field: &'static str,
     /// Each kind with its fields.
     pub(super) kinds: &'static [(&'static str, &'static [&'static str])],
-    pub(super) fields: &'static [Field],
+    pub(super) fields: &'static [FieldSpec],
 }
 
-const fn field(name: &'static str, due: Due, meaning: &'static str) -> Field {
-    Field { name, due, meaning }
+const fn field(name: &'static str, due: Due, meaning: &'static str) -> FieldSpec {
+    FieldSpec { name, due, meaning }
 }
 
 pub(super) const PLATE: Section = Section {
@@ -158,7 +158,7 @@ pub(super) const SECTIONS: [&Section; 5] = [&PLATE, &TAPER, &MODEL, &DRIVE, &ACT
 
 impl Section {
     /// The field of that name.
-    pub(super) fn field(&self, name: &str) -> Option<&'static Field> {
+    pub(super) fn field(&self, name: &str) -> Option<&'static FieldSpec> {
         self.fields.iter().find(|field| field.name == name)
     }
 
@@ -168,7 +168,7 @@ impl Section {
     }
 
     /// What a field of it has to be, in words that follow "must be".
-    pub(super) fn allowed(&self, field: &Field) -> Cow<'static, str> {
+    pub(super) fn allowed(&self, field: &FieldSpec) -> Cow<'static, str> {
         match &field.due {
             Due::Number(range) => format!("a number, {range}").into(),
             Due::NumberThat(words) => format!("a number, {words}").into(),

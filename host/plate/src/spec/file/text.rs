@@ -1,6 +1,6 @@
 //! A plate's TOML text, field by field, each with the line where it stands.
 
-use super::fields::{Due, Field, SECTIONS, Section};
+use super::fields::{Due, FieldSpec, SECTIONS, Section};
 use crate::quantity::{hint, nearest};
 use crate::spec::error::{PlateError, PlateFileError};
 use std::ops::Range;
@@ -159,7 +159,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    fn value(&self, name: &str) -> Option<(&'static Field, &'a Spanned<DeValue<'a>>)> {
+    fn value(&self, name: &str) -> Option<(&'static FieldSpec, &'a Spanned<DeValue<'a>>)> {
         let field = self.law.field(name)?;
         entry(self.table, name).map(|(_, value)| (field, value))
     }
