@@ -188,12 +188,12 @@ impl App {
 
     /// Processes everything that happened since the last frame. Paints nothing.
     pub fn logic(&mut self, ctx: &egui::Context) {
-        self.look_at_link();
+        self.update_snapshot();
         self.take_results();
         self.keys(ctx);
         self.follow_pointer(ctx);
         self.dropped_files(ctx);
-        self.look_after_background(ctx);
+        self.update_background(ctx);
         self.advance(ctx);
     }
 

@@ -69,7 +69,7 @@ fn under_way(parts: &Parts) -> Option<Waiting> {
 
 impl App {
     /// Starts the work that the screen needs, and tracks how long it takes.
-    pub(super) fn look_after_background(&mut self, ctx: &egui::Context) {
+    pub(super) fn update_background(&mut self, ctx: &egui::Context) {
         self.decide_source();
         // While the pointer is down, boundary and levels still change.
         if self.grab.is_none() && !ctx.input(|input| input.pointer.any_down()) {

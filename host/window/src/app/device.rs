@@ -24,7 +24,7 @@ impl App {
         self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
     }
 
-    pub(super) fn look_at_link(&mut self) {
+    pub(super) fn update_snapshot(&mut self) {
         let snapshot = self.parts.link.snapshot();
         let before = std::mem::replace(&mut self.snapshot, snapshot);
         if before.revision == self.snapshot.revision {
@@ -59,8 +59,8 @@ impl App {
         if stands(&before) != stands(&self.snapshot) {
             self.notices.state_changed();
         }
-        self.tell_of_standing_faults();
-        self.tell_of_drive_time(&before);
+        self.report_remaining_faults();
+        self.report_drive_time(&before);
         self.ask_for_table();
         self.run_autopilot(&before);
         self.update_playback();
@@ -72,7 +72,7 @@ impl App {
     }
 
     /// Tells the user that the device stopped at the end of its drive time, and what to do.
-    fn tell_of_drive_time(&mut self, before: &Snapshot) {
+    fn report_drive_time(&mut self, before: &Snapshot) {
         let has = |snapshot: &Snapshot| {
             snapshot.status.is_some_and(|status| status.faults.contains(Fault::DriveTime))
         };
@@ -91,7 +91,7 @@ impl App {
     }
 
     /// Tells the user about faults that remain after they were cleared: their cause still exists.
-    fn tell_of_standing_faults(&mut self) {
+    fn report_remaining_faults(&mut self) {
         let Some(ticket) = self.clear_sent else { return };
         let Some(status) = self.snapshot.status else { return };
         match self.snapshot.outcome(ticket) {
