@@ -271,7 +271,7 @@ impl Command {
     /// # Errors
     /// [`Failure`]: why not, and with which exit code to end.
     pub fn run(self, json: bool) -> Result<(), Failure> {
-        signals::before_exit(progress::wipe);
+        signals::before_exit(progress::wipe_for_good);
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),

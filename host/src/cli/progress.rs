@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipline_link::table::DeviceTable;
 use slipline_model::field::simulation::{self, SimulationError};
 use slipline_plate::{DriveTable, Plate, Progress};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A computation that is shorter than this shows no bar.
@@ -15,17 +15,32 @@ const STEPS: u64 = 1000;
 /// The bar on the terminal, so that the code that ends the program can remove it.
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
+fn shown() -> MutexGuard<'static, Option<ProgressBar>> {
+    SHOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Removes the bar from the terminal, so that the next output begins on an empty line.
-pub(super) fn wipe() {
-    if let Some(bar) = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take() {
+fn wipe() {
+    if let Some(bar) = shown().take() {
         bar.finish_and_clear();
     }
 }
 
+/// Removes the bar from the terminal and shows none afterwards: for the code that ends the program.
+pub(super) fn wipe_for_good() {
+    let mut shown = shown();
+    if let Some(bar) = shown.take() {
+        bar.finish_and_clear();
+    }
+    // Never unlocked again: a computation that still runs waits for the lock instead of showing its bar.
+    std::mem::forget(shown);
+}
+
 /// Shows a bar, if the error stream is a terminal.
 fn show(bar: &ProgressBar) {
+    let mut shown = shown();
     bar.set_draw_target(ProgressDrawTarget::stderr());
-    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.clone());
+    *shown = Some(bar.clone());
 }
 
 /// Runs a computation that reports its progress. Ctrl-C ends it like any program.

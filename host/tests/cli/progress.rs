@@ -75,7 +75,10 @@ fn a_terminal_shows_a_bar_that_is_gone_in_the_end() {
     let command = OnTerminal::begun(&LONG);
     assert!(command.is_shown(" %"), "{:?}", command.shown());
     let (shown, _) = command.ended();
-    assert!(shown.contains("check") && shown.ends_with(CLEARED), "{shown:?}");
+    let (bar, last) = shown.rsplit_once(CLEARED).unwrap();
+    assert!(bar.contains("check") && !last.contains('%'), "{shown:?}");
+    // The result begins on the empty line.
+    assert!(last.starts_with("slipline: ") && last.ends_with(" red\r\n"), "{shown:?}");
     assert!(!shown.contains("\u{1b}[?25l"), "the cursor is left alone");
 }
 
@@ -88,11 +91,15 @@ fn a_pipe_shows_no_progress_bar() {
 
 #[test]
 fn a_signal_removes_the_progress_bar_from_the_terminal() {
-    let command = OnTerminal::begun(&LONG);
-    assert!(command.is_shown(" %"), "{:?}", command.shown());
-    let told = Command::new("kill").args(["-INT", &command.child.id().to_string()]).status().unwrap();
-    assert!(told.success());
-    let (shown, code) = command.ended();
-    assert_eq!(code, Some(130));
-    assert!(shown.ends_with(CLEARED), "{shown:?}");
+    // A command that a signal ends at once, and a drive that has not begun yet.
+    let drive = ["drive", "--port", "sim", "--plate", "al-bending", "--boundary", "250mm"];
+    for arguments in [&LONG[..], &drive] {
+        let command = OnTerminal::begun(arguments);
+        assert!(command.is_shown(" %"), "{:?}", command.shown());
+        let told = Command::new("kill").args(["-INT", &command.child.id().to_string()]).status().unwrap();
+        assert!(told.success());
+        let (shown, code) = command.ended();
+        assert_eq!(code, Some(130), "{arguments:?}");
+        assert!(shown.ends_with(CLEARED), "{arguments:?}: {shown:?}");
+    }
 }

@@ -79,8 +79,8 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
         (&["table", "--plate", "mebrane"], &["did you mean membrane?"]),
         (&["verify", "--port", "sim", "--window", "9s"], &["'9s' for '--window'", "10 ms to 2.621 s"]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--csv", "x", "--png", "./x"],
-            &["--csv", "--png"],
+            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--csv", "x.svg", "--png", "./x.svg"],
+            &["--csv", "--figure"],
         ),
         (&["info", "--port", "unix:"], &["unix:PATH"]),
         (&["info"], &["--port"]),

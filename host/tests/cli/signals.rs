@@ -105,13 +105,13 @@ fn a_signal_stops_and_disarms_the_device() {
                 begun.elapsed() < Duration::from_secs(4),
                 "{command} {told}: it was not waited for in vain"
             );
-            let driven = socket.last(|sent| matches!(sent, Message::Drive(_)));
-            let stopped = socket.last(|sent| matches!(sent, Message::Stop));
-            let disarmed = socket.last(|sent| matches!(sent, Message::Disarm));
-            assert!(
-                driven < stopped && stopped < disarmed,
-                "{command} {told}: {driven:?} {stopped:?} {disarmed:?}"
-            );
+            let driven = socket.last(|sent| matches!(sent, Message::Drive(_))).unwrap();
+            let sent = socket.sent.lock().unwrap();
+            let afterwards = &sent[driven + 1..];
+            let stopped = afterwards.iter().position(|sent| matches!(sent, Message::Stop));
+            let disarmed = afterwards.iter().rposition(|sent| matches!(sent, Message::Disarm));
+            assert!(stopped.is_some() && stopped < disarmed, "{command} {told}: {afterwards:?}");
+            drop(sent);
             std::fs::remove_file(&socket.path).unwrap();
         }
     }
