@@ -16,7 +16,7 @@ pub(super) struct Prepared {
     pub(super) conditions: Conditions,
     /// The plate with its waves 1 %, 0.5 % slower and faster.
     pub(super) detuned: Vec<Plate>,
-    /// The plate at the other speeds that its table is levelled_amplitude over.
+    /// The plate at the other speeds that its table is levelled over.
     pub(super) speeds: Vec<Plate>,
     /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
     lowest_gain: f64,

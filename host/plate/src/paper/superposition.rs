@@ -72,7 +72,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                 heading: "corrected",
                 convention: vec![
                     "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
-                    "Each tone levelled_amplitude to a peak of 1; tones of different frequency add in power.".to_owned(),
+                    "Each tone scaled to a peak of 1; tones of different frequency add in power.".to_owned(),
                 ],
                 x_range: (0.0, 340.0),
                 y_range: (0.0, 1.6),

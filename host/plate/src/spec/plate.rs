@@ -26,7 +26,7 @@ pub struct PlateSpec {
     pub model: Model,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
-    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled_amplitude over every speed
+    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled over every speed
     /// within it, not for the nominal speed alone. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
     /// What is held at x = 0.

@@ -3,8 +3,10 @@
 use super::font;
 use super::page::{Anchor, BLACK, Ink, Page, Pen, Place};
 
-/// Length of a sample, as a multiple of the text size.
-const SAMPLE: f64 = 2.0;
+/// Length of a curve's sample, as a multiple of the text size.
+const PIECE: f64 = 2.0;
+/// Width of any other sample, as a multiple of the text size.
+const NARROW: f64 = 0.8;
 
 /// How a sample is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,8 +22,16 @@ pub(super) enum Sample {
 }
 
 impl Sample {
+    /// How wide it is beside text of this size.
+    fn length(self, text: f64) -> f64 {
+        match self {
+            Self::Line(_) => PIECE * text,
+            Self::Upright(_) | Self::Ring(..) | Self::Dot(..) => NARROW * text,
+        }
+    }
+
     fn draw(self, page: &mut Page, (x, y): Place, text: f64) {
-        let length = SAMPLE * text;
+        let length = self.length(text);
         let middle = x + 0.5 * length;
         match self {
             Self::Line(pen) => page.line([(x, y), (x + length, y)], pen),
@@ -46,13 +56,14 @@ pub(super) fn legend(
     room: f64,
     text: f64,
 ) -> usize {
-    let name_at = SAMPLE * text + 0.5 * text;
-    let widths: Vec<f64> = entries.iter().map(|(name, _)| name_at + font::width(name, text)).collect();
+    let name_at = |sample: Sample| sample.length(text) + 0.5 * text;
+    let wide = |(name, sample): &(String, Sample)| name_at(*sample) + font::width(name, text);
+    let widths: Vec<f64> = entries.iter().map(wide).collect();
     let places = rows(&widths, room, 1.5 * text);
     for ((name, sample), &(along, row)) in entries.iter().zip(&places) {
         let (x, y) = (left + along, first + row as f64 * row_height(text));
         sample.draw(page, (x, y), text);
-        page.text(name, (x + name_at, y), Anchor::Left, text, BLACK);
+        page.text(name, (x + name_at(*sample), y), Anchor::Left, text, BLACK);
     }
     places.last().map_or(0, |&(_, row)| row + 1)
 }

@@ -54,7 +54,8 @@ fn plot<'a>(figure: &'a Figure, panel: &'a Panel) -> Plot<'a> {
         name: (!series.name.ends_with(", Im")).then(|| series.name.clone()),
         sample: Sample::Line(match series.stroke {
             Stroke::Solid => Pen::solid(hue(series.hue), 1.3),
-            Stroke::Dashed => Pen::dashed(hue(series.hue), 1.0, (3.0, 2.5)),
+            // Long dashes: on a solid curve of similar brightness both colours stay visible.
+            Stroke::Dashed => Pen::dashed(hue(series.hue), 1.0, (5.0, 4.0)),
         }),
         points: series.points.clone(),
     });

@@ -68,8 +68,8 @@ fn both_panels_hold_their_curves_and_the_file_is_small() {
             assert!(told.iter().any(|text| text == name), "Fig. {}: {name}", figure.number);
         }
         let file = drawing.file(Format::Png).expect("painted");
-        assert!(file.len() < 150_000, "Fig. {}: {}", figure.number, file.len());
-        assert!(drawing.svg().len() < 150_000, "Fig. {}: {}", figure.number, drawing.svg().len());
+        assert!(file.len() < 100_000, "Fig. {}: {}", figure.number, file.len());
+        assert!(drawing.svg().len() < 100_000, "Fig. {}: {}", figure.number, drawing.svg().len());
         let (width, height, pixels, _) = decoded(&file);
         assert_eq!((width, height), (1240, 500));
         let blue = |from: u32, to: u32| {
