@@ -151,7 +151,7 @@ body! {
         pub span_end_um: u32 ["um"],
         /// The sample rate that the phase steps are made for; must be the device's own.
         pub sample_rate_hz: u32 ["Hz"],
-        /// CRC-32 of the table, see [`digest`](crate::table::digest).
+        /// The table's CRC: the CRC-32 of this header's other fields and all knots.
         pub crc: u32 [""],
     }
 }

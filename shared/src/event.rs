@@ -194,8 +194,7 @@ body! {
         /// The computed temperature rise of the coil.
         pub heat_per_mille: u16 ["1/1000 of its limit"],
         /// What the thermal fold-back leaves of every amplitude in the present fold-back period; 1000 when cool. It
-        /// changes only where a period begins (see [`FOLDBACK_PERIOD_MS`](crate::limits::FOLDBACK_PERIOD_MS)); the
-        /// present period is that of the last sample before `now`.
+        /// changes only where a fold-back period begins; the present one is that of the last sample before `now`.
         pub foldback_per_mille: u16 ["1/1000"],
         /// The same in the periods before it, the latest first. A host that missed some answers reads here what the
         /// fold-back did meanwhile. Periods before the reset show the first value after it.
