@@ -1,0 +1,265 @@
+"""A client of the Slipline protocol for Python 3.9 or later, written from shared/PROTOCOL.md alone, without packages.
+
+It shows that the page is all that a program needs. Offer a simulated device and drive a tone for two seconds:
+
+    slipline serve --socket /tmp/slipline.sock &
+    python3 tests/protocol/client.py --socket /tmp/slipline.sock
+
+In a program of your own:
+
+    from client import Client, Tone
+
+    with Client.at_socket("/tmp/slipline.sock") as device:    # says hello, keeps alive; stops and disarms at the end
+        device.upload(table)                                  # table.Table.from_frequencies(..)
+        device.arm()
+        device.drive([Tone(slot=0, position=32768, level=30000, phase=0)], glide=4000)
+
+The files, from the wire up: `cobs`, `postcard`, `records`, `messages`, `frame`, `stream`, `channel`, `table`, this
+one.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import threading
+import time
+from typing import Any, Callable, Optional, Sequence
+
+from channel import Channel
+from errors import FieldError, NoAnswer, Refused, SliplineError
+from messages import (
+    EVENTS, NEXT_BLOCK, VERSION_1_0, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive, StatusEvent,
+    TableEvent, Tone, Version, at, fault_names,
+)  # fmt: skip
+from postcard import check_integer
+from records import Choice
+from stream import Stream
+from table import Table
+
+__all__ = ["Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
+
+KEEP_ALIVE_S = 0.2
+_FIRST_SESSION = 0
+
+
+class Client:
+    """A device and the session with it. Every method may raise `Refused`, `NoAnswer` or `Closed`."""
+
+    def __init__(self, stream: Stream) -> None:
+        """Says hello over a stream and keeps the session alive from then on."""
+        self.channel = Channel(stream)
+        self.keeps_alive = True
+        """Whether keep-alives are sent, every 200 ms. Without them an armed device stops after a second."""
+        self.keep_alive_error: Optional[Exception] = None
+        """Why the last keep-alive failed, if it did."""
+        self._beat = 0
+        self._beating = threading.Lock()
+        self._closing = threading.Event()
+        try:
+            # Ends whatever an earlier host has left unfinished.
+            self.channel.send_bytes(b"\0")
+            self.device = self.hello()
+        except BaseException:
+            self.channel.close()
+            raise
+        self._keeper = threading.Thread(target=self._keep, name="slipline-keep-alive", daemon=True)
+        self._keeper.start()
+
+    @classmethod
+    def at_socket(cls, path: str) -> Client:
+        """A device at a Unix socket."""
+        return cls(Stream.to_socket(path))
+
+    @classmethod
+    def at_terminal(cls, path: str) -> Client:
+        """A device at a serial port or a pseudo-terminal."""
+        return cls(Stream.to_terminal(path))
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def hello(self, version: Version = VERSION_1_0, nonce: Optional[bytes] = None) -> HelloEvent:
+        """Begins a new session, which ends the one before, and returns who the device is."""
+        nonce = os.urandom(4) if nonce is None else nonce
+        frame, device = self._request("Hello", "Hello", Hello(version, nonce), session=_FIRST_SESSION)
+        with self._beating:
+            self.channel.begin(frame.session)
+            self._beat = 0
+        return device
+
+    def keep_alive(self) -> StatusEvent:
+        """Feeds the dead-man once."""
+        with self._beating:
+            self._beat += 1
+            # A lost one is not repeated: the next one does the same.
+            return self._request("KeepAlive", "Status", KeepAlive(self._beat), repeats=0)[1]
+
+    def status(self) -> StatusEvent:
+        """The state, the faults and the counters."""
+        return self._request("Status", "Status")[1]
+
+    def arm(self) -> int:
+        """Unmutes the amplifier, once nothing sounds any more. Returns the index from which it holds."""
+        return self._patiently("DriveActive", 0.01, lambda: self._accepted("Arm"))
+
+    def disarm(self) -> int:
+        """Ramps to silence and mutes."""
+        return self._accepted("Disarm")
+
+    def drive(
+        self, tones: Sequence[Tone], *, master: int = 0, glide: Optional[int] = None, apply: Choice = NEXT_BLOCK
+    ) -> int:
+        """Sounds these tones, and only these, from an index on.
+
+        `master` is in 1/100 dB, -9600 to 0. `glide` is in samples, from `min_glide` to `max_glide` of `device`; the
+        shortest if it is not given. `apply` is `NEXT_BLOCK` or `at(index)`. Raises `FieldError`.
+        """
+        glide = self.device.min_glide if glide is None else glide
+        check_integer(glide, self.device.min_glide, self.device.max_glide, "Drive.glide")
+        drive = Drive(tuple(tones), master, glide, apply)
+        return self._patiently("CommitPending", 0.001, lambda: self._accepted("Drive", drive))
+
+    def stop(self) -> int:
+        """Ramps to silence; the device stays armed."""
+        return self._accepted("Stop")
+
+    def emergency_stop(self) -> int:
+        """Ramps to silence at once, mutes, and latches a fault."""
+        return self._accepted("EmergencyStop")
+
+    def clear_faults(self) -> int:
+        """Clears the latched faults whose cause is gone."""
+        return self._accepted("ClearFaults")
+
+    def upload(self, table: Table) -> int:
+        """Puts a table in force. Raises `FieldError` if it is made for another device."""
+        if table.sample_rate_hz != self.device.sample_rate_hz:
+            raise FieldError("Table.sample_rate_hz", f"the device's {self.device.sample_rate_hz}", table.sample_rate_hz)
+        check_integer(len(table.knots), 2, self.device.max_knots, "the number of Table.knots")
+        self._patiently("TableInUse", 0.01, lambda: self._accepted("TableBegin", table.header))
+        for chunk in table.chunks():
+            self._accepted("TableChunk", chunk)
+        return self._patiently("TableInUse", 0.01, lambda: self._accepted("TableCommit"))
+
+    def table(self) -> TableEvent:
+        """Which table is in force."""
+        return self._request("TableDigest", "Table")[1]
+
+    def digest(self, start: int, count: int) -> int:
+        """The CRC-32 of `count` DAC codes from the index `start`, which lies ahead. Waits until they are played."""
+        self._accepted("DigestStart", DigestStart(start, count))
+        rate = self.device.sample_rate_hz
+        until = time.monotonic() + max(0, start + count - self.status().now) / rate + 5
+        while time.monotonic() < until:
+            digest = self._request("DigestRead", "Digest")[1]
+            if digest.crc is not None:
+                return digest.crc
+            time.sleep(0.01)
+        raise NoAnswer(f"the codes {start} to {start + count} have not been played in time")
+
+    def store(self) -> int:
+        """Keeps the table in force in flash."""
+        return self._accepted("Store")
+
+    def forget(self) -> int:
+        """Erases what is kept in flash."""
+        return self._accepted("Forget")
+
+    def close(self) -> None:
+        """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man."""
+        self._closing.set()
+        self._keeper.join(timeout=5)
+        for last in (self.stop, self.disarm):
+            try:
+                last()
+            except SliplineError:
+                pass
+        self.channel.close()
+
+    def _request(self, command: str, answer: str, value: Any = None, **options: Any) -> tuple[Any, Any]:
+        frame, event = self.channel.request(command, value, **options)
+        if frame.id != EVENTS[answer].id:
+            raise SliplineError(f"{command} was answered by the message {frame.id:#04x}, not by {answer}")
+        return frame, event
+
+    def _accepted(self, command: str, value: Any = None) -> int:
+        accepted: Accepted = self._request(command, "Accepted", value)[1]
+        return accepted.at
+
+    def _patiently(self, busy: str, pause_s: float, act: Callable[[], int]) -> int:
+        """Acts again, as a new command, while the device is busy with this; at most for 2 s."""
+        until = time.monotonic() + 2
+        while True:
+            try:
+                return act()
+            except Refused as error:
+                if error.refusal != Choice("Busy", value=Choice(busy)) or time.monotonic() > until:
+                    raise
+            time.sleep(pause_s)
+
+    def _keep(self) -> None:
+        while not self._closing.wait(KEEP_ALIVE_S):
+            if not self.keeps_alive:
+                continue
+            try:
+                self.keep_alive()
+                self.keep_alive_error = None
+            except SliplineError as error:
+                self.keep_alive_error = error
+
+
+def demonstration_table(sample_rate_hz: int) -> Table:
+    """A table whose frequency falls from 2000 Hz to 500 Hz along 200 mm, at the same gain everywhere."""
+    count = 101
+    frequencies = [2000 * 4 ** (-index / (count - 1)) for index in range(count)]
+    return Table.from_frequencies((50_000, 250_000), sample_rate_hz, frequencies, [0.5] * count)
+
+
+def demonstrate(device: Client, seconds: float) -> None:
+    """Drives a tone that glides along the plate, and tells what the device says."""
+    who = device.device
+    version = ".".join(str(number) for number in who.firmware)
+    kind = "simulated" if who.simulated else "connected to a plate"
+    print(f"{who.board}, {kind}, firmware {version}, {who.sample_rate_hz} Hz, {who.tones} tones")
+    table = demonstration_table(who.sample_rate_hz)
+    in_force = device.table().active
+    if in_force is None or in_force.crc != table.crc:
+        print(f"table {table.crc:08x} in force from sample {device.upload(table)}")
+    if device.status().faults:
+        device.clear_faults()
+    device.arm()
+    print(f"tone at 1/4 of the span from sample {device.drive([Tone(0, 16384, 30000, 0)], master=-600)}")
+    half = round(seconds / 2 * who.sample_rate_hz)
+    time.sleep(seconds / 2)
+    start = device.drive([Tone(0, 49152, 30000, 0)], master=-600, glide=min(max(half, who.min_glide), who.max_glide))
+    print(f"gliding to 3/4 of the span from sample {start}")
+    time.sleep(seconds / 2)
+    status = device.status()
+    faults = fault_names(status.faults)
+    print(f"{status.state}, at sample {status.now}, {status.sum_per_mille / 10} % of full scale, faults {faults}")
+    print(f"silence begins at sample {device.stop()}")
+
+
+def main() -> None:
+    """Drives the device that the command line names."""
+    parser = argparse.ArgumentParser(description="Drives a tone that glides along the plate of a Slipline device.")
+    place = parser.add_mutually_exclusive_group(required=True)
+    place.add_argument("--socket", metavar="PATH", help="a Unix socket, as `slipline serve --socket PATH` offers it")
+    place.add_argument("--terminal", metavar="PATH", help="a serial port, or what `slipline serve --pty` prints")
+    parser.add_argument("--seconds", type=float, default=2.0, help="how long the tone sounds, 0.1 to 60 (default 2)")
+    arguments = parser.parse_args()
+    if not 0.1 <= arguments.seconds <= 60:
+        parser.error(f"--seconds must be from 0.1 to 60, not {arguments.seconds}")
+    try:
+        device = Client.at_socket(arguments.socket) if arguments.socket else Client.at_terminal(arguments.terminal)
+        with device:
+            demonstrate(device, arguments.seconds)
+    except (SliplineError, OSError) as error:
+        parser.exit(1, f"{parser.prog}: {error}\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,311 @@
+"""The messages of protocol 1.0, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Optional
+
+from errors import DecodeError
+from postcard import BOOL, I16, I64, U8, U16, U32, U64, Array, List, Option, Reader, Text
+from records import Choice, Enumeration, Fields, Record, field
+
+# ------------------------------------------------------------------------------------------ enumerations
+
+APPLY = Enumeration("Apply", "Next", ("At", {"value": U64}))
+BUSY = Enumeration("Busy", "CommitPending", "DriveActive", "TableInUse", "DigestPending")
+FAULT = Enumeration(
+    "Fault", "HostLost", "EmergencyStop", "Underrun", "Overheat", "DriveTime", "Watchdog", "Crash", "BrownOut",
+    "StoreDamaged",
+)  # fmt: skip
+FIELD = Enumeration(
+    "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
+    "ChunkFirst", "SampleRate", "Span", "DigestCount",
+)  # fmt: skip
+REFUSAL = Enumeration(
+    "Refusal",
+    ("UnknownMessage", {"id": U8}),
+    "Malformed",
+    "StaleSession",
+    ("BadSequence", {"expected": U16}),
+    "VersionMismatch",
+    "NotArmed",
+    ("Faulted", {"faults": U32}),
+    ("Busy", {"value": BUSY}),
+    ("OutOfRange", {"field": FIELD, "min": I64, "max": I64, "got": I64}),
+    ("SlotTwice", {"slot": U8}),
+    ("Headroom", {"sum_per_mille": U16}),
+    "NoTable",
+    "NoUpload",
+    ("ChunkOrder", {"expected": U16}),
+    ("UploadIncomplete", {"received": U16}),
+    "TableCrc",
+    ("NotMonotonic", {"knot": U16}),
+    "BadToken",
+    "NotSupported",
+    "StoreFailed",
+    "Armed",
+    "SafeMode",
+    "NoDigest",
+)
+RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
+STATE = Enumeration("State", "Idle", "Armed", "Driving", "Stopping", "Fault", "SafeMode")
+STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged")
+
+NEXT_BLOCK = Choice("Next")
+
+
+def at(index: int) -> Choice:
+    """Begin at this index of the device's clock, not at the next block."""
+    return Choice("At", value=index)
+
+
+def fault_names(bits: int) -> list[str]:
+    """The names of the faults in a word of latched faults."""
+    return [FAULT[number] for number in range(len(FAULT.variants)) if bits >> number & 1]
+
+
+# ------------------------------------------------------------------------------------------ types with fields
+
+
+@dataclass(frozen=True)
+class Version(Record):
+    """A version of the protocol."""
+
+    major: int = field(U8)
+    minor: int = field(U8)
+    schema: bytes = field(Array(4, U8))
+
+
+VERSION_1_0 = Version(1, 0, bytes.fromhex("e7457e07"))
+
+
+@dataclass(frozen=True)
+class Tone(Record):
+    """A tone of a drive: `position` in 1/65535 of the span, `level` in 1/65535, `phase` in 1/65536 turn."""
+
+    slot: int = field(U8, 0, 15)
+    position: int = field(U16)
+    level: int = field(U16)
+    phase: int = field(U16)
+
+
+@dataclass(frozen=True)
+class Knot(Record):
+    """A knot of the table: `step` in 2^-32 turns per sample, `gain` in 2^-31 of the DAC's half swing."""
+
+    step: int = field(U32, 1, 1932735283)
+    gain: int = field(U32, 1, 1 << 31)
+
+
+@dataclass(frozen=True)
+class TableHeader(Record):
+    """What a table is made for. `crc` covers this and all knots (`table.Table` computes it)."""
+
+    knots: int = field(U16, 2, 1025)
+    span_start_um: int = field(U32)
+    span_end_um: int = field(U32)
+    sample_rate_hz: int = field(U32)
+    crc: int = field(U32)
+
+
+@dataclass(frozen=True)
+class Counters(Record):
+    """Counters since the reset."""
+
+    frames: int = field(U32)
+    crc_errors: int = field(U32)
+    overlong: int = field(U32)
+    duplicates: int = field(U32)
+    dropped: int = field(U32)
+    underruns: int = field(U32)
+    clips: int = field(U32)
+    max_cycles: int = field(U32)
+
+
+# ------------------------------------------------------------------------------------------ bodies
+
+
+@dataclass(frozen=True)
+class Hello(Record):
+    """Asks who the device is and begins a session."""
+
+    version: Version = field(Fields(Version))
+    nonce: bytes = field(Array(4, U8))
+
+
+@dataclass(frozen=True)
+class KeepAlive(Record):
+    """Says that the host is alive."""
+
+    beat: int = field(U32)
+
+
+@dataclass(frozen=True)
+class Drive(Record):
+    """Sounds these tones: `master` in 1/100 dB, `glide` in samples."""
+
+    tones: tuple[Tone, ...] = field(List(16, Fields(Tone)))
+    master: int = field(I16, -9600, 0)
+    glide: int = field(U32)
+    apply: Choice = field(APPLY)
+
+
+@dataclass(frozen=True)
+class TableChunk(Record):
+    """The next knots of the upload."""
+
+    first: int = field(U16)
+    knots: tuple[Knot, ...] = field(List(22, Fields(Knot)))
+
+
+@dataclass(frozen=True)
+class DigestStart(Record):
+    """Orders a CRC-32 over the DAC codes of a window that lies ahead."""
+
+    from_: int = field(U64)
+    count: int = field(U32, 1, 1 << 20)
+
+
+@dataclass(frozen=True)
+class HelloEvent(Record):
+    """Who the device is."""
+
+    version: Version = field(Fields(Version))
+    firmware: bytes = field(Array(3, U8))
+    board: str = field(Text(24))
+    build: str = field(Text(24))
+    unit: bytes = field(Array(12, U8))
+    simulated: bool = field(BOOL)
+    sample_rate_hz: int = field(U32)
+    block: int = field(U16)
+    dac_bits: int = field(U8)
+    tones: int = field(U8)
+    max_knots: int = field(U16)
+    min_glide: int = field(U32)
+    max_glide: int = field(U32)
+    dead_man_ms: int = field(U32)
+    reset: Choice = field(RESET_CAUSE)
+    stored: Choice = field(STORED_CONFIG)
+    crash: str = field(Text(96))
+
+
+@dataclass(frozen=True)
+class StatusEvent(Record):
+    """State, faults and counters."""
+
+    state: Choice = field(STATE)
+    faults: int = field(U32)
+    first_fault: Optional[Choice] = field(Option(FAULT))
+    first_fault_at: int = field(U64)
+    now: int = field(U64)
+    sum_per_mille: int = field(U16)
+    heat_per_mille: int = field(U16)
+    foldback_per_mille: int = field(U16)
+    foldback_before_per_mille: tuple[int, ...] = field(Array(3, U16))
+    foldback_changes: int = field(U32)
+    table_crc: int = field(U32)
+    counters: Counters = field(Fields(Counters))
+
+
+@dataclass(frozen=True)
+class Accepted(Record):
+    """Done, or will be done at this index."""
+
+    at: int = field(U64)
+
+
+@dataclass(frozen=True)
+class TableEvent(Record):
+    """The table in force."""
+
+    active: Optional[TableHeader] = field(Option(Fields(TableHeader)))
+    staged: int = field(U16)
+
+
+@dataclass(frozen=True)
+class DigestEvent(Record):
+    """The CRC-32 over a window of DAC codes; `crc` is none while the window is not over."""
+
+    from_: int = field(U64)
+    count: int = field(U32)
+    crc: Optional[int] = field(Option(U32))
+
+
+# ------------------------------------------------------------------------------------------ messages
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of message: its id, its name, the type of its body (none: no body), and whether it takes a number."""
+
+    id: int
+    name: str
+    body: Any = None
+    numbered: bool = True
+
+    def encode(self, value: Any = None) -> bytes:
+        """The body of a message."""
+        out = bytearray()
+        if self.body is not None:
+            self.body.encode(value, out, self.name)
+        return bytes(out)
+
+    def decode(self, body: bytes) -> Any:
+        """The value of a body, None if this kind has none."""
+        reader = Reader(body)
+        value = None if self.body is None else self.body.decode(reader, self.name)
+        reader.end(self.name)
+        return value
+
+    def check(self, value: Any) -> None:
+        """Raises `FieldError` if a field lies outside its range."""
+        if self.body is not None:
+            self.body.check(value, self.name)
+
+
+COMMANDS = {
+    kind.name: kind
+    for kind in (
+        Kind(0x01, "Hello", Fields(Hello), numbered=False),
+        Kind(0x02, "KeepAlive", Fields(KeepAlive), numbered=False),
+        Kind(0x03, "Status", numbered=False),
+        Kind(0x10, "Arm"),
+        Kind(0x11, "Disarm"),
+        Kind(0x12, "Drive", Fields(Drive)),
+        Kind(0x13, "Stop", numbered=False),
+        Kind(0x14, "EmergencyStop", numbered=False),
+        Kind(0x15, "ClearFaults"),
+        Kind(0x20, "TableBegin", Fields(TableHeader)),
+        Kind(0x21, "TableChunk", Fields(TableChunk)),
+        Kind(0x22, "TableCommit"),
+        Kind(0x23, "TableAbort"),
+        Kind(0x24, "TableDigest"),
+        Kind(0x30, "DigestStart", Fields(DigestStart)),
+        Kind(0x31, "DigestRead"),
+        Kind(0x40, "Store"),
+        Kind(0x41, "Forget"),
+        Kind(0x50, "BootloaderToken"),
+        Kind(0x51, "BootloaderEnter", U32),
+    )
+}
+
+EVENTS = {
+    kind.name: kind
+    for kind in (
+        Kind(0x81, "Hello", Fields(HelloEvent)),
+        Kind(0x83, "Status", Fields(StatusEvent)),
+        Kind(0x90, "Accepted", Fields(Accepted)),
+        Kind(0x91, "Refused", REFUSAL),
+        Kind(0xA4, "Table", Fields(TableEvent)),
+        Kind(0xB1, "Digest", Fields(DigestEvent)),
+        Kind(0xD0, "BootloaderToken", U32),
+    )
+}
+
+_BY_ID = {kind.id: kind for kind in (*COMMANDS.values(), *EVENTS.values())}
+
+
+def kind_of(id: int) -> Kind:
+    """The kind with this id. Raises `DecodeError` if protocol 1.0 has none."""
+    if id not in _BY_ID:
+        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.0")
+    return _BY_ID[id]

@@ -1,0 +1,195 @@
+"""Tables, drives, stops and digests, at the simulated device that `slipline serve` offers in real time."""
+from __future__ import annotations
+
+import struct
+import subprocess
+import sys
+import time
+import unittest
+import zlib
+from pathlib import Path
+
+from device_case import DeviceCase
+from errors import Closed, FieldError
+from messages import NEXT_BLOCK, Drive, Tone, at, fault_names
+from records import Choice
+from server import Server
+from table import Table
+
+
+class DriveCase(DeviceCase):
+    """A whole session."""
+
+    def drive_a_tone(self) -> None:
+        """From hello to silence; the same at a socket and at a pseudo-terminal."""
+        client = self.client
+        who = client.device
+        self.assertTrue(who.simulated)
+        self.assertEqual((who.version.major, who.tones, who.max_knots), (1, 16, 1025))
+        self.assertEqual(client.status().state.name, "Idle")
+
+        table = self.make_ready()
+        self.assertEqual(client.table().active, table.header)
+        self.assertEqual(client.status().state.name, "Armed")
+
+        tone = Tone(slot=3, position=32768, level=40000, phase=0)
+        start = client.drive([tone], master=-600)
+        self.assertEqual(start % who.block, 0)
+        # Past the ramp the sum is gain * level * master, as the page says.
+        status = self.wait_for(lambda status: status.now > start + 2 * who.min_glide and status.sum_per_mille > 0)
+        self.assertEqual(status.state.name, "Driving")
+        self.assertEqual(status.table_crc, table.crc)
+        self.assertAlmostEqual(status.sum_per_mille, 1000 * 0.5 * 40000 / 65535 * 10 ** (-600 / 2000), delta=3)
+
+        # At an index, rounded up to a block.
+        ahead = client.status().now + who.sample_rate_hz // 5 + 1
+        index = client.drive([tone, Tone(4, 1000, 20000, 0)], apply=at(ahead))
+        self.assertEqual(index, -(-ahead // who.block) * who.block)
+
+        # Longer than the dead-man allows without a beat: the keep-alives come.
+        time.sleep(who.dead_man_ms / 1000 + 0.3)
+        self.assertIsNone(client.keep_alive_error)
+        self.assertEqual(client.status().state.name, "Driving")
+
+        client.stop()
+        status = self.wait_for(lambda status: status.state.name == "Armed")
+        self.assertEqual(status.sum_per_mille, 0)
+        client.disarm()
+        status = self.wait_for(lambda status: status.state.name == "Idle")
+        self.assertEqual((fault_names(status.faults), status.counters.crc_errors), ([], 0))
+        self.assertEqual(client.channel.damaged, 0)
+
+
+class AtSocket(DriveCase):
+    """The device at a socket, and what the page says of it, statement by statement."""
+
+    def test_drive_a_tone(self) -> None:
+        self.drive_a_tone()
+
+    def test_digest_of_silence(self) -> None:
+        # Mid-scale, two bytes a code, little-endian.
+        count = 4096
+        silence = struct.pack("<H", 1 << (self.client.device.dac_bits - 1)) * count
+        start = self.client.status().now + self.client.device.sample_rate_hz // 10
+        self.assertEqual(self.client.digest(start, count), zlib.crc32(silence))
+
+    def test_digest_of_a_tone(self) -> None:
+        self.make_ready()
+        count = 4096
+        start = self.client.drive([Tone(0, 32768, 65535, 0)])
+        digests = []
+        for _ in range(2):
+            start = self.client.status().now + self.client.device.sample_rate_hz // 10
+            digests.append(self.client.digest(start, count))
+        silence = zlib.crc32(struct.pack("<H", 1 << (self.client.device.dac_bits - 1)) * count)
+        self.assertNotIn(silence, digests)
+        self.assertNotEqual(*digests)
+
+    def test_refusals(self) -> None:
+        client, tone = self.client, Tone(0, 32768, 65535, 0)
+        self.assert_refused(Choice("NoDigest"), lambda: client.channel.request("DigestRead"))
+        self.assert_refused(Choice("NoUpload"), lambda: client.channel.request("TableCommit"))
+        client.upload(self.make_table(gain=1.0))
+        self.assert_refused(Choice("NotArmed"), lambda: client.drive([tone]))
+        client.arm()
+        self.assert_refused(Choice("Headroom", sum_per_mille=2000), lambda: client.drive([tone, Tone(1, 0, 65535, 0)]))
+        self.assert_refused(Choice("SlotTwice", slot=0), lambda: client.drive([Tone(0, 0, 100, 0)] * 2))
+        glide = client.device.min_glide - 1
+        with self.assertRaisesRegex(FieldError, f"Drive.glide must be an integer from {glide + 1} to "):
+            client.drive([tone], glide=glide)
+        allowed = {"min": client.device.min_glide, "max": client.device.max_glide}
+        refusal = Choice("OutOfRange", field=Choice("Glide"), got=glide, **allowed)
+        self.assert_refused(refusal, lambda: client.channel.request("Drive", Drive((tone,), 0, glide, NEXT_BLOCK)))
+        for index in (0, client.status().now + 61 * client.device.sample_rate_hz):
+            refusal = self.assert_refused(Choice("OutOfRange"), lambda: client.drive([tone], apply=at(index)))
+            self.assertEqual((refusal.field.name, refusal.got), ("ApplyAt", index))
+            self.assertAlmostEqual((refusal.max - refusal.min) / client.device.sample_rate_hz, 60, delta=0.01)
+        # None of them has changed anything.
+        self.assertEqual(client.status().state.name, "Armed")
+
+    def test_table_with_a_wrong_crc(self) -> None:
+        client, table = self.client, self.make_table()
+        before = client.table().active
+        for changed in (0, 1):
+            header = table.header
+            client.channel.request("TableBegin", type(header)(*list(vars(header).values())[:-1], header.crc ^ changed))
+            for chunk in list(table.chunks())[:-1]:
+                client.channel.request("TableChunk", chunk)
+            staged = client.table().staged
+            self.assertEqual(staged, len(table.knots) // 22 * 22)
+            refusal = Choice("UploadIncomplete", received=staged)
+            self.assert_refused(refusal, lambda: client.channel.request("TableCommit"))
+            client.channel.request("TableChunk", list(table.chunks())[-1])
+            if changed:
+                self.assert_refused(Choice("TableCrc"), lambda: client.channel.request("TableCommit"))
+            else:
+                client.channel.request("TableCommit")
+                self.assertEqual(client.table().active, table.header)
+        self.assertNotEqual(before, table.header)
+        self.assertEqual(client.table().active, table.header)
+
+    def test_a_table_that_the_client_does_not_send(self) -> None:
+        rate = self.client.device.sample_rate_hz
+        with self.assertRaisesRegex(FieldError, r"knots\[2\].step must be strictly below"):
+            Table.from_frequencies((0, 1000), rate, [900, 800, 850], [1, 1, 1])
+        with self.assertRaisesRegex(FieldError, r"knots\[1\].gain must be an integer from 1 to 2147483648"):
+            Table.from_frequencies((0, 1000), rate, [900, 800], [1, 1.1])
+        with self.assertRaisesRegex(FieldError, "sample_rate_hz"):
+            self.client.upload(Table.from_frequencies((0, 1000), rate + 1, [900, 800], [1, 1]))
+
+    def test_the_device_goes_away(self) -> None:
+        self.server.__exit__()
+        began = time.monotonic()
+        with self.assertRaises(Closed):
+            self.client.status()
+        self.assertLess(time.monotonic() - began, 1)
+
+    def test_emergency_stop_and_clear_faults(self) -> None:
+        client = self.client
+        self.make_ready()
+        client.drive([Tone(0, 32768, 40000, 0)])
+        self.wait_for(lambda status: status.sum_per_mille > 0)
+        client.emergency_stop()
+        status = self.wait_for(lambda status: status.sum_per_mille == 0)
+        self.assertEqual((status.state.name, fault_names(status.faults)), ("Fault", ["EmergencyStop"]))
+        self.assertEqual(status.first_fault.name, "EmergencyStop")
+        self.assertGreater(status.first_fault_at, 0)
+        self.assert_refused(Choice("Faulted", faults=status.faults), client.arm)
+        client.clear_faults()
+        self.assertEqual(client.status().state.name, "Idle")
+        client.arm()
+        self.assertEqual(client.status().state.name, "Armed")
+
+
+class AtTerminal(DriveCase):
+    """The same over a pseudo-terminal, as over a serial port."""
+
+    pty = True
+
+    def test_drive_a_tone(self) -> None:
+        self.drive_a_tone()
+
+
+class Demonstration(unittest.TestCase):
+    """The client as a program."""
+
+    def run_client(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, str(Path(__file__).with_name("client.py")), *arguments]
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        return subprocess.run(command, timeout=30, text=True, **streams)
+
+    def test_demonstration(self) -> None:
+        with Server() as server:
+            done = self.run_client("--socket", server.path, "--seconds", "0.6")
+        self.assertEqual(done.returncode, 0, done.stdout)
+        self.assertRegex(done.stdout, r"(?m)^Driving, at sample \d+, \d+\.\d % of full scale, faults \[\]$")
+
+    def test_without_a_device(self) -> None:
+        done = self.run_client("--socket", "/nonexistent/device")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("No such file", done.stdout)
+        self.assertNotIn("Traceback", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
