@@ -7,12 +7,17 @@ use slipline_app::thermal::Heat;
 use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_tests::command_proxy::{Alter, CommandProxy, unaltered};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Runs the command line's `verify`, as its main function does, on a simulated device behind a socket.
 fn verify(options: Options, alter: Alter) -> Result<(), String> {
+    verify_window(options, alter, "50ms")
+}
+
+fn verify_window(options: Options, alter: Alter, window: &str) -> Result<(), String> {
     let proxy = CommandProxy::for_simulated(options, alter);
     let cli =
-        Cli::try_parse_from(["slipline", "verify", "--port", &proxy.port(), "--window", "50ms"]).unwrap();
+        Cli::try_parse_from(["slipline", "verify", "--port", &proxy.port(), "--window", window]).unwrap();
     cli.command.unwrap().run(true).map_err(|failure| failure.to_string())
 }
 
@@ -34,4 +39,25 @@ fn a_level_that_is_off_by_its_smallest_step_is_reported() {
     };
     let told = verify(Options::default(), alter).unwrap_err();
     assert!(told.contains("not the mirror's"), "{told}");
+}
+
+#[test]
+fn a_stop_of_the_devices_own_is_not_called_a_difference_of_the_codes() {
+    // The host is told of the stop only afterwards, and not where its ramp began: nobody can compare the window.
+    let alter = |command: &mut Command| {
+        static STAGES: AtomicU32 = AtomicU32::new(0);
+        static IS_STOPPED: AtomicBool = AtomicBool::new(false);
+        match command {
+            Command::DigestStart(_) => drop(STAGES.fetch_add(1, Ordering::Relaxed)),
+            // In the second window the tones sound on, until this.
+            Command::KeepAlive(_) if STAGES.load(Ordering::Relaxed) == 2 => {
+                if !IS_STOPPED.swap(true, Ordering::Relaxed) {
+                    *command = Command::EmergencyStop;
+                }
+            }
+            _ => {}
+        }
+    };
+    let told = verify_window(Options::default(), alter, "1s").unwrap_err();
+    assert!(told.contains("stopped by itself") && told.contains("cannot be compared"), "{told}");
 }

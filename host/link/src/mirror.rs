@@ -6,6 +6,8 @@
 //! tells is not mirrored: the device's own stops (dead-man, faults). After one of these the mirror is wrong until the
 //! device has fallen silent and [`Mirror::silence`] is called.
 
+pub mod replay;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -20,9 +22,9 @@ use slipline_protocol::command::Drive;
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
-/// A change that the device has accepted.
+/// A change that the device has accepted and that is to be applied.
 #[derive(Clone, Debug)]
-enum Change {
+enum Scheduled {
     Drive(Drive),
     Table(Arc<[Knot]>),
     Stop(Stop),
@@ -45,7 +47,7 @@ pub struct Mirror {
     renderer: Renderer,
     shape: RampShape,
     table: TableRef,
-    changes: VecDeque<(SampleIndex, Change)>,
+    changes: VecDeque<(SampleIndex, Scheduled)>,
     /// The thermal limits that are to come into force, per mille, and the latest that was told.
     limits: VecDeque<(SampleIndex, u16)>,
     latest_limit: Option<u16>,
@@ -99,7 +101,7 @@ impl Mirror {
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_drive(&mut self, drive: &Drive, at: SampleIndex) -> Result<(), TooLate> {
-        self.acknowledge(at, Change::Drive(drive.clone()))
+        self.acknowledge(at, Scheduled::Drive(drive.clone()))
     }
 
     /// A table was swapped in at `at`, by a commit or because the device held it already.
@@ -107,7 +109,7 @@ impl Mirror {
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_table(&mut self, knots: Arc<[Knot]>, at: SampleIndex) -> Result<(), TooLate> {
-        self.acknowledge(at, Change::Table(knots))
+        self.acknowledge(at, Scheduled::Table(knots))
     }
 
     /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency stop.
@@ -116,8 +118,8 @@ impl Mirror {
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
         // What was accepted but had not begun is dropped, as in the device; a table is in force all the same.
-        self.changes.retain(|(begins, change)| *begins < at || matches!(change, Change::Table(_)));
-        self.acknowledge(at, Change::Stop(stop))
+        self.changes.retain(|(begins, change)| *begins < at || matches!(change, Scheduled::Table(_)));
+        self.acknowledge(at, Scheduled::Stop(stop))
     }
 
     /// The device's thermal limit is `per_mille` from `at` on: [`limit_since`](slipline_app::Timing::limit_since) the
@@ -136,7 +138,7 @@ impl Mirror {
         if is_late { Err(TooLate { at, now }) } else { Ok(()) }
     }
 
-    fn acknowledge(&mut self, at: SampleIndex, change: Change) -> Result<(), TooLate> {
+    fn acknowledge(&mut self, at: SampleIndex, change: Scheduled) -> Result<(), TooLate> {
         let now = self.now();
         if at < now {
             self.diverged = true;
@@ -157,7 +159,7 @@ impl Mirror {
         self.latest_limit = limit;
         self.limits.extend(limit.map(|per_mille| (self.now(), per_mille)));
         if !knots.is_empty() {
-            self.changes.push_back((self.now(), Change::Table(knots)));
+            self.changes.push_back((self.now(), Scheduled::Table(knots)));
         }
     }
 
@@ -182,18 +184,18 @@ impl Mirror {
         }
     }
 
-    fn apply(&mut self, change: Change) {
+    fn apply(&mut self, change: Scheduled) {
         let at = self.now();
         let view = self.mailbox.view();
         let planned = match change {
-            Change::Stop(stop) => {
+            Scheduled::Stop(stop) => {
                 self.mailbox.stop(stop);
                 return;
             }
-            Change::Drive(drive) => {
+            Scheduled::Drive(drive) => {
                 plan(&drive, at, self.table, &view.motion, self.mailbox.slots(), &self.shape, &self.timing)
             }
-            Change::Table(knots) => {
+            Scheduled::Table(knots) => {
                 let slot = self.table.slot.other();
                 let mut count = 0;
                 for &knot in knots.iter() {

@@ -7,15 +7,15 @@
 use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
 use serde_json::{Value, json};
-use slipline_link::Stop;
-use slipline_link::mirror::{Mirror, TooLate};
+use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::Digest;
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_DIGEST_SAMPLES;
-use slipline_link::{Acknowledged, Change, DriveRequest, Outcome, Request, ToneRequest};
+use slipline_link::{DriveRequest, Outcome, Request, Snapshot, ToneRequest};
 use slipline_model::numbers::quantity::Measure;
 use slipline_plate::quantity::Range;
+use std::sync::Arc;
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -23,6 +23,9 @@ use std::time::Duration;
 const AHEAD_S: f64 = 0.1;
 /// A stop has ramped out and the table has been taken up after so long.
 const REST: Duration = Duration::from_millis(100);
+
+/// The digest of a window is known so long after its end at the latest, over the slowest link, in seconds.
+const KEPT_BEHIND_S: f64 = 5.0;
 
 /// What happens within a window.
 #[derive(Clone, Copy, Debug)]
@@ -71,11 +74,12 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     let longest_s = f64::from(MAX_DIGEST_SAMPLES) / rate;
     let windows = Range::new(0.01, longest_s, "s");
     let window_s = arguments.window.within("--window", windows, Measure::Time, "")?;
-    let table = device.use_table(&plate)?;
+    device.use_table(&plate)?;
     device.perform(Request::Arm)?;
     sleep(REST);
 
-    let mut mirror = Follower::new(&device, &table, rate as u32)?;
+    let mut replay = Replay::new(((window_s + KEPT_BEHIND_S) * rate) as usize);
+    follow(&device, &mut replay)?;
     let mut compared = Vec::new();
     for stage in Stage::ALL {
         let from = device.perform_at(Request::Refresh)? + (AHEAD_S * rate) as u64;
@@ -90,7 +94,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
             Some(Outcome::Refused(sentence)) => return Err(Failure::Failed(sentence)),
             _ => return Err(Failure::Failed("the device gave no digest".to_owned())),
         };
-        let mirror = mirror.digest(&device, window)?;
+        let mirror = mirror_digest(&device, &mut replay, window)?;
         compared.push(Compared { stage, digest, mirror });
     }
     device.perform(Request::Stop)?;
@@ -138,66 +142,33 @@ fn act(
     Ok(())
 }
 
-/// The mirror, kept up with what the link has noted.
-struct Follower {
-    mirror: Mirror,
-    seen: u64,
+/// The CRC-32 of a window that is over, from what the device has agreed to.
+fn mirror_digest(device: &Device, replay: &mut Replay, window: DigestWindow) -> Result<u32, Failure> {
+    // The thermal fold-back up to the window's end is known from the status after it.
+    device.perform(Request::Refresh)?;
+    let snapshot = follow(device, replay)?;
+    let Some(codes) = replay.exact_codes(window.from, window.count) else {
+        let fault = snapshot.status.and_then(|status| status.first_fault);
+        return Err(Failure::Failed(fault.map_or_else(
+            || {
+                "not every change in the window reached this program, so its codes cannot be compared"
+                    .to_owned()
+            },
+            |fault| {
+                format!("the device stopped by itself, so its codes cannot be compared: {}", fault.text())
+            },
+        )));
+    };
+    let mut crc = CRC.digest();
+    codes.for_each(|code| crc.update(&code.to_le_bytes()));
+    Ok(crc.finalize())
 }
 
-impl Follower {
-    /// From now on, when the device is silent and holds this table.
-    fn new(
-        device: &Device,
-        table: &slipline_link::table::DeviceTable,
-        rate_hz: u32,
-    ) -> Result<Self, Failure> {
-        let now = device.perform_at(Request::Refresh)?;
-        let mut mirror = Mirror::new(rate_hz, now);
-        mirror.acknowledge_table(table.knots().into(), mirror.now()).map_err(Failure::failed)?;
-        let snapshot = device.snapshot();
-        if let Some(status) = snapshot.status {
-            let limit = status.foldback_per_mille;
-            mirror.acknowledge_limit(limit, mirror.now()).map_err(Failure::failed)?;
-        }
-        let seen = snapshot.journal.back().map_or(0, |entry| entry.number);
-        Ok(Self { mirror, seen })
-    }
-
-    /// The CRC-32 of a window that is over.
-    fn digest(&mut self, device: &Device, window: DigestWindow) -> Result<u32, Failure> {
-        // The thermal limit up to the window's end is known from the status after it.
-        device.perform(Request::Refresh)?;
-        let snapshot = device.snapshot();
-        let seen = self.seen;
-        for entry in snapshot.journal.iter().filter(|entry| entry.number > seen) {
-            self.follow(entry).map_err(Failure::failed)?;
-        }
-        self.seen = snapshot.journal.back().map_or(self.seen, |entry| entry.number);
-        let end = window.from + u64::from(window.count);
-        let mut crc = CRC.digest();
-        let block = slipline_link::BLOCK as u64;
-        self.mirror.render(end.next_multiple_of(block), |first, codes| {
-            for (index, code) in (first..).zip(codes) {
-                if (window.from..end).contains(&index) {
-                    crc.update(&code.to_le_bytes());
-                }
-            }
-        });
-        Ok(crc.finalize())
-    }
-
-    fn follow(&mut self, entry: &Acknowledged) -> Result<(), TooLate> {
-        match &entry.change {
-            Change::Drive(drive) => self.mirror.acknowledge_drive(drive, entry.at),
-            Change::Stop | Change::Disarmed | Change::Session => {
-                self.mirror.acknowledge_stop(Stop::Normal, entry.at)
-            }
-            Change::EmergencyStop => self.mirror.acknowledge_stop(Stop::Emergency, entry.at),
-            Change::Table(table) => self.mirror.acknowledge_table(table.knots().into(), entry.at),
-            Change::Limit(per_mille) => self.mirror.acknowledge_limit(*per_mille, entry.at),
-            Change::Armed => Ok(()),
-        }
-    }
+fn follow(device: &Device, replay: &mut Replay) -> Result<Arc<Snapshot>, Failure> {
+    let snapshot = device.snapshot();
+    let history = DeviceHistory::of(&snapshot);
+    replay.follow(&history.ok_or_else(|| Failure::Failed("the device went away".to_owned()))?);
+    Ok(snapshot)
 }
 
 fn report(port: String, compared: &[Compared], as_json: bool) -> Result<(), Failure> {
