@@ -189,7 +189,7 @@ fn values_out_of_range_never_reach_the_wire() {
     ] {
         let ticket = rig.ask(Request::Drive(request));
         match rig.outcome(ticket) {
-            Some(Outcome::Refused(sentence)) => assert!(sentence.contains(field), "{sentence}"),
+            Some(Outcome::Refused(refusal)) => assert!(refusal.to_string().contains(field), "{refusal}"),
             other => panic!("{field}: {other:?}"),
         }
     }

@@ -17,7 +17,7 @@ fn a_device_that_never_answers_is_given_up_with_a_reason() {
     let ticket = rig.ask(Request::Connect(Port::Serial("A".to_owned())));
     rig.pass_ms(LOST_AFTER_MS + 10);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().trouble, Some(LinkError::NoAnswer(Port::Serial("A".to_owned()))));
+    assert_eq!(rig.view().error, Some(LinkError::NoAnswer(Port::Serial("A".to_owned()))));
     assert!(matches!(rig.outcome(ticket), Some(Outcome::Refused(_))));
 }
 
@@ -43,7 +43,7 @@ fn every_error_of_a_port_is_one_loss_and_no_busy_loop() {
         assert!(matches!(rig.states[0], LinkState::Lost(_)), "{kind:?}");
         assert!(rig.steps - steps <= 2, "{kind:?}: {} steps", rig.steps - steps);
         assert!(rig.ports().reads - reads <= 2, "{kind:?}");
-        assert!(rig.view().trouble.is_some());
+        assert!(rig.view().error.is_some());
     }
 }
 
@@ -73,7 +73,7 @@ fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
         let mut rig = LinkRig::new();
         rig.ports().open_error = Some(trouble.clone());
         let ticket = rig.ask(Request::Connect(port.clone()));
-        assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.to_string())));
+        assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.into())));
         rig.pass_ms(5000);
         assert_eq!(rig.view().link, LinkState::Disconnected);
         assert_eq!(rig.ports().opened.len(), 1);

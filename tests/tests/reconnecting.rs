@@ -79,7 +79,7 @@ fn a_device_that_another_program_keeps_taking_is_left_to_it() {
     rig.ports().rewrite = refused;
     rig.pass_ms(20_000);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().trouble, Some(LinkError::SessionEnded));
+    assert_eq!(rig.view().error, Some(LinkError::SessionEnded));
     let hellos = rig.ports().commands.iter().filter(|(_, c)| matches!(c, Command::Hello(_))).count();
     assert!((2..=4).contains(&hellos), "{hellos}");
     // Asked for again, it is tried again.

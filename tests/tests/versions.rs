@@ -1,6 +1,6 @@
 //! Devices of another major version, R-23. Those of another minor stand in minors.rs and transcripts.rs.
 
-use slipline_link::{LinkState, Outcome, Port, Request};
+use slipline_link::{LinkState, Outcome, Port, Refusal, Request};
 use slipline_protocol::version::{Compatibility, Version};
 use slipline_protocol::{Command, Event};
 use slipline_tests::faulty_ports::{Rewrite, as_real};
@@ -34,7 +34,7 @@ fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
         assert!(rig.view().identity.is_some(), "identified");
         for request in [Request::Arm, drive(0.05), Request::Store, Request::ClearFaults] {
             let ticket = rig.ask(request);
-            assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(want.sentence().to_owned())));
+            assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(Refusal::Incompatible(want))));
         }
         let stop = rig.ask(Request::Stop);
         rig.pass_ms(50);

@@ -1,9 +1,10 @@
-//! One session's talk with a device: numbering, time-outs, repeats. It is told the time and moves bytes only.
+//! One session's channel to a device: numbering, time-outs and repeats (stop-and-wait ARQ). It is told the time and moves
+//! bytes only.
 //!
 //! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for the stops,
-//! which wait for nobody; [`Lane::Pulse`] for hello, keep-alives and status; [`Lane::Ordered`] for all that is numbered.
+//! which wait for nobody; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for all that is numbered.
 //! A numbered command is repeated under its own number, so the device does it once; a keep-alive is replaced by
-//! a fresh one, since an old beat feeds nothing.
+//! a fresh one, since one that comes twice does not feed the dead-man.
 
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
@@ -15,8 +16,8 @@ use std::time::Duration;
 const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
 /// A keep-alive goes out this often.
 pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
-/// Erasing and writing a slot takes the slowest board, the H743, up to 4.2 s; for so long a device that was told to is
-/// left in peace.
+/// Erasing and writing a slot takes the slowest board, the H743, up to 4.2 s; so long the device gets to do it
+/// before the command is sent again.
 const FLASH_PATIENCE: Duration = Duration::from_secs(6);
 
 /// Which queue a command travels in.
@@ -25,7 +26,7 @@ enum Lane {
     /// Stop and emergency stop.
     Urgent,
     /// Hello, keep-alive, status.
-    Pulse,
+    Periodic,
     /// Everything that is numbered.
     Ordered,
 }
@@ -35,7 +36,7 @@ impl Lane {
         match command {
             Command::Stop | Command::EmergencyStop => Self::Urgent,
             _ if command.is_sequenced() => Self::Ordered,
-            _ => Self::Pulse,
+            _ => Self::Periodic,
         }
     }
 }
@@ -43,11 +44,11 @@ impl Lane {
 /// What came back, with the command it answers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Answer {
-    /// What was said.
+    /// The command.
     pub(crate) command: Command,
     /// What came back.
     pub(crate) reply: Reply,
-    /// How long it took since the last time it was said.
+    /// How long it took since the command was last sent.
     pub(crate) round_trip: Duration,
 }
 
@@ -62,19 +63,19 @@ pub(crate) enum Reply {
 
 /// The device has not answered although it was asked as often as allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Silent;
+pub(crate) struct RetriesExhausted;
 
-/// What the conversation has counted.
+/// What a channel has counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct ChannelCounters {
     pub(crate) commands: u32,
     pub(crate) retries: u32,
     pub(crate) timeouts: u32,
-    pub(crate) strays: u32,
+    pub(crate) unmatched: u32,
 }
 
 #[derive(Clone, Debug)]
-struct Flight {
+struct Pending {
     command: Command,
     /// What is sent if it has to be sent again.
     repeat: Command,
@@ -85,25 +86,25 @@ struct Flight {
 
 /// The host's half of one session.
 #[derive(Debug)]
-pub(crate) struct Conversation {
+pub(crate) struct Channel {
     nonce: [u8; 4],
     /// The session's number on the wire: 0 until the device has told it in the header of its hello.
     session: u32,
     /// What this program and the device both know.
     minor: Minor,
     sequence: u16,
-    beat: u32,
-    pulse_number: u16,
-    urgent: Option<Flight>,
-    pulse: Option<Flight>,
-    ordered: Option<Flight>,
+    keep_alives: u32,
+    unsequenced_number: u16,
+    urgent: Option<Pending>,
+    periodic: Option<Pending>,
+    ordered: Option<Pending>,
     decoder: Decoder,
     out: Vec<u8>,
-    tally: Tally,
+    counters: ChannelCounters,
 }
 
-impl Conversation {
-    /// A conversation that begins with a hello of this nonce.
+impl Channel {
+    /// A channel that begins with a hello of this nonce.
     pub(crate) fn new(nonce: [u8; 4]) -> Self {
         Self {
             nonce,
@@ -111,16 +112,16 @@ impl Conversation {
             minor: Minor::FIRST,
             // A session's first numbered command has number 1.
             sequence: 1,
-            beat: 0,
+            keep_alives: 0,
             // Each session begins elsewhere: the answer to an earlier hello is none to this one's.
-            pulse_number: u16::from_le_bytes([nonce[0], nonce[1]]),
+            unsequenced_number: u16::from_le_bytes([nonce[0], nonce[1]]),
             urgent: None,
-            pulse: None,
+            periodic: None,
             ordered: None,
             decoder: Decoder::new(),
-            // Ends whatever a host before this one left unfinished: the hello need not be said twice.
+            // Ends whatever a host before this one left unfinished: the hello need not be sent twice.
             out: vec![0],
-            tally: Tally::default(),
+            counters: ChannelCounters::default(),
         }
     }
 
@@ -134,24 +135,24 @@ impl Conversation {
         self.minor.has(command.since())
     }
 
-    /// Whether a numbered command may be said now.
+    /// Whether a numbered command may be sent now.
     pub(crate) const fn is_free(&self) -> bool {
         self.ordered.is_none()
     }
 
     /// Whether a hello, keep-alive or status waits for its answer.
-    pub(crate) const fn is_listening(&self) -> bool {
-        self.pulse.is_some()
+    pub(crate) const fn awaits_periodic(&self) -> bool {
+        self.periodic.is_some()
     }
 
     /// The stop that waits for its answer.
-    pub(crate) fn stopping(&self) -> Option<&Command> {
-        self.urgent.as_ref().map(|flight| &flight.command)
+    pub(crate) fn pending_stop(&self) -> Option<&Command> {
+        self.urgent.as_ref().map(|pending| &pending.command)
     }
 
     /// What has been counted here.
-    pub(crate) const fn tally(&self) -> Tally {
-        self.tally
+    pub(crate) const fn counters(&self) -> ChannelCounters {
+        self.counters
     }
 
     /// What the decoder has counted.
@@ -159,54 +160,54 @@ impl Conversation {
         self.decoder.counters()
     }
 
-    /// Says a command. It replaces an unanswered one of its lane; numbered ones are said only when
-    /// [`Conversation::is_free`].
-    pub(crate) fn say(&mut self, command: Command, now: Duration) {
-        self.tally.commands = self.tally.commands.saturating_add(1);
+    /// Sends a command. It replaces an unanswered one of its lane; numbered ones are sent only when
+    /// [`Channel::is_free`].
+    pub(crate) fn send(&mut self, command: Command, now: Duration) {
+        self.counters.commands = self.counters.commands.saturating_add(1);
         let lane = Lane::of(&command);
         let sequence = if lane == Lane::Ordered { self.sequence } else { self.unsequenced() };
-        self.post(&command, sequence);
-        let flight = Flight { repeat: command.clone(), command, sequence, sent: now, repeats: 0 };
-        *self.lane_mut(lane) = Some(flight);
+        self.queue(&command, sequence);
+        let pending = Pending { repeat: command.clone(), command, sequence, sent: now, repeats: 0 };
+        *self.lane_mut(lane) = Some(pending);
     }
 
-    /// Says the next keep-alive. If the one before is unanswered, this is its repeat: a beat that comes twice would
-    /// feed nothing.
+    /// Sends the next keep-alive. If the one before is unanswered, this is its repeat: one that comes twice would not feed
+    /// the dead-man.
     pub(crate) fn keep_alive(&mut self, now: Duration) {
-        let unanswered = self.pulse.as_ref().map(|flight| flight.repeats);
-        self.beat = self.beat.wrapping_add(1);
-        self.say(Command::KeepAlive(command::KeepAlive { beat: self.beat }), now);
+        let unanswered = self.periodic.as_ref().map(|pending| pending.repeats);
+        self.keep_alives = self.keep_alives.wrapping_add(1);
+        self.send(Command::KeepAlive(command::KeepAlive { beat: self.keep_alives }), now);
         let in_flash = self.in_flash();
-        if let (Some(repeats), Some(flight)) = (unanswered, &mut self.pulse) {
-            flight.repeats = if in_flash { repeats } else { repeats + 1 };
-            self.tally.timeouts = self.tally.timeouts.saturating_add(1);
-            self.tally.retries = self.tally.retries.saturating_add(1);
+        if let (Some(repeats), Some(pending)) = (unanswered, &mut self.periodic) {
+            pending.repeats = if in_flash { repeats } else { repeats + 1 };
+            self.counters.timeouts = self.counters.timeouts.saturating_add(1);
+            self.counters.retries = self.counters.retries.saturating_add(1);
         }
     }
 
     /// If a numbered command is unanswered, never sends it again: should it be lost, something harmless goes out
     /// under its number. For a drive that a stop has overtaken.
-    pub(crate) fn defuse(&mut self) {
-        if let Some(flight) = &mut self.ordered {
-            flight.repeat = Command::TableDigest;
+    pub(crate) fn withdraw(&mut self) {
+        if let Some(pending) = &mut self.ordered {
+            pending.repeat = Command::TableDigest;
         }
     }
 
     /// Takes bytes from the device; returns what they answer.
-    pub(crate) fn hear(&mut self, bytes: &[u8], now: Duration) -> Vec<Answer> {
+    pub(crate) fn receive(&mut self, bytes: &[u8], now: Duration) -> Vec<Answer> {
         let mut answers = Vec::new();
         for &byte in bytes {
-            let heard = self.decoder.push(byte, |frame| {
+            let received = self.decoder.push(byte, |frame| {
                 if frame.header.direction != Direction::ToHost {
                     return None;
                 }
                 Some((frame.header, read(frame.header.id, frame.body)))
             });
-            let Some(Some((header, reply))) = heard else { continue };
-            let greets = matches!(reply, Some(Reply::Hello(..)));
+            let Some(Some((header, reply))) = received else { continue };
+            let is_hello = matches!(reply, Some(Reply::Hello(..)));
             let answer = reply
-                .filter(|_| greets || header.session == self.session)
-                .and_then(|reply| self.land(header.sequence, reply, now));
+                .filter(|_| is_hello || header.session == self.session)
+                .and_then(|reply| self.match_reply(header.sequence, reply, now));
             match answer {
                 Some(answer) => {
                     if let Reply::Hello(version, _) = &answer.reply {
@@ -215,43 +216,46 @@ impl Conversation {
                     }
                     answers.push(answer);
                 }
-                None => self.tally.strays = self.tally.strays.saturating_add(1),
+                None => self.counters.unmatched = self.counters.unmatched.saturating_add(1),
             }
         }
         answers
     }
 
-    /// Sends again what is overdue. Keep-alives are not: [`Conversation::keep_alive`] comes round by itself.
+    /// Sends again what is overdue. Keep-alives are not: [`Channel::keep_alive`] comes round by itself.
     ///
     /// # Errors
-    /// [`Silent`] once a command has been sent and repeated as often as allowed.
-    pub(crate) fn tick(&mut self, now: Duration) -> Result<(), Silent> {
-        for lane in [Lane::Urgent, Lane::Ordered, Lane::Pulse] {
+    /// [`RetriesExhausted`] once a command has been sent and repeated as often as allowed.
+    pub(crate) fn tick(&mut self, now: Duration) -> Result<(), RetriesExhausted> {
+        for lane in [Lane::Urgent, Lane::Ordered, Lane::Periodic] {
             let patience = self.patience();
-            let Some(flight) = self.lane_mut(lane) else { continue };
-            if now < flight.sent + patience {
+            let Some(pending) = self.lane_mut(lane) else { continue };
+            if now < pending.sent + patience {
                 continue;
             }
-            if flight.repeats >= MAX_RETRIES {
-                return Err(Silent);
+            if pending.repeats >= MAX_RETRIES {
+                return Err(RetriesExhausted);
             }
-            if matches!(flight.command, Command::KeepAlive(_) | Command::Status) {
+            if matches!(pending.command, Command::KeepAlive(_) | Command::Status) {
                 continue;
             }
-            flight.repeats += 1;
-            flight.sent = now;
-            let (command, sequence) = (flight.repeat.clone(), flight.sequence);
-            self.post(&command, sequence);
-            self.tally.timeouts = self.tally.timeouts.saturating_add(1);
-            self.tally.retries = self.tally.retries.saturating_add(1);
+            pending.repeats += 1;
+            pending.sent = now;
+            let (command, sequence) = (pending.repeat.clone(), pending.sequence);
+            self.queue(&command, sequence);
+            self.counters.timeouts = self.counters.timeouts.saturating_add(1);
+            self.counters.retries = self.counters.retries.saturating_add(1);
         }
         Ok(())
     }
 
-    /// When [`Conversation::tick`] has something to do next.
+    /// When [`Channel::tick`] has something to do next.
     pub(crate) fn deadline(&self) -> Option<Duration> {
-        let sent =
-            [&self.urgent, &self.pulse, &self.ordered].into_iter().flatten().map(|flight| flight.sent).min();
+        let sent = [&self.urgent, &self.periodic, &self.ordered]
+            .into_iter()
+            .flatten()
+            .map(|pending| pending.sent)
+            .min();
         sent.map(|sent| sent + self.patience())
     }
 
@@ -266,31 +270,31 @@ impl Conversation {
     }
 
     fn in_flash(&self) -> bool {
-        let said = self.ordered.as_ref().map(|flight| &flight.command);
-        matches!(said, Some(Command::Store | Command::Forget))
+        let sent = self.ordered.as_ref().map(|pending| &pending.command);
+        matches!(sent, Some(Command::Store | Command::Forget))
     }
 
     fn patience(&self) -> Duration {
         if self.in_flash() { FLASH_PATIENCE } else { REPLY_TIMEOUT }
     }
 
-    fn lane_mut(&mut self, lane: Lane) -> &mut Option<Flight> {
+    fn lane_mut(&mut self, lane: Lane) -> &mut Option<Pending> {
         match lane {
             Lane::Urgent => &mut self.urgent,
-            Lane::Pulse => &mut self.pulse,
+            Lane::Periodic => &mut self.periodic,
             Lane::Ordered => &mut self.ordered,
         }
     }
 
     /// A number that no numbered command under way has, so that answers cannot be mistaken.
     fn unsequenced(&mut self) -> u16 {
-        // Half the numbers away from every numbered command that is or comes in flight meanwhile: an answer must
+        // Half the numbers away from every numbered command that is or comes in pending meanwhile: an answer must
         // not land in another lane.
-        self.pulse_number = self.pulse_number.wrapping_add(1);
-        self.sequence.wrapping_add(0x4000 | (self.pulse_number & 0x3fff))
+        self.unsequenced_number = self.unsequenced_number.wrapping_add(1);
+        self.sequence.wrapping_add(0x4000 | (self.unsequenced_number & 0x3fff))
     }
 
-    fn post(&mut self, command: &Command, sequence: u16) {
+    fn queue(&mut self, command: &Command, sequence: u16) {
         let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
         // Every command its types allow fits a frame (a test of the protocol holds that); were it not so, the
         // missing answer would tell.
@@ -300,14 +304,14 @@ impl Conversation {
     }
 
     /// Matches a reply with the command it answers.
-    fn land(&mut self, sequence: u16, reply: Reply, now: Duration) -> Option<Answer> {
-        let greets = matches!(reply, Reply::Hello(..));
-        let lane = [Lane::Ordered, Lane::Urgent, Lane::Pulse].into_iter().find(|&lane| {
-            self.lane_mut(lane).as_ref().is_some_and(|flight| {
-                flight.sequence == sequence && greets == matches!(flight.command, Command::Hello(_))
+    fn match_reply(&mut self, sequence: u16, reply: Reply, now: Duration) -> Option<Answer> {
+        let is_hello = matches!(reply, Reply::Hello(..));
+        let lane = [Lane::Ordered, Lane::Urgent, Lane::Periodic].into_iter().find(|&lane| {
+            self.lane_mut(lane).as_ref().is_some_and(|pending| {
+                pending.sequence == sequence && is_hello == matches!(pending.command, Command::Hello(_))
             })
         })?;
-        let flight = self.lane_mut(lane).take()?;
+        let pending = self.lane_mut(lane).take()?;
         if lane == Lane::Ordered {
             self.sequence = match &reply {
                 // Not counted.
@@ -317,7 +321,7 @@ impl Conversation {
                 _ => self.sequence.wrapping_add(1),
             };
         }
-        Some(Answer { round_trip: now.saturating_sub(flight.sent), command: flight.command, reply })
+        Some(Answer { round_trip: now.saturating_sub(pending.sent), command: pending.command, reply })
     }
 }
 

@@ -9,12 +9,12 @@
 //! [`Connection::deadline`]. After a loss the device is looked for; it comes back disarmed, and arming it again is
 //! left to the user.
 
-use crate::commands::{Dialogue, Verdict};
+use crate::commands::{CommandQueue, Next};
 use crate::error::LinkError;
-use crate::journal::Record;
 use crate::log::Severity;
 use crate::port::{Port, PortInfo};
-use crate::rediscovery::Sought;
+use crate::recorder::Recorder;
+use crate::rediscovery::Rediscovery;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Transport, Waker};
@@ -38,7 +38,7 @@ pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
 
 struct Open<T> {
     transport: T,
-    dialogue: Dialogue,
+    queue: CommandQueue,
     /// Nobody has seen this transport yet: it is to be registered with the poll.
     is_new: bool,
 }
@@ -55,11 +55,11 @@ pub struct Connection<O: Opener> {
     waker: Waker,
     nonces: Nonces,
     phase: Phase<O::Transport>,
-    sought: Option<Sought>,
+    rediscovery: Option<Rediscovery>,
     /// What to open once the present device is left.
     next: Option<(Ticket, Port)>,
     leave: Option<Ticket>,
-    record: Record,
+    recorder: Recorder,
     /// There may be more to read than one step took.
     has_more: bool,
     opened_at: Duration,
@@ -70,17 +70,17 @@ pub struct Connection<O: Opener> {
 impl<O: Opener> Connection<O> {
     /// A link with no port open. `waker` is given to the ports it opens.
     pub fn new(opener: O, waker: Waker, nonces: Nonces) -> Self {
-        let mut record = Record::default();
-        record.view.auto_reconnect = true;
+        let mut recorder = Recorder::default();
+        recorder.view.auto_reconnect = true;
         Self {
             opener,
             waker,
             nonces,
             phase: Phase::Closed,
-            sought: None,
+            rediscovery: None,
             next: None,
             leave: None,
-            record,
+            recorder,
             has_more: false,
             opened_at: Duration::ZERO,
             short_lives: 0,
@@ -90,12 +90,12 @@ impl<O: Opener> Connection<O> {
     /// What is known now.
     #[must_use]
     pub const fn view(&self) -> &Snapshot {
-        &self.record.view
+        &self.recorder.view
     }
 
     /// (changed at all, worth a repaint) since the last call.
     pub fn take_changes(&mut self) -> (bool, bool) {
-        self.record.take_changes()
+        self.recorder.take_changes()
     }
 
     /// Whether a port is open.
@@ -117,60 +117,60 @@ impl<O: Opener> Connection<O> {
 
     /// Takes a request. What cannot be done now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
-        self.record.set_time(now);
+        self.recorder.set_time(now);
         if !matches!(request, Request::Drive(_) | Request::Refresh | Request::Note(..)) {
-            self.record.log(Severity::Detail, format!("Request: {}.", request.name()));
+            self.recorder.log(Severity::Detail, format!("Request: {}.", request.name()));
         }
         match request {
             Request::Connect(port) => {
                 if let Some((older, _)) = self.next.replace((ticket, port)) {
-                    self.record.finish(Some(older), Outcome::Superseded);
+                    self.recorder.finish(Some(older), Outcome::Superseded);
                 }
                 self.short_lives = 0;
                 match &mut self.phase {
-                    Phase::Open(open) => open.dialogue.leave(&mut self.record, now),
+                    Phase::Open(open) => open.queue.leave(&mut self.recorder, now),
                     Phase::Closed | Phase::Seeking { .. } => self.open_next(now),
                 }
             }
             Request::Disconnect => {
-                // A port that was to be opened after the farewell.
+                // A port that was to be opened after the closing.
                 let next = self.next.take().map(|(ticket, _)| ticket);
-                self.record.finish(next, Outcome::Superseded);
+                self.recorder.finish(next, Outcome::Superseded);
                 if let Phase::Open(open) = &mut self.phase {
-                    open.dialogue.leave(&mut self.record, now);
+                    open.queue.leave(&mut self.recorder, now);
                     let older = self.leave.replace(ticket);
-                    self.record.finish(older, Outcome::Superseded);
+                    self.recorder.finish(older, Outcome::Superseded);
                 } else {
                     self.phase = Phase::Closed;
-                    self.record.link(LinkState::Disconnected);
-                    self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+                    self.recorder.link(LinkState::Disconnected);
+                    self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
                 }
             }
             Request::AutoReconnect(on) => {
-                self.record.view.auto_reconnect = on;
-                self.record.touch();
-                match (&self.record.view.link, on) {
-                    (LinkState::Lost(trouble), true) => {
-                        let trouble = trouble.clone();
-                        self.seek(trouble, now);
+                self.recorder.view.auto_reconnect = on;
+                self.recorder.touch();
+                match (&self.recorder.view.link, on) {
+                    (LinkState::Lost(error), true) => {
+                        let error = error.clone();
+                        self.seek(error, now);
                     }
-                    (LinkState::Reconnecting(trouble), false) => {
-                        let trouble = trouble.clone();
+                    (LinkState::Reconnecting(error), false) => {
+                        let error = error.clone();
                         self.shut(&Outcome::NotConnected);
-                        self.record.link(LinkState::Lost(trouble));
+                        self.recorder.link(LinkState::Lost(error));
                     }
                     _ => {}
                 }
-                self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+                self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
             Request::Note(severity, text) => {
-                self.record.log(severity, text);
-                self.record.finish(Some(ticket), Outcome::Done { at: 0 });
+                self.recorder.log(severity, text);
+                self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
             request => match &mut self.phase {
-                Phase::Open(open) => open.dialogue.request(ticket, request, &mut self.record, now),
+                Phase::Open(open) => open.queue.request(ticket, request, &mut self.recorder, now),
                 Phase::Closed | Phase::Seeking { .. } => {
-                    self.record.finish(Some(ticket), Outcome::NotConnected);
+                    self.recorder.finish(Some(ticket), Outcome::NotConnected);
                 }
             },
         }
@@ -178,9 +178,9 @@ impl<O: Opener> Connection<O> {
 
     /// Does all that is due: reads, understands, speaks, writes, looks for a lost device.
     pub fn step(&mut self, now: Duration) {
-        self.record.set_time(now);
-        match self.record.view.link.clone() {
-            LinkState::Lost(trouble) if self.record.view.auto_reconnect => self.seek(trouble, now),
+        self.recorder.set_time(now);
+        match self.recorder.view.link.clone() {
+            LinkState::Lost(error) if self.recorder.view.auto_reconnect => self.seek(error, now),
             _ => {}
         }
         if let Phase::Seeking { next } = self.phase
@@ -190,9 +190,9 @@ impl<O: Opener> Connection<O> {
         }
         let verdict = self.exchange(now);
         match verdict {
-            Verdict::GoOn => {}
-            Verdict::Close => self.close(now),
-            Verdict::Lose(trouble) => self.lose(trouble, now),
+            Next::Continue => {}
+            Next::Close => self.close(now),
+            Next::Lose(error) => self.lose(error, now),
         }
     }
 
@@ -201,33 +201,33 @@ impl<O: Opener> Connection<O> {
     pub fn deadline(&self, now: Duration) -> Option<Duration> {
         match &self.phase {
             _ if self.has_more => Some(now),
-            Phase::Closed => match self.record.view.link {
-                LinkState::Lost(_) if self.record.view.auto_reconnect => Some(now),
+            Phase::Closed => match self.recorder.view.link {
+                LinkState::Lost(_) if self.recorder.view.auto_reconnect => Some(now),
                 _ => None,
             },
             Phase::Seeking { next } => Some(*next),
             Phase::Open(open) => {
-                let unwritten = !open.dialogue.is_written();
-                let deadline = open.dialogue.deadline();
+                let unwritten = !open.queue.is_written();
+                let deadline = open.queue.deadline();
                 Some(if unwritten { deadline.min(now + WRITE_PAUSE) } else { deadline })
             }
         }
     }
 
-    fn exchange(&mut self, now: Duration) -> Verdict {
+    fn exchange(&mut self, now: Duration) -> Next {
         let Phase::Open(open) = &mut self.phase else {
             self.has_more = false;
-            return Verdict::GoOn;
+            return Next::Continue;
         };
         let mut buffer = [0; 4096];
         self.has_more = true;
         for _ in 0..READS {
             match open.transport.read(&mut buffer) {
-                Ok(0) => return Verdict::Lose(LinkError::Gone),
+                Ok(0) => return Next::Lose(LinkError::Gone),
                 Ok(count) => {
                     let bytes = buffer.get(..count).unwrap_or_default();
-                    match open.dialogue.hear(bytes, &mut self.record, now) {
-                        Verdict::GoOn => {}
+                    match open.queue.receive(bytes, &mut self.recorder, now) {
+                        Next::Continue => {}
                         verdict => return verdict,
                     }
                 }
@@ -237,24 +237,24 @@ impl<O: Opener> Connection<O> {
                         self.has_more = false;
                         break;
                     }
-                    Some(trouble) => return Verdict::Lose(trouble),
+                    Some(error) => return Next::Lose(error),
                 },
             }
         }
-        match open.dialogue.speak(&mut self.record, now) {
-            Verdict::GoOn => {}
+        match open.queue.send_due(&mut self.recorder, now) {
+            Next::Continue => {}
             verdict => return verdict,
         }
-        self.record.count(open.dialogue.talk());
-        let output = open.dialogue.output();
+        self.recorder.count(open.queue.channel());
+        let output = open.queue.output();
         while !output.is_empty() {
             match open.transport.write(output) {
-                Ok(0) => return Verdict::Lose(LinkError::Gone),
+                Ok(0) => return Next::Lose(LinkError::Gone),
                 Ok(count) => drop(output.drain(..count.min(output.len()))),
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => match LinkError::transfer(&error) {
                     None => break,
-                    Some(trouble) => return Verdict::Lose(trouble),
+                    Some(error) => return Next::Lose(error),
                 },
             }
         }
@@ -262,63 +262,63 @@ impl<O: Opener> Connection<O> {
     }
 
     /// After a reconnection: is it the same device?
-    fn verify_identity(&mut self) -> Verdict {
-        let Some(sought) = &mut self.sought else { return Verdict::GoOn };
-        let Some(unit) = self.record.view.identity.as_ref().map(|identity| identity.unit) else {
-            return Verdict::GoOn;
+    fn verify_identity(&mut self) -> Next {
+        let Some(rediscovery) = &mut self.rediscovery else { return Next::Continue };
+        let Some(unit) = self.recorder.view.identity.as_ref().map(|identity| identity.unit) else {
+            return Next::Continue;
         };
-        let is_it = sought.is_it(unit, self.record.view.port.as_ref());
-        if is_it { Verdict::GoOn } else { Verdict::Lose(LinkError::Gone) }
+        let is_it = rediscovery.is_it(unit, self.recorder.view.port.as_ref());
+        if is_it { Next::Continue } else { Next::Lose(LinkError::Gone) }
     }
 
     /// Drops the transport; whatever waits ends with `outcome`.
     fn shut(&mut self, outcome: &Outcome) {
         self.has_more = false;
         if let Phase::Open(open) = std::mem::replace(&mut self.phase, Phase::Closed) {
-            open.dialogue.end(&mut self.record, outcome);
+            open.queue.end(&mut self.recorder, outcome);
         }
     }
 
-    /// The farewell is over.
+    /// The closing is over.
     fn close(&mut self, now: Duration) {
         self.shut(&Outcome::NotConnected);
-        self.record.part(None);
-        self.record.link(LinkState::Disconnected);
-        self.record.log(Severity::Info, "Disconnected.");
-        self.record.finish(self.leave.take(), Outcome::Done { at: 0 });
+        self.recorder.forget_device(None);
+        self.recorder.link(LinkState::Disconnected);
+        self.recorder.log(Severity::Info, "Disconnected.");
+        self.recorder.finish(self.leave.take(), Outcome::Done { at: 0 });
         self.open_next(now);
     }
 
-    fn lose(&mut self, trouble: LinkError, now: Duration) {
-        let was_first = self.record.view.link == LinkState::Connecting;
-        let trouble = match (&self.record.view.port, trouble) {
+    fn lose(&mut self, error: LinkError, now: Duration) {
+        let was_first = self.recorder.view.link == LinkState::Connecting;
+        let error = match (&self.recorder.view.port, error) {
             (Some(port), LinkError::Silent) if was_first => LinkError::NoAnswer(port.clone()),
-            (_, trouble) => trouble,
+            (_, error) => error,
         };
         let is_leaving = self.leave.is_some() || self.next.is_some();
-        let outcome = if was_first { Outcome::Refused(trouble.to_string()) } else { Outcome::NotConnected };
+        let outcome = if was_first { Outcome::Refused(error.clone().into()) } else { Outcome::NotConnected };
         self.shut(&outcome);
         if is_leaving {
             return self.close(now);
         }
-        let is_short = trouble == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
+        let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
-        let was_seeking = matches!(self.record.view.link, LinkState::Reconnecting(_));
-        self.record.part(Some(trouble.clone()));
+        let was_seeking = matches!(self.recorder.view.link, LinkState::Reconnecting(_));
+        self.recorder.forget_device(Some(error.clone()));
         if was_first || self.short_lives >= SHORT_LIVES {
-            self.record.link(LinkState::Disconnected);
+            self.recorder.link(LinkState::Disconnected);
         } else if was_seeking {
             // A port that is there but does not answer yet: it may still be starting.
             self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
         } else {
-            self.record.log(Severity::Error, format!("Connection lost: {trouble}."));
-            self.record.link(LinkState::Lost(trouble));
+            self.recorder.log(Severity::Error, format!("Connection lost: {error}."));
+            self.recorder.link(LinkState::Lost(error));
         }
     }
 
-    fn seek(&mut self, trouble: LinkError, now: Duration) {
-        self.record.log(Severity::Info, "Looking for the device.");
-        self.record.link(LinkState::Reconnecting(trouble));
+    fn seek(&mut self, error: LinkError, now: Duration) {
+        self.recorder.log(Severity::Info, "Looking for the device.");
+        self.recorder.link(LinkState::Reconnecting(error));
         self.phase = Phase::Seeking { next: now };
     }
 
@@ -331,24 +331,24 @@ impl<O: Opener> Connection<O> {
             is_ours: false,
             usb_serial: None,
         });
-        self.record.view.port = Some(port.clone());
-        self.record.begin();
-        self.sought = Some(Sought::at(info));
-        self.record.log(Severity::Info, format!("Connecting to {port}."));
-        self.record.link(LinkState::Connecting);
-        if let Err(trouble) = self.open(&port, Some(ticket), now) {
+        self.recorder.view.port = Some(port.clone());
+        self.recorder.begin();
+        self.rediscovery = Some(Rediscovery::at(info));
+        self.recorder.log(Severity::Info, format!("Connecting to {port}."));
+        self.recorder.link(LinkState::Connecting);
+        if let Err(error) = self.open(&port, Some(ticket), now) {
             self.phase = Phase::Closed;
-            self.record.part(Some(trouble.clone()));
-            self.record.link(LinkState::Disconnected);
-            self.record.finish(Some(ticket), Outcome::Refused(trouble.to_string()));
+            self.recorder.forget_device(Some(error.clone()));
+            self.recorder.link(LinkState::Disconnected);
+            self.recorder.finish(Some(ticket), Outcome::Refused(error.into()));
         }
     }
 
     fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), LinkError> {
         let transport = self.opener.open(port, &self.waker)?;
         self.opened_at = now;
-        let dialogue = Dialogue::begin((self.nonces)(), ticket, now);
-        self.phase = Phase::Open(Box::new(Open { transport, dialogue, is_new: true }));
+        let queue = CommandQueue::begin((self.nonces)(), ticket, now);
+        self.phase = Phase::Open(Box::new(Open { transport, queue, is_new: true }));
         Ok(())
     }
 
@@ -356,10 +356,10 @@ impl<O: Opener> Connection<O> {
     fn look(&mut self, now: Duration) {
         self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
         let ports = self.opener.list();
-        let Some(port) = self.sought.as_mut().and_then(|sought| sought.find(ports)) else { return };
+        let Some(port) = self.rediscovery.as_mut().and_then(|lost| lost.find(ports)) else { return };
         if self.open(&port, None, now).is_ok() {
-            self.record.view.port = Some(port);
-            self.record.begin();
+            self.recorder.view.port = Some(port);
+            self.recorder.begin();
         }
     }
 }

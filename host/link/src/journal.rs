@@ -1,268 +1,57 @@
-//! The picture of the link under construction: what the next snapshot will show.
+//! The journal: what the device has agreed to, in order; what the mirror replays.
 
-use crate::channel::Conversation;
-use crate::error::LinkError;
-use crate::foldback::FoldbackSteps;
-use crate::log::{LOG_LINES, LogEntry, Severity};
-use crate::request::{Outcome, Ticket};
-use crate::snapshot::{
-    Acknowledged, Change, JOURNAL_ENTRIES, JOURNAL_LIMITS, LinkCounters, LinkState, OUTCOMES, RoundTrip,
-    Snapshot,
-};
-use slipline_protocol::event::{Status, TableReport};
+use crate::table::DeviceTable;
+use slipline_protocol::command::Drive;
 use slipline_protocol::units::SampleIndex;
-use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Duration;
 
-/// Answers over which the round trip's running average runs.
-const AVERAGE_OVER: u32 = 16;
-
-/// A snapshot and what has changed in it.
-#[derive(Debug, Default)]
-pub(crate) struct Record {
-    pub(crate) view: Snapshot,
-    now: Duration,
-    entries: u64,
-    /// Something changed since the last snapshot.
-    changed: bool,
-    /// Something changed that is worth a repaint.
-    loud: bool,
+/// Something the device has agreed to, at a sample index: what the mirror replays.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Acknowledged {
+    /// Rises by one with each entry; a gap means that entries have been dropped: the oldest, or thermal limits.
+    pub number: u64,
+    /// The index from which it shows in the samples.
+    pub at: SampleIndex,
+    /// What.
+    pub change: Change,
+    /// Whether the device has named the index. Of a stop of its own (dead-man, fault) it tells only afterwards, and not
+    /// where its ramp began: until the next silence nobody knows its samples.
+    pub is_exact: bool,
 }
 
-impl Record {
-    /// The time from now on.
-    pub(crate) const fn set_time(&mut self, now: Duration) {
-        self.now = now;
-    }
-
-    /// Marks a change that is worth a repaint.
-    pub(crate) const fn touch(&mut self) {
-        self.changed = true;
-        self.loud = true;
-    }
-
-    /// (changed at all, worth a repaint) since the last call.
-    pub(crate) fn take_changes(&mut self) -> (bool, bool) {
-        if self.loud {
-            self.view.revision += 1;
-        }
-        (std::mem::take(&mut self.changed), std::mem::take(&mut self.loud))
-    }
-
-    pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
-        let log = Arc::make_mut(&mut self.view.log);
-        push_bounded(log, LOG_LINES, LogEntry { severity, time: self.now, text: text.into() });
-        self.touch();
-    }
-
-    /// Notes what the device has agreed to.
-    pub(crate) fn acknowledge(&mut self, at: SampleIndex, change: Change) {
-        self.enter(at, change, true);
-    }
-
-    /// Notes that the device, which has latched a fault at `at`, has stopped by itself what it was sounding.
-    pub(crate) fn stopped_by_itself(&mut self, at: SampleIndex) {
-        let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
-            Change::Drive(_) => Some(true),
-            Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
-            Change::Armed | Change::Table(_) | Change::Limit(_) => None,
-        });
-        if latest == Some(true) {
-            self.enter(at, Change::Stop, false);
-        }
-    }
-
-    /// Notes the steps of the thermal fold-back that a status tells.
-    pub(crate) fn fold_back(&mut self, heard: &FoldbackSteps) {
-        for &(at, per_mille) in &heard.steps {
-            self.enter(at, Change::Limit(per_mille), heard.is_complete);
-        }
-    }
-
-    fn enter(&mut self, at: SampleIndex, change: Change, is_exact: bool) {
-        self.entries += 1;
-        let journal = Arc::make_mut(&mut self.view.journal);
-        if matches!(change, Change::Limit(_)) {
-            drop_oldest_limit(journal);
-        }
-        let entry = Arc::new(Acknowledged { number: self.entries, at, change, is_exact });
-        push_bounded(journal, JOURNAL_ENTRIES, entry);
-        self.touch();
-    }
-
-    /// A drive that begins at `from` was told only after a stop had overtaken it. If the stop came later by its index,
-    /// it is the one that holds.
-    pub(crate) fn stop_again(&mut self, from: SampleIndex) {
-        let is_stop = |change: &Change| matches!(change, Change::Stop | Change::EmergencyStop);
-        let latest = self.view.journal.iter().rev().find(|entry| is_stop(&entry.change));
-        if let Some(stop) = latest.filter(|stop| stop.at >= from).cloned() {
-            self.acknowledge(stop.at, stop.change.clone());
-        }
-    }
-
-    /// Notes how a request ended; requests of the link itself have no ticket.
-    pub(crate) fn finish(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
-        if let Outcome::Refused(sentence) = &outcome {
-            self.log(Severity::Warning, sentence.clone());
-            if let Some(ticket) = ticket {
-                self.view.last_refusal = Some((ticket, sentence.as_str().into()));
-            }
-        }
-        if let Outcome::DeviceTooOld = outcome {
-            self.log(Severity::Warning, Compatibility::DeviceOlder.sentence());
-        }
-        if let Outcome::NotConnected = outcome {
-            self.view.counters.dropped = self.view.counters.dropped.saturating_add(1);
-        }
-        if let Some(ticket) = ticket {
-            push_bounded(Arc::make_mut(&mut self.view.outcomes), OUTCOMES, (ticket, outcome));
-            self.touch();
-        }
-    }
-
-    /// Takes a status that came from the device.
-    pub(crate) fn status(&mut self, status: Status) {
-        let seen = |status: &Status| {
-            let mut seen = *status;
-            seen.now = 0;
-            seen.counters.frames = 0;
-            // Shown in percent, and it falls for minutes after the last tone.
-            seen.heat_per_mille = seen.heat_per_mille.saturating_add(5) / 10;
-            seen
-        };
-        if let Some(before) = self.view.status {
-            for fault in status.faults.iter().filter(|&fault| !before.faults.contains(fault)) {
-                self.log(Severity::Error, format!("Fault: {}.", fault.text()));
-            }
-        }
-        if self.view.status.as_ref().map(seen) != Some(seen(&status)) {
-            self.touch();
-        }
-        self.view.status = Some(status);
-        self.view.status_time = self.now;
-        self.changed = true;
-    }
-
-    /// Takes the device's word on its table: one that it holds no more is no longer known.
-    pub(crate) fn table(&mut self, report: TableReport) {
-        self.view.confirmed_table.take_if(|known| report.active != Some(known.header()));
-        self.view.table = report;
-        self.touch();
-    }
-
-    pub(crate) fn round_trip(&mut self, took: Duration) {
-        let trip = &mut self.view.round_trip;
-        trip.last = took;
-        trip.worst = trip.worst.max(took);
-        trip.average = if trip.average.is_zero() {
-            took
-        } else {
-            (trip.average * (AVERAGE_OVER - 1) + took) / AVERAGE_OVER
-        };
-        self.changed = true;
-    }
-
-    /// Counts a drive in whose place a newer one or a stop was sent.
-    pub(crate) const fn superseded(&mut self) {
-        self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
-    }
-
-    pub(crate) fn link(&mut self, link: LinkState) {
-        if self.view.link != link {
-            self.view.link = link;
-            self.touch();
-        }
-    }
-
-    /// Copies the conversation's counters.
-    pub(crate) fn count(&mut self, conversation: &Conversation) {
-        let tally = conversation.tally();
-        let before = (self.view.counters, self.view.decoder);
-        let counters = &mut self.view.counters;
-        counters.commands = tally.commands;
-        counters.retries = tally.retries;
-        counters.timeouts = tally.timeouts;
-        counters.strays = tally.strays;
-        self.view.decoder = conversation.decoder();
-        self.changed |= before != (self.view.counters, self.view.decoder);
-    }
-
-    /// Forgets what was known of a device that is connected no more.
-    pub(crate) fn part(&mut self, trouble: Option<LinkError>) {
-        let view = &mut self.view;
-        view.identity = None;
-        view.compatibility = None;
-        view.status = None;
-        view.table = TableReport::default();
-        view.confirmed_table = None;
-        view.upload = None;
-        view.trouble = trouble;
-        self.touch();
-    }
-
-    /// Sets the counters of a connection to nothing.
-    pub(crate) fn begin(&mut self) {
-        let dropped = self.view.counters.dropped;
-        self.view.counters = LinkCounters { dropped, ..LinkCounters::default() };
-        self.view.round_trip = RoundTrip::default();
-        self.view.upload_verified = None;
-        self.touch();
-    }
+/// A change of what the device sounds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A session began: the device is silent and disarmed from here.
+    Session,
+    /// It was armed.
+    Armed,
+    /// It was disarmed: a ramp to silence.
+    Disarmed,
+    /// A drive, in the device's own units.
+    Drive(Arc<Drive>),
+    /// A stop: a ramp to silence.
+    Stop,
+    /// An emergency stop: a fast ramp to silence.
+    EmergencyStop,
+    /// This table was swapped in.
+    Table(Arc<DeviceTable>),
+    /// What the thermal fold-back leaves of every amplitude from here on, per mille.
+    Limit(u16),
 }
+
+/// Acknowledged changes that are kept for the mirror.
+pub const JOURNAL_ENTRIES: usize = 128;
+/// How many of them may be thermal limits: some ten seconds of the fastest change.
+pub(crate) const JOURNAL_LIMITS: usize = 32;
 
 /// A warm coil's limit changes some times a second for minutes: that must not push out the drive that warms it.
-fn drop_oldest_limit(journal: &mut VecDeque<Arc<Acknowledged>>) {
+pub(crate) fn drop_oldest_limit(journal: &mut VecDeque<Arc<Acknowledged>>) {
     let is_limit = |entry: &Arc<Acknowledged>| matches!(entry.change, Change::Limit(_));
     if journal.iter().filter(|entry| is_limit(entry)).count() >= JOURNAL_LIMITS
         && let Some(oldest) = journal.iter().position(is_limit)
     {
         journal.remove(oldest);
-    }
-}
-
-fn push_bounded<T>(list: &mut VecDeque<T>, limit: usize, item: T) {
-    if list.len() >= limit {
-        list.pop_front();
-    }
-    list.push_back(item);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::table::DeviceTable;
-
-    #[test]
-    fn a_limit_that_changes_for_minutes_does_not_push_out_the_drive() {
-        let mut record = Record::default();
-        record.acknowledge(0, Change::Armed);
-        for at in 1..1000 {
-            record.acknowledge(at, Change::Limit(at as u16));
-        }
-        let journal = &record.view.journal;
-        assert_eq!(journal.front().map(|entry| &entry.change), Some(&Change::Armed));
-        assert_eq!(journal.len(), 1 + JOURNAL_LIMITS);
-        assert_eq!(
-            journal.back().map(|entry| (entry.number, &entry.change)),
-            Some((1000, &Change::Limit(999)))
-        );
-    }
-
-    #[test]
-    fn a_table_is_known_for_as_long_as_the_device_names_it() {
-        let table = |hz: f64| {
-            let knots = [(2.0 * hz, 1.0), (hz, 1.0)];
-            Arc::new(DeviceTable::from_knots((0.1, 0.2), 400e3, knots, 1e-6).unwrap())
-        };
-        let (known, other) = (table(20e3), table(21e3));
-        let mut record = Record::default();
-        record.view.confirmed_table = Some(known.clone());
-        for (active, is_known) in [(Some(known.header()), true), (Some(other.header()), false)] {
-            record.table(TableReport { active, staged: 0 });
-            assert_eq!(record.view.table.active, active);
-            assert_eq!(record.view.confirmed_table.is_some(), is_known);
-        }
     }
 }

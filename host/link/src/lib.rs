@@ -19,6 +19,7 @@
 mod channel;
 mod commands;
 pub mod connection;
+mod drive;
 mod error;
 pub mod foldback;
 mod journal;
@@ -31,21 +32,23 @@ pub mod mirror;
 )]
 pub mod native;
 mod port;
+mod recorder;
 mod rediscovery;
+mod refusal;
 mod request;
 pub mod simulator;
 mod snapshot;
 pub mod table;
 pub mod transport;
 
+pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use error::LinkError;
+pub use journal::{Acknowledged, Change, JOURNAL_ENTRIES};
 pub use log::{LOG_LINES, LogEntry, Severity};
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
-pub use request::{DriveError, DriveRequest, Outcome, Request, Ticket, ToneRequest};
-pub use snapshot::{
-    Acknowledged, Change, JOURNAL_ENTRIES, LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot,
-    UploadProgress,
-};
+pub use refusal::Refusal;
+pub use request::{Outcome, Request, Ticket};
+pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, UploadProgress};
 pub use table::{DeviceTable, DeviceTableError};
 
 /// Codes of one block: the device takes up a change between two of them.

@@ -4,7 +4,7 @@ use crate::port::{Port, PortInfo};
 
 /// What is known of a device, and where it is not.
 #[derive(Debug)]
-pub(super) struct Sought {
+pub(super) struct Rediscovery {
     /// The port at which it was.
     info: PortInfo,
     /// The chip's unique id, once it has told it.
@@ -13,7 +13,7 @@ pub(super) struct Sought {
     others: Vec<Port>,
 }
 
-impl Sought {
+impl Rediscovery {
     /// The device that will answer at a port.
     pub(super) const fn at(info: PortInfo) -> Self {
         Self { info, unit: None, others: Vec::new() }

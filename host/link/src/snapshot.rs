@@ -1,14 +1,14 @@
 //! What the rest of the program sees of the link: a picture taken after every change.
 
 use crate::error::LinkError;
+use crate::journal::Acknowledged;
 use crate::log::LogEntry;
 use crate::port::Port;
+use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
-use slipline_protocol::command::Drive;
 use slipline_protocol::event::{Identity, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
-use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Where the link stands.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum LinkState {
-    /// No port is open and none is sought. [`Snapshot::trouble`] says why, if it was not asked for.
+    /// No port is open and none is sought. [`Snapshot::error`] says why, if it was not asked for.
     #[default]
     Disconnected,
     /// The port is being opened, or the device has not answered the hello yet.
@@ -63,49 +63,10 @@ pub struct LinkCounters {
     pub superseded: u32,
     /// Requests dropped because there was no connection.
     pub dropped: u32,
-    /// Answers that belong to no command under way (late or repeated).
-    pub strays: u32,
+    /// Replies that belong to no pending command (late or repeated).
+    pub unmatched: u32,
 }
 
-/// Something the device has agreed to, at a sample index: what the mirror replays.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Acknowledged {
-    /// Rises by one with each entry; a gap means that entries have been dropped: the oldest, or thermal limits.
-    pub number: u64,
-    /// The index from which it shows in the samples.
-    pub at: SampleIndex,
-    /// What.
-    pub change: Change,
-    /// Whether the device has named the index. Of a stop of its own (dead-man, fault) it tells only afterwards, and not
-    /// where its ramp began: until the next silence nobody knows its samples.
-    pub is_exact: bool,
-}
-
-/// A change of what the device sounds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// A session began: the device is silent and disarmed from here.
-    Session,
-    /// It was armed.
-    Armed,
-    /// It was disarmed: a ramp to silence.
-    Disarmed,
-    /// A drive, in the device's own units.
-    Drive(Arc<Drive>),
-    /// A stop: a ramp to silence.
-    Stop,
-    /// An emergency stop: a fast ramp to silence.
-    EmergencyStop,
-    /// This table was swapped in.
-    Table(Arc<DeviceTable>),
-    /// What the thermal fold-back leaves of every amplitude from here on, per mille.
-    Limit(u16),
-}
-
-/// Acknowledged changes that are kept for the mirror.
-pub const JOURNAL_ENTRIES: usize = 128;
-/// How many of them may be thermal limits: some ten seconds of the fastest change.
-pub(crate) const JOURNAL_LIMITS: usize = 32;
 /// Outcomes that are kept.
 pub const OUTCOMES: usize = 64;
 
@@ -121,7 +82,7 @@ pub struct Snapshot {
     /// Whether a lost device is looked for.
     pub auto_reconnect: bool,
     /// What last went wrong with the link; gone when a connection stands.
-    pub trouble: Option<LinkError>,
+    pub error: Option<LinkError>,
     /// Who the device is, while connected.
     pub identity: Option<Arc<Identity>>,
     /// How its firmware stands to this program, while connected.
@@ -145,8 +106,8 @@ pub struct Snapshot {
     pub counters: LinkCounters,
     /// What this side's decoder has seen.
     pub decoder: DecoderCounters,
-    /// The last refusal as a sentence, with the request it answers.
-    pub last_refusal: Option<(Ticket, Arc<str>)>,
+    /// The last refusal, with the request it answers.
+    pub last_refusal: Option<(Ticket, Refusal)>,
     /// What the device has agreed to, oldest first.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// How the latest requests ended, oldest first.

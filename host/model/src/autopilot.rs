@@ -8,8 +8,9 @@ use crate::field::steady_field::SteadyTone;
 use crate::jobs::table::TableMade;
 use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::{Fault, Faults, State};
+use slipline_link::protocol::refusal;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, LinkState, Port, Snapshot};
+use slipline_link::{Change, LinkState, Port, Refusal, Snapshot};
 use std::sync::Arc;
 
 /// A request to the device.
@@ -175,6 +176,13 @@ pub fn drive_arms(snapshot: &Snapshot) -> bool {
     is_simulated
         && snapshot.is_connected()
         && snapshot.status.is_some_and(|status| status.state == State::Idle)
+}
+
+/// Whether a refused drive may be taken from rest: the device refuses a glide that would be too loud on its way,
+/// although the tones may fit where it ends. No other refusal is about the way.
+#[must_use]
+pub const fn rest_helps(refusal: &Refusal) -> bool {
+    matches!(refusal, Refusal::Device(refusal::Refusal::Headroom { .. }))
 }
 
 /// Whether the device holds the table of the plate on the screen.

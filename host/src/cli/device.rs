@@ -33,7 +33,7 @@ impl Device {
         let ticket = worker.send(Request::Connect(port.clone()));
         match worker.wait(ticket, CONNECTING) {
             Some(Outcome::Done { .. }) => Ok(Self { worker, _ending: ending }),
-            Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
+            Some(Outcome::Refused(refusal)) => Err(Failure::failed(refusal)),
             _ => Err(Failure::Failed(format!("{port} does not answer"))),
         }
     }
@@ -60,13 +60,13 @@ impl Device {
     pub(super) fn perform(&self, request: Request) -> Result<Outcome, Failure> {
         let ticket = self.worker.send(request);
         match self.worker.wait(ticket, PATIENCE) {
-            Some(Outcome::Refused(sentence)) => Err(Failure::Failed(sentence)),
+            Some(Outcome::Refused(refusal)) => Err(Failure::failed(refusal)),
             Some(Outcome::DeviceTooOld) => {
                 Err(Failure::Failed(Compatibility::DeviceOlder.sentence().to_owned()))
             }
             Some(Outcome::NotConnected) => {
-                let trouble = self.snapshot().trouble.clone();
-                Err(Failure::Failed(trouble.map_or("the device went away".to_owned(), |it| it.to_string())))
+                let error = self.snapshot().error.clone();
+                Err(Failure::Failed(error.map_or("the device went away".to_owned(), |it| it.to_string())))
             }
             Some(outcome) => Ok(outcome),
             None => Err(Failure::Failed("the device did not answer in time".to_owned())),

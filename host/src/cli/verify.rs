@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
         let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
         let digest = match device.handle().wait(ticket, patience) {
             Some(Outcome::Digest(digest)) => digest,
-            Some(Outcome::Refused(sentence)) => return Err(Failure::Failed(sentence)),
+            Some(Outcome::Refused(refusal)) => return Err(Failure::failed(refusal)),
             _ => return Err(Failure::Failed("the device gave no digest".to_owned())),
         };
         let mirror = mirror_digest(&device, &mut replay, window)?;

@@ -1,9 +1,15 @@
-//! One upload of a table, step by step: begin, chunks, commit, read the digest back.
+//! A table's way onto the device: recognised or sent step by step (begin, chunks, commit), and known once the digest that
+//! is read back names it.
 
-use crate::request::Ticket;
+use crate::journal::Change;
+use crate::log::Severity;
+use crate::recorder::Recorder;
+use crate::refusal::Refusal;
+use crate::request::{Outcome, Ticket};
 use crate::snapshot::UploadProgress;
 use crate::table::DeviceTable;
-use slipline_protocol::Command;
+use slipline_protocol::event::State;
+use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -72,5 +78,187 @@ impl Upload {
             Step::Commit | Step::Verify => total,
         };
         UploadProgress { sent, total }
+    }
+}
+
+/// The upload under way, if any.
+#[derive(Debug, Default)]
+pub(super) struct Uploads(Option<Upload>);
+
+/// What the reply to a step asks of the queue.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct AfterStep {
+    /// To be sent before anything else.
+    pub(super) command: Option<Command>,
+    /// Something happened that shows in the status.
+    pub(super) is_status_stale: bool,
+}
+
+impl Uploads {
+    /// The upload under way.
+    pub(super) const fn current(&self) -> Option<&Upload> {
+        self.0.as_ref()
+    }
+
+    /// Begins an upload, in the place of one that is under way, unless the device needs none.
+    pub(super) fn begin(&mut self, upload: &Upload, recorder: &mut Recorder) {
+        // Whatever is under way replaces what the device holds.
+        if self.0.is_none() && recognise(upload, recorder) {
+            return;
+        }
+        if let Some(older) = self.0.replace(upload.clone()) {
+            recorder.finish(Some(older.ticket), Outcome::Superseded);
+        }
+        recorder.view.upload = Some(upload.progress());
+        recorder.touch();
+    }
+
+    /// Gives up the upload under way; what to send for it, if there is one.
+    pub(super) fn cancel(&mut self, ticket: Option<Ticket>, recorder: &mut Recorder) -> Option<Command> {
+        let Some(upload) = self.0.take() else {
+            recorder.finish(ticket, Outcome::Done { at: 0 });
+            return None;
+        };
+        recorder.view.upload = None;
+        recorder.finish(Some(upload.ticket), Outcome::Superseded);
+        Some(Command::TableAbort)
+    }
+
+    /// The session is over: gives up the upload and returns its ticket.
+    pub(super) fn end(&mut self) -> Option<Ticket> {
+        self.0.take().map(|upload| upload.ticket)
+    }
+
+    /// Takes the reply to a step.
+    pub(super) fn take_reply(&mut self, event: Event, recorder: &mut Recorder, now: Duration) -> AfterStep {
+        let mut after = AfterStep::default();
+        // Cancelled or replaced while a step was under way.
+        let Some(upload) = &mut self.0 else { return after };
+        match (event, upload.step) {
+            (Event::Refused(refusal::Refusal::Busy(_)), _) if upload.tries < BUSY_TRIES => {
+                upload.tries += 1;
+                upload.not_before = now + BUSY_PAUSE;
+            }
+            (Event::Refused(refusal), _) => self.fail(Refusal::Device(refusal), recorder),
+            (Event::Accepted(_), Step::Begin | Step::Chunk { .. }) => {
+                upload.advance();
+                recorder.view.upload = Some(upload.progress());
+                recorder.touch();
+            }
+            (Event::Accepted(accepted), Step::Commit) => {
+                upload.advance();
+                recorder.acknowledge(accepted.at, Change::Table(upload.table.clone()));
+                // At once: a drive in between would go to the places of the table before.
+                after.command = Some(upload.command());
+            }
+            (Event::Table(report), Step::Verify) => {
+                recorder.table(report);
+                after.is_status_stale = true;
+                if is_held(upload, recorder) {
+                    confirm(upload, recorder, "");
+                    recorder.view.upload = None;
+                    self.0 = None;
+                } else {
+                    self.fail(Refusal::TableDiffers, recorder);
+                }
+            }
+            (Event::Accepted(_), Step::Verify)
+            | (Event::Table(_), Step::Begin | Step::Chunk { .. } | Step::Commit)
+            | (Event::Hello(_) | Event::Status(_) | Event::Digest(_) | Event::BootloaderToken(_), _) => {
+                self.fail(Refusal::UnexpectedReply, recorder);
+            }
+            #[cfg(slipline_next)]
+            (Event::CoilMeasured(_), _) => self.fail(Refusal::UnexpectedReply, recorder),
+        }
+        after
+    }
+
+    fn fail(&mut self, refusal: Refusal, recorder: &mut Recorder) {
+        recorder.view.upload = None;
+        recorder.view.upload_verified = Some(false);
+        let ticket = self.end();
+        recorder.finish(ticket, Outcome::Refused(refusal));
+    }
+}
+
+/// Whether the device's latest word on its table, read back, names this one.
+fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
+    recorder.view.table.active == Some(upload.table.header())
+}
+
+/// A table that the device holds from before this session, as after a restart with a stored one, need not be sent.
+/// From now on it is known, so that the mirror can follow; for this the device has to be silent.
+fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
+    let silent =
+        recorder.view.status.filter(|status| !matches!(status.state, State::Driving | State::Stopping));
+    let Some(status) =
+        silent.filter(|_| is_held(upload, recorder) && recorder.view.confirmed_table.is_none())
+    else {
+        return false;
+    };
+    recorder.acknowledge(status.now, Change::Table(upload.table.clone()));
+    confirm(upload, recorder, " already");
+    true
+}
+
+/// The device holds this upload's table, and this program knows it.
+fn confirm(upload: &Upload, recorder: &mut Recorder, when: &str) {
+    recorder.view.confirmed_table = Some(upload.table.clone());
+    recorder.view.upload_verified = Some(true);
+    recorder.log(Severity::Info, format!("Table {:08x} is on the device{when}.", upload.table.crc()));
+    let at = recorder.view.status.map_or(0, |status| status.now);
+    recorder.finish(Some(upload.ticket), Outcome::Done { at });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_protocol::event::{Accepted, Status, TableReport};
+
+    fn upload(number: u64, hz: f64) -> Upload {
+        let table = DeviceTable::from_knots((0.1, 0.2), 400e3, [(2.0 * hz, 1.0), (hz, 1.0)], 1e-6).unwrap();
+        Upload::new(Ticket(number), Arc::new(table))
+    }
+
+    /// A silent device that holds this upload's table from before.
+    fn holding(upload: &Upload) -> Recorder {
+        let mut recorder = Recorder::default();
+        recorder.status(Status::default());
+        recorder.table(TableReport { active: Some(upload.table.header()), staged: 0 });
+        recorder
+    }
+
+    #[test]
+    fn a_held_table_is_recognised_only_while_no_other_is_on_its_way() {
+        let (held, other) = (upload(2, 20e3), upload(1, 21e3));
+        let (mut uploads, mut recorder) = (Uploads::default(), holding(&held));
+        uploads.begin(&other, &mut recorder);
+        uploads.begin(&held, &mut recorder);
+        assert_eq!(recorder.view.outcome(other.ticket), Some(&Outcome::Superseded));
+        assert_eq!(recorder.view.outcome(held.ticket), None);
+        assert!(recorder.view.confirmed_table.is_none());
+
+        let (mut uploads, mut recorder) = (Uploads::default(), holding(&held));
+        uploads.begin(&held, &mut recorder);
+        assert_eq!(recorder.view.outcome(held.ticket), Some(&Outcome::Done { at: 0 }));
+        assert_eq!(recorder.view.confirmed_table, Some(held.table));
+    }
+
+    #[test]
+    fn a_table_that_comes_into_force_is_read_back_before_anything_else_is_sent() {
+        let (held, mut sent) = (upload(1, 20e3), upload(2, 21e3));
+        let mut recorder = holding(&held);
+        sent.step = Step::Commit;
+        let mut uploads = Uploads(Some(sent.clone()));
+        let after = uploads.take_reply(Event::Accepted(Accepted { at: 128 }), &mut recorder, Duration::ZERO);
+        assert_eq!(after.command, Some(Command::TableDigest), "nothing replaces or cancels it meanwhile");
+        let report = TableReport { active: Some(sent.table.header()), staged: 0 };
+        uploads.take_reply(Event::Table(report), &mut recorder, Duration::ZERO);
+        assert_eq!(recorder.view.confirmed_table, Some(sent.table));
+        assert_eq!(uploads.cancel(Some(Ticket(3)), &mut recorder), None);
+
+        let mut uploads = Uploads(Some(upload(4, 22e3)));
+        assert_eq!(uploads.cancel(Some(Ticket(5)), &mut recorder), Some(Command::TableAbort));
+        assert_eq!(recorder.view.outcome(Ticket(4)), Some(&Outcome::Superseded));
     }
 }

@@ -13,7 +13,8 @@
 //! | the mirror could not take a change | the next silence |
 
 use super::Mirror;
-use crate::snapshot::{Acknowledged, Change, Snapshot};
+use crate::journal::{Acknowledged, Change};
+use crate::snapshot::Snapshot;
 use crate::table::DeviceTable;
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
@@ -95,6 +96,8 @@ pub struct Replay {
     silent_since: Option<SampleIndex>,
     exactness: Exactness,
     codes: VecDeque<u16>,
+    /// The latest drive out of silence begins here.
+    drive_began: SampleIndex,
     /// The device has rendered up to here.
     now: SampleIndex,
 }
@@ -111,6 +114,7 @@ impl Replay {
             silent_since: None,
             exactness: Exactness { since: 0, misses_sound: true, misses_foldback: false },
             codes: VecDeque::new(),
+            drive_began: 0,
             now: 0,
         }
     }
@@ -140,10 +144,16 @@ impl Replay {
         self.render(until);
     }
 
+    /// The latest codes since the drive began, oldest first, with the index of the first one.
+    pub fn drive_codes(&self) -> (SampleIndex, impl ExactSizeIterator<Item = u16>) {
+        let (first, codes) = self.codes();
+        let before = (self.drive_began.saturating_sub(first) as usize).min(codes.len());
+        (first + before as u64, codes.range(before..).copied())
+    }
+
     /// The latest codes, oldest first, with the index of the first one. Behind them there is silence, if
     /// [`Replay::is_silent`].
-    #[must_use]
-    pub fn codes(&self) -> (SampleIndex, &VecDeque<u16>) {
+    fn codes(&self) -> (SampleIndex, &VecDeque<u16>) {
         let next = self.mirror.as_ref().map_or(0, Mirror::now);
         (next.saturating_sub(self.codes.len() as u64), &self.codes)
     }
@@ -179,6 +189,7 @@ impl Replay {
     /// Begins at `at`, with the table that the device is known to hold.
     fn begin(&mut self, history: &DeviceHistory, at: SampleIndex, is_silent: bool) {
         self.codes.clear();
+        self.drive_began = at;
         self.silent_since = is_silent.then_some(at);
         self.exactness = Exactness { since: at, misses_sound: !is_silent, misses_foldback: !is_silent };
         let mut mirror = Mirror::new(self.sample_rate_hz, at.saturating_sub(AHEAD));
@@ -210,9 +221,8 @@ impl Replay {
     }
 
     fn take(&mut self, entry: &Acknowledged) {
-        if matches!(entry.change, Change::Drive(_) | Change::Table(_)) {
-            self.skip_silence(entry.at);
-        }
+        let has_skipped =
+            matches!(entry.change, Change::Drive(_) | Change::Table(_)) && self.skip_silence(entry.at);
         let Some(mirror) = &mut self.mirror else { return };
         // A change that comes too late, or that the renderer cannot take, shows in `Mirror::is_true`.
         let _ = match &entry.change {
@@ -220,13 +230,16 @@ impl Replay {
                 // The device is silent, and may still hold its table.
                 mirror.silence(entry.at);
                 self.codes.clear();
+                self.drive_began = entry.at;
                 self.silent_since = Some(entry.at);
                 self.exactness.silent(entry.at);
                 Ok(())
             }
             Change::Armed => Ok(()),
             Change::Drive(drive) => {
-                self.silent_since = None;
+                if self.silent_since.take().is_some_and(|_| has_skipped) {
+                    self.drive_began = entry.at;
+                }
                 mirror.acknowledge_drive(drive, entry.at)
             }
             Change::Table(table) => mirror.acknowledge_table(table.knots().into(), entry.at),
@@ -258,26 +271,26 @@ impl Replay {
     }
 
     /// If the device is known to be silent before the change at `at`, the mirror begins anew there: hours of silence
-    /// need not be rendered, and whatever was unknown before is over.
-    fn skip_silence(&mut self, at: SampleIndex) {
+    /// need not be rendered, and whatever was unknown before is over. Returns whether it is.
+    fn skip_silence(&mut self, at: SampleIndex) -> bool {
         let Some(silent) = self.silent_from().filter(|silent| silent.saturating_add(AHEAD) < at) else {
-            return;
+            return false;
         };
         self.render(silent);
-        let Some(mirror) = &mut self.mirror else { return };
+        let Some(mirror) = &mut self.mirror else { return false };
         let rendered = mirror.now();
         let target = at - AHEAD;
-        if target < rendered {
-            return;
+        if target >= rendered {
+            if self.exactness.misses_sound || !mirror.is_true() {
+                self.exactness.silent(silent.max(rendered));
+            }
+            mirror.silence(target);
+            let skipped = (mirror.now() - rendered).min(self.keep as u64) as usize;
+            self.codes.extend(std::iter::repeat_n(MID_SCALE, skipped));
+            // The table is taken up before the change.
+            self.render(at);
         }
-        if self.exactness.misses_sound || !mirror.is_true() {
-            self.exactness.silent(silent.max(rendered));
-        }
-        mirror.silence(target);
-        let skipped = (mirror.now() - rendered).min(self.keep as u64) as usize;
-        self.codes.extend(std::iter::repeat_n(MID_SCALE, skipped));
-        // The table is taken up before the change.
-        self.render(at);
+        true
     }
 
     fn render(&mut self, until: SampleIndex) {

@@ -9,8 +9,8 @@ use super::opener::SystemOpener;
 use super::watch::{Wakes, Watch};
 use crate::connection::{Connection, Nonces};
 use crate::error::LinkError;
-use crate::journal::Record;
 use crate::log::Severity;
+use crate::recorder::Recorder;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Waker};
@@ -249,14 +249,14 @@ fn publish(shared: &Shared, view: &Snapshot) {
 
 /// Nobody may take the last picture before a crash for the present one.
 fn tell_crash(shared: &Shared) {
-    let mut record = Record::default();
-    record.view = Snapshot::clone(&lock(&shared.snapshot));
-    record.set_time(record.view.status_time);
-    record.part(Some(LinkError::Crashed));
-    record.link(LinkState::Lost(LinkError::Crashed));
-    record.log(Severity::Error, format!("Connection lost: {}.", LinkError::Crashed));
-    record.take_changes();
-    publish(shared, &record.view);
+    let mut recorder = Recorder::default();
+    recorder.view = Snapshot::clone(&lock(&shared.snapshot));
+    recorder.set_time(recorder.view.status_time);
+    recorder.forget_device(Some(LinkError::Crashed));
+    recorder.link(LinkState::Lost(LinkError::Crashed));
+    recorder.log(Severity::Error, format!("Connection lost: {}.", LinkError::Crashed));
+    recorder.take_changes();
+    publish(shared, &recorder.view);
 }
 
 /// Nonces from the system's random numbers.

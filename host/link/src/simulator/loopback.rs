@@ -1,4 +1,4 @@
-//! The whole chain in virtual time: link, protocol, device application, DAC codes. Nothing in it is a second
+//! Link and simulated device in virtual time: link, protocol, device application, DAC codes. Nothing in it is a second
 //! implementation: the link is the worker's own state machine, the device the application that is flashed.
 //!
 //! ```text
@@ -11,6 +11,7 @@ use super::peripherals::MemoryFlash;
 use crate::connection::Connection;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
+use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::Snapshot;
 use crate::transport::{Opener, Transport, Waker, read_received};
@@ -22,12 +23,12 @@ use std::time::Duration;
 /// Blocks a request may take: 20 s at 400 kS/s. Anything that takes so long has gone wrong.
 const PATIENCE_BLOCKS: u64 = 62_500;
 
-/// Why the chain did not do what it was asked.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+/// Why the loopback did not do what it was asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopbackError {
-    /// The device or the link refused; a sentence says why.
-    #[error("{0}")]
-    Refused(String),
+    /// The device or the link refused.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
     /// The request was dropped or never ended.
     #[error("the simulated device did not answer")]
     NoAnswer,
@@ -65,10 +66,10 @@ impl Loopback {
         let opener = OneDevice(device.clone());
         // One session of one device: any nonce will do.
         let connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"sim0"));
-        let mut chain = Self { connection, device, tickets: 0, blocks: 0 };
-        chain.perform(Request::Connect(Port::Simulated), |_| ())?;
-        chain.perform(Request::Arm, |_| ())?;
-        Ok(chain)
+        let mut loopback = Self { connection, device, tickets: 0, blocks: 0 };
+        loopback.perform(Request::Connect(Port::Simulated), |_| ())?;
+        loopback.perform(Request::Arm, |_| ())?;
+        Ok(loopback)
     }
 
     /// What the link knows.
@@ -98,7 +99,7 @@ impl Loopback {
             match self.connection.view().outcome(ticket) {
                 None => {}
                 Some(Outcome::Done { at }) => return Ok(*at),
-                Some(Outcome::Refused(sentence)) => return Err(LoopbackError::Refused(sentence.clone())),
+                Some(Outcome::Refused(refusal)) => return Err(refusal.clone().into()),
                 Some(Outcome::Digest(digest)) => return Ok(digest.from),
                 Some(Outcome::DeviceTooOld | Outcome::Superseded | Outcome::NotConnected) => {
                     return Err(LoopbackError::NoAnswer);

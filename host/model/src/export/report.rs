@@ -114,22 +114,23 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
         },
     );
     page.line("Reconnects by itself", yes(snapshot.auto_reconnect));
-    let trouble = snapshot.trouble.as_ref().map_or_else(|| "none".to_owned(), ToString::to_string);
+    let trouble = snapshot.error.as_ref().map_or_else(|| "none".to_owned(), ToString::to_string);
     page.line("Trouble", trouble);
-    let refusal = snapshot.last_refusal.as_ref().map_or("none", |(_, reason)| reason.as_ref());
+    let refusal =
+        snapshot.last_refusal.as_ref().map_or_else(|| "none".to_owned(), |(_, refusal)| refusal.to_string());
     page.line("Last refusal", refusal);
     // Destructured field by field, so that a new counter does not compile until it is reported here.
     let RoundTrip { last, average, worst } = snapshot.round_trip;
     page.line("Round trip, last", ms(last));
     page.line("Round trip, average", ms(average));
     page.line("Round trip, worst", ms(worst));
-    let LinkCounters { commands, retries, timeouts, superseded, dropped, strays } = snapshot.counters;
+    let LinkCounters { commands, retries, timeouts, superseded, dropped, unmatched } = snapshot.counters;
     page.line("Commands sent", commands);
     page.line("Commands repeated", retries);
     page.line("Answers that came too late", timeouts);
     page.line("Drives superseded", superseded);
     page.line("Requests dropped", dropped);
-    page.line("Stray answers", strays);
+    page.line("Stray answers", unmatched);
     let DecoderCounters { frames, damaged, overlong } = snapshot.decoder;
     page.line("Frames received", frames);
     page.line("Frames damaged", damaged);

@@ -14,8 +14,8 @@ mod demodulator;
 use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
-use slipline_link::table::{DeviceTable, DeviceTableError};
-use slipline_link::{DriveRequest, Request};
+use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
+use slipline_link::{DriveError, DriveRequest, Request};
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
     TimeDomainLine, ToneDrive, predict_envelope, respond,
@@ -232,12 +232,13 @@ impl Simulation<'_> {
 
     /// The frequency and level that the device plays for each tone.
     fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
-        self.tones
-            .iter()
-            .map(|&(boundary_m, level)| {
-                let position = table.position(boundary_m).ok_or_else(|| {
-                    LoopbackError::Refused("a boundary lies outside the table's span".to_owned())
-                })?;
+        let (start_m, end_m) = span_m(&table.header());
+        (0..)
+            .zip(self.tones)
+            .map(|(slot, &(boundary_m, level))| {
+                let (got, min, max) = (boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
+                let outside = DriveError::Tone { slot, field: "boundary (mm)", got, min, max };
+                let position = table.position(boundary_m).ok_or(LoopbackError::Refused(outside.into()))?;
                 let gain = f64::from(table.setting(position.fine()).gain.0) / f64::from(1u32 << 31);
                 Ok(ToneDrive {
                     frequency_hz: table.frequency_hz(position),

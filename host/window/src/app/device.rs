@@ -3,7 +3,7 @@
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
-use slipline_link::{Outcome, Port, Request, Snapshot, Ticket};
+use slipline_link::{Outcome, Port, Refusal, Request, Snapshot, Ticket};
 use slipline_model::autopilot;
 use slipline_model::setup::edit;
 use std::sync::Arc;
@@ -42,16 +42,16 @@ impl App {
             self.notices.settle();
         }
         let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
-        if let Some((ticket, reason)) = self.snapshot.last_refusal.clone()
+        if let Some((ticket, refusal)) = self.snapshot.last_refusal.clone()
             && told != Some(ticket)
-            && !self.goes_by_rest(ticket)
+            && !self.goes_by_rest(ticket, &refusal)
         {
             if self.connect_sent == Some(ticket) {
-                self.notices.miss(sentence(&reason));
+                self.notices.miss(sentence(&refusal.to_string()));
             } else if self.latest_drive == Some(ticket) {
-                self.notices.refuse_drive(format!("Refused: {reason}"));
+                self.notices.refuse_drive(format!("Refused: {refusal}"));
             } else {
-                self.notices.refuse(format!("Refused: {reason}"));
+                self.notices.refuse(format!("Refused: {refusal}"));
             }
         }
         let stands =
@@ -165,9 +165,10 @@ impl App {
     /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on its way,
     /// with the old levels at the new places, although the tones fit once they are there; without this the screen and
     /// the plate would stay apart until somebody stops.
-    fn goes_by_rest(&mut self, refused: Ticket) -> bool {
+    fn goes_by_rest(&mut self, refused: Ticket, refusal: &Refusal) -> bool {
         let fits = self.table.headroom_sum(&self.setup) <= 1.0;
-        if self.drive_sent != Some(refused) || !fits || !self.autopilot.may_drive(&self.snapshot) {
+        let helps = autopilot::rest_helps(refusal);
+        if self.drive_sent != Some(refused) || !helps || !fits || !self.autopilot.may_drive(&self.snapshot) {
             return false;
         }
         self.parts.link.send(Request::Stop);

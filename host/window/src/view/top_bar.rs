@@ -32,7 +32,7 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
     let snapshot = scene.snapshot;
     match &snapshot.link {
         LinkState::Disconnected => {
-            let why = snapshot.trouble.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
+            let why = snapshot.error.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
             ("disconnected", palette.weak, why)
         }
         LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),

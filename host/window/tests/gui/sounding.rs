@@ -5,6 +5,8 @@ use crate::test_app::TestApp;
 use crate::{add_tone, boundary_mm, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
+use slipline_link::Request;
+use slipline_link::protocol::Refusal;
 use slipline_model::autopilot::sounding;
 
 /// Frequencies that the device has acknowledged, in Hz, in the order of their tones.

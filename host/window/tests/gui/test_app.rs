@@ -3,6 +3,8 @@
 use eframe::egui;
 use egui_kittest::Harness;
 use slipline_link::connection::Connection;
+use slipline_link::protocol::version::Minor;
+use slipline_link::protocol::{Command, Decoder, Event, Header, Refusal};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
@@ -30,6 +32,10 @@ use std::time::Duration;
 struct PluggablePort {
     device: SimulatedDevice,
     is_plugged: bool,
+    /// The answer to every drive, in the device's place.
+    refusal: Option<Refusal>,
+    from_host: Decoder,
+    refused: Vec<u8>,
 }
 
 struct PluggableTransport(Arc<Mutex<PluggablePort>>);
@@ -42,6 +48,7 @@ impl Transport for PluggableTransport {
         }
         let mut bytes = Vec::new();
         port.device.take(&mut bytes);
+        bytes.append(&mut port.refused);
         if bytes.is_empty() {
             return Err(io::ErrorKind::WouldBlock.into());
         }
@@ -55,7 +62,23 @@ impl Transport for PluggableTransport {
         if !port.is_plugged {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
-        port.device.feed(bytes);
+        let Some(refusal) = port.refusal else {
+            port.device.feed(bytes);
+            return Ok(bytes.len());
+        };
+        for &byte in bytes {
+            let command = port
+                .from_host
+                .push(byte, |frame| (frame.header, Command::decode(frame.header.id, frame.body).unwrap()));
+            let Some((header, command)) = command else { continue };
+            let Header { session, sequence, .. } = header;
+            if let Command::Drive(_) = command {
+                let answer = Event::Refused(refusal).frame_for(Minor::FIRST, session, sequence).unwrap();
+                port.refused.extend_from_slice(&answer);
+            } else {
+                port.device.feed(&command.frame_for(Minor::FIRST, session, sequence).unwrap());
+            }
+        }
         Ok(bytes.len())
     }
 }
@@ -234,7 +257,13 @@ impl TestApp {
         tables: JobQueue<TableJob, TableState>,
     ) -> Self {
         let device = SimulatedDevice::new(Options::default());
-        let port = Arc::new(Mutex::new(PluggablePort { device, is_plugged: true }));
+        let port = Arc::new(Mutex::new(PluggablePort {
+            device,
+            is_plugged: true,
+            refusal: None,
+            from_host: Decoder::new(),
+            refused: Vec::new(),
+        }));
         let mut nonce = 0u32;
         let nonces = Box::new(move || {
             nonce += 1;
@@ -301,6 +330,11 @@ impl TestApp {
         if is_plugged {
             port.device.restart(slipline_link::protocol::event::ResetCause::PowerOn);
         }
+    }
+
+    /// Has every drive refused from now on, or taken again.
+    pub(crate) fn refuse_drives(&mut self, refusal: Option<Refusal>) {
+        self.rig.borrow().port.lock().unwrap().refusal = refusal;
     }
 
     /// The setup as its file would be.

@@ -1,0 +1,306 @@
+//! Which command goes to the device next.
+//!
+//! Tasks are sent in order, one numbered command at a time. An upload runs beside them, a step whenever the channel is
+//! free. A stop goes out at once and overtakes what it would undo ([`Job::yields_to`]): what has not been sent is
+//! dropped, what has been sent is never sent again, and what is asked for later waits until the stop is answered, since
+//! the stop's repeat would undo it.
+
+use super::task::{Current, Job, Stage, Task};
+use super::upload::{Upload, Uploads};
+use crate::channel::{Channel, KEEP_ALIVE_PERIOD};
+use crate::error::LinkError;
+use crate::recorder::Recorder;
+use crate::refusal::Refusal;
+use crate::request::{Outcome, Request, Ticket};
+use slipline_protocol::Command;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// A disconnect waits so long for the device's answers; after that the dead-man stops the device.
+const CLOSING: Duration = Duration::from_millis(400);
+
+/// What the connection has to do next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Next {
+    Continue,
+    /// Stopped and disarmed: close the port.
+    Close,
+    /// Close, and look for it again.
+    Lose(LinkError),
+}
+
+/// The commands to one device, from hello to closing.
+#[derive(Debug)]
+pub(crate) struct CommandQueue {
+    pub(super) channel: Channel,
+    pub(super) stage: Stage,
+    pub(super) connect: Option<Ticket>,
+    pub(super) tasks: VecDeque<Task>,
+    pub(super) current: Option<Current>,
+    pub(super) urgent: Vec<Ticket>,
+    pub(super) uploads: Uploads,
+    upload_turn: bool,
+    pub(super) keep_alive_due: Duration,
+    pub(super) status_wanted: Vec<Ticket>,
+    /// Something happened that shows in the status.
+    pub(super) status_stale: bool,
+    pub(super) renumberings: u32,
+    pub(super) closing: Option<Duration>,
+}
+
+impl CommandQueue {
+    /// Begins with a hello.
+    pub(crate) fn begin(nonce: [u8; 4], connect: Option<Ticket>, now: Duration) -> Self {
+        let mut channel = Channel::new(nonce);
+        let hello = channel.hello();
+        channel.send(hello, now);
+        Self {
+            channel,
+            stage: Stage::Hello,
+            connect,
+            tasks: VecDeque::new(),
+            current: None,
+            urgent: Vec::new(),
+            uploads: Uploads::default(),
+            upload_turn: false,
+            keep_alive_due: now + KEEP_ALIVE_PERIOD,
+            status_wanted: Vec::new(),
+            status_stale: false,
+            renumberings: 0,
+            closing: None,
+        }
+    }
+
+    pub(crate) const fn channel(&self) -> &Channel {
+        &self.channel
+    }
+
+    pub(crate) const fn output(&mut self) -> &mut Vec<u8> {
+        self.channel.output()
+    }
+
+    /// Whether all commands have been written.
+    pub(crate) fn is_written(&self) -> bool {
+        self.channel.is_written()
+    }
+
+    /// Whether the device has answered the hello.
+    pub(crate) fn is_identified(&self) -> bool {
+        self.stage != Stage::Hello
+    }
+
+    /// Takes a request for the device.
+    pub(crate) fn request(
+        &mut self,
+        ticket: Ticket,
+        request: Request,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) {
+        let limited = self.stage == Stage::Limited;
+        let job = match request {
+            Request::Stop => return self.stop(ticket, Command::Stop, recorder, now),
+            Request::EmergencyStop => return self.stop(ticket, Command::EmergencyStop, recorder, now),
+            Request::Refresh if limited => return recorder.finish(Some(ticket), Outcome::Done { at: 0 }),
+            Request::Refresh => return self.status_wanted.push(ticket),
+            Request::Bootloader => Job::Send(Command::BootloaderToken),
+            _ if limited => {
+                let refusal =
+                    recorder.view.compatibility.map_or(Refusal::UnexpectedReply, Refusal::Incompatible);
+                return recorder.finish(Some(ticket), Outcome::Refused(refusal));
+            }
+            #[cfg(slipline_next)]
+            Request::MeasureCoil => {
+                Job::Send(Command::MeasureCoil(slipline_protocol::command::CoilTest { current_ma: 5 }))
+            }
+            Request::Arm => Job::Send(Command::Arm),
+            Request::Disarm => {
+                self.overtake(recorder, |job| job.yields_to(&Command::Disarm));
+                Job::Send(Command::Disarm)
+            }
+            Request::ClearFaults => Job::Send(Command::ClearFaults),
+            Request::ReadBack => Job::Send(Command::TableDigest),
+            Request::Store => Job::Send(Command::Store),
+            Request::Forget => Job::Send(Command::Forget),
+            Request::Digest(window) => Job::Send(Command::DigestStart(window)),
+            Request::Upload(table) => Job::BeginUpload(Upload::new(ticket, table)),
+            Request::CancelUpload => Job::CancelUpload,
+            Request::Drive(drive) => {
+                self.drop_tasks(recorder, |job| matches!(job, Job::Drive(_)));
+                Job::Drive(drive)
+            }
+            // The connection deals with these itself.
+            Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
+                return;
+            }
+        };
+        self.tasks.push_back(Task::new(Some(ticket), job));
+    }
+
+    fn stop(&mut self, ticket: Ticket, command: Command, recorder: &mut Recorder, now: Duration) {
+        self.overtake(recorder, |job| job.yields_to(&command));
+        self.urgent.push(ticket);
+        self.send_stop(command, now);
+    }
+
+    /// Sends a stop; an emergency stop that waits for its answer is sent again, not replaced by less.
+    fn send_stop(&mut self, command: Command, now: Duration) {
+        let unanswered = self.channel.pending_stop().filter(|stop| **stop == Command::EmergencyStop);
+        let command = unanswered.cloned().unwrap_or(command);
+        self.channel.send(command, now);
+    }
+
+    /// Drops what has not been sent of these, and makes sure that none is sent again.
+    fn overtake(&mut self, recorder: &mut Recorder, which: impl Fn(&Job) -> bool) {
+        self.drop_tasks(recorder, &which);
+        if let Some(Current::Task(task)) = &mut self.current
+            && which(&task.job)
+        {
+            task.is_overtaken = true;
+            self.channel.withdraw();
+        }
+    }
+
+    fn drop_tasks(&mut self, recorder: &mut Recorder, which: impl Fn(&Job) -> bool) {
+        self.tasks.retain(|task| {
+            let drop = which(&task.job);
+            if drop {
+                if matches!(task.job, Job::Drive(_)) {
+                    recorder.superseded();
+                }
+                recorder.finish(task.ticket, Outcome::Superseded);
+            }
+            !drop
+        });
+    }
+
+    /// Stops the drive and disarms; [`Next::Close`] follows soon.
+    pub(crate) fn leave(&mut self, recorder: &mut Recorder, now: Duration) {
+        self.overtake(recorder, |_| true);
+        if self.stage == Stage::Limited || !self.is_identified() {
+            self.closing = Some(now);
+            return;
+        }
+        self.send_stop(Command::Stop, now);
+        self.tasks.push_back(Task::new(None, Job::Send(Command::Disarm)));
+        self.closing = Some(now + CLOSING);
+    }
+
+    /// Ends the session: whatever has been asked for will not be done.
+    pub(crate) fn end(mut self, recorder: &mut Recorder, outcome: &Outcome) {
+        if let Some(Current::Task(task)) = self.current.take() {
+            recorder.finish(task.ticket, outcome.clone());
+        }
+        let upload = self.uploads.end();
+        let tasks = self.tasks.iter().filter_map(|task| task.ticket);
+        let open: Vec<Ticket> =
+            self.urgent.iter().chain(&self.status_wanted).copied().chain(upload).chain(tasks).collect();
+        for ticket in open {
+            recorder.finish(Some(ticket), outcome.clone());
+        }
+        if let Some(ticket) = self.connect {
+            recorder.finish(Some(ticket), outcome.clone());
+        }
+    }
+
+    /// Repeats what is overdue and sends what is due.
+    pub(crate) fn send_due(&mut self, recorder: &mut Recorder, now: Duration) -> Next {
+        if self.channel.tick(now).is_err() {
+            return Next::Lose(LinkError::Silent);
+        }
+        if self.closing.is_some_and(|end| now >= end) {
+            return Next::Close;
+        }
+        if now >= self.keep_alive_due {
+            self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
+            match self.stage {
+                Stage::Hello => {}
+                Stage::Limited if !self.channel.awaits_periodic() => {
+                    let hello = self.channel.hello();
+                    self.channel.send(hello, now);
+                }
+                Stage::Limited => {}
+                Stage::Reading | Stage::Connected => self.channel.keep_alive(now),
+            }
+        }
+        let is_wanted = self.status_stale || !self.status_wanted.is_empty();
+        if is_wanted
+            && matches!(self.stage, Stage::Reading | Stage::Connected)
+            && !self.channel.awaits_periodic()
+        {
+            self.status_stale = false;
+            self.channel.send(Command::Status, now);
+        }
+        while self.channel.is_free() && self.is_identified() && self.send_next(recorder, now) {}
+        Next::Continue
+    }
+
+    /// When [`CommandQueue::send_due`] has something to do next.
+    pub(crate) fn deadline(&self) -> Duration {
+        let mut deadline = self.keep_alive_due;
+        deadline = deadline.min(self.channel.deadline().unwrap_or(deadline));
+        deadline = deadline.min(self.closing.unwrap_or(deadline));
+        if self.channel.is_free() && self.is_identified() {
+            let upload = self.uploads.current().map(|upload| upload.not_before).into_iter();
+            let tasks = self.candidates().map(|(_, task)| task.not_before);
+            deadline = deadline.min(upload.chain(tasks).min().unwrap_or(deadline));
+        }
+        deadline
+    }
+
+    /// The tasks of which the next one is chosen: the first, and before it the digests, which let the others pass
+    /// until they are ready. None passes one that waits for a stop's answer.
+    fn candidates(&self) -> impl Iterator<Item = (usize, &Task)> {
+        let first = self.tasks.iter().position(|task| !matches!(task.job, Job::DigestRead));
+        let is_held = |task: &Task| self.channel.pending_stop().is_some_and(|stop| task.job.yields_to(stop));
+        let count = first.map_or(self.tasks.len(), |first| first + 1);
+        self.tasks.iter().enumerate().take(count).filter(move |(_, task)| !is_held(task))
+    }
+
+    /// Sends the next thing that is due; returns whether there was one.
+    fn send_next(&mut self, recorder: &mut Recorder, now: Duration) -> bool {
+        let due = self.candidates().find(|(_, task)| now >= task.not_before).map(|(at, _)| at);
+        let upload_due = self.uploads.current().is_some_and(|upload| now >= upload.not_before);
+        if upload_due && (due.is_none() || self.upload_turn) {
+            self.upload_turn = false;
+            if let Some(upload) = self.uploads.current() {
+                let command = upload.command();
+                self.channel.send(command, now);
+                self.current = Some(Current::Upload);
+            }
+            return true;
+        }
+        let Some(task) = due.and_then(|at| self.tasks.remove(at)) else { return false };
+        self.upload_turn = true;
+        let command = match &task.job {
+            Job::Send(command) => command.clone(),
+            Job::FirstReadBack => Command::TableDigest,
+            Job::DigestRead => Command::DigestRead,
+            Job::BeginUpload(upload) => {
+                self.uploads.begin(upload, recorder);
+                return true;
+            }
+            Job::CancelUpload => match self.uploads.cancel(task.ticket, recorder) {
+                Some(command) => command,
+                None => return true,
+            },
+            Job::Drive(request) => {
+                let Some(identity) = recorder.view.identity.clone() else { return true };
+                match request.for_device(&identity, recorder.view.table.active.as_ref()) {
+                    Ok(drive) => Command::Drive(drive),
+                    Err(error) => {
+                        recorder.finish(task.ticket, Outcome::Refused(error.into()));
+                        return true;
+                    }
+                }
+            }
+        };
+        if !self.channel.is_known(&command) {
+            recorder.finish(task.ticket, Outcome::DeviceTooOld);
+            return true;
+        }
+        self.channel.send(command, now);
+        self.current = Some(Current::Task(Box::new(task)));
+        true
+    }
+}

@@ -1,0 +1,344 @@
+//! What a device's replies mean, and what to send because of them.
+
+use super::queue::{CommandQueue, Next};
+use super::task::{Current, Job, Stage, Task};
+use super::upload::BUSY_TRIES;
+use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
+use crate::error::LinkError;
+use crate::foldback::FoldbackSteps;
+use crate::journal::Change;
+use crate::log::Severity;
+use crate::recorder::Recorder;
+use crate::refusal::Refusal;
+use crate::request::Outcome;
+use crate::snapshot::LinkState;
+use slipline_app::Timing;
+use slipline_protocol::event::{Digest, Identity, State, Status};
+use slipline_protocol::refusal::Busy;
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::version::Version;
+use slipline_protocol::{Command, Event, refusal};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A drive that came before the device took up the last one is sent again after so long: three blocks of 128 codes
+/// at 400 kS/s.
+const DRIVE_PAUSE: Duration = Duration::from_millis(1);
+/// A digest is asked for this often until its window is over.
+const DIGEST_PAUSE: Duration = Duration::from_millis(20);
+/// A numbered command is given a new number so often before the device counts as lost.
+const RENUMBERINGS: u32 = 3;
+
+impl CommandQueue {
+    /// Takes bytes from the device.
+    pub(crate) fn receive(&mut self, bytes: &[u8], recorder: &mut Recorder, now: Duration) -> Next {
+        for answer in self.channel.receive(bytes, now) {
+            // A device that is busy erasing says nothing about the link.
+            if !matches!(answer.command, Command::Store | Command::Forget) {
+                recorder.round_trip(answer.round_trip);
+            }
+            let next = self.take_reply(answer, recorder, now);
+            if next != Next::Continue {
+                return next;
+            }
+        }
+        Next::Continue
+    }
+
+    /// Takes one reply.
+    fn take_reply(&mut self, answer: Answer, recorder: &mut Recorder, now: Duration) -> Next {
+        let Answer { command, reply, .. } = answer;
+        let event = match reply {
+            Reply::Hello(version, identity) => {
+                if self.stage == Stage::Hello {
+                    self.take_hello(version, identity, recorder, now);
+                }
+                return Next::Continue;
+            }
+            Reply::Event(event) => *event,
+        };
+        if event == Event::Refused(refusal::Refusal::StaleSession) {
+            return Next::Lose(LinkError::SessionEnded);
+        }
+        match command {
+            Command::Stop | Command::EmergencyStop => {
+                self.stopped(&command, &event, recorder);
+                Next::Continue
+            }
+            Command::KeepAlive(_) | Command::Status => {
+                self.reported(event, recorder);
+                Next::Continue
+            }
+            command => self.numbered(command, event, recorder, now),
+        }
+    }
+
+    fn take_hello(
+        &mut self,
+        version: Version,
+        identity: Option<Box<Identity>>,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) {
+        let compatibility = Version::OURS.judge_device(version);
+        recorder.view.compatibility = Some(compatibility);
+        if let Some(identity) = &identity {
+            let (major, minor, patch) = identity.firmware;
+            recorder
+                .log(Severity::Info, format!("{} with firmware {major}.{minor}.{patch}.", identity.board));
+            if !identity.crash.is_empty() {
+                recorder
+                    .log(Severity::Error, format!("Before its last reset it crashed: {}", identity.crash));
+            }
+        }
+        recorder.view.identity = identity.map(|identity| Arc::new(*identity));
+        if compatibility.may_drive() && recorder.view.identity.is_some() {
+            self.stage = Stage::Reading;
+            self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
+            self.channel.keep_alive(now);
+            self.tasks.push_front(Task::new(None, Job::FirstReadBack));
+        } else {
+            self.stage = Stage::Limited;
+            recorder.log(Severity::Warning, compatibility.sentence());
+            self.connected(0, recorder);
+        }
+    }
+
+    /// The device and what it holds is known: the connection stands.
+    fn connected(&mut self, at: u64, recorder: &mut Recorder) {
+        recorder.view.error = None;
+        recorder.link(LinkState::Connected);
+        recorder.finish(self.connect.take(), Outcome::Done { at });
+    }
+
+    fn take_status(&mut self, status: Status, recorder: &mut Recorder) {
+        let is_first = recorder.view.status.is_none();
+        let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let before = recorder.view.status.as_ref();
+        recorder.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
+        recorder.status(status);
+        // A stop of the user's that is not answered yet may be why.
+        if status.state == State::Fault && self.channel.pending_stop().is_none() {
+            recorder.stopped_by_itself(status.first_fault_at);
+        }
+        if is_first {
+            recorder.acknowledge(status.now, Change::Session);
+        }
+        for ticket in std::mem::take(&mut self.status_wanted) {
+            recorder.finish(Some(ticket), Outcome::Done { at: status.now });
+        }
+    }
+
+    /// Takes the reply to a stop.
+    fn stopped(&mut self, command: &Command, event: &Event, recorder: &mut Recorder) {
+        let outcome = match event {
+            Event::Accepted(accepted) => {
+                let change = if *command == Command::Stop { Change::Stop } else { Change::EmergencyStop };
+                recorder.acknowledge(accepted.at, change);
+                Outcome::Done { at: accepted.at }
+            }
+            Event::Refused(refusal) => Outcome::Refused(Refusal::Device(*refusal)),
+            Event::Hello(_)
+            | Event::Status(_)
+            | Event::Table(_)
+            | Event::Digest(_)
+            | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
+            #[cfg(slipline_next)]
+            Event::CoilMeasured(_) => Outcome::Refused(Refusal::UnexpectedReply),
+        };
+        for ticket in std::mem::take(&mut self.urgent) {
+            recorder.finish(Some(ticket), outcome.clone());
+        }
+        self.status_stale = true;
+    }
+
+    /// Takes the reply to a keep-alive or a request for the status.
+    fn reported(&mut self, event: Event, recorder: &mut Recorder) {
+        match event {
+            Event::Status(status) => self.take_status(status, recorder),
+            Event::Refused(refusal) => {
+                for ticket in std::mem::take(&mut self.status_wanted) {
+                    recorder.finish(Some(ticket), Outcome::Refused(Refusal::Device(refusal)));
+                }
+            }
+            // The next keep-alive asks again.
+            Event::Hello(_)
+            | Event::Accepted(_)
+            | Event::Table(_)
+            | Event::Digest(_)
+            | Event::BootloaderToken(_) => {}
+            #[cfg(slipline_next)]
+            Event::CoilMeasured(_) => {}
+        }
+    }
+
+    fn numbered(&mut self, command: Command, event: Event, recorder: &mut Recorder, now: Duration) -> Next {
+        let is_overtaken = matches!(&self.current, Some(Current::Task(task)) if task.is_overtaken);
+        if matches!(event, Event::Refused(refusal::Refusal::BadSequence { .. })) && !is_overtaken {
+            self.renumberings += 1;
+            if self.renumberings > RENUMBERINGS {
+                return Next::Lose(LinkError::SessionEnded);
+            }
+            self.channel.send(command, now);
+            return Next::Continue;
+        }
+        self.renumberings = 0;
+        match self.current.take() {
+            Some(Current::Upload) => {
+                let after = self.uploads.take_reply(event, recorder, now);
+                if let Some(command) = after.command {
+                    self.channel.send(command, now);
+                    self.current = Some(Current::Upload);
+                }
+                self.status_stale |= after.is_status_stale;
+            }
+            Some(Current::Task(task)) => return self.done(*task, command, event, recorder, now),
+            None => {}
+        }
+        Next::Continue
+    }
+
+    fn done(
+        &mut self,
+        task: Task,
+        command: Command,
+        event: Event,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) -> Next {
+        match event {
+            Event::Accepted(accepted) => return self.accepted(task, command, accepted.at, recorder, now),
+            Event::Refused(_) | Event::Table(_) if task.is_overtaken => {
+                // Refused, or lost and something harmless took its place: the stop is what counts.
+                recorder.finish(task.ticket, Outcome::Superseded);
+            }
+            Event::Refused(refusal::Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
+                if matches!(task.job, Job::Drive(_)) && task.tries < BUSY_TRIES =>
+            {
+                self.try_drive_again(task, recorder, now);
+            }
+            Event::Refused(refusal) => {
+                return self.refused(&task, &command, Refusal::Device(refusal), recorder);
+            }
+            Event::Table(report) => {
+                recorder.table(report);
+                let now_at = recorder.view.status.map_or(0, |status| status.now);
+                if matches!(task.job, Job::FirstReadBack) {
+                    self.stage = Stage::Connected;
+                    self.connected(now_at, recorder);
+                    self.arm_simulated(recorder);
+                } else {
+                    recorder.finish(task.ticket, Outcome::Done { at: now_at });
+                }
+            }
+            Event::Digest(digest) => self.digested(task, digest, recorder, now),
+            #[cfg(slipline_next)]
+            Event::CoilMeasured(report) => {
+                recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
+            }
+            Event::BootloaderToken(token) => {
+                let enter = Job::Send(Command::BootloaderEnter(token));
+                self.tasks.push_front(Task::new(task.ticket, enter));
+            }
+            Event::Hello(_) | Event::Status(_) => {
+                return self.refused(&task, &command, Refusal::UnexpectedReply, recorder);
+            }
+        }
+        Next::Continue
+    }
+
+    /// The last change is being taken up, or a stop ramps out: the drive is sent again soon, unless a newer one waits.
+    fn try_drive_again(&mut self, mut task: Task, recorder: &mut Recorder, now: Duration) {
+        if self.tasks.iter().any(|waiting| matches!(waiting.job, Job::Drive(_))) {
+            recorder.superseded();
+            recorder.finish(task.ticket, Outcome::Superseded);
+        } else {
+            task.tries += 1;
+            task.not_before = now + DRIVE_PAUSE;
+            self.tasks.push_front(task);
+        }
+    }
+
+    fn refused(&mut self, task: &Task, command: &Command, refusal: Refusal, recorder: &mut Recorder) -> Next {
+        if self.closing.is_some() && *command == Command::Disarm {
+            return Next::Close;
+        }
+        recorder.finish(task.ticket, Outcome::Refused(refusal));
+        self.status_stale = true;
+        Next::Continue
+    }
+
+    fn accepted(
+        &mut self,
+        task: Task,
+        command: Command,
+        at: SampleIndex,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) -> Next {
+        match command {
+            Command::Arm => recorder.acknowledge(at, Change::Armed),
+            Command::Disarm => {
+                recorder.acknowledge(at, Change::Disarmed);
+                if self.closing.is_some() {
+                    return Next::Close;
+                }
+            }
+            Command::Drive(drive) => {
+                recorder.acknowledge(at, Change::Drive(Arc::new(drive)));
+                if task.is_overtaken {
+                    recorder.stop_again(at);
+                }
+            }
+            Command::ClearFaults => self.arm_simulated(recorder),
+            Command::DigestStart(_) => {
+                let mut read = Task::new(task.ticket, Job::DigestRead);
+                read.not_before = now + DIGEST_PAUSE;
+                self.tasks.push_back(read);
+                return Next::Continue;
+            }
+            Command::BootloaderEnter(_) => {
+                recorder.log(Severity::Info, "The device restarts into its bootloader.");
+                recorder.finish(task.ticket, Outcome::Done { at });
+                return Next::Close;
+            }
+            // They change nothing that the journal holds, or are not sent as tasks.
+            Command::Store
+            | Command::Forget
+            | Command::TableBegin(_)
+            | Command::TableChunk(_)
+            | Command::TableCommit
+            | Command::TableAbort
+            | Command::TableDigest
+            | Command::DigestRead
+            | Command::BootloaderToken
+            | Command::Hello(_)
+            | Command::KeepAlive(_)
+            | Command::Status
+            | Command::Stop
+            | Command::EmergencyStop => {}
+            #[cfg(slipline_next)]
+            Command::MeasureCoil(_) => {}
+        }
+        recorder.finish(task.ticket, Outcome::Done { at });
+        // A drag changes the status little: the keep-alives tell it soon enough.
+        let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
+        self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
+        Next::Continue
+    }
+
+    fn digested(&mut self, mut task: Task, digest: Digest, recorder: &mut Recorder, now: Duration) {
+        if digest.crc.is_some() {
+            return recorder.finish(task.ticket, Outcome::Digest(digest));
+        }
+        task.not_before = now + DIGEST_PAUSE;
+        self.tasks.push_back(task);
+    }
+
+    /// No real plate hangs on a simulated device, so it needs no leave.
+    fn arm_simulated(&mut self, recorder: &Recorder) {
+        if recorder.view.identity.as_ref().is_some_and(|identity| identity.simulated) {
+            self.tasks.push_front(Task::new(None, Job::Send(Command::Arm)));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What is to be sent to a device: one task for each request, in order.
+
+use super::upload::Upload;
+use crate::drive::DriveRequest;
+use crate::request::Ticket;
+use slipline_protocol::Command;
+use std::time::Duration;
+
+/// One thing to send.
+#[derive(Clone, Debug)]
+pub(super) enum Job {
+    /// A command that needs no more than to be sent.
+    Send(Command),
+    Drive(DriveRequest),
+    BeginUpload(Upload),
+    CancelUpload,
+    DigestRead,
+    /// Read the table's digest to complete the handshake.
+    FirstReadBack,
+}
+
+impl Job {
+    /// Whether this stop, emergency stop or disarm undoes it.
+    pub(super) const fn yields_to(&self, stop: &Command) -> bool {
+        match self {
+            Self::Drive(_) => true,
+            Self::Send(Command::Arm | Command::ClearFaults) => matches!(stop, Command::EmergencyStop),
+            _ => false,
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    /// None for what the link does by itself.
+    pub(super) ticket: Option<Ticket>,
+    pub(super) job: Job,
+    pub(super) tries: u32,
+    pub(super) not_before: Duration,
+    /// A stop came after it had been sent: whatever the answer, it is not sent again.
+    pub(super) is_overtaken: bool,
+}
+
+impl Task {
+    pub(super) const fn new(ticket: Option<Ticket>, job: Job) -> Self {
+        Self { ticket, job, tries: 0, not_before: Duration::ZERO, is_overtaken: false }
+    }
+}
+
+/// What waits for the answer of the numbered lane.
+#[derive(Clone, Debug)]
+pub(super) enum Current {
+    Task(Box<Task>),
+    Upload,
+}
+
+/// How far the handshake has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// The hello is out.
+    Hello,
+    /// The hello is answered; status and table are being read.
+    Reading,
+    Connected,
+    /// The firmware's version may not be driven.
+    Limited,
+}

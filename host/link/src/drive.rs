@@ -1,0 +1,138 @@
+//! A drive in metres, levels and decibels, and its form in the device's units.
+
+use crate::table;
+use slipline_protocol::command::{Apply, Drive, TableHeader, Tone};
+use slipline_protocol::event::Identity;
+use slipline_protocol::limits::MIN_MASTER_CDB;
+use slipline_protocol::units::{CentiDecibel, Phase};
+
+/// One tone, in metres and shares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneRequest {
+    /// 0..16. A sounding slot glides from where it is; a slot that is not named fades out.
+    pub slot: u8,
+    /// Where its turning point is to lie, in metres from the driven end, within the device table's span.
+    pub boundary_m: f64,
+    /// Its peak relative to the table's full scale, 0..=1.
+    pub level: f64,
+    /// Phase at its start from silence, in turns.
+    pub phase_turns: f64,
+}
+
+/// A drive, in metres, decibels and seconds; the link puts it into the device's units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveRequest {
+    /// The tones, at most 16 and each in its own slot; none fades all out.
+    pub tones: Vec<ToneRequest>,
+    /// Scales all tones, in dB, -96..=0.
+    pub master_db: f64,
+    /// How long the change takes, in seconds; taken to the nearest time the device can.
+    pub glide_s: f64,
+    /// When it begins.
+    pub apply: Apply,
+}
+
+impl DriveRequest {
+    /// A drive at full master level that begins at once and takes 20 ms.
+    #[must_use]
+    pub fn of(tones: Vec<ToneRequest>) -> Self {
+        Self { tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
+    }
+
+    /// As [`DriveRequest::of`] tones that are (place in metres, level) and begin at phase 0, in slots from 0 on.
+    #[must_use]
+    pub fn at(tones: &[(f64, f64)]) -> Self {
+        let tones = (0u8..).zip(tones).map(|(slot, &(boundary_m, level))| ToneRequest {
+            slot,
+            boundary_m,
+            level,
+            phase_turns: 0.0,
+        });
+        Self::of(tones.collect())
+    }
+}
+
+/// Why a drive cannot be put into the device's units.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DriveError {
+    /// There is no table to place tones by.
+    #[error("the device has no turning-point table: upload one first")]
+    NoTable,
+    /// More tones than the device has slots.
+    #[error("{got} tones; the device has {max}")]
+    TooManyTones {
+        /// How many were asked for.
+        got: usize,
+        /// How many it has.
+        max: u8,
+    },
+    /// A value lies outside its range, or is no number.
+    #[error("tone {slot}: {field} is {got}; allowed are {min} to {max}")]
+    Tone {
+        /// The tone's slot.
+        slot: u8,
+        /// Which value.
+        field: &'static str,
+        /// What came.
+        got: f64,
+        /// The lowest allowed value.
+        min: f64,
+        /// The highest allowed value.
+        max: f64,
+    },
+    /// The master level lies outside -96..=0 dB, or is no number.
+    #[error("the master level is {0} dB; allowed are -96 to 0")]
+    Master(f64),
+    /// The glide time is no number or negative.
+    #[error("the glide time is {0} s; it must be 0 or more")]
+    Glide(f64),
+}
+
+impl DriveRequest {
+    /// The drive in a device's own units, placed by the span of its active table.
+    ///
+    /// # Errors
+    /// [`DriveError`], naming the value and its range; the rule is the device's own.
+    pub fn for_device(&self, identity: &Identity, table: Option<&TableHeader>) -> Result<Drive, DriveError> {
+        let table = table.ok_or(DriveError::NoTable)?;
+        let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
+        if self.tones.len() > usize::from(identity.tones) {
+            return Err(too_many());
+        }
+        let mut tones = heapless::Vec::new();
+        for tone in &self.tones {
+            let out_of_range =
+                |field, got, min, max| DriveError::Tone { slot: tone.slot, field, got, min, max };
+            if tone.slot >= identity.tones {
+                let last = f64::from(identity.tones) - 1.0;
+                return Err(out_of_range("slot", f64::from(tone.slot), 0.0, last));
+            }
+            let (start_m, end_m) = table::span_m(table);
+            let position = table::position_in(table, tone.boundary_m).ok_or_else(|| {
+                out_of_range("boundary (mm)", tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3)
+            })?;
+            let level =
+                table::level(tone.level).ok_or_else(|| out_of_range("level", tone.level, 0.0, 1.0))?;
+            if !tone.phase_turns.is_finite() {
+                return Err(out_of_range("phase (turns)", tone.phase_turns, 0.0, 1.0));
+            }
+            let phase = Phase((tone.phase_turns.rem_euclid(1.0) * 65536.0).round() as u32 as u16);
+            tones.push(Tone { slot: tone.slot, position, level, phase }).map_err(|_| too_many())?;
+        }
+        let lowest_db = f64::from(MIN_MASTER_CDB) / 100.0;
+        if !(lowest_db..=0.0).contains(&self.master_db) {
+            return Err(DriveError::Master(self.master_db));
+        }
+        if !(0.0..=f64::MAX).contains(&self.glide_s) {
+            return Err(DriveError::Glide(self.glide_s));
+        }
+        // A float beyond u32 saturates, and the device's range is put over it.
+        let glide = (self.glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
+        Ok(Drive {
+            tones,
+            master: CentiDecibel((self.master_db * 100.0).round() as i16),
+            glide: glide.min(identity.max_glide).max(identity.min_glide),
+            apply: self.apply,
+        })
+    }
+}
