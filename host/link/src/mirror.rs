@@ -150,16 +150,26 @@ impl Mirror {
     }
 
     /// The device is known to be silent at `index` (rounded down to a block): the mirror goes there, keeps its table,
-    /// and is true again.
+    /// and is true again. Drives and stops that were to come are dropped; a table is in force all the same.
     pub fn silence(&mut self, index: SampleIndex) {
-        let knots: Arc<[Knot]> =
+        let held: Arc<[Knot]> =
             (0..self.table.knots).map(|index| self.mailbox.slots().knot(self.table.slot, index)).collect();
+        let mut table = (!held.is_empty()).then_some(held);
+        let mut later = VecDeque::new();
+        for (at, change) in std::mem::take(&mut self.changes) {
+            match change {
+                Scheduled::Table(knots) if at <= index => table = Some(knots),
+                Scheduled::Table(_) => later.push_back((at, change)),
+                Scheduled::Drive(_) | Scheduled::Stop(_) => {}
+            }
+        }
         let limit = self.latest_limit;
         *self = Self::new(self.timing.sample_rate_hz, index);
         self.latest_limit = limit;
         self.limits.extend(limit.map(|per_mille| (self.now(), per_mille)));
-        if !knots.is_empty() {
-            self.changes.push_back((self.now(), Scheduled::Table(knots)));
+        self.changes = later;
+        if let Some(knots) = table {
+            self.changes.push_front((self.now(), Scheduled::Table(knots)));
         }
     }
 

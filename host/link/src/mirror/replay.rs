@@ -434,6 +434,21 @@ mod tests {
     }
 
     #[test]
+    fn a_table_that_comes_during_a_silence_is_in_force_after_it() {
+        // Soon after the session's beginning, and long after it.
+        for at in [25_600, 92_800, 93_440, 400_000] {
+            let entries =
+                [(1, 12_800, Change::Session), (2, at, Change::Table(table())), (3, 600_064, drive(20_000))];
+            let mut replay = Replay::new(RATE_HZ as usize);
+            for (count, now) in [(1, 20_000), (2, 420_096), (3, 700_032)] {
+                replay.follow(&DeviceHistory { table: None, ..history(&entries[..count], now) });
+            }
+            assert!(is_exact(&replay), "{at}");
+            assert!(replay.codes().1.iter().any(|&code| code > 2500), "{at}");
+        }
+    }
+
+    #[test]
     fn silence_is_known_without_being_rendered() {
         let replay = followed(&[(1, 12_800, Change::Session)], 400_000_000);
         assert!(replay.is_silent());
