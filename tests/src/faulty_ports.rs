@@ -23,6 +23,8 @@ pub struct FaultyPorts {
     /// The error of every read and write; `None` lets them work. A line that was opened before the last
     /// [`FaultyPorts::unplug`] fails in any case.
     pub error: Option<ErrorKind>,
+    /// The device stands still: no time passes for it, and what is sent to it waits.
+    pub is_stalled: bool,
     /// How often the cable was pulled.
     pub generation: u32,
     /// Why a port cannot be opened.
@@ -54,6 +56,7 @@ impl Default for FaultyPorts {
             device: SimulatedDevice::new(Options::default()),
             listed: vec![board("A")],
             error: None,
+            is_stalled: false,
             generation: 0,
             open_error: None,
             drop_replies: 0,
@@ -70,6 +73,12 @@ impl Default for FaultyPorts {
 }
 
 impl FaultyPorts {
+    /// Stops the whole device, as a debugger would, or lets it go on.
+    pub fn stall(&mut self, is_stalled: bool) {
+        self.is_stalled = is_stalled;
+        self.device.freeze_link(is_stalled);
+    }
+
     /// Pulls the cable: every open line is gone, and no port is listed.
     pub fn unplug(&mut self) {
         self.generation += 1;

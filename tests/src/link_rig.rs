@@ -156,6 +156,9 @@ impl LinkRig {
         let blocks = blocks_until(self.now + time) - blocks_until(self.now);
         self.now += time;
         let mut sounds = false;
+        if ports.is_stalled {
+            return false;
+        }
         ports.device.advance(blocks, |block| sounds |= !block.muted || *block.codes != [MID; BLOCK as usize]);
         sounds
     }

@@ -55,6 +55,23 @@ fn the_hellos_of_two_sessions_have_different_numbers() {
 }
 
 #[test]
+fn a_simulated_device_that_stalled_while_it_drove_is_armed_again() {
+    // When it goes on, it ramps to silence first and refuses to be armed meanwhile.
+    let mut rig = LinkRig::armed();
+    rig.ports().rewrite = |event| event;
+    rig.ask(drive(0.05));
+    rig.pass_ms(300);
+    assert_eq!(rig.state(), State::Driving);
+    rig.ports().stall(true);
+    rig.pass_ms(4000);
+    assert_ne!(rig.view().link, LinkState::Connected);
+    rig.ports().stall(false);
+    rig.pass_ms(3000);
+    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.state(), State::Armed);
+}
+
+#[test]
 fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     let mut rig = LinkRig::connected();
     rig.ask(Request::AutoReconnect(false));

@@ -20,6 +20,7 @@ mod presets;
 mod progress;
 mod record;
 mod respond;
+mod serve;
 mod simulate;
 mod table;
 mod verify;
@@ -84,6 +85,8 @@ pub enum Command {
     Record(RecordArguments),
     /// Compare a device's own digest of its DAC codes with the mirror's.
     Verify(VerifyArguments),
+    /// Offer the simulated device to other programs, in real time, until it is told to end.
+    Serve(ServeArguments),
     /// Say how good a plate is: one light per question, with the reason. Red ones end it with exit code 3.
     #[command(after_help = CHECK_EXIT_CODES)]
     Check(CheckArguments),
@@ -249,6 +252,20 @@ pub struct VerifyArguments {
     window: Typed<f64>,
 }
 
+/// `serve`.
+#[derive(Debug, Args)]
+pub struct ServeArguments {
+    /// At this Unix socket. A file of another kind is not replaced.
+    #[arg(long, value_name = "PATH", required_unless_present = "pty", conflicts_with = "pty")]
+    socket: Option<PathBuf>,
+    /// At a pseudo-terminal, which other programs open as a serial port; its path is printed.
+    #[arg(long)]
+    pty: bool,
+    /// The device holds this plate's table from the start.
+    #[arg(long, value_name = "PLATE")]
+    plate: Option<String>,
+}
+
 /// `check`.
 #[derive(Debug, Args)]
 pub struct CheckArguments {
@@ -282,6 +299,7 @@ impl Command {
             Self::Simulate(arguments) => simulate::run(&arguments, json),
             Self::Record(arguments) => record::run(&arguments, json),
             Self::Verify(arguments) => verify::run(&arguments, json),
+            Self::Serve(arguments) => serve::run(&arguments, json),
             Self::Check(arguments) => check::run(&arguments, json),
             Self::Design(arguments) => design::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),

@@ -7,6 +7,8 @@ mod lights;
 mod progress;
 mod refusals;
 #[cfg(unix)]
+mod serve;
+#[cfg(unix)]
 mod signals;
 
 use serde_json::Value;

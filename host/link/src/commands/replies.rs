@@ -2,7 +2,7 @@
 
 use super::queue::{CommandQueue, Next};
 use super::task::{Current, Job, Stage, Task};
-use super::upload::BUSY_TRIES;
+use super::upload::{BUSY_PAUSE, BUSY_TRIES};
 use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
@@ -216,6 +216,12 @@ impl CommandQueue {
                 if matches!(task.job, Job::Drive(_)) && task.tries < BUSY_TRIES =>
             {
                 self.try_drive_again(task, recorder, now);
+            }
+            // A simulated device is armed without being asked: nobody would try again.
+            Event::Refused(refusal::Refusal::Busy(_))
+                if command == Command::Arm && task.ticket.is_none() && task.tries < BUSY_TRIES =>
+            {
+                self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
             }
             Event::Refused(refusal) => {
                 return self.refused(&task, &command, Refusal::Device(refusal), recorder);

@@ -4,11 +4,15 @@ mod opener;
 pub mod serial;
 mod serial_ports;
 #[cfg(unix)]
+mod server;
+#[cfg(unix)]
 pub mod socket;
 mod watch;
 mod worker;
 
 pub use opener::{SystemOpener, system_clock};
 pub use serial_ports::list_ports;
+#[cfg(unix)]
+pub use server::{ServeError, Server};
 pub use watch::{Wakes, Watch};
 pub use worker::{Handle, Worker, stop_on_panic};
