@@ -91,6 +91,26 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     assert_screen_sounds(&app);
 }
 
+#[test]
+fn a_drive_that_is_refused_for_another_reason_leaves_what_sounds_as_it_is() {
+    let mut app = TestApp::driving();
+    app.take_sent();
+    app.refuse_drives(Some(Refusal::SlotTwice { slot: 3 }));
+    type_into(&mut app, "Position of tone 1", "150 mm");
+    app.wait(500);
+    let sent = app.take_sent();
+    assert!(!sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
+    assert!(app.is_driving());
+    let notice = app.window.state().notice().expect("told").text.clone();
+    assert!(notice.contains("Refused: tone slot 3 is named twice"), "{notice}");
+
+    // Too loud on its way: rest helps.
+    app.refuse_drives(Some(Refusal::Headroom { sum_per_mille: 1200 }));
+    type_into(&mut app, "Position of tone 1", "160 mm");
+    app.wait(500);
+    assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)));
+}
+
 /// A stopped app that has opened another plate, whose table is not made yet.
 fn stopped_before_another_plate() -> TestApp {
     let mut app = TestApp::driving();

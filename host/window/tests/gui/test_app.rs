@@ -334,7 +334,7 @@ impl TestApp {
 
     /// Has every drive refused from now on, or taken again.
     pub(crate) fn refuse_drives(&mut self, refusal: Option<Refusal>) {
-        self.rig.borrow().port.lock().unwrap().refusal = refusal;
+        self.worker.borrow().port.lock().unwrap().refusal = refusal;
     }
 
     /// The setup as its file would be.
