@@ -94,9 +94,11 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
 #[test]
 fn a_drive_that_is_refused_for_another_reason_leaves_what_sounds_as_it_is() {
     let mut app = TestApp::driving();
+    add_tone(&mut app);
+    app.wait(300);
     app.take_sent();
     app.refuse_drives(Some(Refusal::SlotTwice { slot: 3 }));
-    type_into(&mut app, "Position of tone 1", "150 mm");
+    type_into(&mut app, "Position of tone 2", "150 mm");
     app.wait(500);
     let sent = app.take_sent();
     assert!(!sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
@@ -106,7 +108,7 @@ fn a_drive_that_is_refused_for_another_reason_leaves_what_sounds_as_it_is() {
 
     // Too loud on its way: rest helps.
     app.refuse_drives(Some(Refusal::Headroom { sum_per_mille: 1200 }));
-    type_into(&mut app, "Position of tone 1", "160 mm");
+    type_into(&mut app, "Position of tone 2", "160 mm");
     app.wait(500);
     assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)));
 }
