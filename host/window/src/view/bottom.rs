@@ -6,7 +6,7 @@ use eframe::egui::{self, Rect, UiBuilder, pos2};
 
 /// Usual height of the row, and its height in the lowest window, in points.
 const HEIGHT: f32 = 194.0;
-const LEAST_HEIGHT: f32 = 100.0;
+const LEAST_HEIGHT: f32 = 140.0;
 /// In a window lower than this, in points, the row shrinks first, because the plate is more important.
 const ROOMY: f32 = 620.0;
 

@@ -50,7 +50,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
-        let area = egui::ScrollArea::vertical().max_height(height - CLOSE).auto_shrink([false, true]);
+        let most = height - CLOSE;
+        // Without the least height an area in a page takes no more than it had: a page that grows would be cut.
+        let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
+        let area = area.auto_shrink([false, true]);
         let is_ended = area.show(ui, |ui| {
             // The scroll bar floats over the content; this margin keeps the content free of it.
             ui.set_max_width(ui.available_width() - GAP);

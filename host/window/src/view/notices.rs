@@ -95,7 +95,8 @@ fn message(ui: &mut egui::Ui, notice: &Notice, rows: usize) -> Press {
     let width = (ui.available_width() - frame.total_margin().sum().x).max(2.0 * BUTTON);
     let press = frame.show(ui, |ui| {
         ui.set_width(width);
-        ui.horizontal(|ui| {
+        // The button stays at the top, in sight beside a message that is scrolled.
+        ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let font = egui::TextStyle::Body.resolve(ui.style());
             let room = width - BUTTON - 4.0;
