@@ -4,7 +4,8 @@
 
 use clap::Parser;
 use slipline::cli::Cli;
-use slipline::signals;
+use slipline::cli::Failure;
+use slipline::{signals, trace};
 use slipline_model::disk;
 use std::process::ExitCode;
 
@@ -15,10 +16,10 @@ fn main() -> ExitCode {
         // is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
-    let ended = match cli.command {
+    let ended = trace::start(cli.trace.as_deref()).map_err(described).and_then(|()| match cli.command {
         None => open_window(),
-        Some(command) => command.run(cli.json).map_err(|failure| (failure.to_string(), failure.exit_code())),
-    };
+        Some(command) => command.run(cli.json).map_err(described),
+    });
     // If a signal has ended the command, nothing more is printed.
     signals::hold_while_ending();
     // A thread of the window may still be writing a file.
@@ -30,6 +31,10 @@ fn main() -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+fn described(failure: Failure) -> (String, u8) {
+    (failure.to_string(), failure.exit_code())
 }
 
 #[cfg(feature = "gui")]

@@ -6,6 +6,7 @@
 //! A numbered command is repeated under its own number, so the device does it once; a keep-alive is replaced by
 //! a fresh one, since one that comes twice does not feed the dead-man.
 
+use crate::trace::{TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_protocol::version::{Minor, Version};
@@ -100,6 +101,8 @@ pub(crate) struct Channel {
     ordered: Option<Pending>,
     decoder: Decoder,
     out: Vec<u8>,
+    /// Frames since they were last taken.
+    traced: Vec<TracedFrame>,
     counters: ChannelCounters,
 }
 
@@ -121,6 +124,7 @@ impl Channel {
             decoder: Decoder::new(),
             // Ends whatever a host before this one left unfinished: the hello need not be sent twice.
             out: vec![0],
+            traced: Vec::new(),
             counters: ChannelCounters::default(),
         }
     }
@@ -166,7 +170,7 @@ impl Channel {
         self.counters.commands = self.counters.commands.saturating_add(1);
         let lane = Lane::of(&command);
         let sequence = if lane == Lane::Ordered { self.sequence } else { self.unsequenced() };
-        self.queue(&command, sequence);
+        self.queue(&command, sequence, now);
         let pending = Pending { repeat: command.clone(), command, sequence, sent: now, repeats: 0 };
         *self.lane_mut(lane) = Some(pending);
     }
@@ -201,9 +205,15 @@ impl Channel {
                 if frame.header.direction != Direction::ToHost {
                     return None;
                 }
-                Some((frame.header, read(frame.header.id, frame.body)))
+                let event = Event::decode(frame.header.id, frame.body);
+                let message = event.clone().map_or(
+                    TracedMessage::Unknown { id: frame.header.id, length: frame.body.len() },
+                    TracedMessage::Event,
+                );
+                Some((frame.header, read(frame.header.id, frame.body, event), message))
             });
-            let Some(Some((header, reply))) = received else { continue };
+            let Some(Some((header, reply, message))) = received else { continue };
+            self.trace(TracedFrame { time: now, sequence: header.sequence, message });
             let is_hello = matches!(reply, Some(Reply::Hello(..)));
             let answer = reply
                 .filter(|_| is_hello || header.session == self.session)
@@ -242,7 +252,7 @@ impl Channel {
             pending.repeats += 1;
             pending.sent = now;
             let (command, sequence) = (pending.repeat.clone(), pending.sequence);
-            self.queue(&command, sequence);
+            self.queue(&command, sequence, now);
             self.counters.timeouts = self.counters.timeouts.saturating_add(1);
             self.counters.retries = self.counters.retries.saturating_add(1);
         }
@@ -257,6 +267,16 @@ impl Channel {
             .map(|pending| pending.sent)
             .min();
         sent.map(|sent| sent + self.patience())
+    }
+
+    /// The frames since the last call, oldest first.
+    pub(crate) fn take_traced(&mut self) -> Vec<TracedFrame> {
+        std::mem::take(&mut self.traced)
+    }
+
+    fn trace(&mut self, frame: TracedFrame) {
+        frame.emit();
+        self.traced.push(frame);
     }
 
     /// The bytes that wait to be written; the caller removes what it has written.
@@ -294,12 +314,13 @@ impl Channel {
         self.sequence.wrapping_add(0x4000 | (self.unsequenced_number & 0x3fff))
     }
 
-    fn queue(&mut self, command: &Command, sequence: u16) {
+    fn queue(&mut self, command: &Command, sequence: u16, now: Duration) {
         let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
         // Every command its types allow fits a frame (a test of the protocol holds that); were it not so, the
         // missing answer would tell.
         if let Ok(frame) = command.frame_for(self.minor, session, sequence) {
             self.out.extend_from_slice(&frame);
+            self.trace(TracedFrame { time: now, sequence, message: TracedMessage::Command(command.clone()) });
         }
     }
 
@@ -325,9 +346,9 @@ impl Channel {
     }
 }
 
-fn read(id: u8, body: &[u8]) -> Option<Reply> {
+fn read(id: u8, body: &[u8], event: Result<Event, Refusal>) -> Option<Reply> {
     const HELLO: u8 = 0x81;
-    match (id, Event::decode(id, body)) {
+    match (id, event) {
         (_, Ok(Event::Hello(identity))) => Some(Reply::Hello(identity.version, Some(Box::new(identity)))),
         // Of a foreign version only the first six bytes can be relied on.
         (HELLO, Err(_)) => match *body {

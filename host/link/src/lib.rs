@@ -39,6 +39,7 @@ mod request;
 pub mod simulator;
 mod snapshot;
 pub mod table;
+mod trace;
 pub mod transport;
 
 pub use drive::{DriveError, DriveRequest, ToneRequest};
@@ -50,6 +51,7 @@ pub use refusal::Refusal;
 pub use request::{Outcome, Request, Ticket};
 pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, UploadProgress};
 pub use table::{DeviceTable, DeviceTableError};
+pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
 
 /// Codes of one block: the device takes up a change between two of them.
 pub use slipline_app::BLOCK;

@@ -7,6 +7,7 @@ use crate::journal::{Acknowledged, Change, JOURNAL_ENTRIES, drop_oldest_limit};
 use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
+use crate::trace::FRAMES_KEPT;
 use slipline_protocol::event::{Status, TableReport};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -174,8 +175,15 @@ impl Recorder {
         }
     }
 
-    /// Copies the channel's counters.
-    pub(crate) fn count(&mut self, channel: &Channel) {
+    /// Copies the channel's counters and takes the frames it has traced.
+    pub(crate) fn count(&mut self, channel: &mut Channel) {
+        let traced = channel.take_traced();
+        if !traced.is_empty() {
+            let frames = Arc::make_mut(&mut self.view.frames);
+            frames.extend(traced.into_iter().map(Arc::new));
+            frames.drain(..frames.len().saturating_sub(FRAMES_KEPT));
+            self.changed = true;
+        }
         let sent = channel.counters();
         let before = (self.view.counters, self.view.decoder);
         let counters = &mut self.view.counters;

@@ -7,6 +7,7 @@ use crate::port::Port;
 use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
+use crate::trace::TracedFrame;
 use slipline_protocol::event::{Identity, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::version::Compatibility;
@@ -114,6 +115,8 @@ pub struct Snapshot {
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
     /// The log, oldest first.
     pub log: Arc<VecDeque<LogEntry>>,
+    /// The latest frames in both directions, oldest first; at most [`FRAMES_KEPT`](crate::FRAMES_KEPT).
+    pub frames: Arc<VecDeque<Arc<TracedFrame>>>,
 }
 
 impl Snapshot {

@@ -58,6 +58,9 @@ pub struct Cli {
     /// Print JSON: SI numbers, field names that end in their unit.
     #[arg(long, global = true, display_order = 998)]
     pub json: bool,
+    /// Write every frame between this program and the device to this file, one line each.
+    #[arg(long, global = true, value_name = "FILE", display_order = 999)]
+    pub trace: Option<PathBuf>,
 }
 
 /// What to do.

@@ -10,6 +10,7 @@ mod refusals;
 mod serve;
 #[cfg(unix)]
 mod signals;
+mod trace;
 
 use serde_json::Value;
 use std::path::PathBuf;

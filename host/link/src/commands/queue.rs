@@ -71,8 +71,8 @@ impl CommandQueue {
         }
     }
 
-    pub(crate) const fn channel(&self) -> &Channel {
-        &self.channel
+    pub(crate) const fn channel(&mut self) -> &mut Channel {
+        &mut self.channel
     }
 
     pub(crate) const fn output(&mut self) -> &mut Vec<u8> {

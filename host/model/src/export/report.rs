@@ -79,6 +79,9 @@ pub fn text(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
     page.title("log");
     let log: Vec<String> = snapshot.log.iter().map(ToString::to_string).collect();
     page.text(&log.join("\n"));
+    page.title("latest frames");
+    let frames: Vec<String> = snapshot.frames.iter().map(ToString::to_string).collect();
+    page.text(&frames.join("\n"));
     page.0
 }
 

@@ -1,0 +1,46 @@
+//! What the libraries report while they work (`tracing`): `RUST_LOG` chooses what is written to standard error,
+//! `--trace FILE` writes every frame on the link to a file, one line each.
+
+use crate::cli::Failure;
+use std::fs::File;
+use std::path::Path;
+use std::sync::Mutex;
+use tracing_subscriber::filter::{EnvFilter, LevelFilter, Targets};
+use tracing_subscriber::fmt::layer;
+use tracing_subscriber::layer::{Layer as _, SubscriberExt as _};
+use tracing_subscriber::util::SubscriberInitExt as _;
+
+/// The variable that chooses what is written to standard error.
+const VARIABLE: &str = "RUST_LOG";
+
+/// Starts writing. With neither a file nor `RUST_LOG` nothing listens, and the libraries' events cost nothing.
+///
+/// # Errors
+/// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, [`Failure::Failed`] for a file that cannot be written.
+pub fn start(file: Option<&Path>) -> Result<(), Failure> {
+    let filter = match std::env::var(VARIABLE) {
+        Ok(text) if !text.is_empty() => Some(EnvFilter::try_new(&text).map_err(|error| {
+            Failure::Usage(format!(
+                "{VARIABLE} is '{text}': must be a list like 'slipline_link=debug' or 'info' ({error})"
+            ))
+        })?),
+        _ => None,
+    };
+    let frames = match file {
+        Some(path) => Some(File::create(path).map_err(|error| {
+            Failure::Failed(format!("the trace {} cannot be written: {error}", path.display()))
+        })?),
+        None => None,
+    };
+    if filter.is_none() && frames.is_none() {
+        return Ok(());
+    }
+    let to_file = frames.map(|file| {
+        let line = layer().with_ansi(false).without_time().with_level(false).with_target(false);
+        let only_frames = Targets::new().with_target(slipline_link::FRAMES, LevelFilter::TRACE);
+        line.with_writer(Mutex::new(file)).with_filter(only_frames)
+    });
+    let to_terminal = filter.map(|filter| layer().with_writer(std::io::stderr).with_filter(filter));
+    tracing_subscriber::registry().with(to_file).with(to_terminal).init();
+    Ok(())
+}

@@ -1,0 +1,54 @@
+//! `--trace FILE` and `RUST_LOG`.
+
+use crate::{failure, file, slipline};
+use std::process::Command;
+
+const DRIVE: [&str; 8] = ["drive", "--port", "sim", "--plate", "membrane", "--boundary", "120mm", "--for"];
+
+#[test]
+fn a_trace_has_one_line_for_each_frame_in_both_directions() {
+    let path = file("trace.txt");
+    let output = slipline(&[&DRIVE[..], &["0.3s", "--trace", path.to_str().unwrap()]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let trace = std::fs::read_to_string(&path).unwrap();
+    let mut latest = 0.0;
+    for line in trace.lines() {
+        let mut words = line.split_whitespace();
+        let time: f64 = words.next().unwrap().parse().unwrap();
+        assert!(time >= latest, "{line}");
+        latest = time;
+        assert_eq!(words.next(), Some("to"), "{line}");
+        assert!(matches!(words.next(), Some("device" | "host")), "{line}");
+        assert!(words.next().unwrap().starts_with("id=") && words.next().unwrap().starts_with("sequence="));
+        assert!(words.next().is_some(), "{line}");
+    }
+    for body in
+        ["Hello(Hello {", "Hello(Identity {", "TableCommit", "Arm", "Drive(Drive {", "Accepted(", "Stop"]
+    {
+        assert!(trace.lines().any(|line| line.contains(body)), "{body} is missing:\n{trace}");
+    }
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn rust_log_writes_to_standard_error_and_a_bad_one_is_refused() {
+    let program = |filter: &str| {
+        Command::new(env!("CARGO_BIN_EXE_slipline"))
+            .args(["info", "--port", "sim"])
+            .env("RUST_LOG", filter)
+            .output()
+            .unwrap()
+    };
+    let output = program("slipline_link=trace");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("to device"));
+    let output = program("slipline_link=loud");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("RUST_LOG is 'slipline_link=loud'"));
+}
+
+#[test]
+fn a_trace_that_cannot_be_written_is_refused_by_name() {
+    let message = failure(&["presets", "--trace", "/no/such/folder/trace.txt"], 1);
+    assert!(message.contains("the trace /no/such/folder/trace.txt cannot be written"), "{message}");
+}
