@@ -99,7 +99,7 @@ impl Reader {
                 self.note(path, bytes);
             }
             Shape::Array(count, inner) => {
-                (0..count).for_each(|at| self.read(&format!("{path}[{at}]"), inner))
+                (0..count).for_each(|at| self.read(&format!("{path}[{at}]"), inner));
             }
             Shape::List(most, inner) => {
                 let count = self.varint() as usize;

@@ -50,10 +50,10 @@ fn a_stop_of_the_devices_own_is_not_called_a_difference_of_the_codes() {
         match command {
             Command::DigestStart(_) => drop(STAGES.fetch_add(1, Ordering::Relaxed)),
             // In the second window the tones sound on, until this.
-            Command::KeepAlive(_) if STAGES.load(Ordering::Relaxed) == 2 => {
-                if !IS_STOPPED.swap(true, Ordering::Relaxed) {
-                    *command = Command::EmergencyStop;
-                }
+            Command::KeepAlive(_)
+                if STAGES.load(Ordering::Relaxed) == 2 && !IS_STOPPED.swap(true, Ordering::Relaxed) =>
+            {
+                *command = Command::EmergencyStop;
             }
             _ => {}
         }

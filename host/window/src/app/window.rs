@@ -127,8 +127,8 @@ mod tests {
     fn another_thread_can_close_the_window() {
         let ctx = egui::Context::default();
         assert!(!commands(&ctx).contains(&ViewportCommand::Close));
-        let mut close = closer(&ctx);
-        std::thread::spawn(move || close()).join().unwrap();
+        let close = closer(&ctx);
+        std::thread::spawn(close).join().unwrap();
         assert!(commands(&ctx).contains(&ViewportCommand::Close));
     }
 }

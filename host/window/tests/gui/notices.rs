@@ -127,9 +127,9 @@ fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
     open_bad_file(&mut app);
     let text = app.window.state().notice().unwrap().text.clone();
     let message = |app: &TestApp| {
-        let nodes = app.window.get_all_by_label(&text).map(|node| node.rect());
+        let mut nodes = app.window.get_all_by_label(&text).map(|node| node.rect());
         // The log has the same words.
-        nodes.filter(|rect| rect.left() > 960.0 && rect.top() < 590.0).next().unwrap()
+        nodes.find(|rect| rect.left() > 960.0 && rect.top() < 590.0).unwrap()
     };
     let cut = message(&app);
     assert!(cut.height() < 50.0, "{cut}");

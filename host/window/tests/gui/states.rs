@@ -215,7 +215,7 @@ fn drive_by_the_keys_acts_or_says_what_helps() {
         window.run_steps(4);
         match case.drive {
             Ok(has_effect) => {
-                assert!(has_effect(&window, &link.sent.borrow()), "{}: {:?}", case.name, link.sent)
+                assert!(has_effect(&window, &link.sent.borrow()), "{}: {:?}", case.name, link.sent);
             }
             Err(words) => {
                 let told = window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();
@@ -248,8 +248,8 @@ fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
         let offers = case.offers.iter().map(|(name, _)| *name).filter(|name| *name != "STOP");
         let mut seen: Vec<(&str, Rect)> = Vec::new();
         for name in names.chain(offers) {
-            let nodes = window.query_all_by_label(name).map(|node| node.rect());
-            let rect = nodes.filter(|rect| rect.bottom() < 54.0).next();
+            let mut nodes = window.query_all_by_label(name).map(|node| node.rect());
+            let rect = nodes.find(|rect| rect.bottom() < 54.0);
             seen.push((name, rect.unwrap_or_else(|| panic!("{}: {name} is missing", case.name))));
         }
         let states = window.query_all_by_label_contains("State: ").map(|node| node.rect());

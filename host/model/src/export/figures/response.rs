@@ -17,7 +17,7 @@ pub fn response_figure(response: &Response, plate: &str) -> Drawing {
     let amplitudes = response.amplitude.iter().map(|amplitude| amplitude.norm());
     let step = response.position_m.len().div_ceil(MOST).max(1);
     let highest = amplitudes.clone().fold(0.0, f64::max);
-    let length_mm = places_mm.clone().last().unwrap_or(1.0);
+    let length_mm = response.position_m.last().map_or(1.0, |x_m| x_m * 1e3);
     let peak_m = response.peak.map(|peak| peak.position_m);
     let marked = [("turning point", Some(response.turning_point_m), 1), ("peak", peak_m, 4)];
     let uprights = marked.into_iter().filter_map(|(name, place_m, hue)| {
