@@ -91,7 +91,7 @@ pub enum Origin {
 /// What follows from a number and is not allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Consequence {
-    /// The frequency that a boundary at this place needs, Hz, is outside [`crate::spec::range::FREQUENCY`].
+    /// The frequency that a boundary at this place needs, Hz, is outside [`super::limits::FREQUENCY`].
     Frequency(f64),
     /// The frequencies of the span's two ends, Hz, are more than [`super::limits::BAND_RATIO_MAX`] apart.
     BandRatio(f64, f64),
