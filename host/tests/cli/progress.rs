@@ -1,7 +1,7 @@
 //! The progress of a long command: a bar on a terminal, nothing on a pipe.
 #![cfg(target_os = "linux")]
 
-use super::slipline;
+use super::{file, slipline};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use std::fs::{File, OpenOptions};
 use std::io::Read as _;
@@ -9,8 +9,19 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Takes more than a second on the fastest machine.
-const LONG: [&str; 3] = ["check", "--plate", "al-bending"];
+/// A plate of two metres, on which every computation takes seconds: a preset's may end before a bar is due.
+fn long_plate(name: &str) -> String {
+    let mut plate = slipline_plate::preset("al-bending").unwrap().to_toml();
+    for (field, value) in
+        [("length_m", 2.0), ("rate_per_m", 0.77), ("span_start_m", 1.2), ("span_end_m", 1.65)]
+    {
+        let line = plate.lines().find(|line| line.starts_with(&format!("{field} = "))).unwrap().to_owned();
+        plate = plate.replace(&line, &format!("{field} = {value:?}"));
+    }
+    let path = file(name);
+    std::fs::write(&path, plate).unwrap();
+    path.into_os_string().into_string().unwrap()
+}
 /// Moves to the line's beginning and clears the line.
 const CLEARED: &str = "\r\u{1b}[2K";
 
@@ -72,7 +83,7 @@ impl OnTerminal {
 
 #[test]
 fn a_terminal_shows_a_bar_that_is_gone_in_the_end() {
-    let command = OnTerminal::begun(&LONG);
+    let command = OnTerminal::begun(&["check", "--plate", &long_plate("bar.toml")]);
     assert!(command.is_shown(" %"), "{:?}", command.shown());
     let (shown, _) = command.ended();
     let (bar, last) = shown.rsplit_once(CLEARED).unwrap();
@@ -84,7 +95,7 @@ fn a_terminal_shows_a_bar_that_is_gone_in_the_end() {
 
 #[test]
 fn a_pipe_shows_no_progress_bar() {
-    let output = slipline(&LONG);
+    let output = slipline(&["check", "--plate", &long_plate("pipe.toml")]);
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(!told.contains('%') && !told.contains('\u{1b}'), "{told:?}");
 }
@@ -92,8 +103,10 @@ fn a_pipe_shows_no_progress_bar() {
 #[test]
 fn a_signal_removes_the_progress_bar_from_the_terminal() {
     // A command that a signal ends at once, and a drive that has not begun yet.
-    let drive = ["drive", "--port", "sim", "--plate", "al-bending", "--boundary", "250mm"];
-    for arguments in [&LONG[..], &drive] {
+    let plate = long_plate("signal.toml");
+    let check = ["check", "--plate", &plate];
+    let drive = ["drive", "--port", "sim", "--plate", &plate, "--boundary", "1.4m"];
+    for arguments in [&check[..], &drive] {
         let command = OnTerminal::begun(arguments);
         assert!(command.is_shown(" %"), "{:?}", command.shown());
         let told = Command::new("kill").args(["-INT", &command.child.id().to_string()]).status().unwrap();

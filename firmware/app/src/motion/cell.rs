@@ -6,7 +6,7 @@ use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::{FinePosition, Gain, PhaseStep, SampleIndex};
 
 use super::Motion;
-use super::evaluation::{ReadTrajectory, place};
+use super::evaluation::{TrajectoryRead, place};
 use super::outline::Outline;
 use super::placement::{Onset, Placement};
 use super::trajectory::{SettingTrajectory, ToneTrajectory};
@@ -133,7 +133,7 @@ impl TrajectoryCell {
     }
 }
 
-impl ReadTrajectory for TrajectoryCell {
+impl TrajectoryRead for TrajectoryCell {
     #[inline(always)]
     fn positions(&self) -> (u32, u32) {
         (self.from.load(Relaxed), self.to.load(Relaxed))

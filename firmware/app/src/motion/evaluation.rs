@@ -11,7 +11,7 @@ use crate::ramp::{ONE, RampShape};
 use crate::slots::TableSlots;
 
 /// One tone's trajectory, read part by part: what is not asked for is not loaded.
-pub(super) trait ReadTrajectory {
+pub(super) trait TrajectoryRead {
     /// From where to where, Q1.31.
     fn positions(&self) -> (u32, u32);
     /// From which level to which.
@@ -19,7 +19,7 @@ pub(super) trait ReadTrajectory {
     fn setting(&self) -> SettingTrajectory;
 }
 
-impl ReadTrajectory for ToneTrajectory {
+impl TrajectoryRead for ToneTrajectory {
     #[inline(always)]
     fn positions(&self) -> (u32, u32) {
         (self.from.raw(), self.to.raw())
@@ -40,7 +40,7 @@ impl ReadTrajectory for ToneTrajectory {
 #[inline(always)]
 pub(super) fn place(
     outline: &Outline,
-    tones: &[impl ReadTrajectory; MAX_TONES],
+    tones: &[impl TrajectoryRead; MAX_TONES],
     index: SampleIndex,
     slots: &TableSlots,
     shape: &RampShape,

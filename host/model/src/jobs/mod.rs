@@ -85,6 +85,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     ) -> std::io::Result<Self> {
         let (jobs, queue) = channel::<(u64, Job, Arc<Task>)>();
         let (finished, done) = channel();
+        let queue_name = name.to_owned();
         thread::Builder::new().name(name.to_owned()).spawn(move || {
             while let Ok(mut next) = queue.recv() {
                 // Jobs that were asked for in the meantime make the older ones obsolete.
@@ -92,7 +93,10 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
                     next = newer;
                 }
                 let (number, job, task) = next;
+                tracing::debug!("{queue_name}: job {number} begins");
                 let done = catch_unwind(AssertUnwindSafe(|| work(job, &task))).unwrap_or(None);
+                let end = if done.is_some() { "is done" } else { "was given up or failed" };
+                tracing::debug!("{queue_name}: job {number} {end}");
                 if finished.send((number, done)).is_err() {
                     return;
                 }
