@@ -85,7 +85,13 @@ fn the_diagnostics_are_copied_at_once_and_then_read_and_saved() {
     assert!(are_copied(&mut app), "one click is enough");
     app.wait(200);
     let text = app.window.get_by_label_contains("== status").value().unwrap();
-    assert!(text.contains("Sample rate:                   400000 Hz") && !text.contains("Some("), "{text}");
+    // The frames are decoded bodies, for developers; everything above them is for everyone.
+    let (report, frames) = text.split_once("== latest frames").unwrap();
+    assert!(
+        report.contains("Sample rate:                   400000 Hz") && !report.contains("Some("),
+        "{text}"
+    );
+    assert!(frames.contains(" to device ") && frames.contains(" to host "), "{text}");
     assert!(app.window.query_by_label_contains("read it before you send it").is_some());
     app.window.get_by_label("Copy again").click_accesskit();
     assert!(are_copied(&mut app));
