@@ -9,7 +9,7 @@ const BOARDS: [(&str, &str); 3] = [
     ("board-nucleo-h743zi2", "memory/h743zi.x"),
 ];
 
-/// Whether cargo builds with a feature, as it tells a build script.
+/// Whether cargo builds with a feature: cargo tells a build script by an environment variable.
 fn has(feature: &str) -> bool {
     env::var_os(format!("CARGO_FEATURE_{}", feature.to_uppercase().replace('-', "_"))).is_some()
 }
@@ -31,6 +31,7 @@ fn main() {
     };
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(memory, out.join("memory.x")).expect("the memory map can be copied");
+    fs::copy("memory/fast.x", out.join("fast.x")).expect("what memory maps include can be copied");
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-arg-bins=--nmagic");
     println!("cargo::rustc-link-arg-bins=-Tlink.x");

@@ -6,7 +6,7 @@ use clap::Parser;
 use slipline::cli::Cli;
 use slipline::cli::Failure;
 use slipline::{signals, trace};
-use slipline_model::disk;
+use slipline_model::atomic_file;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -23,7 +23,7 @@ fn main() -> ExitCode {
     // If a signal has ended the command, nothing more is printed.
     signals::hold_while_ending();
     // A thread of the window may still be writing a file.
-    disk::remove_unfinished();
+    atomic_file::remove_unfinished();
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err((message, code)) => {

@@ -10,7 +10,7 @@
 
 use slipline_link::native::Handle;
 use slipline_link::{LinkState, Request};
-use slipline_model::disk;
+use slipline_model::atomic_file;
 use std::io;
 use std::process;
 use std::sync::mpsc::{Receiver, channel};
@@ -149,7 +149,7 @@ fn end(signals: &Receiver<()>) {
         // A device that does not answer stops by itself after its dead-man time.
         let _ = device.wait_for(STOPPING, |seen| matches!(seen.link, LinkState::Disconnected).then_some(()));
     }
-    disk::remove_unfinished();
+    atomic_file::remove_unfinished();
     let last = endings().last;
     last.into_iter().for_each(|last| last());
     process::exit(EXIT_CODE);

@@ -2,6 +2,7 @@
 //! `--trace FILE` writes every frame on the link to a file, one line each.
 
 use crate::cli::Failure;
+use slipline_plate::quantity::must_be;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Mutex;
@@ -20,9 +21,8 @@ const VARIABLE: &str = "RUST_LOG";
 pub fn start(file: Option<&Path>) -> Result<(), Failure> {
     let filter = match std::env::var(VARIABLE) {
         Ok(text) if !text.is_empty() => Some(EnvFilter::try_new(&text).map_err(|error| {
-            Failure::Usage(format!(
-                "{VARIABLE} is '{text}': must be a list like 'slipline_link=debug' or 'info' ({error})"
-            ))
+            let allowed = format!("a list like 'slipline_link=debug' or 'info' ({error})");
+            Failure::Usage(must_be(format_args!("{VARIABLE} is '{text}'"), allowed))
         })?),
         _ => None,
     };

@@ -1,7 +1,7 @@
-//! Latched faults: what went wrong, and the set of all that has.
+//! Faults, which stay latched until a command clears them: one fault, and the set of all that are latched.
 
+use crate::minor::Minor;
 use crate::schema::{Shape, Wire, choices};
-use crate::version::Minor;
 use serde::{Deserialize, Serialize};
 
 choices! {
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_drive_time_is_told_as_long_as_it_is() {
+    fn the_text_of_the_drive_time_fault_tells_its_limit() {
         let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
         assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
     }

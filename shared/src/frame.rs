@@ -4,19 +4,19 @@
 //! raw  = direction 1 | session 4 | sequence 2 | id 1 | body 0..=238 | crc 4      (little-endian)
 //! wire = COBS(raw) 00                                                            (00 occurs nowhere else)
 //! ```
-//! The CRC-32 (ISO-HDLC, as in zip) covers all before it. A second 00 follows where the frame would else be a
-//! multiple of 64 bytes: a full last USB packet would need a zero-length one after it. Empty frames are skipped.
+//! The CRC-32 covers all bytes before it. If the frame on the wire is a multiple of 64 bytes long, a second 00 follows:
+//! a USB transfer that ends with a full packet would need an empty packet after it. A receiver skips empty frames.
 
 use crate::limits::{MAX_BODY, MAX_ENCODED, MAX_RAW};
 use heapless::Vec;
 
-/// CRC-32/ISO-HDLC.
+/// CRC-32/ISO-HDLC, the one of zip and Ethernet: polynomial 0x04c11db7, reflected, start and final XOR all ones.
 pub const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 const HEADER: usize = 8;
 const TRAILER: usize = 4;
 
-/// Which way a frame travels. A side ignores frames that travel away from it: its own, echoed by a terminal.
+/// Which way a frame travels. Each side ignores frames of its own direction: a terminal may echo what the side sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Direction {
@@ -36,36 +36,36 @@ impl Direction {
     }
 }
 
-/// What stands before the body.
+/// The fields before the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// Which way it travels.
+    /// Which way the frame travels.
     pub direction: Direction,
-    /// The session it belongs to; 0 in a hello.
+    /// The session that the frame belongs to; 0 in a hello.
     pub session: u32,
-    /// The command's number; a reply carries its command's.
+    /// The number of the command; a reply repeats the number of its command.
     pub sequence: u16,
     /// The message's id.
     pub id: u8,
 }
 
-/// A whole, undamaged frame.
+/// A complete frame whose CRC is right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// Its header.
+    /// The fields before the body.
     pub header: Header,
-    /// Its body, still encoded.
+    /// The message's body as postcard encodes it, 0..=[`MAX_BODY`] bytes.
     pub body: &'a [u8],
 }
 
-/// Why bytes are not a frame, or a message does not fit one. Counted where it happens; never sent.
+/// Why a message cannot be sent as a frame, or bytes are not a frame. It is never sent itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameError {
     /// More bytes than a frame may have.
     TooLong,
     /// Impossible COBS, too short, wrong CRC or no direction.
     Damaged,
-    /// The message is newer than the minor version of the side that it is for.
+    /// The message is newer than the minor version that the other side speaks.
     TooNew,
 }
 
@@ -84,10 +84,11 @@ impl core::error::Error for FrameError {}
 /// The bytes of one frame on the link.
 pub type Encoded = Vec<u8, MAX_ENCODED>;
 
-/// Makes a frame around a message's body, which `body` writes into the buffer it is given and whose length it returns.
+/// Encodes a frame. `body` gets a buffer of [`MAX_BODY`] bytes, writes the message's body into it and returns the
+/// body's length in bytes.
 ///
 /// # Errors
-/// Whatever `body` returns; [`FrameError::TooLong`] if it claims more than [`MAX_BODY`] bytes.
+/// The error of `body`; [`FrameError::TooLong`] if `body` returns a length above [`MAX_BODY`].
 pub fn encode(
     header: Header,
     body: impl FnOnce(&mut [u8]) -> Result<usize, FrameError>,
@@ -115,20 +116,20 @@ pub fn encode(
     Ok(encoded)
 }
 
-/// What the decoder has seen. Counters stop at their largest value.
+/// What a decoder has counted. Counters stop at their largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DecoderCounters {
-    /// Whole, undamaged frames.
+    /// Complete frames whose CRC is right.
     pub frames: u32,
-    /// Damaged frames.
+    /// Frames with impossible COBS, too few bytes, a wrong CRC or an unknown direction.
     pub damaged: u32,
-    /// Frames too long for the buffer.
+    /// Frames of more than [`MAX_ENCODED`] bytes.
     pub overlong: u32,
 }
 
-/// Finds frames in a stream of bytes, from any starting point, in a buffer of fixed size.
+/// Finds frames in a stream of bytes, which may begin anywhere in a frame. Its buffer has a fixed size.
 ///
-/// After damage it is in step again at the next zero byte, so at most one good frame is lost.
+/// After damaged bytes the next frame is found behind the next zero byte. So at most one undamaged frame is lost.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     buffer: Vec<u8, MAX_ENCODED>,
@@ -137,7 +138,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// An empty decoder.
+    /// A decoder that has received nothing.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -147,7 +148,8 @@ impl Decoder {
         }
     }
 
-    /// Takes one byte; when it ends an undamaged frame, calls `found` with it and returns what that returns.
+    /// Takes one byte. If it ends a complete frame whose CRC is right, calls `found` with the frame and returns the
+    /// result; else returns `None`.
     pub fn push<R>(&mut self, byte: u8, found: impl FnOnce(Frame<'_>) -> R) -> Option<R> {
         if byte != 0 {
             if self.buffer.push(byte).is_err() {
@@ -172,7 +174,7 @@ impl Decoder {
         result
     }
 
-    /// What has been seen so far.
+    /// The counters so far.
     #[must_use]
     pub const fn counters(&self) -> DecoderCounters {
         self.counters

@@ -27,6 +27,7 @@ pub mod fault;
 pub mod frame;
 pub mod limits;
 mod message;
+mod minor;
 pub mod refusal;
 pub mod schema;
 pub mod table;
@@ -38,7 +39,7 @@ pub use event::Event;
 pub use frame::{Decoder, Direction, Encoded, Frame, FrameError, Header};
 pub use refusal::Refusal;
 
-use version::Minor;
+use minor::Minor;
 
 impl Command {
     /// The command as bytes for the link, for a device with which the host shares a minor version.

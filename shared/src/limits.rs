@@ -1,27 +1,27 @@
-//! The numbers both ends agree on. Times are in milliseconds here; a device turns them into samples at its own rate.
+//! Limits that host and device share. Times are in milliseconds; a device converts them into samples of its own rate.
 
 /// Tones that sound at once, at most.
 pub const MAX_TONES: usize = 16;
 /// Knots of a turning-point table, at most.
 pub const MAX_KNOTS: usize = 1025;
-/// Knots of a turning-point table, at least: two make a line.
+/// Knots of a turning-point table, at least: interpolation needs two.
 pub const MIN_KNOTS: usize = 2;
-/// Knots one `TableChunk` carries, at most: 22 knots of up to 10 bytes, the first index and the count fit
+/// Knots of one `TableChunk`, at most: 22 knots of up to 10 bytes, the index of the first and their count fit into
 /// [`MAX_BODY`].
 pub const CHUNK_KNOTS: usize = 22;
 /// Bytes of a message's body, at most.
 pub const MAX_BODY: usize = 238;
 /// Bytes of a frame before COBS: direction 1, session 4, sequence 2, id 1, body, CRC 4.
 pub const MAX_RAW: usize = 8 + MAX_BODY + 4;
-/// Bytes of a frame on the link: COBS adds one byte per 254, the zero delimiter one, and a second delimiter
-/// follows where the length would be a multiple of 64 (a full last USB packet).
+/// Bytes of a frame on the link, at most: COBS adds one byte and one more per 254; a zero delimiter follows, and a
+/// second one where the length would be a multiple of 64 (a full last USB packet).
 pub const MAX_ENCODED: usize = MAX_RAW + MAX_RAW / 254 + 3;
-/// Bytes of a short text, such as a board's name.
+/// Bytes of a short text, such as a board's name, at most.
 pub const MAX_NAME: usize = 24;
-/// Bytes of a crash message.
+/// Bytes of a crash message, at most.
 pub const MAX_CRASH: usize = 96;
 
-/// The highest frequency as a share of the sample rate, in thousandths.
+/// The highest frequency of a tone, in thousandths of the sample rate.
 pub const MAX_FREQUENCY_PER_MILLE: u32 = 450;
 /// The highest phase step a knot may hold, Q0.32: 0.45 of a turn.
 pub const MAX_KNOT_STEP: u32 = ((1u64 << 32) * MAX_FREQUENCY_PER_MILLE as u64 / 1000) as u32;
@@ -29,48 +29,48 @@ pub const MAX_KNOT_STEP: u32 = ((1u64 << 32) * MAX_FREQUENCY_PER_MILLE as u64 / 
 /// The quietest master level a drive may ask for, in hundredths of a decibel.
 pub const MIN_MASTER_CDB: i16 = -9600;
 
-/// The host says it lives this often while it is connected.
+/// A connected host sends a keep-alive after each period of this length.
 pub const KEEP_ALIVE_PERIOD_MS: u32 = 200;
-/// With no valid keep-alive for so long the drive ramps to silence.
+/// An armed device that gets no new keep-alive for this time ramps to silence and disarms.
 pub const DEAD_MAN_MS: u32 = 1000;
-// Four lost keep-alives in a row must be survivable.
+// A drive survives four lost keep-alives in a row.
 const _: () = assert!(DEAD_MAN_MS >= 5 * KEEP_ALIVE_PERIOD_MS);
 
-/// The dead-man's ramp from full level to silence.
+/// The length of the dead-man's ramp to silence.
 pub const DEAD_MAN_RAMP_MS: u32 = 50;
-/// A stop's ramp.
+/// The length of a stop's ramp to silence.
 pub const STOP_RAMP_MS: u32 = 30;
-/// An emergency stop's ramp.
+/// The length of an emergency stop's ramp to silence.
 pub const EMERGENCY_RAMP_MS: u32 = 2;
 /// The shortest glide a drive may ask for: shorter amplitude ramps click.
 pub const MIN_GLIDE_MS: u32 = 5;
 /// The longest glide a drive may ask for.
 pub const MAX_GLIDE_MS: u32 = 10_000;
-/// How far ahead of now an apply-at index may lie: farther is a mistake.
+/// The farthest that an apply-at index may lie ahead: a drive that begins later is surely a mistake.
 pub const MAX_APPLY_AHEAD_MS: u32 = 60_000;
-/// A table upload that does not move for so long is dropped.
+/// A table upload that gets no chunk for this time is dropped.
 pub const STAGING_TIMEOUT_MS: u32 = 2000;
-/// A reply that the host does not take for so long is dropped.
+/// A reply that the host has not taken after this time is dropped.
 pub const TRANSMIT_TIMEOUT_MS: u32 = 20;
-/// A bootloader token is good for so long.
+/// A bootloader token is valid for this time.
 pub const BOOTLOADER_TOKEN_MS: u32 = 5000;
 /// The longest drive with no command from the user.
 pub const MAX_DRIVE_MS: u32 = 10 * 60 * 1000;
 /// The longest window of DAC codes one digest may cover.
 pub const MAX_DIGEST_SAMPLES: u32 = 1 << 20;
 
-/// The thermal fold-back changes at multiples of this time only, rounded down to whole blocks (at least one): a
-/// twenty-fifth of the time constant of the coil's winding.
+/// The thermal fold-back changes only at multiples of this time, rounded down to whole blocks (at least one). It is
+/// 1/25 of the time constant of the coil's winding.
 pub const FOLDBACK_PERIOD_MS: u32 = 320;
-/// Earlier fold-back periods that a status tells besides the present one. Together they cover the longest gap between
-/// two statuses that a connection survives: a host gives up after a second without an answer.
+/// Earlier fold-back periods whose factors a status holds besides the present one. Together they cover the longest time
+/// between two statuses of one connection: a host gives up after a second without an answer.
 pub const FOLDBACK_PERIODS: usize = 3;
 const _: () = assert!(
     (FOLDBACK_PERIODS as u32 + 1) * FOLDBACK_PERIOD_MS >= REPLY_TIMEOUT_MS * (MAX_RETRIES + 2),
     "a host that is still connected can replay every period"
 );
 
-/// Host side: a reply is awaited so long before the command is sent again.
+/// Host side: after this time without a reply the command is sent again.
 pub const REPLY_TIMEOUT_MS: u32 = 200;
-/// Host side: a command is sent again so often before the link counts as lost.
+/// Host side: how often a command is sent again before the link counts as lost.
 pub const MAX_RETRIES: u32 = 3;

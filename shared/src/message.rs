@@ -1,4 +1,5 @@
-//! One table per direction: explicit ids, names, bodies and answers. Ids are never used anew.
+//! The macro that defines the messages of one direction from a table: ids, names, bodies and answers. An id is never
+//! used again for another message.
 
 /// Defines an enum of messages with an explicit id each, and its encoding and decoding.
 macro_rules! messages {
@@ -51,7 +52,7 @@ macro_rules! messages {
             }
 
             /// The same for a side that speaks an older minor; `None` if that side does not know the message.
-            pub(crate) fn lowered(&self, minor: $crate::version::Minor) -> Option<Self> {
+            pub(crate) fn lowered(&self, minor: $crate::minor::Minor) -> Option<Self> {
                 if !minor.has(self.since()) {
                     return None;
                 }

@@ -1,4 +1,4 @@
-//! Why a device did not do what it was told, and what the other side can do about it.
+//! Refusals: why a device did not do a command, and what the host can do about it.
 
 use crate::fault::Faults;
 use crate::schema::choices;
@@ -57,11 +57,12 @@ impl Field {
 choices! {
     /// Why a command has to wait.
     pub enum Busy {
-        /// The last drive has not been taken up yet.
+        /// The last drive is not in force yet.
         0 since 0 CommitPending,
         /// The output is not silent.
         1 since 0 DriveActive,
-        /// The other slot is still needed: the last table swap has not begun, or what went by the old table fades out.
+        /// The place for a new table is in use: the last change of tables has not begun, or tones of the old table
+        /// still fade out.
         2 since 0 TableInUse,
         /// A digest is under way.
         3 since 0 DigestPending,
@@ -69,8 +70,9 @@ choices! {
 }
 
 choices! {
-    /// A refusal, as it goes over the wire. What sounds, and what is kept, is as it was before the command; but the command
-    /// has used its number, a wrong token the one given, and a damaged upload is given up.
+    /// A refusal, as it goes over the wire. The sound and the stored table stay as they were before the command. But
+    /// the command has used its number; a wrong bootloader token ends the one that the device gave; and a complete
+    /// upload that is not a valid table is dropped.
     pub enum Refusal {
         /// No message has this id in this version.
         0 since 0 UnknownMessage {
@@ -79,18 +81,19 @@ choices! {
         },
         /// The body is too short, too long or holds an impossible value.
         1 since 0 Malformed,
-        /// The frame belongs to no session or an ended one: say hello again.
+        /// The frame belongs to no session, or to one that has ended: say hello again.
         2 since 0 StaleSession,
         /// The sequence number is not the next one: send `expected`, or say hello again.
         3 since 0 BadSequence {
             /// The number the device waits for.
             expected: u16 [""],
         },
-        /// The versions differ: identify, stop and the bootloader only.
+        /// The versions do not match: the device only does hello, keep-alive, status, the stops, disarm and the
+        /// bootloader's commands.
         4 since 0 VersionMismatch,
         /// Arm first.
         5 since 0 NotArmed,
-        /// A latched fault stands: read it, remove its cause, clear it.
+        /// A fault is latched: read it, remove its cause, clear it.
         6 since 0 Faulted {
             /// All latched faults.
             faults: Faults [""],
@@ -99,13 +102,13 @@ choices! {
         7 since 0 Busy(Busy),
         /// A value lies outside its range.
         8 since 0 OutOfRange {
-            /// Which one.
+            /// The field.
             field: Field [""],
             /// The lowest allowed value.
             min: i64 [""],
             /// The highest allowed value.
             max: i64 [""],
-            /// What came.
+            /// The value that came.
             got: i64 [""],
         },
         /// Two tones name the same slot.
@@ -122,7 +125,7 @@ choices! {
         11 since 0 NoTable,
         /// No upload is under way (or it timed out): begin again.
         12 since 0 NoUpload,
-        /// Chunks come in order, without gaps or repeats.
+        /// The chunk is not the next one: chunks come in order, without gaps or repeats.
         13 since 0 ChunkOrder {
             /// The knot the device waits for.
             expected: u16 [""],
@@ -143,11 +146,12 @@ choices! {
         17 since 0 BadToken,
         /// This device cannot do that (no flash store, no bootloader).
         18 since 0 NotSupported,
-        /// The flash did not take the data.
+        /// The flash reported an error, or what was written reads back wrong.
         19 since 0 StoreFailed,
-        /// Only when disarmed.
+        /// The command is only done while the device is disarmed.
         20 since 0 Armed,
-        /// Started after repeated crashes: it talks but does not drive. Flash new firmware or power-cycle.
+        /// The device started after repeated crashes: it answers but does not drive. Flash new firmware, or switch the
+        /// power off and on.
         21 since 0 SafeMode,
         /// No digest has been asked for.
         22 since 0 NoDigest,

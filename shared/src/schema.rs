@@ -9,7 +9,7 @@
 //! A body never changes within a major version. What is new comes as a new message or as a new variant at the end of
 //! an enumeration, and says since which minor it stands; [`Wire::lowered`] replaces it for an older one.
 
-use crate::version::Minor;
+use crate::minor::Minor;
 use heapless::{String, Vec};
 
 /// How a value stands on the wire.
@@ -31,7 +31,7 @@ pub enum Shape {
     Bool,
     /// One byte, 0 or 1; after a 1 the value.
     Option(&'static Self),
-    /// So many values, without a count.
+    /// This number of values, without a count.
     Array(usize, &'static Self),
     /// The count as a varint, at most this, and then the values.
     List(usize, &'static Self),
@@ -120,7 +120,7 @@ macro_rules! transparent {
         impl $crate::schema::Wire for $name {
             const SHAPE: &'static $crate::schema::Shape = <$inner as $crate::schema::Wire>::SHAPE;
 
-            fn lowered(&self, minor: $crate::version::Minor) -> Self {
+            fn lowered(&self, minor: $crate::minor::Minor) -> Self {
                 Self(self.0.lowered(minor))
             }
         }
@@ -215,7 +215,7 @@ macro_rules! body {
                 &[$( $crate::schema::field_row!([$($field_doc)+] $field $ty, $unit $(, $min, $max)?) ),+],
             );
 
-            fn lowered(&self, minor: $crate::version::Minor) -> Self {
+            fn lowered(&self, minor: $crate::minor::Minor) -> Self {
                 Self { $( $field: $crate::schema::Wire::lowered(&self.$field, minor) ),+ }
             }
         }
@@ -223,8 +223,8 @@ macro_rules! body {
 }
 pub(crate) use body;
 
-/// Defines an enumeration that stands in a body: number, minor, name, what it carries, and for a variant that came
-/// later (`or`) the older one that takes its place towards a side that does not know it.
+/// Defines an enumeration that stands in a body. A variant has a number, a minor, a name and what it carries. A variant
+/// of a later minor also has an older one (`or`), which replaces it for a side that does not know it.
 macro_rules! choices {
     (
         $(#[doc = $doc:literal])+
@@ -266,7 +266,7 @@ macro_rules! choices {
                         doc: &[$($variant_doc),+],
                         fields: &[
                             $($( $crate::schema::field_row!([$($field_doc)+] $field $ty, $unit) ),+)?
-                            $( $crate::schema::field_row!(["Which one."] value $inner, "") )?
+                            $( $crate::schema::field_row!(["What the variant carries."] value $inner, "") )?
                         ],
                     },
                 )+
@@ -277,7 +277,7 @@ macro_rules! choices {
             const SHAPE: &'static $crate::schema::Shape =
                 &$crate::schema::Shape::Enum(stringify!($name), Self::ROWS);
 
-            fn lowered(&self, minor: $crate::version::Minor) -> Self {
+            fn lowered(&self, minor: $crate::minor::Minor) -> Self {
                 // Unused where no variant is newer than the first minor and none carries anything.
                 let _ = minor;
                 match self {

@@ -1,8 +1,8 @@
-//! The turning-point table: what the device must send to put an equal peak at any place of the plate.
+//! The turning-point table: the frequency and the gain that put an equal peak at any position on the plate.
 //!
-//! Knots are uniform in position over the span; each holds the phase step (so the frequency whose boundary lies
-//! there) and the gain (the inverse of everything between DAC code and plate peak). Between knots both are linear.
-//! This is the one definition of that interpolation: host and device call the same function.
+//! Knots are uniform in position over the span. Each holds a phase step (the frequency whose turning point lies there)
+//! and a gain (the inverse of the response from DAC code to plate peak). Between knots both are linear. Host and device
+//! interpolate by the functions of this file, so their results are equal bit for bit.
 
 use crate::limits::{MAX_KNOT_STEP, MAX_KNOTS, MIN_KNOTS};
 use crate::refusal::{Field, Refusal};
@@ -20,29 +20,28 @@ body! {
     }
 }
 
-/// What a tone at a place needs.
+/// The table's value at one position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Setting {
-    /// Its phase step.
+    /// The phase step of a tone at this position.
     pub step: PhaseStep,
-    /// Its gain.
+    /// The factor from the peak on the plate to the amplitude at the DAC.
     pub gain: Gain,
 }
 
-/// The table's value at `position`, with knots read by index through `knot`.
+/// The value at `position` of a table of `count` knots, which `knot` returns by index.
 ///
-/// It lies between two knots as [`place`] and [`between`] say. `count` below 2 gives the only knot, or the default for
-/// none.
+/// [`place`] finds the two knots and [`between`] interpolates. With a `count` below 2 it is the value of knot 0.
 pub fn evaluate(count: u16, position: FinePosition, knot: impl Fn(u16) -> Knot) -> Setting {
     let last = count.saturating_sub(1);
     let (index, fraction) = place(count, position);
     between(knot(index), knot((index + 1).min(last)), fraction)
 }
 
-/// Between which knots a position lies: the index of the first, and how far it is on the way to the next, Q1.31,
-/// 0..=2^31.
+/// Between which two of `count` knots a position lies: the index of the first one, and the fraction of the way to the
+/// next one, Q1.31, 0..=2^31.
 ///
-/// With `t = position * (count - 1)` that is `floor(t)`, but no further than the last interval, and the rest.
+/// With `t = position * (count - 1)` the index is `min(floor(t), count - 2)` and the fraction is `t - index`.
 #[inline]
 pub const fn place(count: u16, position: FinePosition) -> (u16, u32) {
     let last = count.saturating_sub(1);
@@ -53,50 +52,68 @@ pub const fn place(count: u16, position: FinePosition) -> (u16, u32) {
     (index as u16, (t - (index << 31)) as u32)
 }
 
-/// What lies `fraction` (Q1.31, 0..=2^31) of the way from one knot to another: `a + fraction (b - a)`, the step exact in
-/// Q0.64, the gain rounded down to Q1.31.
+/// The value at `fraction` (Q1.31, 0..=2^31) of the way from knot `a` to knot `b`: `a + fraction (b - a)`. The step is
+/// exact in Q0.64, the gain is rounded down to Q1.31.
 #[inline]
 pub const fn between(a: Knot, b: Knot, fraction: u32) -> Setting {
-    // Weighted sums rather than a difference times the fraction: a multiplication each and no signs, and exact all the
-    // same. The weights add up to 2^31, so no sum exceeds 63 bits.
+    // Weighted sums need no signs, unlike a difference times the fraction, and are as exact. The weights add up to
+    // 2^31, so no sum exceeds 63 bits.
     let (there, here) = (fraction as u64, (1u32 << 31).wrapping_sub(fraction) as u64);
     let step = (a.step as u64 * here + b.step as u64 * there) << 1;
     let gain = (a.gain.0 as u64 * here + b.gain.0 as u64 * there) >> 31;
     Setting { step: PhaseStep(step), gain: Gain(gain as u32) }
 }
 
-/// Checks a whole table: 2..=1025 knots, steps strictly monotonic and within 1..=0.45 turns, gains within
-/// 1..=full scale.
+/// Checks a whole table: [`MIN_KNOTS`] to [`MAX_KNOTS`] knots; steps that rise or fall strictly, within
+/// 1..=[`MAX_KNOT_STEP`] (0.45 turns per sample); gains within 1..=[`Gain::FULL`].
 ///
 /// # Errors
-/// [`Refusal::OutOfRange`] or [`Refusal::NotMonotonic`], naming the first knot at fault.
+/// The fault of the first knot that has one: [`Refusal::OutOfRange`] with the field and its value, or
+/// [`Refusal::NotMonotonic`] with the knot's index.
 pub fn validate(count: u16, knot: impl Fn(u16) -> Knot) -> Result<(), Refusal> {
     if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(count)) {
         return Err(out_of_range(Field::KnotCount, MIN_KNOTS as i64, MAX_KNOTS as i64, i64::from(count)));
     }
-    let rising = knot(1).step > knot(0).step;
-    let mut previous: Option<u32> = None;
-    for index in 0..count {
-        let Knot { step, gain } = knot(index);
+    let mut validator = Validator::default();
+    (0..count).try_for_each(|index| validator.take(knot(index)))
+}
+
+/// Checks knots as [`validate`] does, one after another from the first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Validator {
+    index: u16,
+    previous: Option<u32>,
+    is_rising: Option<bool>,
+}
+
+impl Validator {
+    /// Checks the next knot.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] or [`Refusal::NotMonotonic`]. After an error there is nothing more to check.
+    pub fn take(&mut self, Knot { step, gain }: Knot) -> Result<(), Refusal> {
         if !(1..=MAX_KNOT_STEP).contains(&step) {
             return Err(out_of_range(Field::KnotStep, 1, i64::from(MAX_KNOT_STEP), i64::from(step)));
         }
         if !(1..=Gain::FULL.0).contains(&gain.0) {
             return Err(out_of_range(Field::KnotGain, 1, i64::from(Gain::FULL.0), i64::from(gain.0)));
         }
-        if let Some(previous) = previous {
-            let in_order = if rising { step > previous } else { step < previous };
+        if let Some(previous) = self.previous {
+            // The first two knots give the direction.
+            let is_rising = *self.is_rising.get_or_insert(step > previous);
+            let in_order = if is_rising { step > previous } else { step < previous };
             if !in_order {
-                return Err(Refusal::NotMonotonic { knot: index });
+                return Err(Refusal::NotMonotonic { knot: self.index });
             }
         }
-        previous = Some(step);
+        self.previous = Some(step);
+        self.index = self.index.saturating_add(1);
+        Ok(())
     }
-    Ok(())
 }
 
-/// The table's CRC-32: span start and end in um, sample rate in Hz, knot count, then every knot's step and gain, each
-/// as four bytes (the count as two), little-endian.
+/// The table's CRC-32. It covers, little-endian: the span's start and end in um and the sample rate in Hz, four bytes
+/// each; the number of knots, two bytes; and every knot's step and gain, four bytes each.
 pub fn digest(
     span_start_um: u32,
     span_end_um: u32,
@@ -104,17 +121,44 @@ pub fn digest(
     count: u16,
     knot: impl Fn(u16) -> Knot,
 ) -> u32 {
-    let mut crc = crate::frame::CRC.digest();
-    crc.update(&span_start_um.to_le_bytes());
-    crc.update(&span_end_um.to_le_bytes());
-    crc.update(&sample_rate_hz.to_le_bytes());
-    crc.update(&count.to_le_bytes());
-    for index in 0..count {
-        let Knot { step, gain } = knot(index);
-        crc.update(&step.to_le_bytes());
-        crc.update(&gain.0.to_le_bytes());
+    let mut digester = Digester::new(span_start_um, span_end_um, sample_rate_hz, count);
+    (0..count).for_each(|index| digester.take(knot(index)));
+    digester.finish()
+}
+
+/// Computes a table's [`digest`], one knot after another from the first.
+#[derive(Clone)]
+pub struct Digester(crc::Digest<'static, u32>);
+
+impl core::fmt::Debug for Digester {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        formatter.debug_tuple("Digester").field(&self.clone().finish()).finish()
     }
-    crc.finalize()
+}
+
+impl Digester {
+    /// Before the first knot.
+    #[must_use]
+    pub fn new(span_start_um: u32, span_end_um: u32, sample_rate_hz: u32, count: u16) -> Self {
+        let mut crc = crate::frame::CRC.digest();
+        crc.update(&span_start_um.to_le_bytes());
+        crc.update(&span_end_um.to_le_bytes());
+        crc.update(&sample_rate_hz.to_le_bytes());
+        crc.update(&count.to_le_bytes());
+        Self(crc)
+    }
+
+    /// Takes the next knot.
+    pub fn take(&mut self, Knot { step, gain }: Knot) {
+        self.0.update(&step.to_le_bytes());
+        self.0.update(&gain.0.to_le_bytes());
+    }
+
+    /// The digest of the knots so far.
+    #[must_use]
+    pub fn finish(self) -> u32 {
+        self.0.finalize()
+    }
 }
 
 const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {

@@ -1,4 +1,4 @@
-//! The quantities on the wire. Each is an integer with one meaning, so that every machine computes the same bits.
+//! The quantities on the wire. Each is an integer in a fixed unit, so that every machine computes the same bits.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +14,7 @@ impl Position {
     /// The end of the span.
     pub const END: Self = Self(u16::MAX);
 
-    /// The same place as a [`FinePosition`], rounded to nearest.
+    /// The same position in Q1.31, rounded to nearest.
     #[must_use]
     pub const fn fine(self) -> FinePosition {
         // (raw * 2^31 + 65535/2) / 65535 fits u32 for every u16 and is exact at both ends.
@@ -32,7 +32,7 @@ impl FinePosition {
     /// The end of the span.
     pub const END: Self = Self(1 << 31);
 
-    /// From a raw Q1.31 value; what lies beyond the end is taken as the end.
+    /// The position of a raw Q1.31 value; a value above 2^31 gives the end.
     #[must_use]
     pub const fn saturating(raw: u32) -> Self {
         Self(if raw > Self::END.0 { Self::END.0 } else { raw })
@@ -45,13 +45,13 @@ impl FinePosition {
     }
 }
 
-/// A phase advance per sample in turns, Q0.64: `2^64` would be one turn per sample.
+/// The phase that a tone gains per sample, in turns, Q0.64: `2^64` would be one turn per sample.
 ///
 /// `f = step * sample_rate / 2^64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PhaseStep(pub u64);
 
-/// An amplitude or a gain, Q1.31: `1 << 31` is 1, the DAC's half swing.
+/// An amplitude or a gain, Q1.31: `1 << 31` is 1, which is half the DAC's swing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Gain(pub u32);
 
@@ -59,7 +59,7 @@ impl Gain {
     /// Full scale: a sine from the lowest to the highest DAC code.
     pub const FULL: Self = Self(1 << 31);
 
-    /// The product with a level, rounded down: never louder than asked.
+    /// The product with a level, rounded down, so that a tone is never louder than its level.
     #[must_use]
     pub const fn scaled(self, level: Level) -> Self {
         // Level 65535 is 1 exactly, so the divisor is 65535.
@@ -87,13 +87,13 @@ impl Level {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Phase(pub u16);
 
-/// Hundredths of a decibel of amplitude; -600 halves it (nearly).
+/// A ratio of amplitudes in hundredths of a decibel: `10^(raw / 2000)`. -602 is one half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct CentiDecibel(pub i16);
 
 crate::schema::transparent!(Position(u16), Gain(u32), Level(u16), Phase(u16), CentiDecibel(i16));
 
-/// An amplitude in Q1.31 as per mille of full scale, rounded up.
+/// An amplitude in Q1.31 as per mille of full scale, rounded up; at most 65535.
 #[must_use]
 pub fn per_mille(amplitude: u64) -> u16 {
     let scaled = amplitude.saturating_mul(1000).div_ceil(u64::from(Gain::FULL.0));

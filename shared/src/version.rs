@@ -11,16 +11,15 @@
 //! minors: the one way to bytes, [`Command::frame_for`](crate::Command::frame_for) and
 //! [`Event::frame_for`](crate::Event::frame_for), takes that [`Minor`].
 
+pub use crate::minor::{MINOR, Minor};
 use crate::schema::body;
 
 /// Rises when a message changes its meaning or its bytes. Hosts and devices of different majors do not drive.
 pub const MAJOR: u8 = 1;
-/// Rises when messages or variants are added.
-pub const MINOR: u8 = if cfg!(slipline_next) { 1 } else { 0 };
 
 /// The fingerprint of this major version: the CRC-32 of all frames in `wire/v1.snap`, one after the other. They are the
-/// frozen frames of minor 0, so it is the same for every minor. It keeps development builds of before the first release
-/// from taking each other for equals.
+/// frozen frames of minor 0, so it is the same for every minor. Development builds of before the first release have
+/// other fingerprints, so a release does not drive them.
 pub const SCHEMA: u32 = 0x077e_45e7;
 
 body! {
@@ -56,33 +55,16 @@ impl Version {
         }
     }
 
+    /// The minor version that the two sides speak: the lower of theirs; [`Minor::FIRST`] if they may not drive.
+    #[must_use]
+    pub fn shared_minor(self, other: Self) -> Minor {
+        if self.may_drive(other) { Minor::new(self.minor.min(other.minor)) } else { Minor::FIRST }
+    }
+
     /// Whether commands that drive the plate may pass between the two.
     #[must_use]
     pub fn may_drive(self, other: Self) -> bool {
         self.major == other.major && self.schema == other.schema
-    }
-}
-
-/// A minor version that two sides share: neither sends the other anything newer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Minor(u8);
-
-impl Minor {
-    /// What every device and host of the major version knows, and all that may be said before the hello.
-    pub const FIRST: Self = Self(0);
-    /// All that this build knows.
-    pub const OURS: Self = Self(MINOR);
-
-    /// The lower of this build's minor and the peer's.
-    #[must_use]
-    pub fn shared_with(peer: Version) -> Self {
-        if Version::OURS.may_drive(peer) { Self(peer.minor).min(Self::OURS) } else { Self::FIRST }
-    }
-
-    /// Whether what was added in a minor may be sent.
-    #[must_use]
-    pub const fn has(self, since: u8) -> bool {
-        since <= self.0
     }
 }
 
@@ -147,7 +129,7 @@ mod tests {
         assert_eq!(judge(3, version(0, 9)), Compatibility::FlashDevice);
         let other_build = Version { schema: [0; 4], ..version(1, 3) };
         assert_eq!(judge(3, other_build), Compatibility::FlashDevice);
-        assert_eq!(Minor::shared_with(other_build), Minor::FIRST);
-        assert_eq!(Minor::shared_with(version(1, 200)), Minor::OURS);
+        assert_eq!(Version::OURS.shared_minor(other_build), Minor::FIRST);
+        assert_eq!(Version::OURS.shared_minor(version(1, 200)), Minor::OURS);
     }
 }

@@ -146,8 +146,10 @@ def drive(tones, glide, at=None):
 
 
 class Host:
-    def __init__(self, board, usb):
-        self.board, self.usb = board, usb
+    """`cable` is the host's end of the link: of USB or of a serial port."""
+
+    def __init__(self, board, cable):
+        self.board, self.cable = board, cable
         self.inbox = bytearray()
         self.session = self.sequence = self.keep_alives = 0
         self.nonce = 0
@@ -158,7 +160,7 @@ class Host:
 
     def connect(self):
         """Waits for the port and begins a session."""
-        self.board.run_until(lambda: self.usb.is_configured, 0.2)
+        self.board.run_until(lambda: self.cable.is_configured, 0.2)
         return self.hello()
 
     def hello(self):
@@ -175,7 +177,7 @@ class Host:
         if message not in UNSEQUENCED:
             self.sequence = self.sequence % 0xFFFF + 1
         sent = frame(self.session, self.sequence, message, body)
-        self.usb.send(sent)
+        self.cable.send(sent)
         end = self.board.seconds + patience
         while self.board.seconds < end:
             self.board.run(0.0005)
@@ -187,7 +189,7 @@ class Host:
         raise AssertionError(f"no answer to {message:#x} within {patience} s")
 
     def replies(self):
-        self.inbox += self.usb.receive()
+        self.inbox += self.cable.receive()
         while b"\0" in self.inbox:
             coded, _, rest = self.inbox.partition(b"\0")
             self.inbox = rest

@@ -1,15 +1,18 @@
 """Cycles on a Cortex-M4, by a model of its instruction timings: deterministic, so they are asserted.
 
 The bank's by the bench image, block by block; those of the renderer's whole interrupt by the very image that is
-flashed, on the board. Flash wait states, and what the accelerator hides of them, are outside the model.
+flashed, on the board: without wait states, and with those of the flash of both chips with this core.
 """
 import re
 
 import pytest
 
 import m4_cycles
+import wait_states
+from boards import on_f407
 from conftest import ROOT, TARGET, cargo
 from host import DIGEST_START, DRIVE, STOP, TABLE_COMMIT, drive, varint
+from instruction_trace import Recorder
 
 TONES, BLOCK = 16, 128
 BLOCK_PERIOD_CYCLES = 168_000_000 * BLOCK // 400_000
@@ -21,6 +24,13 @@ TOLERANCE = 0.03
 GOALS = {"bench_steady": 3.5, "bench_glide": 10.0, "bench_retune": 10.0}
 ROWS = {"bench_steady": "steady", "bench_glide": "all tones glide", "bench_retune": "all tones re-tuned at once"}
 RENDERER, DMA = 16 + 53, 16 + 16
+# Flash and clock. The G474's image has the same application and is placed likewise, so the F407's trace stands for it:
+# with its own RAMs, for it runs at the F407's addresses.
+CHIPS = (
+    (wait_states.F407, 168e6),
+    (wait_states.F407_REVISION_A, 168e6),
+    (wait_states.G474._replace(rams=wait_states.F407.rams), 170e6),
+)
 MILLISECOND = 400
 
 
@@ -49,21 +59,32 @@ def test_a_block_takes_no_more_cycles_than_its_goal_and_what_the_readme_says(ben
 
 
 def documented(row):
-    """Cycles and share in a row of the README's table of interrupts."""
-    cycles, share = re.search(rf"^\| {row} \| ([\d ]+) \| ([\d.]+) % \|$", README, re.M).groups()
-    return int(cycles.replace(" ", "")), float(share)
+    """Cycles and shares in a row of the README's table of interrupts."""
+    cycles, *shares = re.search(rf"^\| {row} \| ([\d ]+) \| ([\d.]+) % \| ([\d.]+) % \| ([\d.]+) % \|$", README, re.M).groups()
+    return int(cycles.replace(" ", "")), *map(float, shares)
 
 
-def test_a_block_of_the_renderer_takes_less_than_half_its_time_whatever_comes_together(armed):
-    """R-44: the interrupt as a whole, with the executor and the copy to the ring."""
+def worst_share(board, recorder, chip, clock_hz):
+    """The most that a recorded handler takes of a block's time in per cent, with a chip's wait states."""
+    vector = wait_states.FLASH.start + 4 * recorder.exception
+    worst = max(wait_states.cycles(run, board.timing, chip, vector)[1] for run in recorder.runs)
+    return 100 * (worst + board.ENTRY_CYCLES + board.EXIT_CYCLES) / (clock_hz * BLOCK / 400_000)
+
+
+@on_f407
+def test_a_block_of_the_renderer_takes_little_enough_of_its_time_whatever_comes_together(armed):
+    """R-44 and R-68: the interrupt as a whole, with the executor and the copy to the ring."""
     board, host = armed.board, armed.host
 
-    def worst(row, exception=RENDERER):
-        cycles = board.worst_cycles[exception]
+    def worst(row, recorder):
+        cycles = board.worst_cycles[recorder.exception]
         share = 100 * cycles / BLOCK_PERIOD_CYCLES
-        print(f"{row}: {cycles:.0f} cycles, {share:.1f} % of a block's time")
+        f407, revision_a, g474 = (worst_share(board, recorder, *chip) for chip in CHIPS)
+        print(f"{row}: {cycles:.0f} cycles, {share:.1f} % of a block's time; with wait states {f407:.1f} % on the F407 "
+              f"(revision A: {revision_a:.1f} %), {g474:.1f} % on the G474")  # fmt: skip
         assert share < 50
-        assert documented(row) == pytest.approx((cycles, share), rel=TOLERANCE)
+        assert max(f407, revision_a, g474) < 60
+        assert documented(row) == pytest.approx((cycles, share, max(f407, revision_a), g474), rel=TOLERANCE)
 
     def glide(shift, milliseconds):
         tones = [(slot, (slot + shift) / 17, 0.06) for slot in range(TONES)]
@@ -73,13 +94,18 @@ def test_a_block_of_the_renderer_takes_less_than_half_its_time_whatever_comes_to
     glide(0, 10)
     host.live(0.02)
     board.worst_cycles.clear()
-    glide(0.9, 40)
-    host.live(0.003)
-    worst("and a new program begins")
+    with Recorder(board, RENDERER) as recorder:
+        glide(0.9, 40)
+        host.live(0.003)
+    worst("and a new program begins", recorder)
     board.worst_cycles.clear()
-    host.live(0.02)
-    worst("16 tones glide")
-    worst("the DMA's interrupt beside it", DMA)
+    with Recorder(board, RENDERER) as recorder:
+        host.live(0.004)
+    worst("16 tones glide", recorder)
+    with Recorder(board, DMA) as recorder:
+        host.live(0.004)
+    worst("the DMA's interrupt beside it", recorder)
+    host.live(0.012)
     # In the middle of one, another table comes into force and so another program; then a third, while the settings of
     # the first table have still to be left behind and a digest is made.
     host.stage(40)
@@ -90,13 +116,15 @@ def test_a_block_of_the_renderer_takes_less_than_half_its_time_whatever_comes_to
     host.accept(DIGEST_START, varint(now + 10 * MILLISECOND) + varint(100 * MILLISECOND))
     host.live(0.012)
     board.worst_cycles.clear()
-    glide(0.9, 40)
-    host.live(0.003)
-    worst("and another table is blended in, and a digest made")
+    with Recorder(board, RENDERER) as recorder:
+        glide(0.9, 40)
+        host.live(0.003)
+    worst("and another table is blended in, and a digest made", recorder)
     # What the device itself counts is the same without the executor and the copy.
     assert host.status()["max_cycles"] < BLOCK_PERIOD_CYCLES / 2
 
 
+@on_f407
 def test_interrupts_are_never_masked_for_longer_than_the_priorities_file_says(armed):
     """Nothing long is copied under the mask: not the motion that a drive publishes, not the one that a status reads."""
     board, host = armed.board, armed.host

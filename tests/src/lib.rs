@@ -24,4 +24,5 @@ pub mod qemu;
 pub mod random_actions;
 pub mod rig;
 pub mod soak;
+pub mod source_tree;
 pub mod transcript;

@@ -27,6 +27,8 @@ pub struct LinkRig {
     pub states: Vec<LinkState>,
     /// How often the link was called.
     pub steps: u64,
+    /// The codes that the device has sent since [`LinkRig::record`], with the index of the first one.
+    recording: Option<(u64, Vec<u16>)>,
 }
 
 impl Default for LinkRig {
@@ -50,7 +52,15 @@ impl LinkRig {
             nonce.to_le_bytes()
         });
         let connection = Connection::new(PortsOpener(ports.clone()), Waker::new(|| ()), nonces);
-        Self { connection, ports, now: Duration::ZERO, tickets: 0, states: Vec::new(), steps: 0 }
+        Self {
+            connection,
+            ports,
+            now: Duration::ZERO,
+            tickets: 0,
+            states: Vec::new(),
+            steps: 0,
+            recording: None,
+        }
     }
 
     /// Connected.
@@ -68,7 +78,13 @@ impl LinkRig {
     /// The same with another sample rate in Hz: at a low rate hours of virtual time are computed quickly.
     #[must_use]
     pub fn armed_at(sample_rate_hz: u32) -> Self {
-        let device = SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() });
+        Self::armed_as(Options { sample_rate_hz, ..Options::default() })
+    }
+
+    /// The same with a device of these options.
+    #[must_use]
+    pub fn armed_as(options: Options) -> Self {
+        let device = SimulatedDevice::new(options);
         Self::of(FaultyPorts { device, ..FaultyPorts::default() }).connect().arm()
     }
 
@@ -93,6 +109,19 @@ impl LinkRig {
         assert_eq!(self.view().upload_verified, Some(true));
         assert!(matches!(self.outcome(arm), Some(Outcome::Done { .. })));
         self
+    }
+
+    /// Keeps every code that the device sends from now on.
+    pub fn record(&mut self) {
+        let first = self.ports().device.now();
+        self.recording = Some((first, Vec::new()));
+    }
+
+    /// The codes of a window that the device has sent since [`LinkRig::record`].
+    #[must_use]
+    pub fn sent(&self, from: u64, count: u32) -> &[u16] {
+        let (first, codes) = self.recording.as_ref().expect("record() was called");
+        &codes[(from - first) as usize..][..count as usize]
     }
 
     /// The ports, locked: their device and the faults to inject.
@@ -159,7 +188,13 @@ impl LinkRig {
         if ports.is_stalled {
             return false;
         }
-        ports.device.advance(blocks, |block| sounds |= !block.muted || *block.codes != [MID; BLOCK as usize]);
+        let recording = &mut self.recording;
+        ports.device.advance(blocks, |block| {
+            sounds |= !block.muted || *block.codes != [MID; BLOCK as usize];
+            if let Some((_, codes)) = recording {
+                codes.extend(block.codes);
+            }
+        });
         sounds
     }
 

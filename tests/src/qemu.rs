@@ -1,7 +1,7 @@
 //! The emulated device: the image of `firmware/qemu` in QEMU, with a small synchronous host on its serial line.
 //!
 //! ```text
-//! Host --Unix socket--> QEMU [ UART0 -> application -> DAC -> UART1 ] --Unix socket--> Emulator::show
+//! Host --Unix socket--> QEMU [ UART0 -> application -> DAC -> UART1 ] --Unix socket--> Emulator::shown
 //! ```
 //! Time is real here, as on a board: on an idle computer about as fast as the wall clock, otherwise slower, never
 //! faster. Comparisons are therefore made by sample index, not by time.
@@ -12,6 +12,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 use slipline_app::bank::BLOCK;
@@ -38,11 +39,15 @@ pub enum Line {
     Terminal,
 }
 
+/// A block that the DAC has played: the index of its first code, and its codes.
+type Block = (SampleIndex, [u16; BLOCK]);
+
 /// A running emulator; dropping it ends it.
 pub struct Emulator {
     process: Child,
     link: PathBuf,
-    codes: UnixStream,
+    asking: UnixStream,
+    blocks: Receiver<Block>,
     folder: PathBuf,
     /// Keeps the pseudo-terminal open while no host does.
     _terminal: Option<File>,
@@ -93,8 +98,9 @@ impl Emulator {
             std::thread::sleep(Duration::from_millis(1500));
             open
         });
-        let codes = connect(&codes);
-        Self { process, link, codes, folder, _terminal: terminal }
+        let asking = connect(&codes);
+        let blocks = read_blocks(asking.try_clone().expect("a socket can be shared"));
+        Self { process, link, asking, blocks, folder, _terminal: terminal }
     }
 
     /// Where the link's other end is.
@@ -120,26 +126,16 @@ impl Emulator {
     /// # Panics
     /// If the emulator has ended.
     pub fn ask(&mut self, blocks: u8) {
-        self.codes.write_all(&[blocks]).expect("the emulator runs");
+        self.asking.write_all(&[blocks]).expect("the emulator runs");
     }
 
-    /// Waits for blocks asked for: index of the first code, and the codes.
+    /// Waits for blocks asked for.
     ///
     /// # Panics
     /// If they do not come.
-    pub fn shown(&mut self, blocks: usize) -> Vec<(SampleIndex, [u16; BLOCK])> {
-        (0..blocks)
-            .map(|_| {
-                let mut bytes = [0; 8 + 2 * BLOCK];
-                self.codes.read_exact(&mut bytes).expect("the blocks asked for come");
-                let (index, codes) = bytes.split_first_chunk().expect("a block is longer than its index");
-                let mut block = [0; BLOCK];
-                for (code, pair) in block.iter_mut().zip(codes.chunks_exact(2)) {
-                    *code = u16::from_le_bytes([pair[0], pair[1]]);
-                }
-                (SampleIndex::from_le_bytes(*index), block)
-            })
-            .collect()
+    pub fn shown(&mut self, blocks: usize) -> Vec<Block> {
+        let next = |_| self.blocks.recv_timeout(REPLY_TIMEOUT).expect("the blocks asked for come");
+        (0..blocks).map(next).collect()
     }
 }
 
@@ -149,6 +145,29 @@ impl Drop for Emulator {
         let _ended = self.process.kill().and_then(|()| self.process.wait());
         let _removed = std::fs::remove_dir_all(&self.folder);
     }
+}
+
+/// Reads the blocks as they come, in a thread of its own. A socket holds a few hundred of the emulator's single bytes;
+/// when it is full, the renderer waits for a reader, and below the renderer nothing runs: no command would be answered.
+fn read_blocks(mut codes: UnixStream) -> Receiver<Block> {
+    let (send, blocks) = mpsc::channel();
+    // A test asks for blocks when it likes.
+    codes.set_read_timeout(None).expect("a time-out can be taken away");
+    std::thread::spawn(move || {
+        let mut bytes = [0; 8 + 2 * BLOCK];
+        // Until the emulator or the test has ended.
+        while codes.read_exact(&mut bytes).is_ok() {
+            let (index, codes) = bytes.split_first_chunk().expect("a block is longer than its index");
+            let mut block = [0; BLOCK];
+            for (code, pair) in block.iter_mut().zip(codes.chunks_exact(2)) {
+                *code = u16::from_le_bytes([pair[0], pair[1]]);
+            }
+            if send.send((SampleIndex::from_le_bytes(*index), block)).is_err() {
+                break;
+            }
+        }
+    });
+    blocks
 }
 
 /// QEMU names the terminal it has opened on its standard output.

@@ -1,15 +1,12 @@
 //! What the documents say of the tree is true: every file and folder they name exists, and the version stands once.
 
+use slipline_tests::source_tree::root;
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Folders that hold no source.
 const NOT_SOURCE: [&str; 4] = [".git", "target", ".venv", "__pycache__"];
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
-}
 
 /// Every file and folder of the tree, relative to its root, with `/` between the names.
 fn entries() -> BTreeSet<String> {

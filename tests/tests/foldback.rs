@@ -6,13 +6,15 @@ use slipline_app::Timing;
 use slipline_app::thermal::Heat;
 use slipline_link::foldback::FoldbackSteps;
 use slipline_link::mirror::Mirror;
+use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::{Change, Port, Request};
-use slipline_protocol::Command;
 use slipline_protocol::event::Status;
+use slipline_protocol::{Command, Event};
 use slipline_tests::client::Client;
-use slipline_tests::link_rig::LinkRig;
-use slipline_tests::rig::{RATE_HZ, Rig, Table, drive};
+use slipline_tests::faulty_ports::as_real;
+use slipline_tests::link_rig::{self, LinkRig};
+use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
 
 /// Lives for some blocks, tells the mirror what the status says of the limit since the status before, and compares all
 /// codes since. Returns the limit, per mille.
@@ -106,4 +108,66 @@ fn lost_answers_cost_the_journal_no_step_of_the_fold_back() {
     let steps = noted(&[]);
     assert!(steps.len() > 5, "{steps:?}");
     assert_eq!(noted(&[(500, 2), (1700, 3), (2900, 1)]), steps);
+}
+
+/// Follows the link, and compares the last 0.4 s with what the device has sent. Returns whether the replay calls
+/// these codes exact: if it does and they differ, `slipline verify` would raise a false alarm.
+fn is_exact(rig: &LinkRig, replay: &mut Replay) -> bool {
+    let history = DeviceHistory::of(rig.view()).unwrap();
+    replay.follow(&history);
+    let count = RATE_HZ * 2 / 5;
+    let from = history.now - u64::from(count) - BLOCK;
+    let Some(codes) = replay.exact_codes(from, count) else { return false };
+    let codes: Vec<u16> = codes.collect();
+    assert!(codes == rig.sent(from, count), "from {from}");
+    true
+}
+
+/// A hot device that is driven through the link, and a replay that knows its codes.
+fn replayed() -> (LinkRig, Replay) {
+    let mut rig = LinkRig::armed_as(Options { heat: Heat::AssumedHot, ..Options::default() });
+    rig.record();
+    rig.ask(link_rig::drive(0.05));
+    rig.pass_ms(1000);
+    let mut replay = Replay::new(RATE_HZ as usize);
+    assert!(is_exact(&rig, &mut replay));
+    (rig, replay)
+}
+
+#[test]
+fn a_lost_status_leaves_the_replay_exact() {
+    let (mut rig, mut replay) = replayed();
+    let mut limits = Vec::new();
+    for round in 0..30 {
+        if round % 4 == 1 {
+            rig.ports().drop_replies = 1;
+        }
+        rig.pass_ms(230);
+        assert!(is_exact(&rig, &mut replay), "round {round}");
+        limits.push(rig.view().status.unwrap().foldback_per_mille);
+    }
+    limits.dedup();
+    assert!(limits.len() > 5, "the fold-back changed all the time: {limits:?}");
+    assert!(rig.view().counters.timeouts >= 7, "{:?}", rig.view().counters);
+}
+
+#[test]
+fn after_more_lost_steps_than_a_status_tells_the_replay_is_inexact_until_the_fold_back_is_known() {
+    let (mut rig, mut replay) = replayed();
+    // Seven steps more than the host has heard of, as after a gap longer than what a status tells.
+    rig.ports().rewrite = |event| match as_real(event) {
+        Event::Status(status) => {
+            Event::Status(Status { foldback_changes: status.foldback_changes + 7, ..status })
+        }
+        event => event,
+    };
+    let mut exact = Vec::new();
+    for _ in 0..80 {
+        rig.pass_ms(20);
+        exact.push(is_exact(&rig, &mut replay));
+    }
+    assert!(exact.contains(&false), "the gap was noticed");
+    assert_eq!(exact.last(), Some(&true), "and is over: {exact:?}");
+    exact.dedup();
+    assert_eq!(exact, [true, false, true]);
 }

@@ -6,7 +6,8 @@ use std::time::Duration;
 use slipline_link::native::Worker;
 use slipline_link::table::DeviceTable;
 use slipline_link::{
-    Acknowledged, Change, DriveRequest, LinkError, LinkState, Outcome, Port, Request, Ticket, ToneRequest,
+    Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Port, Request, Ticket,
+    ToneRequest,
 };
 use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
@@ -122,6 +123,22 @@ fn a_disconnect_while_the_link_closes_for_another_port_cancels_the_connect() {
     assert_eq!(rig.outcome(connect), Some(Outcome::Superseded));
     assert!(matches!(rig.outcome(disconnect), Some(Outcome::Done { .. })));
     assert_eq!(rig.ports().opened.len(), 1);
+}
+
+#[test]
+fn frames_are_cloned_only_for_who_asked_for_them() {
+    let mut rig = LinkRig::connected();
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().frames.len(), 0);
+    let mut rig = LinkRig::new();
+    rig.connection.keep_frames();
+    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+    rig.pass_ms(1000);
+    let frames: Vec<String> = rig.view().frames.iter().map(ToString::to_string).collect();
+    assert!(frames[0].contains(" to device ") && frames[0].contains("Hello"), "{frames:?}");
+    assert!(frames[1].contains(" to host ") && frames[1].contains("Hello"), "{frames:?}");
+    rig.pass_ms(20_000);
+    assert_eq!(rig.view().frames.len(), FRAMES_KEPT);
 }
 
 #[test]

@@ -65,17 +65,21 @@ fn a_port_that_would_only_block_is_polled_slowly_and_lost_as_silent() {
 #[test]
 fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
     let port = Port::Serial("A".to_owned());
-    for trouble in [
-        LinkError::Busy(port.clone()),
-        LinkError::NoPermission(port.clone()),
-        LinkError::NoSuchPort(port.clone()),
+    // A missing port is waited for if that is switched on: reconnecting.rs.
+    for (trouble, reconnects) in [
+        (LinkError::Busy(port.clone()), true),
+        (LinkError::NoPermission(port.clone()), true),
+        (LinkError::NotSerial(port.clone()), true),
+        (LinkError::NoSuchPort(port.clone()), false),
     ] {
         let mut rig = LinkRig::new();
+        rig.ask(Request::AutoReconnect(reconnects));
         rig.ports().open_error = Some(trouble.clone());
         let ticket = rig.ask(Request::Connect(port.clone()));
-        assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.into())));
+        assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.clone().into())));
         rig.pass_ms(5000);
         assert_eq!(rig.view().link, LinkState::Disconnected);
+        assert_eq!(rig.view().error, Some(trouble));
         assert_eq!(rig.ports().opened.len(), 1);
     }
 }

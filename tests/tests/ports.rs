@@ -9,7 +9,7 @@ use slipline_link::native::{serial, socket};
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker};
-use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
+use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request, Snapshot};
 use std::io::{Read, Write};
 use std::os::unix::net::UnixListener;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -129,6 +129,26 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
     assert_eq!(port, Some(Some(Port::Serial(second))));
     let refresh = worker.send(Request::Refresh);
     assert!(matches!(worker.wait(refresh, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
+}
+
+#[test]
+fn a_socket_that_is_missing_at_the_start_is_connected_to_when_it_appears() {
+    let path = std::env::temp_dir().join(format!("slipline-late-{}.sock", std::process::id()));
+    let port = Port::Unix(path.clone());
+    let worker = Worker::spawn_with(Bus(Arc::default()), || ()).unwrap();
+    worker.send(Request::Connect(port.clone()));
+    let waits = LinkState::Reconnecting(LinkError::NoSuchPort(port));
+    let is_waiting = |snapshot: &Snapshot| (snapshot.link == waits).then_some(());
+    assert!(worker.handle().wait_for(REPLY_TIMEOUT, is_waiting).is_some(), "{:?}", worker.snapshot().link);
+
+    let listener = UnixListener::bind(&path).unwrap();
+    let (stream, _) = listener.accept().unwrap();
+    stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+    let _cable = Cable::new(device(), stream);
+    let is_there = |snapshot: &Snapshot| snapshot.is_connected().then_some(());
+    assert!(worker.handle().wait_for(REPLY_TIMEOUT, is_there).is_some(), "{:?}", worker.snapshot().link);
+    drop(worker);
+    std::fs::remove_file(path).unwrap();
 }
 
 #[test]

@@ -7,7 +7,7 @@ use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::{Command, Event, Refusal};
 use slipline_tests::faulty_ports::{Rewrite, as_real, board};
-use slipline_tests::link_rig::{LinkRig, drive};
+use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 
 #[test]
 fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
@@ -39,6 +39,75 @@ fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
     assert_eq!(rearmed, 1, "only the first time");
 }
 
+/// A link that waits for port A, which is missing.
+fn waiting() -> (LinkRig, LinkError) {
+    let mut rig = LinkRig::new();
+    rig.ports().listed.clear();
+    let port = Port::Serial("A".to_owned());
+    let connect = rig.ask(Request::Connect(port.clone()));
+    let missing = LinkError::NoSuchPort(port);
+    assert_eq!(rig.outcome(connect), Some(Outcome::Refused(missing.clone().into())), "told at once");
+    rig.pass_ms(5000);
+    assert_eq!(rig.states, [LinkState::Reconnecting(missing.clone())]);
+    assert_eq!(rig.view().error, Some(missing.clone()));
+    let tries = rig.ports().opened.len();
+    assert!((15..=21).contains(&tries), "{tries}");
+    (rig, missing)
+}
+
+#[test]
+fn a_port_that_is_missing_at_the_start_is_opened_when_it_appears() {
+    let (mut rig, _) = waiting();
+    rig.ports().listed = vec![board("A")];
+    rig.pass_ms(SEEK_PERIOD.as_millis() as u64 + 300);
+    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().error, None);
+    assert_eq!(rig.state(), State::Idle, "only the user arms it");
+    // From here on it is a device like any other.
+    rig.ports().unplug();
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+}
+
+#[test]
+fn a_missing_port_is_waited_for_until_the_user_gives_it_up() {
+    for given_up in [Request::Disconnect, Request::AutoReconnect(false)] {
+        let (mut rig, missing) = waiting();
+        rig.ask(given_up);
+        assert_eq!(rig.view().link, LinkState::Disconnected);
+        assert_eq!(rig.view().error, Some(missing));
+        let tries = rig.ports().opened.len();
+        rig.ports().listed = vec![board("A")];
+        rig.pass_ms(5000);
+        assert_eq!(rig.view().link, LinkState::Disconnected);
+        assert_eq!(rig.ports().opened.len(), tries);
+    }
+    // Another port.
+    let (mut rig, _) = waiting();
+    rig.ports().listed = vec![board("B")];
+    rig.ask(Request::Connect(Port::Serial("B".to_owned())));
+    rig.pass_ms(100);
+    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().port, Some(Port::Serial("B".to_owned())));
+}
+
+#[test]
+fn a_missing_port_that_appears_but_cannot_be_used_tells_why_and_is_still_waited_for() {
+    let (mut rig, _) = waiting();
+    let port = Port::Serial("A".to_owned());
+    rig.ports().listed = vec![board("A")];
+    rig.ports().open_error = Some(LinkError::NoPermission(port.clone()));
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::NoPermission(port.clone())));
+    rig.ports().open_error = None;
+    rig.ports().drop_replies = u32::MAX;
+    rig.pass_ms(LOST_AFTER_MS + 1000);
+    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::NoAnswer(port)));
+    rig.ports().drop_replies = 0;
+    rig.pass_ms(LOST_AFTER_MS + 1000);
+    assert_eq!(rig.view().link, LinkState::Connected);
+}
+
 #[test]
 fn the_hellos_of_two_sessions_have_different_numbers() {
     // A late answer to the first must not open the second.
@@ -56,19 +125,28 @@ fn the_hellos_of_two_sessions_have_different_numbers() {
 
 #[test]
 fn a_simulated_device_that_stalled_while_it_drove_is_armed_again() {
-    // When it goes on, it ramps to silence first and refuses to be armed meanwhile.
-    let mut rig = LinkRig::armed();
-    rig.ports().rewrite = |event| event;
-    rig.ask(drive(0.05));
-    rig.pass_ms(300);
-    assert_eq!(rig.state(), State::Driving);
-    rig.ports().stall(true);
-    rig.pass_ms(4000);
-    assert_ne!(rig.view().link, LinkState::Connected);
-    rig.ports().stall(false);
-    rig.pass_ms(3000);
-    assert_eq!(rig.view().link, LinkState::Connected);
-    assert_eq!(rig.state(), State::Armed);
+    // When it goes on, it ramps to silence first and refuses to be armed meanwhile. Whether the link meets that depends
+    // on the phase of its hellos, which are up to 300 ms apart.
+    let mut refused = 0;
+    for phase_ms in (0..300).step_by(10) {
+        let mut rig = LinkRig::armed();
+        // It calls itself simulated.
+        rig.ports().rewrite = |event| event;
+        rig.ask(drive(0.05));
+        rig.pass_ms(300);
+        assert_eq!(rig.state(), State::Driving);
+        rig.ports().stall(true);
+        rig.pass_ms(4000 + phase_ms);
+        assert_ne!(rig.view().link, LinkState::Connected);
+        rig.ports().stall(false);
+        rig.ports().commands.clear();
+        rig.pass_ms(3000);
+        assert_eq!(rig.view().link, LinkState::Connected);
+        assert_eq!(rig.state(), State::Armed, "{phase_ms} ms");
+        let arms = rig.ports().commands.iter().filter(|(_, command)| *command == Command::Arm).count();
+        refused += arms - 1;
+    }
+    assert!(refused > 0, "no hello met the ramp");
 }
 
 #[test]

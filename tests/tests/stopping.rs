@@ -144,6 +144,32 @@ fn a_lost_emergency_stop_is_sent_again_when_the_link_closes() {
 }
 
 #[test]
+fn a_link_that_is_closed_twice_stops_and_disarms_once() {
+    // A signal closes it, then the command that it ended does.
+    let mut rig = driving();
+    rig.ports().commands.clear();
+    // The first has sent its stop and waits for the answer.
+    rig.ports().stall(true);
+    let first = rig.ask(Request::Disconnect);
+    rig.pass_ms(1);
+    let second = rig.ask(Request::Disconnect);
+    rig.pass_ms(1);
+    rig.ports().stall(false);
+    rig.pass_ms(1000);
+    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.outcome(first), Some(Outcome::Superseded));
+    assert!(matches!(rig.outcome(second), Some(Outcome::Done { .. })));
+    let ports = rig.ports();
+    let sent: Vec<&Command> = ports
+        .commands
+        .iter()
+        .map(|(_, command)| command)
+        .filter(|command| matches!(command, Command::Stop | Command::Disarm))
+        .collect();
+    assert_eq!(sent, [&Command::Stop, &Command::Disarm]);
+}
+
+#[test]
 fn a_disarm_does_not_wait_for_a_drive_that_is_busy() {
     let mut rig = LinkRig::armed();
     let in_20_s = rig.ports().device.now() + 20 * 400_000;

@@ -1,12 +1,9 @@
 //! The layout is the architecture: the crates' arrows, one lint table, no stray files at the top.
 
+use slipline_tests::source_tree::root;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
-}
 
 /// What cargo says of the workspace.
 fn metadata() -> serde_json::Value {

@@ -14,9 +14,9 @@
 //! 12 % of that, a re-tuned one 25 %, the worst, gliding one 38 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
-//! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Nothing is ever
-//! accumulated but this 64-bit count, from which every block starts anew: there is no drift, and what a block sounds
-//! like depends on phases and tones alone.
+//! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Only this 64-bit
+//! count is carried from block to block, and every block starts from it: there is no drift, and a block's samples
+//! depend only on its phases and its tones.
 //!
 //! **The symmetric basis.** About a centre with phase `p`, `tau = n + 1/2` samples away on either side,
 //! ```text
@@ -24,7 +24,7 @@
 //! a sin(p - w tau) = a sin p cos(w tau) - a cos p sin(w tau) = E - O
 //! ```
 //! so each product with the *basis* `cos(w tau)`, `sin(w tau)` serves two samples, and the *seeds* `a sin p`, `a cos p`
-//! are all that depends on the block. Summing over tones first makes `E` and `O` two matrix products. A block has two
+//! are all that depends on the block. Summed over the tones first, `E` and `O` are two matrix products. A block has two
 //! such centres (64 samples each), which share one basis: a basis word, once loaded, serves four samples. The seeds at
 //! the two centres are those at the block's middle, turned by `+-32 w`.
 //!
@@ -34,13 +34,13 @@
 //! ```text
 //! phase 64, its upper 32 into the sine table           2^-33 turns   -180 dB
 //! sine and cosine 31, see sine.rs                      3.5e-9        -169 dB
-//! basis 31: up to seven turns by a rounded rotor       3e-8          -150 dB at worst
+//! basis 31: up to seven turns by a rounded rotor       4.2e-8        -147 dB at worst
 //! amplitude 30 -> seeds 29 -> turned seeds 28          2^-28         -169 dB
 //! sums 27: two products a tone, rounded down           2^-27         -162 dB, mostly an offset
 //! ```
-//! All but the last line follow the signal: they are a slightly wrong frequency for half a block, smooth and without
-//! lines of their own. Measured by the tests: peak error below -140 dB at every frequency, strongest other line 160 dB
-//! below a tone of full amplitude, at 30 Hz as at 40 kHz and 179 kHz.
+//! All these errors but the last follow the signal: the frequency is slightly wrong for half a block. They are smooth
+//! and make no spectral lines of their own. The tests measure a peak error below -140 dB at every frequency, and the
+//! strongest other line 160 dB below a tone of full amplitude, at 30 Hz, 40 kHz and 179 kHz.
 
 #![cfg_attr(
     not(test),
@@ -76,11 +76,12 @@ use self::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 use self::native::Native;
 use self::portable::Portable;
 
-/// The state of the bank: one exact phase per tone. The rest is tables that follow from the tones alone.
+/// The bank. Its state is one exact phase per tone; the other fields are tables that are computed from the tones.
 #[derive(Clone, Debug)]
 pub struct Bank {
     phases: [u64; TONES],
-    /// The steps that `steady_basis` and `turns` are made for, inverted: all zeros is a step that no tone has.
+    /// The steps that `steady_basis` and `turns` are made for, with every bit inverted. So the initial zeros stand for
+    /// `u64::MAX`, a step that no tone has.
     inverted_steps: [u64; TONES],
     turns: [Turn; TONES],
     steady_basis: SteadyBasis,
@@ -116,19 +117,21 @@ impl Bank {
         self.phases.get(tone).copied().unwrap_or(0)
     }
 
-    /// Sets the phase of `tone` at the next block's first sample: for a tone that is silent, else it jumps.
+    /// Sets the phase of `tone` at the next block's first sample. The tone must be silent: a sounding one would jump.
+    /// Does nothing for a slot that does not exist.
     pub fn set_phase(&mut self, tone: usize, phase: u64) {
         if let Some(slot) = self.phases.get_mut(tone) {
             *slot = phase;
         }
     }
 
-    /// Renders the next block and moves every phase on by `phase_gain(128)`.
+    /// Renders the next block, in units of 1/[`FULL_SCALE`] of half the DAC's swing, and adds `phase_gain(128)` to
+    /// every phase.
     pub fn render(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
         self.render_with::<Native>(tones, out);
     }
 
-    /// As [`Bank::render`], by the portable kernel on every machine: what the assembly is compared with.
+    /// As [`Bank::render`], by the portable kernel on every machine. Tests compare the assembly with it.
     pub fn render_portable(&mut self, tones: &[ToneBlock; TONES], out: &mut [i32; BLOCK]) {
         self.render_with::<Portable>(tones, out);
     }

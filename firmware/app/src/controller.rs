@@ -16,6 +16,8 @@ mod range;
 mod status;
 mod tables;
 
+use core::cell::Cell;
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{Command, DigestWindow, KeepAlive, TableHeader};
 use slipline_protocol::event::{Accepted, Digest, Event, Fault, Faults, StoredConfig, TableReport};
@@ -71,6 +73,8 @@ pub struct Controller<F, S> {
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
+    /// The renderer has begun a block while a motion for it was planned.
+    is_outrun: Cell<bool>,
 }
 
 impl<F: FlashPages, S: System> Controller<F, S> {
@@ -92,6 +96,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
+            is_outrun: Cell::new(false),
         }
     }
 

@@ -15,33 +15,34 @@ use slipline_protocol::units::{Gain, per_mille};
 
 use crate::motion::Placement;
 use crate::program::Program;
-use crate::slots::{TableSlots, knots_between};
+use crate::slots::{Extremes, TableSlots};
 
-/// Checks that a program that starts from `placements` stays within full scale on its whole way.
+/// Checks that a program that starts from `placements` stays within full scale on its whole way; `ways` are the table's
+/// extremes between each placement and its target.
 ///
 /// # Errors
 /// [`Refusal::Headroom`] with the worst-case sum.
-pub fn check(
+pub(crate) fn check(
     program: &Program,
     placements: &[Placement; MAX_TONES],
+    ways: &[Extremes; MAX_TONES],
     slots: &TableSlots,
 ) -> Result<(), Refusal> {
     let mut at_start: u64 = 0;
     let mut at_end: u64 = 0;
-    for (placement, target) in placements.iter().zip(&program.targets) {
+    for ((placement, way), target) in placements.iter().zip(ways).zip(&program.targets) {
         let Some(target) = target else {
             at_start = at_start.saturating_add(u64::from(placement.amplitude().0));
             continue;
         };
         // A tone that starts from silence starts at its target.
         let from = if placement.is_silent() { target.position } else { placement.position };
-        let (first, last) = knots_between(program.table, from, target.position);
-        let mut gain =
-            (first..=last).map(|index| slots.knot(program.table.slot, index).gain.0).max().unwrap_or(0);
-        if from == target.position {
+        let mut gain = if from == target.position {
             // At rest the interpolated value is exact, and lower than a knot beside it.
-            gain = slots.evaluate(program.table, from).gain.0;
-        }
+            slots.evaluate(program.table, from).gain.0
+        } else {
+            way.gain
+        };
         if !placement.is_silent() {
             let here = slots.evaluate(program.table, placement.position).gain.0;
             let above = placement.setting.gain.0.saturating_sub(here);

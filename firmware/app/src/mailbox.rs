@@ -125,6 +125,16 @@ impl Shared {
     fn count_change(&self) {
         self.changes.set(self.changes.get().wrapping_add(1));
     }
+
+    fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
+        self.armed.set(false);
+        self.pending.set(None);
+        // A drive that is being planned right now was for an armed device: it must not be published any more.
+        self.count_change();
+        if let Some((fault, at)) = fault {
+            self.faults.set(self.faults.get().with(fault, at));
+        }
+    }
 }
 
 /// A [`View`] without its motion.
@@ -187,6 +197,11 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.next.get())
     }
 
+    /// Whether it is armed, and the faults: a part of [`Mailbox::view`] that costs little.
+    pub fn standing(&self) -> (bool, FaultLatch) {
+        self.shared.lock(|shared| (shared.armed.get(), shared.faults.get()))
+    }
+
     /// The table slots.
     pub const fn slots(&self) -> &TableSlots {
         &self.slots
@@ -209,8 +224,7 @@ impl<M: RawMutex> Mailbox<M> {
                 core::hint::spin_loop();
                 continue;
             };
-            let mut motion = Motion::with_outline(outline);
-            live.of(&self.motions).load(&mut motion);
+            let motion = live.of(&self.motions).load(outline);
             let rest = self.shared.lock(|shared| {
                 (!shared.is_fading.get() && shared.changes.get() == changes).then(|| Moment {
                     next: shared.next.get(),
@@ -350,11 +364,13 @@ impl<M: RawMutex> Mailbox<M> {
         })
     }
 
-    /// Writes a knot into a slot, if it is free.
-    pub fn write_knot(&self, slot: SlotIndex, index: u16, knot: Knot) {
-        if self.slot_is_free(slot) {
+    /// Writes a knot into a slot if it is free, and returns whether it was.
+    pub fn write_knot(&self, slot: SlotIndex, index: u16, knot: Knot) -> bool {
+        let is_free = self.slot_is_free(slot);
+        if is_free {
             self.slots.write(slot, index, knot);
         }
+        is_free
     }
 
     /// Begins a digest if `may_start` says so of the next index and of how the last digest stands. One step, so that

@@ -53,11 +53,6 @@ impl Motion {
         Self { outline: Outline::SILENT, tones: [ToneTrajectory::SILENT; MAX_TONES] }
     }
 
-    /// Silence, with the outline of another motion; the trajectories follow.
-    pub(crate) fn with_outline(outline: Outline) -> Self {
-        Self { outline, ..Self::silent() }
-    }
-
     pub(crate) const fn outline(&self) -> Outline {
         self.outline
     }

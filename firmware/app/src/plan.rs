@@ -14,7 +14,7 @@ use crate::level::master_gain;
 use crate::motion::{Motion, Placement};
 use crate::program::{Program, Target};
 use crate::ramp::RampShape;
-use crate::slots::{TableRef, TableSlots, knots_between};
+use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
 
 const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
@@ -101,11 +101,18 @@ fn complete(
     shape: &RampShape,
 ) -> Result<Motion, Refusal> {
     let placements = motion.at(program.at, slots, shape);
-    headroom::check(&program, &placements, slots)?;
+    let mut ways = [Extremes::default(); MAX_TONES];
+    for ((way, placement), target) in ways.iter_mut().zip(&placements).zip(&program.targets) {
+        // A tone that starts from silence starts at its target.
+        if let Some(target) = target.filter(|_| !placement.is_silent()) {
+            *way = slots.extremes(program.table, placement.position, target.position);
+        }
+    }
+    headroom::check(&program, &placements, &ways, slots)?;
     let mut needed = 0;
-    for (placement, target) in placements.iter().zip(&program.targets) {
+    for ((placement, way), target) in placements.iter().zip(&ways).zip(&program.targets) {
         if let Some(target) = target {
-            needed = needed.max(shortest_glide(&program, placement, target, slots));
+            needed = needed.max(shortest_glide(&program, placement, target, way.steepest, slots));
         }
     }
     program.glide = program.glide.max(needed);
@@ -114,21 +121,19 @@ fn complete(
 
 /// The shortest glide in samples in which no block changes a tone's step by more than [`MAX_STEP_CHANGE`].
 ///
-/// On the way the step moves at most `k |dp|` per unit of glide time, with `k` the steepest interval crossed, and by
+/// On the way the step moves at most `k |dp|` per unit of glide time, with `k` the `steepest` interval crossed, and by
 /// `d s'(u)`, `s' <= pi/2 < 2`, while a table swap blends.
-fn shortest_glide(program: &Program, placement: &Placement, target: &Target, slots: &TableSlots) -> u32 {
+fn shortest_glide(
+    program: &Program,
+    placement: &Placement,
+    target: &Target,
+    steepest: u32,
+    slots: &TableSlots,
+) -> u32 {
     if placement.is_silent() {
         return 0;
     }
     let table = program.table;
-    let (first, last) = knots_between(table, placement.position, target.position);
-    let mut steepest = 0;
-    let mut previous = slots.knot(table.slot, first).step;
-    for index in first..=last {
-        let step = slots.knot(table.slot, index).step;
-        steepest = steepest.max(step.abs_diff(previous));
-        previous = step;
-    }
     // Knots on the way in Q31, at most 2^41; times a step difference below 2^31: 72 bits.
     let way = u128::from(placement.position.raw().abs_diff(target.position.raw()))
         * u128::from(table.knots.saturating_sub(1));

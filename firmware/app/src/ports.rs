@@ -10,19 +10,33 @@ pub trait DacStream {
     /// Waits until there is room, then takes a block.
     ///
     /// # Errors
-    /// [`Underrun`] if the DAC ran dry since the last call; the block is taken nevertheless.
+    /// [`Underrun`] if the block comes too late to be whole. It is not played: in its place, and for as long as it takes,
+    /// the DAC goes to mid-scale by itself ([`fade`](crate::fade)). Blocks that come meanwhile take up their time but are
+    /// not played either, so the caller falls silent at once.
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
 }
 
-/// The DAC had no new code in time.
+/// A block came too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Underrun;
 
 /// The amplifier's mute pin. The pin's own resistor mutes while the program does not run.
+///
+/// An amplifier that is on mutes itself some milliseconds after the last [`Mute::stay_on`], whatever the program does.
 pub trait Mute {
     /// Mutes or unmutes. Called before every block.
     fn set_muted(&mut self, muted: bool);
+
+    /// The amplifier, which is on, stays on for another while. Called after every block that was taken in time.
+    ///
+    /// # Errors
+    /// [`HasMuted`] if it is off already. It stays off until it is muted and unmuted again.
+    fn stay_on(&mut self) -> Result<(), HasMuted>;
 }
+
+/// The amplifier has muted itself, or something but the renderer has muted it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HasMuted;
 
 /// A free-running processor cycle counter, for the worst block's cost.
 pub trait CycleCounter {

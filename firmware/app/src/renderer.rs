@@ -132,6 +132,8 @@ impl Renderer {
             mute.set_muted(self.muted);
             if dac.write_block(&codes).await.is_err() {
                 self.underrun(mailbox);
+            } else if !self.muted && mute.stay_on().is_err() {
+                self.was_muted(mailbox);
             }
         }
     }
@@ -182,16 +184,38 @@ impl Renderer {
         }
     }
 
-    /// The DAC had no new codes in time: counts it; if anything sounds, ramps to silence and latches the fault.
+    /// The last block came too late: counts it; if anything sounds, latches the fault and is silent from the next block
+    /// on. A ramp would be wrong: the DAC is on its own way to mid-scale, and plays no block before it is there.
     ///
-    /// While nothing sounds, as during an erase of the flash, a repeated mid-scale is as good as a new one.
+    /// While nothing sounds, as during an erase of the flash, mid-scale is as good as the block that was late.
     pub fn underrun<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         self.report.underruns = self.report.underruns.saturating_add(1);
         if self.outline.is_silent_from(self.index) {
             return;
         }
         mailbox.disarm_now(Some((Fault::Underrun, self.index)));
-        self.fade(Stop::Normal, mailbox);
+        self.fall_silent(mailbox);
+    }
+
+    /// The amplifier has gone off by itself: blocks were missing for too long, or the supervisor has muted it. A device
+    /// that is armed says so by the fault, even in silence: what it is told to play next would not be heard.
+    fn was_muted<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        self.muted = true;
+        if mailbox.disarm_if_armed((Fault::Underrun, self.index)) {
+            self.report.underruns = self.report.underruns.saturating_add(1);
+        }
+        self.fall_silent(mailbox);
+    }
+
+    /// Is silent from the next block on, without a ramp.
+    fn fall_silent<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        self.here = [Placement::NOWHERE; TONES];
+        mailbox.fade(&self.here, self.index, 0);
+        self.outline = mailbox.outline();
+        self.stop_ends = None;
+        self.tones = [ToneBlock::steady(0, 0); TONES];
+        self.is_steady = true;
+        self.report.sum = 0;
     }
 
     /// Takes the thermal limit over where it may change: the first one at once, then every so often. While nothing

@@ -211,7 +211,7 @@ impl Session {
         self.id = if drawn == 0 || drawn == self.id { drawn.wrapping_add(1).max(1) } else { drawn };
         self.nonce = hello.nonce;
         self.may_drive = Version::OURS.may_drive(hello.version);
-        self.minor = Minor::shared_with(hello.version);
+        self.minor = Version::OURS.shared_minor(hello.version);
         self.expected = 1;
         self.last_reply = None;
     }

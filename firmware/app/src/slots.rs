@@ -4,11 +4,16 @@
 //! without a lock round every knot; what keeps them consistent is that a slot which a live or a pending program
 //! names is never written (see [`Mailbox::slot_is_free`](crate::mailbox::Mailbox::slot_is_free)).
 
+mod maxima;
+
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use slipline_protocol::limits::MAX_KNOTS;
 use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain};
+
+pub(crate) use self::maxima::Extremes;
+use self::maxima::Maxima;
 
 /// Which slot, and how many knots of it count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,15 +57,21 @@ impl KnotCell {
     }
 }
 
-struct Slot([KnotCell; MAX_KNOTS]);
+struct Slot {
+    knots: [KnotCell; MAX_KNOTS],
+    maxima: Maxima,
+}
 
 impl Slot {
     const fn new() -> Self {
-        Self([const { KnotCell { step: AtomicU32::new(0), gain: AtomicU32::new(0) } }; MAX_KNOTS])
+        Self {
+            knots: [const { KnotCell { step: AtomicU32::new(0), gain: AtomicU32::new(0) } }; MAX_KNOTS],
+            maxima: Maxima::new(),
+        }
     }
 
-    fn knot(&self, index: u16) -> Knot {
-        self.0.get(usize::from(index)).map_or_else(Knot::default, KnotCell::get)
+    fn knot(&self, index: usize) -> Knot {
+        self.knots.get(index).map_or_else(Knot::default, KnotCell::get)
     }
 }
 
@@ -77,15 +88,15 @@ impl Table<'_> {
     pub(crate) fn evaluate(self, position: FinePosition) -> Setting {
         let (index, fraction) = table::place(self.knots, position);
         let index = usize::from(index);
-        if let Some([a, b]) = self.slot.0.get(index..index.saturating_add(2)) {
+        if let Some([a, b]) = self.slot.knots.get(index..index.saturating_add(2)) {
             table::between(a.get(), b.get(), fraction)
         } else {
-            table::evaluate(self.knots, position, |index| self.slot.knot(index))
+            table::evaluate(self.knots, position, |index| self.slot.knot(index.into()))
         }
     }
 }
 
-/// Both slots: 16 KiB.
+/// Both slots: 18 KiB.
 pub struct TableSlots {
     first: Slot,
     second: Slot,
@@ -96,7 +107,7 @@ impl TableSlots {
     #[must_use]
     #[expect(
         clippy::new_without_default,
-        reason = "16 KiB belong into a static, which needs the const constructor"
+        reason = "18 KiB belong into a static, which needs the const constructor"
     )]
     pub const fn new() -> Self {
         Self { first: Slot::new(), second: Slot::new() }
@@ -112,14 +123,16 @@ impl TableSlots {
     /// The knot at `index`; the default beyond the slot's end.
     #[must_use]
     pub fn knot(&self, slot: SlotIndex, index: u16) -> Knot {
-        self.slot(slot).knot(index)
+        self.slot(slot).knot(index.into())
     }
 
     /// Writes the knot at `index`; beyond the slot's end nothing happens.
     pub(crate) fn write(&self, slot: SlotIndex, index: u16, knot: Knot) {
-        if let Some(cell) = self.slot(slot).0.get(usize::from(index)) {
+        let slot = self.slot(slot);
+        if let Some(cell) = slot.knots.get(usize::from(index)) {
             cell.step.store(knot.step, Ordering::Relaxed);
             cell.gain.store(knot.gain.0, Ordering::Relaxed);
+            slot.maxima.update(index.into(), &slot.knots);
         }
     }
 
@@ -127,6 +140,13 @@ impl TableSlots {
     #[must_use]
     pub fn evaluate(&self, table: TableRef, position: FinePosition) -> Setting {
         self.table(table).evaluate(position)
+    }
+
+    /// The largest gain and the steepest interval on the way between two positions, of all knots that it touches.
+    pub(crate) fn extremes(&self, table: TableRef, a: FinePosition, b: FinePosition) -> Extremes {
+        let (first, last) = knots_between(table, a, b);
+        let slot = self.slot(table.slot);
+        slot.maxima.between(first.into(), last.into(), &slot.knots)
     }
 
     /// A table to be evaluated for many positions.
@@ -138,9 +158,8 @@ impl TableSlots {
 }
 
 /// Which knots the way between two positions touches, first and last, both included.
-#[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "at most 1024 after the shift and the division")]
-pub fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
+fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
     let last = table.knots.saturating_sub(1);
     let place = |p: FinePosition| u64::from(p.raw()) * u64::from(last);
     let (low, high) = (a.min(b), a.max(b));
@@ -154,7 +173,38 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn knot((step, gain): (u32, u32)) -> Knot {
+        Knot { step, gain: Gain(gain) }
+    }
+
     proptest! {
+        #[test]
+        fn the_extremes_are_those_of_every_knot_on_the_way_in_whatever_order_they_were_written(
+            old in prop::collection::vec(any::<(u32, u32)>(), MAX_KNOTS),
+            new in prop::collection::vec(any::<(u32, u32)>(), 2..=MAX_KNOTS),
+            is_backwards: bool,
+            ways in prop::collection::vec((0u32..=1 << 31, 0u32..=1 << 31), 20),
+        ) {
+            let slots = std::boxed::Box::new(TableSlots::new());
+            for (index, values) in (0..).zip(old) {
+                slots.write(SlotIndex::Second, index, knot(values));
+            }
+            let count = u16::try_from(new.len()).unwrap();
+            for n in 0..count {
+                let index = if is_backwards { count - 1 - n } else { n };
+                slots.write(SlotIndex::Second, index, knot(new[usize::from(index)]));
+            }
+            let table = TableRef { slot: SlotIndex::Second, knots: count };
+            for (a, b) in ways {
+                let (a, b) = (FinePosition::saturating(a), FinePosition::saturating(b));
+                let (first, last) = knots_between(table, a, b);
+                let touched = &new[usize::from(first)..=usize::from(last)];
+                let gain = touched.iter().map(|knot| knot.1).max().unwrap();
+                let steepest = touched.windows(2).map(|two| two[0].0.abs_diff(two[1].0)).max().unwrap_or(0);
+                prop_assert_eq!(slots.extremes(table, a, b), Extremes { gain, steepest });
+            }
+        }
+
         #[test]
         fn no_place_on_the_way_lies_outside_the_knots_named(knots in 2u16..=1025, a in 0u32..=1 << 31, b in 0u32..=1 << 31, u in 0u32..=1000) {
             let table = TableRef { slot: SlotIndex::First, knots };

@@ -5,12 +5,12 @@
 //! header = magic 4 | layout 1 | kind 1 | zero 2 | sequence 4 | bytes 4 | payload crc 4 | zero 8 | header crc 4
 //! payload (kind 1) = span start 4 | span end 4 | sample rate 4 | knots 2 | zero 2 | table crc 4 | zero 12
 //!                    then per knot: step 4 | gain 4                              (little-endian, zeros to the word)
-//! payload (kind 0) = nothing: forgotten
+//! payload (kind 0) = nothing: no table is stored
 //! ```
-//! A record is written into the slot that does not hold the newest: erase, payload, header last. So whenever the
-//! power fails, the newest record with a whole header is the complete old or the complete new one. The sequence number
-//! tells the newest; it wraps. A payload that decays later is reported as damage, and the older table is not
-//! used: nobody asked for it.
+//! A record is written into the slot that does not hold the newest record: erase, payload, header last. So whenever the
+//! power fails, the newest record with a valid header is the complete old or the complete new one. The record with the
+//! higher sequence number is the newer; the number wraps. If a payload is damaged later, the store reports damage and
+//! does not use the older table, which the user had replaced.
 
 use slipline_protocol::command::TableHeader;
 use slipline_protocol::event::StoredConfig;
@@ -25,13 +25,13 @@ use crate::upload::check_header;
 type Word = [u8; FLASH_WORD];
 
 const MAGIC: [u8; 4] = *b"SLst";
-/// Bumped when the layout changes.
+/// Rises when the layout of a slot changes.
 const LAYOUT: u8 = 1;
 const FORGOTTEN: u8 = 0;
 const TABLE: u8 = 1;
 const KNOTS_PER_WORD: usize = FLASH_WORD / 8;
 
-/// The bytes a slot must have.
+/// The bytes that a slot must have at least.
 pub const SLOT_BYTES: usize = FLASH_WORD * (2 + MAX_KNOTS.div_ceil(KNOTS_PER_WORD));
 
 /// A slot's header.
@@ -100,11 +100,14 @@ fn content(flash: &mut impl FlashPages, slot: FlashSlot) -> Content {
     }
 }
 
-/// The newest record and where it is; else whether something broken lies there.
+/// The newest record and its slot.
+///
+/// # Errors
+/// [`StoredConfig::Empty`] if both slots are blank, else [`StoredConfig::Damaged`].
 fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
     match (content(flash, FlashSlot::A), content(flash, FlashSlot::B)) {
         (Content::Record(a), Content::Record(b)) => {
-            // Serial-number arithmetic: the difference's sign tells the newer one through the wrap.
+            // Serial-number arithmetic: the sign of the difference is right even when the number has wrapped.
             let b_is_newer = b.sequence.wrapping_sub(a.sequence).cast_signed() > 0;
             Ok(if b_is_newer { (FlashSlot::B, b) } else { (FlashSlot::A, a) })
         }
@@ -115,10 +118,13 @@ fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), Stor
     }
 }
 
-/// Reads the stored table, if there is one, and hands its knots to `sink` once all of it has been checked.
+/// Reads the stored table. Checks the CRC of the record and the table's header, then passes index and value of each
+/// knot to `sink`. The knots themselves are checked by [`is_sound`].
 ///
 /// # Errors
-/// The state of the store if it holds no table to use.
+/// [`StoredConfig::Empty`] if no table is stored or the slots are too small, [`StoredConfig::WrongVersion`] for another
+/// layout or another sample rate, [`StoredConfig::Damaged`] for anything else that is not whole. After an error in
+/// reading the flash, `sink` may have got some knots.
 pub fn load(
     flash: &mut impl FlashPages,
     sample_rate_hz: u32,
@@ -210,7 +216,8 @@ fn payload_word(header: &TableHeader, knot: &impl Fn(u16) -> Knot, index: usize)
 /// Stores a table.
 ///
 /// # Errors
-/// [`FlashError`]; the record before is whole then.
+/// [`FlashError`] if the slots are too small, the table has too many knots, or the flash reports an error or reads back
+/// wrong. The record before stays whole then.
 pub fn save(
     flash: &mut impl FlashPages,
     header: &TableHeader,
@@ -220,10 +227,11 @@ pub fn save(
     write_record(flash, TABLE, words, |index| payload_word(header, &knot, index))
 }
 
-/// Stores a record that says: no table.
+/// Stores a record that says that there is no table.
 ///
 /// # Errors
-/// [`FlashError`]; the record before is whole then.
+/// [`FlashError`] if the slots are too small, or the flash reports an error or reads back wrong. The record before
+/// stays whole then.
 pub fn forget(flash: &mut impl FlashPages) -> Result<(), FlashError> {
     write_record(flash, FORGOTTEN, 0, |_| [0; FLASH_WORD])
 }
@@ -266,7 +274,7 @@ fn write_and_check(
     if back == *word { Ok(()) } else { Err(FlashError) }
 }
 
-/// Whether a loaded table may be used: its knots valid and their digest the one in its header.
+/// Whether a loaded table may be used: its knots are valid and its CRC is the one in its header.
 #[must_use]
 pub fn is_sound(header: &TableHeader, knot: impl Fn(u16) -> Knot) -> bool {
     table::validate(header.knots, &knot).is_ok()

@@ -1,9 +1,10 @@
 //! Whether the watchdog may be fed: only if the renderer, the link and the safety checks have all run since last time.
+//! If not, the amplifier is muted at once; the watchdog comes later.
 
 use crate::mailbox::Pulses;
 
-/// Compares the tasks' counters. Call it at least every 100 ms. The watchdog's period must be at least twice that, and
-/// longer than the longest erasure of the flash.
+/// Compares the tasks' counters. Call it every 100 ms. The watchdog's period must be at least twice that, and longer than
+/// the longest erasure of the flash while one is under way.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Supervisor {
     last: Pulses,

@@ -6,19 +6,25 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::{MAX_KNOTS, MIN_KNOTS};
 use slipline_protocol::refusal::{Field, Refusal};
-use slipline_protocol::table;
+use slipline_protocol::table::{self, Digester, Validator};
 use slipline_protocol::units::SampleIndex;
 
 use crate::mailbox::Mailbox;
 use crate::slots::{SlotIndex, TableRef};
 
 /// An upload under way.
-#[derive(Clone, Copy, Debug)]
+///
+/// Each knot is checked and added to the digest when it comes, so that a commit takes no longer than a chunk.
+#[derive(Clone, Debug)]
 pub struct Upload {
     header: TableHeader,
     slot: SlotIndex,
     received: u16,
     moved_at: SampleIndex,
+    validator: Validator,
+    /// What the first knot at fault is refused with, at the commit.
+    fault: Option<Refusal>,
+    digester: Digester,
 }
 
 const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
@@ -71,7 +77,16 @@ impl Upload {
         now: SampleIndex,
     ) -> Result<Self, Refusal> {
         check_header(header, sample_rate_hz)?;
-        Ok(Self { header: *header, slot, received: 0, moved_at: now })
+        let TableHeader { span_start_um, span_end_um, sample_rate_hz, knots, .. } = *header;
+        Ok(Self {
+            header: *header,
+            slot,
+            received: 0,
+            moved_at: now,
+            validator: Validator::default(),
+            fault: None,
+            digester: Digester::new(span_start_um, span_end_um, sample_rate_hz, knots),
+        })
     }
 
     /// Takes the next knots.
@@ -93,7 +108,13 @@ impl Upload {
             return Err(out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
         }
         for &knot in &chunk.knots {
-            mailbox.write_knot(self.slot, self.received, knot);
+            let is_written = mailbox.write_knot(self.slot, self.received, knot);
+            if self.fault.is_none() {
+                // A slot that is not free any more does not hold what was sent.
+                self.fault =
+                    if is_written { self.validator.take(knot).err() } else { Some(Refusal::TableCrc) };
+            }
+            self.digester.take(knot);
             self.received = self.received.saturating_add(1);
         }
         self.moved_at = now;
@@ -104,12 +125,14 @@ impl Upload {
     ///
     /// # Errors
     /// [`Refusal::UploadIncomplete`], [`Refusal::TableCrc`], or what [`table::validate`] finds.
-    pub fn check<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+    pub fn check(&self) -> Result<(), Refusal> {
         if self.received < self.header.knots {
             return Err(Refusal::UploadIncomplete { received: self.received });
         }
-        table::validate(self.header.knots, |index| mailbox.slots().knot(self.slot, index))?;
-        if digest(&self.header, self.slot, mailbox) != self.header.crc {
+        if let Some(fault) = self.fault {
+            return Err(fault);
+        }
+        if self.digester.clone().finish() != self.header.crc {
             return Err(Refusal::TableCrc);
         }
         Ok(())

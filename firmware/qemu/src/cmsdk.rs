@@ -1,4 +1,4 @@
-//! The two peripherals of the emulated board that are used: UART and timer of Arm's CMSDK (DDI 0479C, chapter 4).
+//! The emulated board's UARTs and timer: those of Arm's CMSDK (DDI 0479C, chapter 4).
 //!
 //! Addresses and interrupt numbers of the mps2-an386 image are those of Arm's application note AN386.
 
@@ -6,7 +6,7 @@
 #[derive(Clone, Copy)]
 pub(crate) struct Uart(usize);
 
-/// The link: receive interrupt 0.
+/// The link.
 pub(crate) const UART0: Uart = Uart(0x4000_4000);
 /// The DAC's codes.
 pub(crate) const UART1: Uart = Uart(0x4000_5000);
@@ -27,10 +27,11 @@ const TRANSMIT_FULL: u32 = 1 << 0;
 const RECEIVE_FULL: u32 = 1 << 1;
 /// CONTROL: transmitter and receiver on.
 const ENABLE: u32 = 0b11;
-/// CONTROL: receive interrupt on; INTERRUPTS: receive interrupt pending.
+/// CONTROL: receive interrupt on.
 const RECEIVE_INTERRUPT: u32 = 1 << 3;
+/// INTERRUPTS: receive interrupt pending; writing 1 clears it.
 const RECEIVE_PENDING: u32 = 1 << 1;
-/// The smallest that the hardware takes; the emulator sends each byte at once.
+/// The smallest baud divisor that the hardware takes; the emulator sends each byte at once.
 const FASTEST: u32 = 16;
 
 fn read(address: usize) -> u32 {
@@ -44,13 +45,13 @@ fn write(address: usize, value: u32) {
 }
 
 impl Uart {
-    /// Switches it on, with the receive interrupt.
+    /// Switches the UART on, with its receive interrupt.
     pub(crate) fn start(self) {
         write(self.0 + BAUD_DIVISOR, FASTEST);
         self.listen(true);
     }
 
-    /// Takes the received byte, if there is one. The emulator holds the next one back until then, so nothing is lost.
+    /// Takes the received byte, if there is one. The emulator does not deliver the next byte before, so none is lost.
     pub(crate) fn receive(self) -> Option<u8> {
         if read(self.0 + STATE) & RECEIVE_FULL == 0 {
             return None;
@@ -69,7 +70,7 @@ impl Uart {
         room
     }
 
-    /// Sends bytes, waiting for room.
+    /// Sends bytes; waits for room before each one, without a limit.
     pub(crate) fn send(self, bytes: &[u8]) {
         for &byte in bytes {
             while !self.try_send(byte) {}
@@ -89,7 +90,7 @@ const TIMER_CONTROL: usize = 0x0;
 const TIMER_VALUE: usize = 0x4;
 const TIMER_RELOAD: usize = 0x8;
 const TIMER_INTERRUPT: usize = 0xc;
-/// TIMER_CONTROL: counting, with interrupt.
+/// TIMER_CONTROL: count, and raise the interrupt at zero.
 const COUNT: u32 = 1 << 0 | 1 << 3;
 
 /// Starts TIMER0: an interrupt every `ticks` of the board's 25 MHz.
@@ -99,7 +100,7 @@ pub(crate) fn start_timer(ticks: u32) {
     write(TIMER0 + TIMER_CONTROL, COUNT);
 }
 
-/// Acknowledges TIMER0's interrupt.
+/// Clears TIMER0's interrupt.
 pub(crate) fn clear_timer() {
     write(TIMER0 + TIMER_INTERRUPT, 1);
 }

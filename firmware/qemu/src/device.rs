@@ -15,21 +15,21 @@ use embassy_sync::pipe::Pipe;
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
-use slipline_app::ports::{DacStream, Mute, NoFlash, System, Underrun};
-use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing};
+use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, System, Underrun};
+use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing, release};
 
 use crate::cmsdk::{TIMER0_INTERRUPT, UART0, UART0_RECEIVE, UART1, UART1_RECEIVE, clear_timer, start_timer};
 
 /// As on the boards.
 const SAMPLE_RATE_HZ: u32 = 400_000;
-/// The board's clock, which feeds the timer.
+/// The clock of the board's timer.
 const BOARD_HZ: u32 = 25_000_000;
 /// 8000, exactly.
 const TICKS_PER_BLOCK: u32 = BOARD_HZ / (SAMPLE_RATE_HZ / BLOCK as u32);
 
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
-/// Vectors of this board that nothing uses; they lend the executors their priorities.
+/// Interrupts of this board that no peripheral uses; the executors run in them, at their priorities.
 #[derive(Clone, Copy)]
 enum Spare {
     Renderer,
@@ -49,7 +49,7 @@ unsafe impl InterruptNumber for Spare {
     }
 }
 
-/// A vector of a peripheral.
+/// The interrupt of a peripheral.
 #[derive(Clone, Copy)]
 struct Vector(i16);
 
@@ -63,7 +63,7 @@ unsafe impl InterruptNumber for Vector {
 static RENDERER: InterruptExecutor = InterruptExecutor::new();
 static LINK: InterruptExecutor = InterruptExecutor::new();
 
-/// Priorities in the upper three bits, as this processor has eight levels; lower is served first.
+/// Priorities. This processor has eight levels, in the upper three bits; the lower number is served first.
 const CLOCK_PRIORITY: u8 = 1 << 5;
 const RENDERER_PRIORITY: u8 = 2 << 5;
 const RECEIVE_PRIORITY: u8 = 3 << 5;
@@ -88,7 +88,7 @@ fn main() -> ! {
     let render = RENDERER.start(Spare::Renderer);
     let link = LINK.start(Spare::Link);
     for interrupt in [TIMER0_INTERRUPT, UART0_RECEIVE, UART1_RECEIVE] {
-        // SAFETY: what the handlers use is static.
+        // SAFETY: the handlers use statics only.
         unsafe { NVIC::unmask(Vector(interrupt)) };
     }
     if let (Ok(renderer), Ok(talk)) = (run_renderer(), run_link()) {
@@ -102,7 +102,7 @@ fn main() -> ! {
     }
 }
 
-/// Every interrupt: cortex-m-rt fills the vectors of a board it does not know with this one.
+/// Handles every interrupt: cortex-m-rt fills the vectors of a board that it does not know with this handler.
 #[exception]
 unsafe fn DefaultHandler(interrupt: i16) {
     match interrupt {
@@ -125,7 +125,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
                 SHOWN_BLOCKS.fetch_add(u32::from(blocks), Relaxed);
             }
         }
-        // SAFETY: called from the executor's own vector, which `start` has enabled.
+        // SAFETY: called from the executor's own interrupt, which `start` has enabled.
         RENDERER_INTERRUPT => unsafe { RENDERER.on_interrupt() },
         // SAFETY: as above.
         LINK_INTERRUPT => unsafe { LINK.on_interrupt() },
@@ -144,7 +144,7 @@ async fn run_link() {
     let device = Device {
         board: "mps2-an386 (emulated)",
         build: env!("CARGO_PKG_VERSION"),
-        firmware: (0, 1, 0),
+        firmware: release::VERSION,
         unit: *b"emulated-001",
         simulated: true,
         sample_rate_hz: SAMPLE_RATE_HZ,
@@ -156,12 +156,12 @@ async fn run_link() {
 /// Blocks that the sample clock has asked for and that have not been written.
 static BLOCKS_DUE: AtomicU32 = AtomicU32::new(0);
 static CLOCK: AtomicWaker = AtomicWaker::new();
-/// Blocks still to be shown on UART1. Each byte received there asks for that many more: every byte costs the emulator
-/// a system call, so codes are shown on demand only.
+/// Blocks still to be sent to UART1. The value of each byte received there is added. Codes are sent on demand only,
+/// because every byte costs the emulator a system call.
 static SHOWN_BLOCKS: AtomicU32 = AtomicU32::new(0);
 
-/// A DAC that plays a block per interrupt of the timer, and shows it on UART1 if asked: index of the first code, eight
-/// bytes, then the codes, two bytes each, all little-endian.
+/// A DAC that takes one block per interrupt of the timer. On demand it sends the block to UART1: the index of the first
+/// code in eight bytes, then the codes in two bytes each, all little-endian.
 struct ShownDac {
     first: u64,
 }
@@ -173,7 +173,7 @@ impl DacStream for ShownDac {
             if BLOCKS_DUE.load(Relaxed) > 0 { Poll::Ready(()) } else { Poll::Pending }
         })
         .await;
-        // An emulator that the host computer has not run for a while is no underrun: no sample is missing.
+        // Never an underrun: if the host computer does not run the emulator for a while, no sample is missing.
         BLOCKS_DUE.fetch_sub(1, Relaxed);
         if SHOWN_BLOCKS.load(Relaxed) > 0 {
             SHOWN_BLOCKS.fetch_sub(1, Relaxed);
@@ -187,14 +187,18 @@ impl DacStream for ShownDac {
     }
 }
 
-/// There is nothing to mute.
+/// This board has no amplifier to mute.
 struct NoAmplifier;
 
 impl Mute for NoAmplifier {
     fn set_muted(&mut self, _: bool) {}
+
+    fn stay_on(&mut self) -> Result<(), HasMuted> {
+        Ok(())
+    }
 }
 
-/// There is no ROM.
+/// This board has no ROM bootloader.
 struct NoBootloader;
 
 impl System for NoBootloader {
@@ -205,7 +209,7 @@ impl System for NoBootloader {
     fn enter_bootloader(&mut self) {}
 }
 
-/// Bytes that have come in on UART0.
+/// Bytes received on UART0 that the link has not read.
 static INBOX: Pipe<CriticalSectionRawMutex, 256> = Pipe::new();
 
 struct UartRead;
@@ -230,7 +234,7 @@ impl ErrorType for UartWrite {
 
 impl Write for UartWrite {
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        // The host may not read; the link gives the reply up in time.
+        // If the host does not read, the link drops the reply after its time limit.
         let sent = loop {
             match bytes.iter().take_while(|&&byte| UART0.try_send(byte)).count() {
                 0 if !bytes.is_empty() => yield_now().await,
@@ -245,7 +249,7 @@ impl Write for UartWrite {
     }
 }
 
-/// Shows the message on UART1, where no test expects it, and stops.
+/// Sends the message to UART1 as text, which no test takes for codes, and stops.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     struct Show;

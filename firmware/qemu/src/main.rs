@@ -3,8 +3,8 @@
 //! ```text
 //! qemu-system-arm -M mps2-an386 -nographic -icount shift=0 -serial <link> -serial <codes> -kernel slipline-qemu
 //! ```
-//! The very application of the boards, compiled for the same processor, with UART0 as its link and UART1 as its DAC.
-//! Under `-icount` the sample index and the instructions executed do not depend on the host computer's speed.
+//! It is the same application as on the boards, compiled for the same processor, with UART0 as its link and UART1 as
+//! its DAC. Under `-icount` the sample index and the executed instructions do not depend on the host computer's speed.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 

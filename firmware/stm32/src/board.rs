@@ -1,26 +1,31 @@
-//! The board the image is for: one file each, chosen by a feature. Every file has the same names in it.
+//! The board that the image is for. Each board has one file, chosen by a feature; every file defines the same names.
 //!
 //! | name | what it is |
 //! |---|---|
 //! | `NAME` | the name in the hello |
-//! | `CORE_HZ`, `TIMER_HZ`, `TIMER_PERIOD` | the clock tree's results |
+//! | `CORE_HZ`, `TIMER_HZ`, `TIMER_PERIOD` | the processor's and TIM6's clocks in Hz; TIM6's ticks per DAC code |
+//! | `MuteTimer`, `MUTE_TIMER`, `MUTE_TIMER_HZ` | the timer of the mute pin, with a break input, and its clock in Hz |
+//! | `MUTE_CHANNEL`, `MUTE_IS_COMPLEMENTARY` | its channel, from 0, and whether the pin is the complementary output |
+//! | `MUTE_PIN`, `MUTE_FUNCTION` | the mute pin's port and number, and the alternate function that gives it to the timer |
 //! | `DAC_TRIGGER`, `DMA_STREAM`, `DacDma` | the DAC's wiring inside the chip |
-//! | `route_dma(..)` (`dma-streams`) or `DMA_REQUEST` (`dma-channels`) | the DMA's request, as `dac/` has it |
-//! | `FLASH_SLOTS`, `SLOT_BYTES` | where the settings are kept |
-//! | `Watchdog`, `WATCHDOG_US` | the watchdog and its period |
+//! | `route_dma(..)` (`dma-streams`) or `DMA_REQUEST` (`dma-channels`) | the DMA request of the DAC, for `dac/` |
+//! | `FLASH_SLOTS`, `SLOT_BYTES` | the flash slots of the stored table |
+//! | `WATCHDOG`, `WATCHDOG_PRESCALER`, `WATCHDOG_FASTEST_HZ` | the watchdog, its divider, and its oscillator at its fastest |
+//! | `ERASURE_WATCHDOG_MS` | its nominal period around an erasure of the flash, in ms |
 //! | `SYSTEM_MEMORY` | the ROM bootloader's vector table |
-//! | `DMA_INTERRUPT`, `SUPPLY_INTERRUPT` and their handlers | what the chip calls these interrupts |
-//! | `Link` | the link's peripheral and its pins: `usb_link`'s, or with `link-uart` its own, which opens a UART |
-//! | `UART_INTERRUPT` (`link-uart`) | that UART's |
-//! | `config()` | clocks, as embassy takes them |
-//! | `tune_flash()`, `tune_dac()` | what embassy does not set |
-//! | `map_system_memory()` | the ROM bootloader's vectors where a boot from ROM has them |
-//! | `take(..)` | the peripherals under their uses' names, with the amplifier muted |
-//! | `mute_now()` | register writes alone, for the fault handlers |
+//! | `DMA_INTERRUPT`, `SUPPLY_INTERRUPT` and their handlers | interrupts of the DAC's DMA and the supply detector |
+//! | `Link` | the link's peripheral and pins: `usb_link`'s type, or with `link-uart` its own, which opens a UART |
+//! | `UART_INTERRUPT` (`link-uart`) | the interrupt of that UART |
+//! | `config()` | the clocks and the DMA interrupts' priority, for embassy |
+//! | `tune_flash()`, `tune_dac()` | the settings of flash and DAC that embassy does not make |
+//! | `map_system_memory()` | maps the ROM bootloader's vectors to address 0, as a boot from ROM does |
+//! | `take(..)` | sorts the peripherals by their use, and mutes the amplifier |
+//! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
+//! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `is_brown_out_guarded()` | the reset's cause; whether the brown-out level is set |
-//! | `start_supply_detector()` | the level at which it trips |
+//! | `start_supply_detector()` | switches the detector on, with the level at which it trips |
 
-use embassy_stm32::gpio::Output;
+use embassy_stm32::gpio::{Flex, Output, Pin, Speed};
 use embassy_stm32::{Peri, peripherals};
 
 #[cfg(feature = "board-f4discovery")]
@@ -41,19 +46,27 @@ pub(crate) use nucleo_h743zi2::*;
 pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 // One code per timer period, exactly.
 const _: () = assert!(SAMPLE_RATE_HZ * TIMER_PERIOD as u32 == TIMER_HZ);
-// A record of the application's fits.
+// A slot holds the application's longest record.
 const _: () = assert!(SLOT_BYTES >= slipline_app::store::SLOT_BYTES);
 
-/// The peripherals, by what they are for. Every STM32 with a DAC has its first channel on PA4.
+/// The peripherals, named by their use. Every STM32 with a DAC has its first channel on PA4.
 pub(crate) struct Board {
-    /// High: the amplifier may sound.
-    pub(crate) unmute: Output<'static>,
+    /// High: the amplifier is on. Low until the mute timer has it, and then too.
+    pub(crate) unmute: Flex<'static>,
+    pub(crate) mute_timer: Peri<'static, MuteTimer>,
     pub(crate) lamp: Output<'static>,
     pub(crate) dac: Peri<'static, peripherals::DAC1>,
     pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
     pub(crate) dac_stream: Peri<'static, DacDma>,
     pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
     pub(crate) flash: Peri<'static, peripherals::FLASH>,
-    pub(crate) watchdog: Peri<'static, Watchdog>,
     pub(crate) link: Link,
+}
+
+/// Drives a pin low.
+fn low(pin: Peri<'static, impl Pin>) -> Flex<'static> {
+    let mut pin = Flex::new(pin);
+    pin.set_low();
+    pin.set_as_output(Speed::Low);
+    pin
 }

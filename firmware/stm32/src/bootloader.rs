@@ -1,7 +1,7 @@
 //! How the program enters the chip's ROM bootloader, and how it starts after it.
 //!
-//! It enters by a reset, because the ROM expects every register as a reset leaves it. The ROM starts the program after a
-//! reset, or by a jump ("leave" of DFU) that resets nothing.
+//! It enters by a reset, because the ROM expects every register as after a reset. The ROM starts the program after a
+//! reset, or by a jump (DFU's "leave") that resets nothing.
 
 use core::cell::UnsafeCell;
 
@@ -9,7 +9,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 
 use crate::{board, crash};
 
-/// Tells the start-up code to enter the ROM bootloader. Any other value means nothing.
+/// Tells the start-up code to enter the ROM bootloader if it holds [`BOOTLOADER`]; any other value means nothing.
 struct Request(UnsafeCell<u32>);
 
 // SAFETY: written at boot before any interrupt is enabled, and when interrupts have been switched off for good.
@@ -27,14 +27,15 @@ pub(crate) fn reset_into() -> ! {
     SCB::sys_reset();
 }
 
-/// First thing after reset: jumps into the ROM bootloader if the last run asked for it.
+/// Runs first after a reset: jumps into the ROM bootloader if the last run asked for it.
 pub(crate) fn enter_if_requested() {
     // SAFETY: see `Request`; no interrupt is enabled yet.
     let request = unsafe { REQUEST.0.get().read_volatile() };
-    // SAFETY: as above. The request is used up: the next reset starts the program.
+    // SAFETY: as above. Cleared, so that the next reset starts the program.
     unsafe { REQUEST.0.get().write_volatile(0) };
     if request == BOOTLOADER {
-        // The ROM's own interrupts (USB's, for DFU) must find its vectors: the jump alone leaves this program's in force.
+        // The ROM's own interrupts (USB's, for DFU) must find the ROM's vectors: the jump alone leaves this program's
+        // vectors in force.
         board::map_system_memory();
         // SAFETY: no interrupt is enabled, no peripheral is on, and the ROM's vector table, aligned as VTOR wants it,
         // begins with its stack pointer and its reset vector (AN2606).
@@ -47,9 +48,9 @@ pub(crate) fn enter_if_requested() {
 
 /// Brings the processor to the state after a reset, in case the ROM has started the program by a jump.
 ///
-/// Its vector table is in force then (cortex-m-rt's `set-vtor` has put ours back before anything else), and its
-/// interrupts may be enabled and waiting, or all of them masked (AN3156, "Leave DFU mode", notes). The peripherals are reset where they are
-/// set up. After a reset this changes nothing.
+/// After a jump the ROM's interrupts may be enabled and pending, or all interrupts masked (AN3156, "Leave DFU mode",
+/// notes). The ROM's vector table was in force, too, but cortex-m-rt's `set-vtor` has already set ours. The peripherals
+/// are reset where they are set up. After a reset this function changes nothing.
 pub(crate) fn undo_rom_state() {
     // SAFETY: nothing of this program waits for an interrupt yet; each driver enables its own.
     unsafe {

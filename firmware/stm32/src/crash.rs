@@ -1,8 +1,8 @@
-//! What the handlers of panics and faults do, and the record they leave for the next hello.
+//! The handlers of panics and faults, and the record that they leave for the next hello.
 //!
 //! Panic, processor fault, unexpected interrupt and stack overflow all end here, in this order: interrupts off,
 //! amplifier muted, DAC to mid-scale (register writes alone), a record of the reason into RAM that no start-up code
-//! clears, reset. Nothing is logged and nothing is awaited: a fault handler that waits for a debugger hangs a device
+//! clears, reset. They log nothing and wait for nothing: a fault handler that waits for a debugger would hang a device
 //! that drives a coil.
 
 use core::cell::UnsafeCell;
@@ -14,9 +14,9 @@ use slipline_app::ResetCause;
 use slipline_app::boot::Boot;
 use slipline_app::crash::CrashRecord;
 
-use crate::{board, dac};
+use crate::{board, dac, mute, store};
 
-/// The record's bytes; garbage after power-on, so they are decoded (with their CRC) and never trusted.
+/// The record's bytes. After power-on they are random, so they are always checked by their CRC.
 #[repr(align(4))]
 struct Kept(UnsafeCell<[u8; CrashRecord::BYTES]>);
 
@@ -28,7 +28,7 @@ unsafe impl Sync for Kept {}
 static KEPT: Kept = Kept(UnsafeCell::new([0; CrashRecord::BYTES]));
 
 fn read() -> Option<CrashRecord> {
-    // SAFETY: see `Kept`; any bytes are valid bytes. Volatile, because the linker's initial value is not the content.
+    // SAFETY: see `Kept`; any bytes are valid bytes. Volatile, because the content is not the initial value above.
     CrashRecord::decode(&unsafe { KEPT.0.get().read_volatile() })
 }
 
@@ -44,7 +44,7 @@ fn write(record: &CrashRecord) {
     }
 }
 
-/// What the application is told about the start, once, at boot.
+/// The reset's cause and what the last run recorded, for the application. Called once, at the start.
 pub(crate) fn boot() -> Boot {
     let kept = read();
     // A dip of the supply ends in a software reset too; only the record tells them apart.
@@ -58,7 +58,7 @@ pub(crate) fn boot() -> Boot {
     boot
 }
 
-/// The device has run long enough: earlier crashes do not count any more.
+/// Resets the count of crashes, after a stable run.
 pub(crate) fn stable() {
     if let Some(record) = read() {
         write(&record.stable());
@@ -68,18 +68,18 @@ pub(crate) fn stable() {
 /// Switches interrupts off, mutes, and sets the DAC to mid-scale.
 pub(crate) fn silence() {
     cortex_m::interrupt::disable();
-    board::mute_now();
+    mute::off();
     dac::silence();
 }
 
-/// Keeps the reason, with how often in a row, and resets.
+/// Records the cause, the message and the count of crashes in a row so far, and resets the chip.
 fn end(cause: ResetCause, message: &dyn Display) -> ! {
     let resets = read().map_or(0, |record| record.resets);
     write(&CrashRecord::crashed(cause, resets, message));
     SCB::sys_reset();
 }
 
-/// The supply dips: mutes and resets.
+/// For a dip of the supply: mutes and resets.
 pub(crate) fn reset_for_brown_out() -> ! {
     silence();
     end(ResetCause::BrownOut, &"")
@@ -90,7 +90,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     silence();
     let message = info.message();
     match info.location() {
-        // A text that does not fit is cut at its end; its beginning says where.
+        // A text that does not fit is cut at its end, so the place of the panic comes first.
         Some(at) => end(ResetCause::Panic, &format_args!("{}:{} {message}", short(at.file()), at.line())),
         None => end(ResetCause::Panic, &message),
     }
@@ -103,7 +103,8 @@ fn short(path: &str) -> &str {
     slashes.next().and_then(|(at, _)| path.get(at + 1..)).unwrap_or(path)
 }
 
-/// Every fault of the processor: the others are not enabled and escalate to this one.
+/// Handles every fault of the processor: the other fault handlers are not enabled, so their faults escalate to this
+/// one.
 ///
 /// Replaces cortex-m-rt's handler symbol. It first puts the stack pointer back to the top, because the fault may be
 /// that there is no stack left (memory/*.x puts the stack at the lower end of its RAM); the handler never returns, so
@@ -144,7 +145,24 @@ extern "C" fn hard_fault(frame: u32) -> ! {
     end(ResetCause::HardFault, &format_args!("stack overflow at {frame:#010x}, CFSR {status:#010x}"))
 }
 
-/// An interrupt without a handler: it would be raised again for ever.
+/// The NMI: the crystal has stopped, or the flash has found a torn word (G474).
+///
+/// # Safety
+/// Only the processor calls it.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn NonMaskableInt() {
+    if board::take_clock_failure() {
+        // The break has muted the amplifier already. All clocks are slower now.
+        silence();
+        end(ResetCause::HardFault, &"the crystal has stopped")
+    }
+    if let Err(reason) = store::on_nmi() {
+        silence();
+        end(ResetCause::Panic, &reason)
+    }
+}
+
+/// Handles an interrupt that has no handler of its own: it would be raised again without end.
 ///
 /// # Safety
 /// Only the processor calls it.

@@ -5,22 +5,26 @@
 //!                                        ^
 //! ring of two blocks --DMA, circular, 32 bit--> DHR12R1
 //!        ^                 | half / whole ring played: interrupt
-//!  DacStream::write_block  +--> on_dma: the half left is filled with a fade (see `ring`), the renderer is woken
+//!  DacStream::write_block  +--> on_dma: the half left is filled with a line (see `ring`), the renderer is woken
 //! ```
 //! The timer alone sets the pace: one code every [`board::TIMER_PERIOD`] ticks of [`board::TIMER_HZ`], with no jitter
 //! from software. Latency: at most one block from `write_block` to the pin (128 codes = 320 us at 400 kS/s).
 //!
-//! A missed deadline shows in two ways, and both are reported as [`Underrun`]:
-//! * the renderer is late: the DMA enters a half that was not written. It then plays the fade that the interrupt put
-//!   there and mid-scale after it; `ring` counts it.
+//! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and what is heard
+//! is one line to mid-scale:
+//! * the renderer is late: the DMA enters, or is about to enter, a half that was not written. It then plays the line that
+//!   the interrupt put there; see `ring`.
 //! * the DMA is late: the DAC's next trigger comes before the DMA has answered the last request. The DAC sets DMAUDR,
 //!   raises its interrupt (DMAUDRIE), holds its last code and asks no more (RM0440 Rev 9, 22.4.8, and the DAC's
 //!   chapters in RM0090 and RM0433). Recovery as those chapters say: clear the flag, clear DMAEN, set up DMA and DAC
-//!   anew; here with a ring that fades from the held code to mid-scale.
+//!   again; here with a ring that goes from the held code to mid-scale.
 //!
-//! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its
-//! end and serves one flag an interrupt, so the stream is driven through the PAC. Everything that touches TIM6, DAC1 or
-//! its DMA stream is in this file, in `stream`, one file for each kind of DMA (`dac/streams.rs`, `dac/channels.rs`), and in
+//! If the DMA's own interrupt is late by a block or more, the DMA plays a block again before anyone can know. What bounds
+//! that is the mute pin's timer (`mute`).
+//!
+//! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its end
+//! and serves one flag per interrupt, so the stream is driven through the PAC. All code that touches TIM6, DAC1 or its
+//! DMA stream is in this file, in `stream` (one file for each kind of DMA: `dac/streams.rs`, `dac/channels.rs`), and in
 //! the board's `tune_dac`.
 
 #[cfg_attr(feature = "dma-channels", path = "dac/channels.rs")]
@@ -37,50 +41,58 @@ use embassy_stm32::pac;
 use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
 use slipline_app::bank::BLOCK;
+use slipline_app::bank::code::MID_SCALE;
 use slipline_app::ports::{DacStream, Underrun};
 
 use crate::board;
-use crate::ring::{Halves, MID_SCALE, ramp};
+use crate::ring::{Halves, Ring};
 
 /// The codes the DMA reads: two blocks, one word each (the DAC's registers are accessed by words only).
-struct Ring(UnsafeCell<[u32; 2 * BLOCK]>);
+struct Codes(UnsafeCell<[u32; 2 * BLOCK]>);
 
 // SAFETY: the DMA only reads it. A half is written by the DMA's interrupt at the moment the DMA leaves it, and by the
-// renderer between `claim` and `commit`; the interrupt that could touch the same half comes one block later, and
-// `commit` then discards what was written.
-unsafe impl Sync for Ring {}
+// renderer while it is free (`Halves::offer`); the interrupt that could touch the same half comes one block later.
+unsafe impl Sync for Codes {}
 
-impl Ring {
-    /// Writes one half, code by code.
+impl Codes {
+    fn address(&self) -> u32 {
+        self.0.get() as u32
+    }
+}
+
+impl Ring for Codes {
     fn write(&self, half: usize, codes: impl Iterator<Item = u16>) {
         let first = self.0.get().cast::<u32>().wrapping_add((half & 1) * BLOCK);
-        for (n, code) in codes.take(BLOCK).enumerate() {
-            // SAFETY: `first` is the start of a half of BLOCK words and `n` is below BLOCK. Volatile, because the DMA
-            // reads it behind the compiler's back.
+        // Not a `for` loop: a chain of two iterators takes half the cycles this way.
+        codes.take(BLOCK).enumerate().for_each(|(n, code)| {
+            // SAFETY: `first` is the start of a half of BLOCK words and `n` is below BLOCK. Volatile, because the
+            // compiler does not know that the DMA reads it.
             unsafe { first.add(n).write_volatile(u32::from(code)) };
-        }
+        });
     }
 
-    /// The last code of a half.
     fn last(&self, half: usize) -> u16 {
         let word = self.0.get().cast::<u32>().wrapping_add((half & 1) * BLOCK + BLOCK - 1);
         // SAFETY: the last word of a half of the ring.
         (unsafe { word.read_volatile() } & 0xfff) as u16
     }
 
-    fn address(&self) -> u32 {
-        self.0.get() as u32
+    fn left(&self) -> usize {
+        usize::from(stream::left())
     }
 }
 
 // On the H743 the DMA cannot reach the RAM that holds the other variables; memory/h743zi.x places this section.
 // Nothing initialises it: `Dac::start` writes every word before the DMA is enabled.
 #[unsafe(link_section = ".uninit.dma")]
-static RING: Ring = Ring(UnsafeCell::new([0; 2 * BLOCK]));
+static RING: Codes = Codes(UnsafeCell::new([0; 2 * BLOCK]));
 static HALVES: Halves = Halves::full();
 static WAKER: AtomicWaker = AtomicWaker::new();
-/// The DAC or its DMA has stopped by itself and must be set up anew.
+/// The DAC or its DMA has stopped by itself and must be set up again.
 static STARVED: AtomicBool = AtomicBool::new(false);
+
+/// The output's pin on port A: channel 1's on all three chips.
+pub(crate) const PIN: usize = 4;
 
 /// The running DAC.
 pub(crate) struct Dac {
@@ -100,7 +112,7 @@ impl Dac {
         stream: Peri<'static, board::DacDma>,
         pin: Peri<'static, peripherals::PA4>,
     ) -> Self {
-        // The clock tree as the board's file derives it; a slip there would be a wrong pitch everywhere.
+        // The board's file derives the clock tree by hand: an error there would make every frequency wrong.
         assert!(
             rcc::frequency::<peripherals::TIM6>().0 == board::TIMER_HZ,
             "TIM6 does not run at the board's rate"
@@ -132,22 +144,16 @@ impl Dac {
         timer_regs.arr().write(|w| w.set_arr(board::TIMER_PERIOD - 1));
         timer_regs.cr2().modify(|w| w.set_mms(pac::timer::vals::Mms::UPDATE));
 
-        RING.write(0, core::iter::repeat(MID_SCALE));
-        RING.write(1, core::iter::repeat(MID_SCALE));
         let started = Self { _dac: dac, _timer: timer, _stream: stream, _pin: pin };
-        run();
+        run(MID_SCALE);
         started
     }
 }
 
-/// A block that goes from a code to mid-scale.
-fn fade(from: u16) -> impl Iterator<Item = u16> {
-    ramp::<{ BLOCK as u16 }>(from)
-}
-
-/// Enables the stream, the trigger and the timer, in this order: the first trigger finds a DMA that answers.
-fn run() {
-    HALVES.refill();
+/// Fills the ring with the line from `held`, the code of the pin, and enables the stream, the trigger and the timer, in
+/// this order: at the first trigger the DMA is ready.
+fn run(held: u16) {
+    HALVES.refill(&RING, held);
     stream::start(RING.address(), pac::DAC1.dhr12r(0).as_ptr() as u32, 2 * BLOCK as u16);
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, true);
@@ -157,7 +163,7 @@ fn run() {
     pac::TIM6.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Sets everything up anew after the DAC or the DMA has stopped: fades from the code the pin holds to mid-scale.
+/// Sets everything up again after the DAC or the DMA has stopped.
 fn restart() {
     pac::TIM6.cr1().modify(|w| w.set_cen(false));
     stream::stop();
@@ -168,37 +174,31 @@ fn restart() {
     });
     pac::DAC1.sr().write(|w| w.set_dmaudr(0, true));
     let held = pac::DAC1.dor(0).read().dor();
-    RING.write(0, fade(held));
-    RING.write(1, core::iter::repeat(MID_SCALE));
     STARVED.store(false, Ordering::Relaxed);
-    run();
+    run(held);
 }
 
 impl DacStream for Dac {
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
-        let mut late = false;
         loop {
             if STARVED.load(Ordering::Relaxed) {
-                late = true;
-                restart();
-            }
-            match HALVES.claim() {
-                Ok(Some(half)) => {
-                    RING.write(half, codes.iter().copied());
-                    match HALVES.commit() {
-                        Ok(()) if late => return Err(Underrun),
-                        Ok(()) => return Ok(()),
-                        Err(_) => late = true,
-                    }
+                // The DMA may still be blocked: until it has played a half, this is one event.
+                while STARVED.load(Ordering::Relaxed) {
+                    restart();
+                    wait().await;
                 }
-                Ok(None) => wait().await,
-                Err(_) => late = true,
+                return Err(Underrun);
+            }
+            match HALVES.offer(&RING, codes) {
+                Ok(true) => return Ok(()),
+                Ok(false) => wait().await,
+                Err(_) => return Err(Underrun),
             }
         }
     }
 }
 
-/// Until a half is free or the DAC has stopped.
+/// Waits until a half is free or the DAC has stopped.
 async fn wait() {
     poll_fn(|context| {
         WAKER.register(context.waker());
@@ -215,13 +215,10 @@ pub(crate) fn on_dma() {
         STARVED.store(true, Ordering::Relaxed);
     }
     if flags.half && flags.whole {
-        // This interrupt was kept away for a block or longer. The DMA itself tells where it is.
-        HALVES.resynchronise(playing());
-        let playing = playing();
-        RING.write(1 - playing, fade(RING.last(playing)));
+        // This interrupt was delayed for a block or longer. The DMA's own counter tells which half it reads.
+        HALVES.resynchronise(&RING);
     } else if flags.half || flags.whole {
-        let left = HALVES.finish();
-        RING.write(left, fade(RING.last(1 - left)));
+        HALVES.finish(&RING);
     }
     WAKER.wake();
 }
@@ -238,8 +235,8 @@ fn TIM6_DAC() {
     }
 }
 
-/// Holds the DAC where it is while `work` keeps the processor from answering: no triggers, so no deadlines. The sample
-/// index stands still with it.
+/// Holds the DAC's code while `work` keeps the processor busy: without triggers there are no deadlines. The sample
+/// index stands still meanwhile.
 pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
     pac::TIM6.cr1().modify(|w| w.set_cen(false));
     let result = work();
@@ -247,7 +244,7 @@ pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Mid-scale at once and for good, from any state of the program: for the fault handlers.
+/// Sets the DAC to mid-scale at once and until the reset, from any state of the program: for the fault handlers.
 pub(crate) fn silence() {
     pac::TIM6.cr1().modify(|w| w.set_cen(false));
     // Without trigger the value goes through to the pin one APB cycle later.
@@ -258,14 +255,9 @@ pub(crate) fn silence() {
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(MID_SCALE));
 }
 
-/// What the stream's interrupt found.
+/// The flags that the stream's interrupt found.
 struct Flags {
     half: bool,
     whole: bool,
     failed: bool,
-}
-
-/// The half the DMA reads now.
-fn playing() -> usize {
-    usize::from(usize::from(stream::left()) <= BLOCK)
 }

@@ -2,16 +2,16 @@
 //!
 //! A pattern is eight steps of 100 ms, played again and again; a set bit is light, the highest bit comes first.
 
-/// What the lamp shows, the most urgent last.
+/// What the lamp shows, in the order of urgency, the most urgent last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lamp {
-    /// Muted, well, waiting: one short flash.
+    /// No fault, amplifier muted: one short flash.
     Muted,
     /// The amplifier is on: steady light.
     Sounding,
-    /// The brown-out level is not set (BOARDS.md tells how): two short flashes.
+    /// The brown-out level is not set (BOARDS.md says how to set it): two short flashes.
     NoBrownOutLevel,
-    /// The device came up after repeated crashes and will not drive: fast blinking.
+    /// The device started after repeated crashes and does not drive: fast blinking.
     SafeMode,
 }
 

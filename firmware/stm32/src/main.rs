@@ -7,9 +7,9 @@
 //!                              ^                                    |
 //! flash slots <--store--> ----+            watchdog <--supervisor--+ both sides' counters
 //! ```
-//! Nothing in this crate knows a command. `board` says what differs between boards, `dac` owns timer, DAC and DMA,
-//! `priority` says who interrupts whom, `crash` what happens when all else fails, `bootloader` how the chip's ROM is
-//! entered and left.
+//! This crate does not know the protocol's commands. `board` holds what differs between boards, `dac` owns timer, DAC
+//! and DMA, `priority` lists which interrupt has which priority, `crash` handles panics and faults, `bootloader` enters
+//! the chip's ROM and undoes what the ROM leaves.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
@@ -23,8 +23,14 @@ mod crash;
 mod dac;
 #[cfg(target_arch = "arm")]
 mod device;
+#[cfg(target_arch = "arm")]
+mod fast;
 #[cfg(any(target_arch = "arm", test))]
 mod lamp;
+#[cfg(target_arch = "arm")]
+mod mute;
+#[cfg(target_arch = "arm")]
+mod pin_lock;
 #[cfg(target_arch = "arm")]
 mod priority;
 #[cfg(any(target_arch = "arm", test))]
@@ -39,6 +45,8 @@ mod supply;
 mod uart_link;
 #[cfg(all(target_arch = "arm", feature = "link-usb"))]
 mod usb_link;
+#[cfg(target_arch = "arm")]
+mod watchdog;
 
 /// On the host there is nothing to run; `cargo test -p slipline-stm32` runs the tests of the hardware-free parts.
 #[cfg(not(target_arch = "arm"))]

@@ -1,8 +1,8 @@
-//! Why the chip was reset, from its flags.
+//! The cause of the last reset, from the chip's reset flags.
 
 use slipline_app::ResetCause;
 
-/// A chip's reset flags. Several are set at once: every reset sets the pin's, and power-on the brown-out's too.
+/// A chip's reset flags. Several are set at once: every reset also sets the pin's flag, and a power-on the brown-out's.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ResetFlags {
     pub(crate) watchdog: bool,
@@ -13,7 +13,7 @@ pub(crate) struct ResetFlags {
 }
 
 impl ResetFlags {
-    /// The rarer flags come first; with no flag set the power has just come on.
+    /// The cause. A flag that fewer causes set is looked at first; with no flag set the power has just come on.
     pub(crate) const fn cause(self) -> ResetCause {
         if self.watchdog {
             ResetCause::Watchdog

@@ -1,228 +1,142 @@
 //! The DAC's ring of two halves: which half may be written, and what it holds until then.
 //!
 //! ```text
-//! ring:   | half 0: one block | half 1: one block |      DMA reads round and round, one code per timer tick
+//! ring:   | half 0: one block | half 1: one block |      DMA reads both in turn, one code per timer tick
 //!              ^ written while      ^ played
 //! ```
-//! When the DMA leaves a half, its interrupt calls [`Halves::finish`] and fills that half with a straight ramp from
-//! the last code of the half now playing to mid-scale ([`ramp`]). The renderer then writes its block over the ramp. If
-//! it comes too late the DMA plays the ramp, then mid-scale: never an old block again. So a missed deadline is a short
-//! controlled fade, and [`Halves::claim`] or [`Halves::commit`] reports it.
+//! When the DMA leaves a half, its interrupt calls [`Halves::finish`], which fills that half with a straight line from
+//! the last code of the half now playing to mid-scale (`slipline_app::fade`). The renderer then writes its block over it.
+//!
+//! **A block that is late is not played.** Late is not only a half that the DMA has entered, but one that it will enter
+//! within [`MARGIN`] samples: while the block is copied the DMA must not come into the same half, or it would play some
+//! codes of the line and then some of the block. From a late block on, the halves keep what the interrupt wrote, one
+//! line over as many of them as it needs; then blocks are taken again. So what is heard of a missed deadline is one line
+//! from the last good code to mid-scale, and [`Halves::offer`] reports it.
 //!
 //! Latency: a block is written while the other half plays, so it sounds after at most one block.
 
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
-/// The DAC's mid-scale, 12 bit.
-pub(crate) const MID_SCALE: u16 = 1 << 11;
+use slipline_app::bank::BLOCK;
+use slipline_app::bank::code::MID_SCALE;
+use slipline_app::fade::fade;
 
-/// The block came too late: the DMA had reached the half before it was written.
+/// A block is late if the DMA enters its half in fewer samples. Copying it takes about 600 cycles, at most 900 with the
+/// interrupts that may come between (a byte or two of the UART), twice that with the flash's wait states: 1800 cycles
+/// are 4.3 samples on the F407, 4.2 on the G474. The DMA holds one code more ready than its counter says.
+pub(crate) const MARGIN: usize = 8;
+
+/// The block came too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Late;
 
+/// The ring's memory and the DMA that reads it.
+pub(crate) trait Ring {
+    /// Writes a half (0 or 1), first code first.
+    fn write(&self, half: usize, codes: impl Iterator<Item = u16>);
+    /// The last code of a half.
+    fn last(&self, half: usize) -> u16;
+    /// Codes of the ring that are left until the DMA begins it again: 1 to 2 * [`BLOCK`].
+    fn left(&self) -> usize;
+
+    /// The half that the DMA reads now.
+    fn playing(&self) -> usize {
+        usize::from(self.left() <= BLOCK)
+    }
+}
+
 /// Counts of halves, modulo 2^32; the half a count stands for is its lowest bit.
 ///
-/// `played` is written by the DMA's interrupt alone (or while it is off), `written` by the renderer alone, and the
+/// `played` is written by the DMA's interrupt alone (or while it is off), the others by the renderer alone, and the
 /// interrupt has the higher priority, so plain loads and stores are enough.
 pub(crate) struct Halves {
     played: AtomicU32,
     written: AtomicU32,
+    /// A block was late, and the line that it left is not known to be over.
+    fading: AtomicBool,
 }
 
 impl Halves {
     /// A ring whose two halves both hold codes that may be played.
     pub(crate) const fn full() -> Self {
-        Self { played: AtomicU32::new(0), written: AtomicU32::new(2) }
+        Self { played: AtomicU32::new(0), written: AtomicU32::new(2), fading: AtomicBool::new(false) }
     }
 
-    /// Back to [`Self::full`], while the DMA is off.
-    #[cfg_attr(not(target_arch = "arm"), expect(dead_code, reason = "restarting is the hardware's part"))]
-    pub(crate) fn refill(&self) {
+    /// Fills the whole ring with the line from a code, and begins anew; while the DMA is off.
+    pub(crate) fn refill(&self, ring: &impl Ring, from: u16) {
+        ring.write(0, fade(from));
+        ring.write(1, fade(ring.last(0)));
         self.played.store(0, Relaxed);
         self.written.store(2, Relaxed);
+        self.fading.store(true, Relaxed);
     }
 
-    /// The DMA has left a half; returns which one: it may be written now.
-    pub(crate) fn finish(&self) -> usize {
+    /// The DMA has left a half: it holds the line until it is written.
+    pub(crate) fn finish(&self, ring: &impl Ring) {
         let played = self.played.load(Relaxed);
         self.played.store(played.wrapping_add(1), Relaxed);
-        (played & 1) as usize
+        let left = (played & 1) as usize;
+        ring.write(left, fade(ring.last(1 - left)));
     }
 
-    /// Whether both halves hold codes that have not been played: there is nothing to write. Changes nothing.
-    pub(crate) fn is_full(&self) -> bool {
-        self.written.load(Relaxed).wrapping_sub(self.played.load(Relaxed)) == 2
-    }
-
-    /// The half that is free to be written, or `None` while both hold codes that have not been played.
-    ///
-    /// # Errors
-    /// [`Late`] if the DMA plays a half that was not written. The ring is in step again: the next claim waits for the
-    /// half after the one that plays.
-    pub(crate) fn claim(&self) -> Result<Option<usize>, Late> {
-        let (played, written) = (self.played.load(Relaxed), self.written.load(Relaxed));
-        // Halves that hold unplayed codes, the one that plays included.
-        match written.wrapping_sub(played) {
-            2 => Ok(None),
-            1 => Ok(Some((written & 1) as usize)),
-            _ => {
-                self.written.store(played.wrapping_add(1), Relaxed);
-                Err(Late)
-            }
-        }
-    }
-
-    /// The claimed half is written.
-    ///
-    /// # Errors
-    /// [`Late`] if the DMA had entered it before it was whole; the ring is in step again.
-    pub(crate) fn commit(&self) -> Result<(), Late> {
-        let (played, written) = (self.played.load(Relaxed), self.written.load(Relaxed));
-        if written.wrapping_sub(played) == 1 {
-            self.written.store(written.wrapping_add(1), Relaxed);
-            Ok(())
-        } else {
-            self.written.store(played.wrapping_add(1), Relaxed);
-            Err(Late)
-        }
-    }
-
-    /// Puts the counts in step with the DMA after interrupts were lost: `playing` is the half it reads now.
-    pub(crate) fn resynchronise(&self, playing: usize) {
+    /// Puts the counts in step with the DMA after interrupts were lost, and the line into the half it does not read.
+    pub(crate) fn resynchronise(&self, ring: &impl Ring) {
+        let playing = ring.playing();
         let played = self.played.load(Relaxed).wrapping_add(2);
         let behind = u32::from((played & 1) as usize != playing);
         self.played.store(played.wrapping_add(behind), Relaxed);
+        ring.write(1 - playing, fade(ring.last(playing)));
     }
-}
 
-/// Codes of a straight line over `LENGTH` samples, from the sample after `from` to mid-scale exactly.
-///
-/// It runs in the DMA's interrupt once a block, so it is an addition and a shift a sample.
-pub(crate) fn ramp<const LENGTH: u16>(from: u16) -> impl Iterator<Item = u16> {
-    // Q16: the slope is cut by less than 2^-16 of a code, so the end is off by less than LENGTH * 2^-16, which the
-    // rounding by half a code takes away: at most 2^15 / LENGTH of it would be left for LENGTH = 2^15.
-    const { assert!(LENGTH > 0 && LENGTH < 1 << 15) };
-    let rounding = 1 << 15;
-    let slope = ((i32::from(MID_SCALE) - i32::from(from)) << 16) / i32::from(LENGTH);
-    let mut level = (i32::from(from) << 16) + rounding;
-    (0..LENGTH).map(move |_| {
-        level += slope;
-        // Between two 12-bit codes: it fits.
-        (level >> 16) as u16
-    })
+    /// Whether both halves hold codes that have not been played, so that neither can be written. Changes nothing.
+    pub(crate) fn is_full(&self) -> bool {
+        self.unplayed() == 2
+    }
+
+    /// Halves that hold unplayed codes, the one that plays included: 2 if the ring is full, 1 if a half is free, anything
+    /// else if the DMA plays a half that was not written.
+    fn unplayed(&self) -> u32 {
+        self.written.load(Relaxed).wrapping_sub(self.played.load(Relaxed))
+    }
+
+    /// Takes a block and returns true, or false while the ring is full.
+    ///
+    /// # Errors
+    /// [`Late`]: the block is not played, it has taken up its time in the ring, and the ring is in step again.
+    pub(crate) fn offer(&self, ring: &impl Ring, codes: &[u16; BLOCK]) -> Result<bool, Late> {
+        match self.unplayed() {
+            2 => return Ok(false),
+            1 => {}
+            _ => return Err(self.late()),
+        }
+        let written = self.written.load(Relaxed);
+        let free = (written & 1) as usize;
+        // Half 0 plays while more than a block is left of the ring.
+        let until_free = if free == 1 { ring.left().saturating_sub(BLOCK) } else { ring.left() };
+        if ring.playing() == free || until_free < MARGIN {
+            return Err(self.late());
+        }
+        // The line is over when the half that plays ends at mid-scale: so does all of the free half then.
+        let fading = self.fading.load(Relaxed) && ring.last(1 - free) != MID_SCALE;
+        self.fading.store(fading, Relaxed);
+        if !fading {
+            ring.write(free, codes.iter().copied());
+        }
+        if self.unplayed() != 1 {
+            return Err(self.late());
+        }
+        self.written.store(written.wrapping_add(1), Relaxed);
+        Ok(true)
+    }
+
+    /// The block's half is the one that is free or, if the DMA has left that behind, the one that plays.
+    fn late(&self) -> Late {
+        let free = if self.unplayed() == 1 { 2 } else { 1 };
+        self.written.store(self.played.load(Relaxed).wrapping_add(free), Relaxed);
+        self.fading.store(true, Relaxed);
+        Late
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn a_full_ring_is_written_only_after_the_dma_has_left_a_half() {
-        let halves = Halves::full();
-        assert_eq!(halves.claim(), Ok(None));
-        assert_eq!(halves.finish(), 0);
-        assert_eq!(halves.claim(), Ok(Some(0)));
-        assert_eq!(halves.commit(), Ok(()));
-        assert_eq!(halves.claim(), Ok(None));
-        assert!(halves.is_full());
-        assert_eq!(halves.finish(), 1);
-        assert!(!halves.is_full());
-        assert_eq!(halves.claim(), Ok(Some(1)));
-    }
-
-    #[test]
-    fn a_half_entered_before_it_was_whole_is_late_and_the_next_one_is_in_step() {
-        let halves = Halves::full();
-        halves.finish();
-        assert_eq!(halves.claim(), Ok(Some(0)));
-        halves.finish();
-        assert_eq!(halves.commit(), Err(Late));
-        // The DMA plays half 0, so half 1 is the next to write.
-        assert_eq!(halves.claim(), Ok(Some(1)));
-        assert_eq!(halves.commit(), Ok(()));
-    }
-
-    #[test]
-    fn looking_whether_there_is_room_does_not_hide_that_it_was_late() {
-        let halves = Halves::full();
-        halves.finish();
-        halves.finish();
-        assert!(!halves.is_full());
-        assert_eq!(halves.claim(), Err(Late));
-    }
-
-    #[test]
-    fn lost_interrupts_leave_the_ring_in_step_with_the_dma() {
-        for (finished, playing) in [(1, 0), (1, 1), (2, 0), (2, 1)] {
-            let halves = Halves::full();
-            for _ in 0..finished {
-                halves.finish();
-            }
-            halves.resynchronise(playing);
-            assert_eq!(halves.claim(), Err(Late));
-            assert_eq!(halves.claim(), Ok(Some(1 - playing)));
-        }
-    }
-
-    #[test]
-    fn every_ramp_is_monotonic_and_ends_at_mid_scale() {
-        for from in 0..=4095u16 {
-            let codes: Vec<_> = ramp::<128>(from).collect();
-            assert_eq!((codes.len(), codes[127]), (128, MID_SCALE));
-            let largest = (i32::from(from) - i32::from(MID_SCALE)).abs() / 128 + 2;
-            let mut last = from;
-            for code in codes {
-                assert!((i32::from(code) - i32::from(last)).abs() <= largest);
-                assert!((code >= last) == (from <= MID_SCALE) || code == last);
-                last = code;
-            }
-        }
-    }
-
-    proptest! {
-        /// A consumer that may outrun the writer at any point: whatever it plays was written in order, once, or was
-        /// reported late.
-        #[test]
-        fn what_plays_was_written_in_order_or_reported_late(consume in prop::collection::vec(0..3usize, 1..400)) {
-            let halves = Halves::full();
-            let mut ring = [Some(0u32), Some(1)];
-            let (mut playing, mut next) = (0, 2);
-            let (mut heard, mut gaps, mut reports) = (vec![], 0, 0);
-            for (step, &finished) in consume.iter().enumerate() {
-                let claimed = halves.claim();
-                let mut finish = |ring: &mut [Option<u32>; 2]| {
-                    match ring[playing] {
-                        Some(block) => heard.push(block),
-                        None => gaps += 1,
-                    }
-                    prop_assert_eq!(halves.finish(), playing);
-                    ring[playing] = None;
-                    playing = 1 - playing;
-                    Ok(())
-                };
-                match claimed {
-                    Ok(Some(half)) => {
-                        // Some of the consumer's steps fall between claim and commit.
-                        let during = if step % 2 == 0 { finished } else { 0 };
-                        for _ in 0..during {
-                            finish(&mut ring)?;
-                        }
-                        match halves.commit() {
-                            Ok(()) => { prop_assert_eq!(during, 0); ring[half] = Some(next); }
-                            Err(Late) => reports += 1,
-                        }
-                        next += 1;
-                        for _ in 0..finished - during {
-                            finish(&mut ring)?;
-                        }
-                    }
-                    Ok(None) => for _ in 0..finished { finish(&mut ring)?; },
-                    Err(Late) => { reports += 1; for _ in 0..finished { finish(&mut ring)?; } }
-                }
-            }
-            prop_assert!(heard.windows(2).all(|pair| pair[0] < pair[1]), "{heard:?}");
-            prop_assert!(gaps == 0 || reports > 0 || halves.claim() == Err(Late));
-        }
-    }
-}
+mod tests;

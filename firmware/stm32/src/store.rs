@@ -1,12 +1,13 @@
-//! The two flash slots the application keeps its settings in.
+//! The two flash slots of the stored table.
 //!
-//! The application writes only when it is silent; this file still stops the DAC's triggers around every erasure and
-//! write, because on the F407 (one bank) the processor stands still until the flash is ready again, and no interrupt
-//! is served meanwhile. The sample index stands still with it, and nothing is counted as an underrun.
+//! The application writes only when it is silent. This file still stops the DAC's triggers around every erasure and
+//! write: the F407 has one bank, so the processor stops until the flash is ready again and serves no interrupt. The
+//! sample index stands still meanwhile, and nothing is counted as an underrun. An amplifier that is on
+//! is off meanwhile.
 //!
-//! A word that a power cut tore reads as anything on the F407, which has no error correction: the application's CRC
-//! finds it. On the G474 it raises an NMI and on the H743 a bus fault (RM0440 Rev 9, 3.3.2; RM0433, DBECCERR): both are
-//! caught (`chip`, one file for each family's flash) and become an error.
+//! A word is torn when the power fails while it is written. A torn word reads as anything on the F407, which has no
+//! error correction: the application's CRC finds it. On the G474 it raises an NMI and on the H743 a bus fault (RM0440
+//! Rev 9, 3.3.2; RM0433, DBECCERR): `chip` (one file for each family's flash) catches both and returns an error.
 
 #[cfg_attr(feature = "flash-f4", path = "store/f4.rs")]
 #[cfg_attr(feature = "flash-g4", path = "store/g4.rs")]
@@ -18,9 +19,10 @@ use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::peripherals::FLASH;
 use slipline_app::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
-use crate::{board, dac};
+pub(crate) use self::chip::on_nmi;
+use crate::{board, dac, mute, watchdog};
 
-/// The chip's flash, as far as the application sees it.
+/// The two slots in the chip's flash.
 pub(crate) struct Store(Flash<'static, Blocking>);
 
 impl Store {
@@ -28,7 +30,8 @@ impl Store {
         Self(Flash::new_blocking(flash))
     }
 
-    /// Offset of `length` bytes at `offset` of a slot from the start of the flash, if they lie inside it.
+    /// The offset from the start of the flash of `length` bytes at `offset` of a slot; an error if they do not fit into
+    /// the slot.
     fn place(slot: FlashSlot, offset: usize, length: usize) -> Result<u32, FlashError> {
         let inside = offset.checked_add(length).is_some_and(|end| end <= board::SLOT_BYTES);
         let [a, b] = board::FLASH_SLOTS;
@@ -53,6 +56,8 @@ impl FlashPages for Store {
         let from = Self::place(slot, 0, board::SLOT_BYTES)?;
         let to = from + board::SLOT_BYTES as u32;
         chip::forget_old_errors();
+        mute::hold_off();
+        watchdog::lengthen();
         let erased = dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError);
         chip::forget_cached();
         erased
@@ -61,6 +66,7 @@ impl FlashPages for Store {
     fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
         let at = Self::place(slot, offset, FLASH_WORD)?;
         chip::forget_old_errors();
+        mute::hold_off();
         dac::paused(|| self.0.blocking_write(at, word)).map_err(|_| FlashError)
     }
 

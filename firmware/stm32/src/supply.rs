@@ -1,9 +1,9 @@
-//! The supply's dip: the amplifier is muted before the brown-out reset comes.
+//! The supply detector: it mutes the amplifier when the supply dips, before the brown-out reset comes.
 //!
-//! There are two protections. The supply detector (PVD) trips at 2.7 to 2.9 V, as the board's own supply allows, and its interrupt
-//! mutes at once: below, the DAC's reference and the amplifier's logic are out of their range. The brown-out reset
-//! (BOR) holds the chip in reset while the supply is too low to run from flash; its level is an option byte, set once
-//! per board (BOARDS.md); the lamp shows if it is not set.
+//! There are two protections. The supply detector (PVD) trips at 2.66 to 2.90 V, as the board's own supply allows, and
+//! its interrupt mutes at once: below this voltage the DAC's reference and the amplifier's logic are out of their
+//! range. The brown-out reset (BOR) holds the chip in reset while the supply is too low to run from flash. Its level is
+//! an option byte, set once per board (BOARDS.md); the lamp shows if it is not set.
 
 use crate::board;
 use embassy_stm32::interrupt::InterruptExt;
@@ -12,7 +12,7 @@ use embassy_stm32::pac::EXTI;
 /// The detector's output is this line of EXTI on all three chips; it rises when the supply falls.
 const LINE: usize = 16;
 
-/// Arms the detector.
+/// Starts the detector and its interrupt.
 pub(crate) fn watch() {
     board::start_supply_detector();
     EXTI.rtsr(0).modify(|w| w.set_line(LINE, true));
@@ -22,8 +22,8 @@ pub(crate) fn watch() {
     unsafe { board::SUPPLY_INTERRUPT.enable() };
 }
 
-/// The detector's interrupt. The program cannot know how far the supply falls: it mutes and starts anew, and the next
-/// hello says brown-out.
+/// The detector's interrupt. The program cannot know how far the supply will fall, so it mutes and resets; the next
+/// hello tells the cause, brown-out.
 pub(crate) fn on_dip() {
     // Cleared by writing 1.
     EXTI.pr(0).write(|w| w.set_line(LINE, true));

@@ -1,7 +1,7 @@
 //! The link over a UART, which the board's ST-LINK shows to the host as a serial port.
 //!
-//! 921600 baud, 8 data bits, no parity, one stop bit: the fastest that every ST-LINK firmware takes. The frames have
-//! their own checks, so a byte lost to noise or to a full buffer costs one frame.
+//! 921600 baud, 8 data bits, no parity, one stop bit: the fastest rate that every ST-LINK firmware accepts. The frames
+//! have their own CRC, so a byte lost by noise or by a full buffer costs at most two frames.
 
 use embassy_executor::Spawner;
 use embassy_stm32::interrupt::InterruptExt;
@@ -11,9 +11,9 @@ use static_cell::StaticCell;
 use crate::{board, priority};
 
 const BAUD: u32 = 921_600;
-/// A quarter of a kilobyte is 2.8 ms of the line: the thread side may be that late.
+/// 256 bytes come in 2.8 ms at full rate: the thread side may be this late.
 const RECEIVE_BYTES: usize = 256;
-/// One whole frame, so that a reply is handed over at once.
+/// One complete frame, so that a reply is handed over at once.
 const TRANSMIT_BYTES: usize = 256;
 
 /// Bytes from the host.

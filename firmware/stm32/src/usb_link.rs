@@ -1,9 +1,9 @@
 //! The link over USB: one CDC-ACM serial port, whose bytes the application reads and writes.
 //!
-//! Nothing here is a safety measure. Many hosts never raise DTR, an STM32 does not see its cable being pulled, and a
-//! suspended laptop looks like an idle one. The dead-man's switch in the application protects the drive. So DTR is not
-//! read, and a read waits for as long as it takes. A write waits too, but the application drops it, and the reply with
-//! it, when the host has not taken it in time: a host that has stopped reading must not stop the program.
+//! Nothing here is a safety measure. Many hosts never raise DTR, an STM32 does not notice when its cable is pulled, and
+//! a suspended laptop looks like an idle one. The dead-man's switch in the application protects the drive. So DTR is
+//! not read, and a read waits without a limit. A write waits too, but the application drops it with its reply when the
+//! host has not taken it in time: a host that has stopped reading must not stop the program.
 
 use embassy_executor::Spawner;
 use embassy_stm32::interrupt::{self, InterruptExt};
@@ -18,14 +18,14 @@ use static_cell::StaticCell;
 
 use crate::priority;
 
-/// pid.codes' pair for tests: 0x1209 is its vendor id, product 0x0001 may be used by anyone for development and must
-/// not be shipped. A product needs its own pair; udev's rule and the host's port search name this one.
+/// The test pair of pid.codes: 0x1209 is its vendor id; anyone may use product 0x0001 for development, but must not
+/// ship it. A product needs its own pair; the udev rule and the host's port search use this one.
 const VENDOR: u16 = 0x1209;
 const PRODUCT: u16 = 0x0001;
 
 /// Bytes of a full-speed bulk packet.
 const PACKET: usize = 64;
-/// Receive buffers of the control and the bulk OUT endpoint, with room to spare.
+/// Bytes of the receive buffers of the control and the bulk OUT endpoint; they need 2 packets.
 const OUT_BUFFERS: usize = 4 * PACKET;
 
 bind_interrupts!(struct Irqs {
@@ -39,7 +39,7 @@ pub(crate) struct Usb {
     pub(crate) dm: Peri<'static, PA11>,
 }
 
-/// Sets up the device, with the chip's unique id as serial number, and the port's two halves.
+/// Sets up the USB device, with the chip's unique id as serial number; returns the port's two directions.
 pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     static OUT: StaticCell<[u8; OUT_BUFFERS]> = StaticCell::new();
     static CONFIGURATION: StaticCell<[u8; 256]> = StaticCell::new();
@@ -48,8 +48,8 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     static STATE: StaticCell<State<'static>> = StaticCell::new();
     static BUS_RESET: StaticCell<BusReset> = StaticCell::new();
 
-    // 5 V on the cable do not show that the host runs: the dead-man's switch alone decides. So the sense stays off and
-    // its pin, PA9, free.
+    // 5 V on the cable do not show that the host runs: only the dead-man's switch does. So VBUS sensing stays off and
+    // its pin, PA9, stays free.
     let mut sense = usb::Config::default();
     sense.vbus_detection = false;
     let driver = Driver::new_fs(usb.core, Irqs, usb.dp, usb.dm, OUT.init([0; OUT_BUFFERS]), sense);
@@ -79,14 +79,14 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     (FromHost { receiver, packet: [0; PACKET], start: 0, end: 0 }, ToHost(sender))
 }
 
-/// IN endpoints that the core has at least, the control endpoint included (the F407 four, RM0090 34.3; the H743 nine).
+/// IN endpoints that every core has, the control endpoint included (F407: four, RM0090 34.3; H743: nine).
 const IN_ENDPOINTS: usize = 4;
 
 /// Withdraws the packet that the host had not fetched when it reset the bus.
 ///
 /// The driver flushes the endpoint's FIFO but leaves EPENA set (embassy-usb-synopsys-otg 0.3), and its `write` waits
-/// until the core clears EPENA. The core clears it when the packet has gone, so it never would: the device would
-/// answer nothing until the next power cycle.
+/// until the core clears EPENA. The core clears it when the packet has been sent. A flushed packet is never sent, so
+/// the device would not answer until the power is switched off and on.
 struct BusReset;
 
 impl Handler for BusReset {
@@ -104,7 +104,7 @@ impl Handler for BusReset {
     }
 }
 
-/// The device's side of the bus.
+/// Runs the USB device; never ends.
 #[embassy_executor::task]
 async fn run(mut device: UsbDevice<'static, Driver<'static, USB_OTG_FS>>) {
     device.run().await;

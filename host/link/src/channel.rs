@@ -6,14 +6,14 @@
 //! A numbered command is repeated under its own number, so the device does it once; a keep-alive is replaced by
 //! a fresh one, since one that comes twice does not feed the dead-man.
 
-use crate::trace::{TracedFrame, TracedMessage};
+use crate::trace::{FRAMES, TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
 use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Direction, Event, Refusal, command, event};
 use std::time::Duration;
 
-/// A reply is awaited so long before the command is sent again.
+/// The link waits so long for a reply before it sends the command again.
 const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
 /// A keep-alive goes out this often.
 pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
@@ -78,14 +78,14 @@ pub(crate) struct ChannelCounters {
 #[derive(Clone, Debug)]
 struct Pending {
     command: Command,
-    /// What is sent if it has to be sent again.
-    repeat: Command,
+    /// It is never sent again: something harmless goes out under its number.
+    is_withdrawn: bool,
     sequence: u16,
     sent: Duration,
     repeats: u32,
 }
 
-/// The host's half of one session.
+/// The host's side of one session.
 #[derive(Debug)]
 pub(crate) struct Channel {
     nonce: [u8; 4],
@@ -101,14 +101,17 @@ pub(crate) struct Channel {
     ordered: Option<Pending>,
     decoder: Decoder,
     out: Vec<u8>,
-    /// Frames since they were last taken.
+    /// Whether `traced` is filled.
+    keeps_frames: bool,
+    /// The frames since the last call of [`Channel::take_traced`].
     traced: Vec<TracedFrame>,
     counters: ChannelCounters,
 }
 
 impl Channel {
-    /// A channel that begins with a hello of this nonce.
-    pub(crate) fn new(nonce: [u8; 4]) -> Self {
+    /// A channel that begins with a hello of this nonce. `keeps_frames`: whether it keeps every frame for
+    /// [`Channel::take_traced`].
+    pub(crate) fn new(nonce: [u8; 4], keeps_frames: bool) -> Self {
         Self {
             nonce,
             session: 0,
@@ -124,6 +127,7 @@ impl Channel {
             decoder: Decoder::new(),
             // Ends whatever a host before this one left unfinished: the hello need not be sent twice.
             out: vec![0],
+            keeps_frames,
             traced: Vec::new(),
             counters: ChannelCounters::default(),
         }
@@ -171,7 +175,7 @@ impl Channel {
         let lane = Lane::of(&command);
         let sequence = if lane == Lane::Ordered { self.sequence } else { self.unsequenced() };
         self.queue(&command, sequence, now);
-        let pending = Pending { repeat: command.clone(), command, sequence, sent: now, repeats: 0 };
+        let pending = Pending { command, is_withdrawn: false, sequence, sent: now, repeats: 0 };
         *self.lane_mut(lane) = Some(pending);
     }
 
@@ -193,7 +197,7 @@ impl Channel {
     /// under its number. For a drive that a stop has overtaken.
     pub(crate) fn withdraw(&mut self) {
         if let Some(pending) = &mut self.ordered {
-            pending.repeat = Command::TableDigest;
+            pending.is_withdrawn = true;
         }
     }
 
@@ -206,14 +210,18 @@ impl Channel {
                     return None;
                 }
                 let event = Event::decode(frame.header.id, frame.body);
-                let message = event.clone().map_or(
-                    TracedMessage::Unknown { id: frame.header.id, length: frame.body.len() },
-                    TracedMessage::Event,
-                );
-                Some((frame.header, read(frame.header.id, frame.body, event), message))
+                Some((frame.header, frame.body.len(), event, foreign_version(frame.header.id, frame.body)))
             });
-            let Some(Some((header, reply, message))) = received else { continue };
-            self.trace(TracedFrame { time: now, sequence: header.sequence, message });
+            let Some(Some((header, length, event, foreign))) = received else { continue };
+            self.trace(now, header.sequence, || match &event {
+                Ok(event) => TracedMessage::Event(event.clone()),
+                Err(_) => TracedMessage::Unknown { id: header.id, length },
+            });
+            let reply = match event {
+                Ok(Event::Hello(identity)) => Some(Reply::Hello(identity.version, Some(Box::new(identity)))),
+                Ok(event) => Some(Reply::Event(Box::new(event))),
+                Err(_) => foreign.map(|version| Reply::Hello(version, None)),
+            };
             let is_hello = matches!(reply, Some(Reply::Hello(..)));
             let answer = reply
                 .filter(|_| is_hello || header.session == self.session)
@@ -222,7 +230,7 @@ impl Channel {
                 Some(answer) => {
                     if let Reply::Hello(version, _) = &answer.reply {
                         self.session = header.session;
-                        self.minor = Minor::shared_with(*version);
+                        self.minor = Version::OURS.shared_minor(*version);
                     }
                     answers.push(answer);
                 }
@@ -251,7 +259,8 @@ impl Channel {
             }
             pending.repeats += 1;
             pending.sent = now;
-            let (command, sequence) = (pending.repeat.clone(), pending.sequence);
+            let command = if pending.is_withdrawn { Command::TableDigest } else { pending.command.clone() };
+            let sequence = pending.sequence;
             self.queue(&command, sequence, now);
             self.counters.timeouts = self.counters.timeouts.saturating_add(1);
             self.counters.retries = self.counters.retries.saturating_add(1);
@@ -269,14 +278,21 @@ impl Channel {
         sent.map(|sent| sent + self.patience())
     }
 
-    /// The frames since the last call, oldest first.
+    /// The frames since the last call, oldest first; none if the channel does not keep them.
     pub(crate) fn take_traced(&mut self) -> Vec<TracedFrame> {
         std::mem::take(&mut self.traced)
     }
 
-    fn trace(&mut self, frame: TracedFrame) {
+    /// Traces a frame. `message` clones it, so it is called only if there is a listener.
+    fn trace(&mut self, time: Duration, sequence: u16, message: impl FnOnce() -> TracedMessage) {
+        if !self.keeps_frames && !tracing::enabled!(target: FRAMES, tracing::Level::TRACE) {
+            return;
+        }
+        let frame = TracedFrame { time, sequence, message: message() };
         frame.emit();
-        self.traced.push(frame);
+        if self.keeps_frames {
+            self.traced.push(frame);
+        }
     }
 
     /// The bytes that wait to be written; the caller removes what it has written.
@@ -308,19 +324,19 @@ impl Channel {
 
     /// A number that no numbered command under way has, so that answers cannot be mistaken.
     fn unsequenced(&mut self) -> u16 {
-        // Half the numbers away from every numbered command that is or comes in pending meanwhile: an answer must
-        // not land in another lane.
+        // At least 0x4000 numbers away from every numbered command that can be pending at the same time: an answer
+        // must not match a command of another lane.
         self.unsequenced_number = self.unsequenced_number.wrapping_add(1);
         self.sequence.wrapping_add(0x4000 | (self.unsequenced_number & 0x3fff))
     }
 
     fn queue(&mut self, command: &Command, sequence: u16, now: Duration) {
         let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
-        // Every command its types allow fits a frame (a test of the protocol holds that); were it not so, the
-        // missing answer would tell.
+        // Every command that its types allow fits a frame (a test of the protocol proves it). If one did not, its
+        // answer would be missing, and the link would be lost as silent.
         if let Ok(frame) = command.frame_for(self.minor, session, sequence) {
             self.out.extend_from_slice(&frame);
-            self.trace(TracedFrame { time: now, sequence, message: TracedMessage::Command(command.clone()) });
+            self.trace(now, sequence, || TracedMessage::Command(command.clone()));
         }
     }
 
@@ -335,7 +351,7 @@ impl Channel {
         let pending = self.lane_mut(lane).take()?;
         if lane == Lane::Ordered {
             self.sequence = match &reply {
-                // Not counted.
+                // The device has not counted this command.
                 Reply::Event(event) if let Event::Refused(Refusal::BadSequence { expected }) = **event => {
                     expected
                 }
@@ -346,18 +362,12 @@ impl Channel {
     }
 }
 
-fn read(id: u8, body: &[u8], event: Result<Event, Refusal>) -> Option<Reply> {
+/// The version in the body of a hello that this program cannot decode: of a foreign version only the first six bytes can
+/// be relied on.
+fn foreign_version(id: u8, body: &[u8]) -> Option<Version> {
     const HELLO: u8 = 0x81;
-    match (id, event) {
-        (_, Ok(Event::Hello(identity))) => Some(Reply::Hello(identity.version, Some(Box::new(identity)))),
-        // Of a foreign version only the first six bytes can be relied on.
-        (HELLO, Err(_)) => match *body {
-            [major, minor, a, b, c, d, ..] => {
-                Some(Reply::Hello(Version { major, minor, schema: [a, b, c, d] }, None))
-            }
-            _ => None,
-        },
-        (_, Ok(event)) => Some(Reply::Event(Box::new(event))),
-        (_, Err(_)) => None,
+    match *body {
+        [major, minor, a, b, c, d, ..] if id == HELLO => Some(Version { major, minor, schema: [a, b, c, d] }),
+        _ => None,
     }
 }

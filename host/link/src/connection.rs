@@ -1,18 +1,23 @@
 //! The link's state machine: open a port, talk, lose it, look for it again.
 //!
 //! ```text
-//! Disconnected --Connect--> Connecting --greeted--> Connected --error, silence--> Lost --> Reconnecting
-//!      ^                        | no answer             | Disconnect                          |  ^
-//!      +------------------------+-----------------------+                 found: greet again <+  | not yet
+//! Disconnected --Connect--> Connecting --hello answered--> Connected --error, silence--> Lost --> Reconnecting
+//!      ^                      |  | no answer                  | Disconnect                        |  ^      ^
+//!      +----------------------+--+----------------------------+            found: hello again <---+  | not  |
+//!                             | no such port                                                         | yet  |
+//!                             +----------------------------------------------------------------------+------+
 //! ```
-//! It owns no thread and no clock: whoever runs it calls [`Connection::step`] with the time and waits no longer than
-//! [`Connection::deadline`]. After a loss the device is looked for; it comes back disarmed, and arming it again is
-//! left to the user.
+//! It owns no thread and no clock: the caller runs [`Connection::step`] with the time, again no later than
+//! [`Connection::deadline`]. After a loss the device is looked for, and so is a port that is missing when it is to be
+//! opened. Other errors of opening are not tried again: a busy port must not be taken from another program, and a
+//! missing permission needs the user first. A device that comes back is disarmed; only the user arms it again.
+
+mod opening;
 
 use crate::commands::{CommandQueue, Next};
 use crate::error::LinkError;
 use crate::log::Severity;
-use crate::port::{Port, PortInfo};
+use crate::port::Port;
 use crate::recorder::Recorder;
 use crate::rediscovery::Rediscovery;
 use crate::request::{Outcome, Request, Ticket};
@@ -21,25 +26,20 @@ use crate::transport::{Opener, Transport, Waker};
 use std::io;
 use std::time::Duration;
 
-/// A lost device is looked for this often; a board is back on the bus 0.2 s after a reset.
+/// A lost device or a missing port is looked for this often; a board is back on the bus 0.2 s after a reset.
 pub const SEEK_PERIOD: Duration = Duration::from_millis(250);
-/// Reads per step, at most, so that a babbling device cannot keep the worker from its requests.
+/// Reads per step, at most, so that a device that never stops sending cannot keep the worker from its requests.
 const READS: usize = 16;
 /// What does not fit the port now is tried again after so long.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
-/// A session that lives shorter than this was ended by another program rather than by a restart...
-const SHORT_LIFE: Duration = Duration::from_secs(5);
-/// ...if it happens so often in a row: two programs that take a device from each other would stop its drive for ever.
-const SHORT_LIVES: u32 = 3;
-
-/// Draws the number that makes one session's hello differ from another's.
+/// Draws the four bytes that make one session's hello differ from another's.
 pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
 
 struct Open<T> {
     transport: T,
     queue: CommandQueue,
-    /// Nobody has seen this transport yet: it is to be registered with the poll.
+    /// The caller has not taken this transport yet, to register it with its poll.
     is_new: bool,
 }
 
@@ -50,16 +50,63 @@ enum Phase<T> {
 }
 
 /// The link to at most one device.
+///
+/// The caller brings the ports, the time and the random numbers:
+/// ```
+/// use slipline_link::connection::Connection;
+/// use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
+/// use slipline_link::simulator::{Options, SimulatedDevice};
+/// use slipline_link::transport::{Opener, Waker};
+/// use slipline_link::{LinkError, Outcome, Port, PortInfo, Request, Ticket};
+/// use std::sync::atomic::{AtomicU64, Ordering};
+/// use std::sync::{Arc, Mutex};
+/// use std::time::Duration;
+///
+/// struct OnlySimulated(Arc<Mutex<RealtimeDevice>>);
+///
+/// impl Opener for OnlySimulated {
+///     type Transport = RealtimeLine;
+///     fn list(&mut self) -> Vec<PortInfo> {
+///         vec![PortInfo::simulated()]
+///     }
+///     fn open(&mut self, port: &Port, waker: &Waker) -> Result<RealtimeLine, LinkError> {
+///         match port {
+///             Port::Simulated => Ok(RealtimeLine::new(self.0.clone(), waker.clone())),
+///             other => Err(LinkError::NoSuchPort(other.clone())),
+///         }
+///     }
+/// }
+///
+/// // Milliseconds since the start, counted by the loop below.
+/// let time = Arc::new(AtomicU64::new(0));
+/// let clock = time.clone();
+/// let clock = Box::new(move || Duration::from_millis(clock.load(Ordering::Relaxed)));
+/// let device = RealtimeDevice::new(SimulatedDevice::new(Options::default()), clock);
+/// let opener = OnlySimulated(Arc::new(Mutex::new(device)));
+/// let mut connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"demo"));
+///
+/// let connect = Ticket(1);
+/// connection.request(connect, Request::Connect(Port::Simulated), Duration::ZERO);
+/// for ms in 0..100 {
+///     time.store(ms, Ordering::Relaxed);
+///     connection.step(Duration::from_millis(ms));
+/// }
+/// assert!(connection.view().is_connected());
+/// assert!(matches!(connection.view().outcome(connect), Some(Outcome::Done { .. })));
+/// ```
 pub struct Connection<O: Opener> {
     opener: O,
     waker: Waker,
     nonces: Nonces,
     phase: Phase<O::Transport>,
     rediscovery: Option<Rediscovery>,
+    /// The port was missing when it was to be opened, and no device has answered there yet.
+    waits_for_port: bool,
     /// What to open once the present device is left.
     next: Option<(Ticket, Port)>,
     leave: Option<Ticket>,
     recorder: Recorder,
+    keeps_frames: bool,
     /// There may be more to read than one step took.
     has_more: bool,
     opened_at: Duration,
@@ -78,13 +125,21 @@ impl<O: Opener> Connection<O> {
             nonces,
             phase: Phase::Closed,
             rediscovery: None,
+            waits_for_port: false,
             next: None,
             leave: None,
             recorder,
+            keeps_frames: false,
             has_more: false,
             opened_at: Duration::ZERO,
             short_lives: 0,
         }
+    }
+
+    /// Keeps the latest frames of the sessions that begin from now on in [`Snapshot::frames`]. It clones every message,
+    /// so a simulation that runs faster than time leaves it off.
+    pub const fn keep_frames(&mut self) {
+        self.keeps_frames = true;
     }
 
     /// What is known now.
@@ -157,7 +212,11 @@ impl<O: Opener> Connection<O> {
                     (LinkState::Reconnecting(error), false) => {
                         let error = error.clone();
                         self.shut(&Outcome::NotConnected);
-                        self.recorder.link(LinkState::Lost(error));
+                        // A device that has never answered is not lost.
+                        let never_there = std::mem::take(&mut self.waits_for_port);
+                        let state =
+                            if never_there { LinkState::Disconnected } else { LinkState::Lost(error) };
+                        self.recorder.link(state);
                     }
                     _ => {}
                 }
@@ -176,7 +235,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Does all that is due: reads, understands, speaks, writes, looks for a lost device.
+    /// Does all that is due: reads, handles the replies, sends, writes, looks for a lost device.
     pub fn step(&mut self, now: Duration) {
         self.recorder.set_time(now);
         match self.recorder.view.link.clone() {
@@ -261,16 +320,6 @@ impl<O: Opener> Connection<O> {
         self.verify_identity()
     }
 
-    /// After a reconnection: is it the same device?
-    fn verify_identity(&mut self) -> Next {
-        let Some(rediscovery) = &mut self.rediscovery else { return Next::Continue };
-        let Some(unit) = self.recorder.view.identity.as_ref().map(|identity| identity.unit) else {
-            return Next::Continue;
-        };
-        let is_it = rediscovery.is_it(unit, self.recorder.view.port.as_ref());
-        if is_it { Next::Continue } else { Next::Lose(LinkError::Gone) }
-    }
-
     /// Drops the transport; whatever waits ends with `outcome`.
     fn shut(&mut self, outcome: &Outcome) {
         self.has_more = false;
@@ -287,79 +336,5 @@ impl<O: Opener> Connection<O> {
         self.recorder.log(Severity::Info, "Disconnected.");
         self.recorder.finish(self.leave.take(), Outcome::Done { at: 0 });
         self.open_next(now);
-    }
-
-    fn lose(&mut self, error: LinkError, now: Duration) {
-        let was_first = self.recorder.view.link == LinkState::Connecting;
-        let error = match (&self.recorder.view.port, error) {
-            (Some(port), LinkError::Silent) if was_first => LinkError::NoAnswer(port.clone()),
-            (_, error) => error,
-        };
-        let is_leaving = self.leave.is_some() || self.next.is_some();
-        let outcome = if was_first { Outcome::Refused(error.clone().into()) } else { Outcome::NotConnected };
-        self.shut(&outcome);
-        if is_leaving {
-            return self.close(now);
-        }
-        let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
-        self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
-        let was_seeking = matches!(self.recorder.view.link, LinkState::Reconnecting(_));
-        self.recorder.forget_device(Some(error.clone()));
-        if was_first || self.short_lives >= SHORT_LIVES {
-            self.recorder.link(LinkState::Disconnected);
-        } else if was_seeking {
-            // A port that is there but does not answer yet: it may still be starting.
-            self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
-        } else {
-            self.recorder.log(Severity::Error, format!("Connection lost: {error}."));
-            self.recorder.link(LinkState::Lost(error));
-        }
-    }
-
-    fn seek(&mut self, error: LinkError, now: Duration) {
-        self.recorder.log(Severity::Info, "Looking for the device.");
-        self.recorder.link(LinkState::Reconnecting(error));
-        self.phase = Phase::Seeking { next: now };
-    }
-
-    fn open_next(&mut self, now: Duration) {
-        let Some((ticket, port)) = self.next.take() else { return };
-        let known = self.opener.list().into_iter().find(|info| info.port == port);
-        let info = known.unwrap_or_else(|| PortInfo {
-            label: port.to_string(),
-            port: port.clone(),
-            is_ours: false,
-            usb_serial: None,
-        });
-        self.recorder.view.port = Some(port.clone());
-        self.recorder.begin();
-        self.rediscovery = Some(Rediscovery::at(info));
-        self.recorder.log(Severity::Info, format!("Connecting to {port}."));
-        self.recorder.link(LinkState::Connecting);
-        if let Err(error) = self.open(&port, Some(ticket), now) {
-            self.phase = Phase::Closed;
-            self.recorder.forget_device(Some(error.clone()));
-            self.recorder.link(LinkState::Disconnected);
-            self.recorder.finish(Some(ticket), Outcome::Refused(error.into()));
-        }
-    }
-
-    fn open(&mut self, port: &Port, ticket: Option<Ticket>, now: Duration) -> Result<(), LinkError> {
-        let transport = self.opener.open(port, &self.waker)?;
-        self.opened_at = now;
-        let queue = CommandQueue::begin((self.nonces)(), ticket, now);
-        self.phase = Phase::Open(Box::new(Open { transport, queue, is_new: true }));
-        Ok(())
-    }
-
-    /// Looks for the lost device once.
-    fn look(&mut self, now: Duration) {
-        self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
-        let ports = self.opener.list();
-        let Some(port) = self.rediscovery.as_mut().and_then(|lost| lost.find(ports)) else { return };
-        if self.open(&port, None, now).is_ok() {
-            self.recorder.view.port = Some(port);
-            self.recorder.begin();
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! A drive in metres, levels and decibels, and its form in the device's units.
 
+use crate::out_of_range::OutOfRange;
 use crate::table;
 use slipline_protocol::command::{Apply, Drive, TableHeader, Tone};
 use slipline_protocol::event::Identity;
@@ -67,25 +68,16 @@ pub enum DriveError {
         max: u8,
     },
     /// A value lies outside its range, or is no number.
-    #[error("tone {slot}: {field} is {got}; allowed are {min} to {max}")]
+    #[error("tone {slot}: {value}")]
     Tone {
         /// The tone's slot.
         slot: u8,
-        /// Which value.
-        field: &'static str,
-        /// What came.
-        got: f64,
-        /// The lowest allowed value.
-        min: f64,
-        /// The highest allowed value.
-        max: f64,
+        /// Which value, and what is allowed.
+        value: OutOfRange,
     },
-    /// The master level lies outside -96..=0 dB, or is no number.
-    #[error("the master level is {0} dB; allowed are -96 to 0")]
-    Master(f64),
-    /// The glide time is no number or negative.
-    #[error("the glide time is {0} s; it must be 0 or more")]
-    Glide(f64),
+    /// The master level lies outside -96..=0 dB, or is no number; or the glide time is negative or no number.
+    #[error("the {0}")]
+    OutOfRange(#[from] OutOfRange),
 }
 
 impl DriveRequest {
@@ -101,31 +93,27 @@ impl DriveRequest {
         }
         let mut tones = heapless::Vec::new();
         for tone in &self.tones {
-            let out_of_range =
-                |field, got, min, max| DriveError::Tone { slot: tone.slot, field, got, min, max };
-            if tone.slot >= identity.tones {
-                let last = f64::from(identity.tones) - 1.0;
-                return Err(out_of_range("slot", f64::from(tone.slot), 0.0, last));
-            }
+            let slot = tone.slot;
+            let refuse = |value| DriveError::Tone { slot, value };
+            let check = |field, got, min, max| OutOfRange::check(field, got, min, max).map_err(refuse);
+            check("slot", f64::from(slot), 0.0, f64::from(identity.tones) - 1.0)?;
             let (start_m, end_m) = table::span_m(table);
             let position = table::position_in(table, tone.boundary_m).ok_or_else(|| {
-                out_of_range("boundary (mm)", tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3)
+                let (got, min, max) = (tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
+                refuse(OutOfRange { field: "boundary (mm)", got, min, max })
             })?;
-            let level =
-                table::level(tone.level).ok_or_else(|| out_of_range("level", tone.level, 0.0, 1.0))?;
+            let level = table::level(tone.level)
+                .ok_or_else(|| refuse(OutOfRange { field: "level", got: tone.level, min: 0.0, max: 1.0 }))?;
             if !tone.phase_turns.is_finite() {
-                return Err(out_of_range("phase (turns)", tone.phase_turns, 0.0, 1.0));
+                let got = tone.phase_turns;
+                return Err(refuse(OutOfRange { field: "phase (turns)", got, min: 0.0, max: 1.0 }));
             }
             let phase = Phase((tone.phase_turns.rem_euclid(1.0) * 65536.0).round() as u32 as u16);
-            tones.push(Tone { slot: tone.slot, position, level, phase }).map_err(|_| too_many())?;
+            tones.push(Tone { slot, position, level, phase }).map_err(|_| too_many())?;
         }
         let lowest_db = f64::from(MIN_MASTER_CDB) / 100.0;
-        if !(lowest_db..=0.0).contains(&self.master_db) {
-            return Err(DriveError::Master(self.master_db));
-        }
-        if !(0.0..=f64::MAX).contains(&self.glide_s) {
-            return Err(DriveError::Glide(self.glide_s));
-        }
+        OutOfRange::check("master level (dB)", self.master_db, lowest_db, 0.0)?;
+        OutOfRange::check("glide time (s)", self.glide_s, 0.0, f64::INFINITY)?;
         // A float beyond u32 saturates, and the device's range is put over it.
         let glide = (self.glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
         Ok(Drive {

@@ -1,4 +1,4 @@
-//! What can go wrong with a link, as one sentence each that says what to do.
+//! The errors of a link: one sentence each, with what helps.
 
 use crate::port::Port;
 use std::io::{self, ErrorKind};
@@ -35,13 +35,13 @@ pub enum LinkError {
     /// The link's own thread has failed; it cannot go on.
     #[error("the link itself has failed; the device stops by itself: start Slipline again")]
     Crashed,
-    /// Something else the system said.
+    /// Any other error of the system.
     #[error("the port failed: {0}")]
     Io(String),
 }
 
 impl LinkError {
-    /// What an error while opening a port means.
+    /// The meaning of a system error while a port is opened.
     #[must_use]
     pub fn opening(port: &Port, error: &io::Error) -> Self {
         match error.kind() {
@@ -52,7 +52,7 @@ impl LinkError {
         }
     }
 
-    /// What an error while reading or writing means; `None` for errors that only mean "not yet".
+    /// The meaning of a system error while reading or writing; `None` for errors that only mean "not yet".
     #[must_use]
     pub fn transfer(error: &io::Error) -> Option<Self> {
         match error.kind() {
@@ -64,7 +64,7 @@ impl LinkError {
             | ErrorKind::NotConnected
             | ErrorKind::NotFound => Some(Self::Gone),
             _ => match error.raw_os_error() {
-                // EIO and ENXIO: what a tty says after its device was unplugged.
+                // EIO and ENXIO: a tty gives them after its device was unplugged.
                 Some(5 | 6) if cfg!(unix) => Some(Self::Gone),
                 _ => Some(Self::Io(error.to_string())),
             },

@@ -13,7 +13,7 @@ use slipline_protocol::units::SampleIndex;
 pub struct FoldbackSteps {
     /// Where each step begins and what it leaves of every amplitude, per mille; in order.
     pub steps: Vec<(SampleIndex, u16)>,
-    /// Whether these are all. If not, nobody can tell what the device sent between the two statuses.
+    /// Whether these are all. If not, the codes between the two statuses are not known.
     pub is_complete: bool,
 }
 

@@ -13,10 +13,11 @@ pub struct Acknowledged {
     pub number: u64,
     /// The index from which it shows in the samples.
     pub at: SampleIndex,
-    /// What.
+    /// The change.
     pub change: Change,
-    /// Whether the device has named the index. Of a stop of its own (dead-man, fault) it tells only afterwards, and not
-    /// where its ramp began: until the next silence nobody knows its samples.
+    /// Whether `at` is the exact index. It is not for a stop of the device's own (dead-man, fault): the device tells of it
+    /// only afterwards, and not where its ramp began, so its codes are unknown until the next silence. Nor is it for
+    /// a step of the thermal fold-back after which others were missed.
     pub is_exact: bool,
 }
 
@@ -46,7 +47,8 @@ pub const JOURNAL_ENTRIES: usize = 128;
 /// How many of them may be thermal limits: some ten seconds of the fastest change.
 pub(crate) const JOURNAL_LIMITS: usize = 32;
 
-/// A warm coil's limit changes some times a second for minutes: that must not push out the drive that warms it.
+/// Drops the oldest step of the thermal fold-back if there are too many. A warm coil's limit changes some times a second
+/// for minutes; without this the steps would push out the drive that warms it.
 pub(crate) fn drop_oldest_limit(journal: &mut VecDeque<Arc<Acknowledged>>) {
     let is_limit = |entry: &Arc<Acknowledged>| matches!(entry.change, Change::Limit(_));
     if journal.iter().filter(|entry| is_limit(entry)).count() >= JOURNAL_LIMITS

@@ -31,6 +31,7 @@ pub mod mirror;
     expect(clippy::disallowed_methods, reason = "this computer's thread, clock, ports and sockets")
 )]
 pub mod native;
+mod out_of_range;
 mod port;
 mod recorder;
 mod rediscovery;
@@ -46,6 +47,7 @@ pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use error::LinkError;
 pub use journal::{Acknowledged, Change, JOURNAL_ENTRIES};
 pub use log::{LOG_LINES, LogEntry, Severity};
+pub use out_of_range::OutOfRange;
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
 pub use refusal::Refusal;
 pub use request::{Outcome, Request, Ticket};

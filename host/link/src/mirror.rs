@@ -1,10 +1,10 @@
-//! The mirror: every sample a device sends, without its sending them to the host.
+//! The mirror: computes every code that a device sends to its DAC, from what the device has acknowledged.
 //!
-//! The device names the index at which each change begins. Replayed at the same indices through the same renderer,
-//! the same changes give the same codes, bit for bit: integers only, and one pure function from drive to program.
-//! The thermal fold-back changes on a grid of indices, and the status tells it, so it is replayed too. What nothing
-//! tells is not mirrored: the device's own stops (dead-man, faults). After one of these the mirror is wrong until the
-//! device has fallen silent and [`Mirror::silence`] is called.
+//! The device names the index at which each change begins. The same changes at the same indices through the same
+//! renderer give the same codes, bit for bit: the renderer computes with integers only, and one pure function makes
+//! the program from the drive. The thermal fold-back changes only at the beginning of its periods, and the status tells
+//! it, so it is replayed, too. The device's own stops (dead-man, faults) are not replayed, because nothing tells where
+//! their ramps began. After one of them the mirror is wrong until the device is silent and [`Mirror::silence`] is called.
 
 pub mod replay;
 
@@ -41,6 +41,37 @@ pub struct TooLate {
 }
 
 /// A renderer on the host, fed with what the device has acknowledged.
+///
+/// ```
+/// use slipline_link::mirror::Mirror;
+/// use slipline_link::protocol::command::{Apply, Drive, Tone};
+/// use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
+/// use slipline_link::DeviceTable;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, [(30e3, 1.0), (20e3, 1.0)], 1e-6)?;
+/// let tone = Tone { slot: 0, position: Position(32768), level: Level::FULL, phase: Phase(0) };
+/// let drive = Drive {
+///     tones: [tone].into_iter().collect(),
+///     master: CentiDecibel(0),
+///     glide: 2000,
+///     apply: Apply::Next,
+/// };
+///
+/// let mut mirror = Mirror::new(400_000, 0);
+/// mirror.acknowledge_table(table.knots().into(), 0)?;
+/// mirror.acknowledge_drive(&drive, 12_800)?;
+/// let mut first_sound = None;
+/// mirror.render(40_000, |first, codes| {
+///     if codes.iter().any(|&code| code != 2048) {
+///         first_sound.get_or_insert(first);
+///     }
+/// });
+/// assert_eq!(first_sound, Some(12_800));
+/// assert!(mirror.is_true());
+/// # Ok(())
+/// # }
+/// ```
 pub struct Mirror {
     timing: Timing,
     mailbox: Box<Mailbox<CriticalSectionRawMutex>>,
@@ -61,7 +92,7 @@ impl Mirror {
     pub fn new(sample_rate_hz: u32, index: SampleIndex) -> Self {
         let timing = Timing::at(sample_rate_hz);
         let mailbox = Box::<Mailbox<CriticalSectionRawMutex>>::default();
-        // A mirror sounds whatever was accepted: whether it might is the device's affair.
+        // A mirror renders every accepted drive: the device has checked before that it was armed.
         mailbox.arm_from(0);
         let renderer = Renderer::starting_at(timing, index);
         mailbox.begin_at(renderer.index());
@@ -91,7 +122,7 @@ impl Mirror {
         !self.diverged
     }
 
-    /// Something the device agreed to was missed: the mirror is not true until the device is known to be silent.
+    /// A change that the device acknowledged was missed: the mirror is not true until the device is known to be silent.
     pub const fn distrust(&mut self) {
         self.diverged = true;
     }
@@ -187,7 +218,7 @@ impl Mirror {
                 self.mailbox.set_limit(limit);
             }
             self.has_rendered = true;
-            // The mirror's host is always there.
+            // The mirror is not told the keep-alives, so its own dead-man must never act.
             self.mailbox.feed();
             self.renderer.render(&self.mailbox, &mut codes);
             sink(first, &codes);

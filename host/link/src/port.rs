@@ -14,6 +14,12 @@ pub const USB_PRODUCT_NAME: &str = "Slipline";
 /// One place where a device can be.
 ///
 /// As text: `sim`, `unix:PATH`, or the name of a serial port.
+/// ```
+/// use slipline_link::Port;
+/// assert_eq!("sim".parse(), Ok(Port::Simulated));
+/// assert_eq!("/dev/ttyACM0".parse(), Ok(Port::Serial("/dev/ttyACM0".to_owned())));
+/// assert!("unix:".parse::<Port>().is_err());
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Port {
     /// The device application in this very process, with a simulated plate.

@@ -1,8 +1,8 @@
-//! The device of a link, to be known again after it was lost.
+//! Rediscovery: how a lost device is recognised when it comes back.
 
 use crate::port::{Port, PortInfo};
 
-/// What is known of a device, and where it is not.
+/// What is known of the device that is looked for, and the ports where it is not.
 #[derive(Debug)]
 pub(super) struct Rediscovery {
     /// The port at which it was.

@@ -13,7 +13,8 @@ use std::sync::Arc;
 /// others, and a newer [`Request::Drive`] or a [`Request::Disarm`] replaces a drive that the device has not taken yet.
 #[derive(Clone, Debug)]
 pub enum Request {
-    /// Open this port and say hello. An open connection is closed first.
+    /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
+    /// ([`LinkError::NoSuchPort`](crate::LinkError::NoSuchPort)), and waited for if [`Request::AutoReconnect`] is on.
     Connect(Port),
     /// Stop, disarm and close the port.
     Disconnect,
@@ -47,7 +48,7 @@ pub enum Request {
     MeasureCoil,
     /// Read the status at once.
     Refresh,
-    /// Whether a lost device is looked for.
+    /// Whether a lost device is looked for, and a missing port waited for.
     AutoReconnect(bool),
     /// Take the digest of the DAC codes of a window that lies ahead; done when the window is over.
     Digest(DigestWindow),

@@ -1,4 +1,4 @@
-//! What the rest of the program sees of the link: a picture taken after every change.
+//! The snapshot: all that the rest of the program sees of link and device, made after every change.
 
 use crate::error::LinkError;
 use crate::journal::Acknowledged;
@@ -27,7 +27,8 @@ pub enum LinkState {
     Connected,
     /// The device has gone. It is not looked for: that is switched off, it has just been noticed, or the link crashed.
     Lost(LinkError),
-    /// The device has gone and is being looked for.
+    /// The device has gone and is being looked for; or it has never answered, because its port is missing
+    /// ([`LinkError::NoSuchPort`]), and the port is waited for.
     Reconnecting(LinkError),
 }
 
@@ -72,6 +73,24 @@ pub struct LinkCounters {
 pub const OUTCOMES: usize = 64;
 
 /// Everything known about link and device at one moment. Cloning is cheap.
+///
+/// ```
+/// use slipline_link::protocol::event::State;
+/// use slipline_link::simulator::loopback::Loopback;
+/// use slipline_link::{Change, Request};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut loopback = Loopback::connect(400_000)?;
+/// loopback.perform(Request::Refresh, |_| ())?;
+/// let snapshot = loopback.view();
+/// assert!(snapshot.is_connected() && snapshot.is_simulated());
+/// assert_eq!(snapshot.status.map(|status| status.state), Some(State::Armed));
+/// // What the device has agreed to, in order.
+/// let changes: Vec<&Change> = snapshot.journal.iter().map(|entry| &entry.change).collect();
+/// assert_eq!(changes.last(), Some(&&Change::Armed));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// Rises with every change that is worth a repaint.
@@ -80,19 +99,19 @@ pub struct Snapshot {
     pub link: LinkState,
     /// The port that is open, was open or is sought.
     pub port: Option<Port>,
-    /// Whether a lost device is looked for.
+    /// Whether a lost device is looked for, and a missing port waited for.
     pub auto_reconnect: bool,
-    /// What last went wrong with the link; gone when a connection stands.
+    /// The latest error of the link; `None` while connected.
     pub error: Option<LinkError>,
-    /// Who the device is, while connected.
+    /// The device's identity, while connected.
     pub identity: Option<Arc<Identity>>,
-    /// How its firmware stands to this program, while connected.
+    /// Whether its firmware and this program can work together, while connected.
     pub compatibility: Option<Compatibility>,
     /// Its status, while connected; asked for every fifth of a second.
     pub status: Option<Status>,
-    /// When that status came, since the worker was started: with the rate it tells the present sample index.
+    /// When that status came, since the worker was started. With the sample rate it gives the present sample index.
     pub status_time: Duration,
-    /// The device's table, by its own word: the latest read-back.
+    /// The device's table, as it was last read back.
     pub table: TableReport,
     /// The device's table, knot by knot: this program sent it, or has it too, and the device named it by its digest.
     /// `None` while the device holds none, or one that was put there by somebody else.
@@ -115,11 +134,26 @@ pub struct Snapshot {
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
     /// The log, oldest first.
     pub log: Arc<VecDeque<LogEntry>>,
-    /// The latest frames in both directions, oldest first; at most [`FRAMES_KEPT`](crate::FRAMES_KEPT).
+    /// The latest frames in both directions, oldest first; at most [`FRAMES_KEPT`](crate::FRAMES_KEPT), and none unless
+    /// [`Connection::keep_frames`](crate::connection::Connection::keep_frames) was called, as the worker does.
     pub frames: Arc<VecDeque<Arc<TracedFrame>>>,
 }
 
 impl Snapshot {
+    /// Whether the device says that it is simulated.
+    #[must_use]
+    pub fn is_simulated(&self) -> bool {
+        self.identity.as_ref().is_some_and(|identity| identity.simulated)
+    }
+
+    /// Whether the device may be armed although the user has not asked for it: only a simulated one, because it moves
+    /// no real plate. The link arms such a device after the handshake and after its faults were cleared; Drive arms
+    /// it if it has been disarmed since.
+    #[must_use]
+    pub fn may_arm_unasked(&self) -> bool {
+        self.is_simulated()
+    }
+
     /// Whether the device answers.
     #[must_use]
     pub fn is_connected(&self) -> bool {

@@ -6,6 +6,7 @@
 //! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
 //! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
 
+use crate::out_of_range::OutOfRange;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::CHUNK_KNOTS;
 use slipline_protocol::refusal::Refusal;
@@ -13,6 +14,23 @@ use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
 
 /// A table that a device can take: valid by the device's own rule.
+///
+/// ```
+/// use slipline_link::{DeviceTable, DeviceTableError};
+///
+/// # fn main() -> Result<(), DeviceTableError> {
+/// // From 0 to 100 mm the frequency falls from 30 kHz to 20 kHz; 1 um of peak displacement at level 1.
+/// let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
+/// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6)?;
+/// assert_eq!(table.knots().len(), 101);
+/// assert_eq!(table.header().span_end_um, 100_000);
+///
+/// // Above 0.45 of the sample rate.
+/// let error = DeviceTable::from_knots((0.0, 0.1), 400e3, [(30e3, 1.0), (200e3, 1.0)], 1e-6);
+/// assert!(matches!(error, Err(DeviceTableError::OutOfRange(out)) if out.field == "frequency (Hz)"));
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceTable {
     header: TableHeader,
@@ -24,17 +42,8 @@ pub struct DeviceTable {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeviceTableError {
     /// A length, rate, frequency or gain is no number or does not fit its field.
-    #[error("the table's {field} is {got}; allowed are {min} to {max}")]
-    OutOfRange {
-        /// Which value.
-        field: &'static str,
-        /// Its unit is in the field's name.
-        got: f64,
-        /// The lowest allowed value.
-        min: f64,
-        /// The highest allowed value.
-        max: f64,
-    },
+    #[error("the table's {0}")]
+    OutOfRange(#[from] OutOfRange),
     /// The device's own rule refuses it.
     #[error("the table is not valid: {0}")]
     Invalid(Refusal),
@@ -75,14 +84,8 @@ impl DeviceTable {
             sample_rate_hz: sample_rate,
             crc: 0,
         };
-        if header.span_end_um <= header.span_start_um {
-            return Err(DeviceTableError::OutOfRange {
-                field: "span's end (um)",
-                got: f64::from(header.span_end_um),
-                min: f64::from(header.span_start_um) + 1.0,
-                max: f64::from(u32::MAX),
-            });
-        }
+        let (start_um, end_um) = (f64::from(header.span_start_um), f64::from(header.span_end_um));
+        within("span's end (um)", end_um, start_um + 1.0, f64::from(u32::MAX))?;
         table::validate(header.knots, knot_of(&knots)).map_err(DeviceTableError::Invalid)?;
         let crc = table::digest(
             header.span_start_um,
@@ -204,11 +207,8 @@ fn knot_of(knots: &[Knot]) -> impl Fn(u16) -> Knot + '_ {
 }
 
 fn within(field: &'static str, got: f64, min: f64, max: f64) -> Result<f64, DeviceTableError> {
-    if (min..=max).contains(&got) {
-        Ok(got)
-    } else {
-        Err(DeviceTableError::OutOfRange { field, got, min, max })
-    }
+    OutOfRange::check(field, got, min, max)?;
+    Ok(got)
 }
 
 fn whole(field: &'static str, got: f64, min: f64, max: f64) -> Result<u32, DeviceTableError> {

@@ -1,8 +1,9 @@
 //! A trace of all frames between host and device: one line a frame, with time, direction, id, sequence and decoded body.
 //!
-//! Every frame is emitted as a `tracing` event of the target [`FRAMES`] and level `TRACE`, and the latest
-//! [`FRAMES_KEPT`] stand in the [`Snapshot`](crate::Snapshot), so that a report made after an error shows what led to
-//! it. While no subscriber listens, an event costs one comparison.
+//! There are two listeners: a `tracing` subscriber for the target [`FRAMES`] at the level `TRACE`, and
+//! [`Connection::keep_frames`](crate::connection::Connection::keep_frames), which keeps the latest [`FRAMES_KEPT`] in the
+//! [`Snapshot`](crate::Snapshot), so that a report made after an error shows what led to it. While nobody listens, no
+//! message is cloned and a frame costs one comparison.
 
 use slipline_protocol::{Command, Event};
 use std::fmt;

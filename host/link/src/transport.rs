@@ -1,4 +1,4 @@
-//! What a link talks through.
+//! The byte stream between link and device, and how it is opened.
 
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
@@ -62,9 +62,9 @@ impl Waker {
     }
 }
 
-/// Finds ports and opens them. The worker has one for the real world; tests and the simulation bring their own.
+/// Finds ports and opens them. The worker has one for this computer's ports; tests and the simulation bring their own.
 pub trait Opener: Send {
-    /// What an open port is.
+    /// An open port.
     type Transport: Transport;
 
     /// The ports that exist now.

@@ -53,10 +53,14 @@ impl Autopilot {
     /// The user stopped the drive.
     pub fn stopped(&mut self) {
         self.is_stopped = true;
-        self.forget_drive();
+        self.forget_drive("the user stopped it");
     }
 
-    fn forget_drive(&mut self) {
+    /// The plate is no longer to be driven; `why` is for the trace.
+    fn forget_drive(&mut self, why: &str) {
+        if self.wants_drive {
+            tracing::debug!("autopilot: drives no more: {why}");
+        }
         self.wants_drive = false;
         self.has_driven = false;
     }
@@ -108,7 +112,7 @@ impl Autopilot {
             matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
         if is_lost {
             // After a lost connection the device is disarmed and silent, and its table must be checked again.
-            self.forget_drive();
+            self.forget_drive("the connection is lost");
             self.sent_table = None;
             return actions;
         }
@@ -116,15 +120,14 @@ impl Autopilot {
         // If the user pressed Drive during this fault, the fault is being cleared and the drive is still wanted.
         let is_cleared = drive_clears_fault(before) && drive_clears_fault(now);
         if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
-            self.forget_drive();
+            self.forget_drive("the device has a fault");
         }
         if !now.is_connected() {
             return actions;
         }
-        let is_simulated = now.identity.as_ref().is_some_and(|identity| identity.simulated);
-        if state == Some(State::Idle) && !is_simulated {
+        if state == Some(State::Idle) && !now.may_arm_unasked() {
             // The device was disarmed. Arming it later is no permission to drive it.
-            self.forget_drive();
+            self.forget_drive("the device was disarmed");
         }
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
             return actions;
@@ -134,10 +137,11 @@ impl Autopilot {
         if let Some(made) = made {
             let crc = made.device_table.crc();
             // A table that the device already holds is only recognised, which needs no permission of the user.
-            let is_wanted = is_simulated || is_uploading_wanted || is_held;
+            let is_wanted = now.is_simulated() || is_uploading_wanted || is_held;
             let is_known = is_held && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
                 self.sent_table = Some(crc);
+                tracing::debug!("autopilot: sends the table {crc:08x}");
                 actions.push(Action::Upload(Arc::clone(&made.device_table)));
                 return actions;
             }
@@ -152,6 +156,7 @@ impl Autopilot {
         if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
             self.has_driven = true;
             self.is_setup_new = false;
+            tracing::debug!("autopilot: sends the drive");
             actions.push(Action::Drive);
         }
         actions
@@ -162,18 +167,16 @@ impl Autopilot {
 /// is harmless. On a real device the user must do both steps.
 #[must_use]
 pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
-    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
     let stood = Faults::NONE.with(Fault::DriveTime);
-    is_simulated
+    snapshot.is_simulated()
         && snapshot.is_connected()
         && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
 }
 
-/// Whether Drive also arms the device: only a simulated one, which moves no real plate.
+/// Whether Drive also arms the device.
 #[must_use]
 pub fn drive_arms(snapshot: &Snapshot) -> bool {
-    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
-    is_simulated
+    snapshot.may_arm_unasked()
         && snapshot.is_connected()
         && snapshot.status.is_some_and(|status| status.state == State::Idle)
 }
@@ -193,8 +196,7 @@ fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
 
 /// Whether a table is on its way. Until it arrives, the device would place tones by the old table.
 fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
-    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
-    snapshot.upload.is_some() || (is_simulated && !is_held(snapshot, made))
+    snapshot.upload.is_some() || (snapshot.is_simulated() && !is_held(snapshot, made))
 }
 
 /// The drive that the device has acknowledged and plays now.

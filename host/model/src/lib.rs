@@ -11,18 +11,13 @@
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
-pub mod autopilot;
-pub mod colour_map;
 #[cfg(feature = "native")]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
-pub mod disk;
+pub mod atomic_file;
+pub mod autopilot;
+pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
-pub mod numbers {
-    //! Numbers with units, as the plate crate reads and writes them.
-
-    pub use slipline_plate::quantity::{self, ticks};
-}
 pub mod setup;
 pub mod waveform;

@@ -364,3 +364,21 @@ fn a_span_of_more_than_six_octaves_is_refused() {
     let found = Plate::new(spec).expect_err("too wide a band").to_string();
     assert!(found.contains("span_start_m") && found.contains("1/64"), "{found}");
 }
+
+#[test]
+fn a_band_is_checked_as_it_is_given_and_not_as_the_widest_span_would_need_it() {
+    // 0.2 m/s on a half-width of 1 m: the cut-off is 0.05 Hz, and the wide end alone would need less than 0.5 Hz.
+    let slow = |low: f64, high: f64| {
+        let span = format!("band_start_hz = {low:?}\nband_end_hz = {high:?}");
+        let text = GOOD
+            .replace("span_start_m = 0.08\nspan_end_m = 0.25", &span)
+            .replace("half_width_m = 0.05\nrate_per_m = 4.62", "half_width_m = 1.0\nrate_per_m = 20.0")
+            .replace("wave_speed_m_per_s = 12.0", "wave_speed_m_per_s = 0.2");
+        Plate::from_toml(&text)
+    };
+    let plate = slow(1.0, 8.0).expect("1 to 8 Hz turn on the plate");
+    let (low_hz, high_hz) = plate.band_hz();
+    assert!((low_hz - 1.0).abs() < 1e-9 && (high_hz - 8.0).abs() < 1e-9, "{low_hz} {high_hz}");
+    let refused = slow(0.3, 8.0).expect_err("below 0.5 Hz").to_string();
+    assert!(refused.contains("band_start_hz = 0.3: must be 0.5 to 1e7 Hz"), "{refused}");
+}

@@ -1,9 +1,11 @@
 //! Arguments of the command line: quantities, tones, plates.
 
 use super::failure::Failure;
-use slipline_model::disk::{read_text, said};
-use slipline_model::numbers::quantity::{self, Measure, PlaceOrFrequency, QuantityError, show_range};
-use slipline_plate::quantity::Range;
+use slipline_model::atomic_file::{read_text, said};
+use slipline_plate::quantity::{
+    self, Count, Counted, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, must_be,
+    only, show_range,
+};
 use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
 
@@ -55,13 +57,13 @@ pub(super) fn within(
     parse: fn(&str) -> Result<f64, QuantityError>,
     measure: Measure,
     (low, high): (f64, f64),
-) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     move |text| {
-        let must = || format!("must be {}", show_range(low, high, measure));
+        let allowed = TypedRange { low, high, measure };
         match parse(text) {
             Ok(value) if (low..=high).contains(&value) => Ok(value),
-            Ok(_) | Err(QuantityError::TooLarge(_)) => Err(must()),
-            Err(error) => Err(format!("{error}; {}", must())),
+            Ok(_) | Err(QuantityError::TooLarge(_)) => Err(NotAllowed { mistake: None, allowed }),
+            Err(mistake) => Err(NotAllowed { mistake: Some(mistake), allowed }),
         }
     }
 }
@@ -70,12 +72,14 @@ pub(super) fn within(
 pub(super) fn seconds(
     low: f64,
     high: f64,
-) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     within(quantity::time_s, Measure::Time, (low, high))
 }
 
 /// A parser of a length, in metres.
-pub(super) fn length(range: Range) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+pub(super) fn length(
+    range: Range,
+) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     within(quantity::length_m, Measure::Length, (range.low, range.high))
 }
 
@@ -86,11 +90,11 @@ pub(super) fn count(
 ) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
     move |text| {
         let parsed = text.trim().parse().ok().filter(|count| (low..=high).contains(count));
-        parsed.ok_or_else(|| format!("must be a whole number, {low} to {high}"))
+        parsed.ok_or_else(|| only(format_args!("a whole number, {low} to {high}")))
     }
 }
 
-pub(super) fn level(text: &str) -> Result<f64, String> {
+pub(super) fn level(text: &str) -> Result<f64, NotAllowed<TypedRange>> {
     within(|text| quantity::plain(text, ""), Measure::Plain(""), (0.0, 1.0))(text)
 }
 
@@ -154,7 +158,10 @@ pub(super) fn tones(
     let all = first.into_iter().chain(others).collect::<Result<Vec<_>, Failure>>()?;
     match all.len() {
         0 => Err(Failure::Usage("name a --boundary or at least one --tone".to_owned())),
-        count if count > most => Err(Failure::Usage(format!("{count} tones: must be 1 to {most}"))),
+        count if count > most => {
+            let allowed = Count::new(1, most, Counted::Tones);
+            Err(Failure::Usage(must_be(format_args!("{count} {}", allowed.of), allowed)))
+        }
         _ => Ok(all),
     }
 }

@@ -6,14 +6,13 @@ use super::destination::{Destination, ForceArgument};
 use super::{Failure, output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
-use slipline_model::numbers::quantity::{Measure, show_frequency, show_si};
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::design::{
     Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,
 };
 use slipline_plate::limits;
 use slipline_plate::number_format::with_decimals;
-use slipline_plate::quantity::Range;
+use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -1,11 +1,11 @@
 //! The values of `slipline design`'s options.
 
 use super::argument::{self, Typed};
-use slipline_model::numbers::quantity::{self, Measure, QuantityError};
 use slipline_plate::PlateError;
 use slipline_plate::design::{Material, band_high_range};
 use slipline_plate::limits;
 use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
+use slipline_plate::quantity::{self, Measure, NotAllowed, QuantityError, TypedRange, must_be, only};
 
 pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once("..").ok_or("write LOW..HIGH, such as 20kHz..40kHz")?;
@@ -16,19 +16,19 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let (low_hz, high_hz) = (end("lowest", low)?, end("highest", high)?);
     // Both were checked against their range before.
     if !band_high_range(low_hz).contains(high_hz) {
-        return Err(format!(
-            "the second frequency must be at least {BAND_WIDTH_MIN_PERCENT} % above the first",
-        ));
+        let allowed = format!("at least {BAND_WIDTH_MIN_PERCENT} % above the lowest");
+        return Err(must_be("its highest frequency", allowed));
     }
     Ok((low_hz, high_hz))
 }
 
-pub(super) fn speed() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+pub(super) fn speed() -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static
+{
     let allowed = (limits::WAVE_SPEED.low, limits::WAVE_SPEED.high);
     argument::within(|text| quantity::plain(text, "m/s"), Measure::Plain("m/s"), allowed)
 }
 
-pub(super) fn loss() -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+pub(super) fn loss() -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     let allowed = (limits::LOSS_FACTOR.low, limits::LOSS_FACTOR.high);
     argument::within(|text| quantity::plain(text, ""), Measure::Plain(""), allowed)
 }
@@ -44,7 +44,7 @@ pub(super) fn margin(text: &str) -> Result<Typed<f64>, QuantityError> {
 pub(super) fn material(text: &str) -> Result<Material, String> {
     // The command line's parser adds the option and the value.
     Material::named(text).map_err(|error| match error {
-        PlateError::UnknownKind { allowed, .. } => format!("must be {allowed}"),
+        PlateError::UnknownKind { allowed, .. } => only(allowed),
         other => other.to_string(),
     })
 }
@@ -53,5 +53,5 @@ pub(super) fn name(text: &str) -> Result<String, String> {
     if limits::NAME.allows(text) {
         return Ok(text.to_owned());
     }
-    Err(format!("must be {} {} on one line", limits::NAME, limits::NAME.of))
+    Err(only(format_args!("{} on one line", limits::NAME.with_unit())))
 }

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use clap::Args;
-use slipline_model::disk::{self, said};
+use slipline_model::atomic_file::{self, said};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -32,10 +32,12 @@ impl Destination {
                 "{name} exists: write --force to replace it, or name another file"
             ))),
             Ok(_) => Ok(Self(path.to_owned())),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => match disk::missing_folder(path) {
-                Some(told) => Err(Failure::Failed(format!("{name}: {told}"))),
-                None => Ok(Self(path.to_owned())),
-            },
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                match atomic_file::missing_folder(path) {
+                    Some(told) => Err(Failure::Failed(format!("{name}: {told}"))),
+                    None => Ok(Self(path.to_owned())),
+                }
+            }
             Err(error) => Err(failed(path, &error)),
         }
     }
@@ -75,7 +77,7 @@ impl Destination {
             // A file that does not exist yet is identified by its folder and name.
             path.canonicalize().ok().or_else(in_folder)
         };
-        !disk::is_stream(&self.0) && place(&self.0) == place(&other.0)
+        !atomic_file::is_stream(&self.0) && place(&self.0) == place(&other.0)
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -87,7 +89,7 @@ impl Destination {
         &self,
         write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,
     ) -> Result<(), Failure> {
-        disk::write(&self.0, write).map_err(|error| failed(&self.0, &error))
+        atomic_file::write(&self.0, write).map_err(|error| failed(&self.0, &error))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{DriveRequest, LinkState, Request};
-use slipline_model::numbers::quantity::{show_frequency, show_place};
+use slipline_plate::quantity::{show_frequency, show_place};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 

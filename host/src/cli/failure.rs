@@ -1,6 +1,7 @@
 //! The failures of a command and their exit codes.
 
 use slipline_model::field::simulation::SimulationError;
+use slipline_plate::quantity::must_be;
 use std::fmt;
 
 /// Why a command failed.
@@ -26,8 +27,8 @@ impl Failure {
     }
 
     /// An option's value outside its range, with the wording of the command line's parser.
-    pub(super) fn value(option: &str, text: &str, must: impl fmt::Display) -> Self {
-        Self::Usage(format!("invalid value '{text}' for '{option}': must be {must}"))
+    pub(super) fn value(option: &str, text: &str, allowed: impl fmt::Display) -> Self {
+        Self::Usage(must_be(format_args!("invalid value '{text}' for '{option}'"), allowed))
     }
 
     pub(super) fn usage(error: impl fmt::Display) -> Self {

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::destination::{Destination, ForceArgument};
-use slipline_model::disk::is_stream;
+use slipline_model::atomic_file::is_stream;
 use slipline_model::export::figures::{Drawing, Format};
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! The output of a command: aligned lines for people, JSON for programs.
 
 use super::failure::Failure;
-use slipline_model::disk::said;
+use slipline_model::atomic_file::said;
 use std::io::{BufWriter, Write};
 
 /// Prints `value` as one line of JSON, or else what `text` writes.

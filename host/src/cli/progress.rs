@@ -20,8 +20,8 @@ fn shown() -> MutexGuard<'static, Option<ProgressBar>> {
 }
 
 /// Removes the bar from the terminal, so that the next output begins on an empty line.
-fn wipe() {
-    if let Some(bar) = shown().take() {
+fn wipe(shown: &mut Option<ProgressBar>) {
+    if let Some(bar) = shown.take() {
         bar.finish_and_clear();
     }
 }
@@ -29,9 +29,7 @@ fn wipe() {
 /// Removes the bar from the terminal and shows none afterwards: for the code that ends the program.
 pub(super) fn wipe_for_good() {
     let mut shown = shown();
-    if let Some(bar) = shown.take() {
-        bar.finish_and_clear();
-    }
+    wipe(&mut shown);
     // Never unlocked again: a computation that still runs waits for the lock instead of showing its bar.
     std::mem::forget(shown);
 }
@@ -60,7 +58,7 @@ pub(super) fn watched<R>(what: &'static str, compute: impl FnOnce(&mut Progress<
         }
         true
     }));
-    wipe();
+    wipe(&mut shown());
     result
 }
 

@@ -3,8 +3,8 @@
 use super::{Failure, RespondArguments, argument, output};
 use serde_json::json;
 use slipline_model::export::figures::response_figure;
-use slipline_model::numbers::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::{Equation, respond, respond_range};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {

@@ -5,8 +5,8 @@ use super::{Failure, SimulateArguments, argument, output, progress};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
-use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::table_sensitivity;
 use std::io::Write;
 

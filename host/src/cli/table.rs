@@ -4,8 +4,8 @@ use super::destination::Destination;
 use super::{Failure, TableArguments, argument, output, progress};
 use serde_json::json;
 use slipline_model::field::simulation;
-use slipline_model::numbers::quantity::{Measure, show_frequency, show_length, show_place};
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
 use slipline_plate::{DriveTable, TableError, sample_rates, sensitivity_per_percent_of};
 use std::io::Write;
 

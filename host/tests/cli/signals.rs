@@ -58,7 +58,7 @@ impl Socket {
         Self { path, sent }
     }
 
-    /// Runs a command on it, up to its first drive.
+    /// Runs a command on it, up to the answer to its first drive.
     fn driven_by(&self, arguments: &str) -> Child {
         let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
             .args(arguments.split(' '))
@@ -73,6 +73,13 @@ impl Socket {
             assert!(child.try_wait().unwrap().is_none(), "it has ended");
             std::thread::sleep(Duration::from_millis(5));
         }
+        // The device's answer has to reach the command: until then a signal interrupts it, with another exit code.
+        let driven = self.last(|command| matches!(command, Message::Drive(_)));
+        while self.last(|command| matches!(command, Message::Status)) < driven {
+            assert!(begun.elapsed() < Duration::from_secs(60), "the drive is not answered");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(200));
         child
     }
 
@@ -108,7 +115,7 @@ fn a_signal_stops_and_disarms_the_device() {
             let driven = socket.last(|sent| matches!(sent, Message::Drive(_))).unwrap();
             let sent = socket.sent.lock().unwrap();
             let afterwards = &sent[driven + 1..];
-            let stopped = afterwards.iter().position(|sent| matches!(sent, Message::Stop));
+            let stopped = afterwards.iter().rposition(|sent| matches!(sent, Message::Stop));
             let disarmed = afterwards.iter().rposition(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {told}: {afterwards:?}");
             drop(sent);

@@ -9,8 +9,8 @@
 
 mod background;
 mod device;
-mod display;
 mod input;
+mod no_display;
 mod notices;
 mod paths;
 mod perform;

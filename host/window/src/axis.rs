@@ -1,7 +1,7 @@
 //! The one x axis that plate, envelope and strip share.
 
 use eframe::egui::{Rangef, Rect};
-use slipline_model::numbers::ticks::Ticks;
+use slipline_plate::quantity::ticks::Ticks;
 
 /// The transform between places on the plate and points on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,129 +1,73 @@
-//! Captions and units of a plate's fields in the panels, used for the fields and for messages about them.
+//! The captions and units of a plate's fields in the panels, used for the fields and for messages about them. How a
+//! caption's number is written, read and refused: [`slipline_plate::quantity`].
 
-use slipline_model::numbers::quantity::{self, QuantityError};
-use slipline_plate::number_format::significant;
-
-/// Significant digits of a number in a field: more than anyone measures, but few enough to hide rounding from a
-/// change of units.
-pub const FIELD_DIGITS: usize = 7;
-
-/// One field of a panel.
-#[derive(Debug)]
-pub struct Caption {
-    /// Its caption.
-    pub name: &'static str,
-    /// The plate library's names of this field.
-    pub keys: &'static [&'static str],
-    /// The unit of its number.
-    pub unit: Unit,
-}
-
-/// The unit of a panel's field.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Unit {
-    /// Millimetres.
-    Millimetre,
-    /// Hertz, or kilohertz from 1 kHz on.
-    Hertz,
-    /// A unit of this name that is so many times the library's unit.
-    Times(&'static str, f64),
-    /// None.
-    Pure,
-}
-
-impl Unit {
-    /// The unit's name for a number of this size, and its size in the library's unit.
-    #[must_use]
-    pub fn shown(self, value: f64) -> (&'static str, f64) {
-        match self {
-            Self::Millimetre => ("mm", 1e-3),
-            Self::Hertz if value.abs() >= 1e3 => ("kHz", 1e3),
-            Self::Hertz => ("Hz", 1.0),
-            Self::Times(name, size) => (name, size),
-            Self::Pure => ("", 1.0),
-        }
-    }
-
-    /// A number in the library's unit as text for the field, with this many significant digits.
-    #[must_use]
-    pub fn written(self, value: f64, digits: usize) -> String {
-        let (name, size) = self.shown(value);
-        format!("{} {name}", significant(value / size, digits)).trim_end().to_owned()
-    }
-
-    /// Parses a number that was typed into the field; the result is in the library's unit.
-    ///
-    /// # Errors
-    /// [`QuantityError`] for a text that is not a number, or has a unit that does not fit.
-    pub fn read(self, text: &str) -> Result<f64, QuantityError> {
-        match self {
-            Self::Millimetre => quantity::length_m(text),
-            Self::Hertz => quantity::frequency_hz(text),
-            Self::Times(name, size) => quantity::plain(text, name).map(|number| number * size),
-            Self::Pure => quantity::plain(text, ""),
-        }
-    }
-}
-
-const fn caption(name: &'static str, unit: Unit, keys: &'static [&'static str]) -> Caption {
-    Caption { name, keys, unit }
-}
+use slipline_plate::quantity::{Caption, Form, Unit};
 
 /// Length of the plate.
-pub const LENGTH: Caption = caption("Length", Unit::Millimetre, &["length_m"]);
+pub const LENGTH: Caption = Caption::new("Length", Unit::Millimetre, &["length_m"]);
 /// Half-width at the driven end.
-pub const HALF_WIDTH: Caption = caption("Half-width", Unit::Millimetre, &["taper.half_width_m"]);
+pub const HALF_WIDTH: Caption = Caption::new("Half-width", Unit::Millimetre, &["taper.half_width_m"]);
 /// Rate of an exponential taper.
-pub const TAPER_RATE: Caption = caption("Taper rate", Unit::Times("1/m", 1.0), &["taper.rate_per_m"]);
+pub const TAPER_RATE: Caption = Caption::new("Taper rate", Unit::Times("1/m", 1.0), &["taper.rate_per_m"]);
 /// Half-width at the end of a linear taper.
-pub const END_HALF_WIDTH: Caption = caption("End half-width", Unit::Millimetre, &["taper.end_half_width_m"]);
+pub const END_HALF_WIDTH: Caption =
+    Caption::new("End half-width", Unit::Millimetre, &["taper.end_half_width_m"]);
 /// Nearest boundary.
-pub const SPAN_START: Caption = caption("Span from", Unit::Millimetre, &["span_start_m"]);
+pub const SPAN_START: Caption = Caption::new("Span from", Unit::Millimetre, &["span_start_m"]);
 /// Farthest boundary.
-pub const SPAN_END: Caption = caption("Span to", Unit::Millimetre, &["span_end_m"]);
+pub const SPAN_END: Caption = Caption::new("Span to", Unit::Millimetre, &["span_end_m"]);
 /// Wave speed of a membrane.
-pub const WAVE_SPEED: Caption = caption("Wave speed", Unit::Times("m/s", 1.0), &["model.wave_speed_m_per_s"]);
+pub const WAVE_SPEED: Caption =
+    Caption::new("Wave speed", Unit::Times("m/s", 1.0), &["model.wave_speed_m_per_s"]);
 /// Shear modulus.
 pub const SHEAR_MODULUS: Caption =
-    caption("Shear modulus", Unit::Times("MPa", 1e6), &["model.shear_modulus_pa"]);
+    Caption::new("Shear modulus", Unit::Times("MPa", 1e6), &["model.shear_modulus_pa"]);
 /// Young's modulus.
-pub const YOUNGS_MODULUS: Caption = caption(
+pub const YOUNGS_MODULUS: Caption = Caption::new(
     "Young's modulus",
     Unit::Times("GPa", 1e9),
     &["model.youngs_modulus_pa", "material.youngs_modulus_pa"],
 );
 /// Poisson's ratio.
 pub const POISSON_RATIO: Caption =
-    caption("Poisson's ratio", Unit::Pure, &["model.poisson_ratio", "material.poisson_ratio"]);
+    Caption::new("Poisson's ratio", Unit::Pure, &["model.poisson_ratio", "material.poisson_ratio"]);
 /// Density.
-pub const DENSITY: Caption =
-    caption("Density", Unit::Times("kg/m³", 1.0), &["model.density_kg_per_m3", "material.density_kg_per_m3"]);
+pub const DENSITY: Caption = Caption::new(
+    "Density",
+    Unit::Times("kg/m³", 1.0),
+    &["model.density_kg_per_m3", "material.density_kg_per_m3"],
+);
 /// Thickness of the sheet.
-pub const THICKNESS: Caption = caption("Thickness", Unit::Millimetre, &["thickness_m", "model.thickness_m"]);
+pub const THICKNESS: Caption =
+    Caption::new("Thickness", Unit::Millimetre, &["thickness_m", "model.thickness_m"]);
 /// Loss factor.
-pub const LOSS_FACTOR: Caption = caption("Loss factor", Unit::Pure, &["loss_factor", "material.loss_factor"]);
+pub const LOSS_FACTOR: Caption =
+    Caption::new("Loss factor", Unit::Pure, &["loss_factor", "material.loss_factor"]);
 /// r of a damped source.
-pub const DRIVE_RATIO: Caption = caption("Resistance ratio", Unit::Pure, &["drive.ratio"]);
+pub const DRIVE_RATIO: Caption = Caption::new("Resistance ratio", Unit::Pure, &["drive.ratio"]);
 /// The frequency at which r holds; no panel has a field for it.
 pub const DRIVE_FREQUENCY: Caption =
-    caption("Frequency of the resistance", Unit::Hertz, &["drive.at_frequency_hz"]);
+    Caption::new("Frequency of the resistance", Unit::Hertz, &["drive.at_frequency_hz"]);
 /// Displacement of the drive at DAC full scale, of the plate on the screen.
-pub const AT_FULL_SCALE: Caption = caption("At full scale", Unit::Millimetre, &["full_scale_m"]);
+pub const AT_FULL_SCALE: Caption = Caption::new("At full scale", Unit::Millimetre, &["full_scale_m"]);
 /// The same, of a design.
-pub const FULL_SCALE: Caption = caption("Full scale", Unit::Millimetre, &["full_scale_m"]);
+pub const FULL_SCALE: Caption = Caption::new("Full scale", Unit::Millimetre, &["full_scale_m"]);
 /// Lowest frequency of a design.
-pub const BAND_LOW: Caption = caption("Band from", Unit::Hertz, &["band low"]);
+pub const BAND_LOW: Caption = Caption::new("Band from", Unit::Hertz, &["band low"]);
 /// Highest frequency of a design.
-pub const BAND_HIGH: Caption = caption("Band to", Unit::Hertz, &["band high"]);
+pub const BAND_HIGH: Caption = Caption::new("Band to", Unit::Hertz, &["band high"]);
 /// From the driven end to a design's nearest boundary.
 pub const START_MARGIN: Caption =
-    caption("Start margin", Unit::Millimetre, &["start_margin_m", "span_start_m"]);
+    Caption::new("Start margin", Unit::Millimetre, &["start_margin_m", "span_start_m"]);
 /// From a design's farthest boundary to the narrow end.
-pub const END_MARGIN: Caption = caption("End margin", Unit::Millimetre, &["end_margin_m", "span_end_m"]);
+pub const END_MARGIN: Caption = Caption::new("End margin", Unit::Millimetre, &["end_margin_m", "span_end_m"]);
 /// Width of the frame's rim.
-pub const RIM: Caption = caption("Rim", Unit::Millimetre, &["rim_m"]);
+pub const RIM: Caption = Caption::new("Rim", Unit::Millimetre, &["rim_m"]);
 /// Name of a design.
-pub const NAME: Caption = caption("Name", Unit::Pure, &["name"]);
+pub const NAME: Caption = Caption::new("Name", Unit::Pure, &["name"]);
+
+/// The points of a sampled taper. They exist only in its file: no panel has a field for them.
+const TAPER_POINTS: Caption = Caption::new("The file's half-widths", Unit::Millimetre, &["taper.points"]);
 
 /// The panel whose captions are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,7 +78,7 @@ pub enum Panel {
     Designer,
 }
 
-const PLATE: [&Caption; 16] = [
+const PLATE: [&Caption; 17] = [
     &LENGTH,
     &HALF_WIDTH,
     &TAPER_RATE,
@@ -151,37 +95,137 @@ const PLATE: [&Caption; 16] = [
     &DRIVE_RATIO,
     &DRIVE_FREQUENCY,
     &AT_FULL_SCALE,
+    &TAPER_POINTS,
 ];
 
 const DESIGNER: [&Caption; 7] = [&FULL_SCALE, &BAND_LOW, &BAND_HIGH, &START_MARGIN, &END_MARGIN, &RIM, &NAME];
 
-impl Panel {
-    /// The caption of one of the library's fields. A field that the designer does not have gets the caption of the
-    /// plate panel, which shows the chosen value.
-    #[must_use]
-    pub fn caption(self, key: &str) -> Option<&'static Caption> {
-        let own = if self == Self::Designer { &DESIGNER[..] } else { &[] };
-        own.iter().chain(&PLATE).find(|caption| caption.keys.contains(&key)).copied()
+impl Form for Panel {
+    /// A field that the designer does not have gets the caption of the plate panel, which shows the chosen value.
+    fn caption(&self, field: &str) -> Option<&Caption> {
+        let own = if *self == Self::Designer { &DESIGNER[..] } else { &[] };
+        own.iter().chain(&PLATE).find(|caption| caption.is_of(field)).copied()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_plate::Notation as _;
+    use slipline_plate::design::{Request, design};
+    use slipline_plate::{Plate, PlateSpec, Taper};
+
+    fn fault(preset: &str, change: impl FnOnce(&mut PlateSpec)) -> String {
+        let mut spec = slipline_plate::preset(preset).unwrap().spec().clone();
+        change(&mut spec);
+        Plate::new(spec).unwrap_err().told(&Panel::Plate)
+    }
 
     #[test]
-    fn a_number_of_any_size_reads_back_from_its_field() {
-        for (caption, value, text) in [
-            (&AT_FULL_SCALE, 1e-9, "0.000001 mm"),
-            (&LENGTH, 0.34, "340 mm"),
-            (&TAPER_RATE, 4.62, "4.62 1/m"),
-            (&YOUNGS_MODULUS, 70e9, "70 GPa"),
-            (&BAND_LOW, 28_500.0, "28.5 kHz"),
-            (&LOSS_FACTOR, 0.0, "0"),
+    fn a_fault_names_the_label_and_the_panels_units() {
+        let half_width = |value| {
+            move |spec: &mut PlateSpec| {
+                if let Taper::Exponential { half_width_m, .. } = &mut spec.taper {
+                    *half_width_m = value;
+                }
+            }
+        };
+        assert_eq!(fault("membrane", |spec| spec.length_m = 11.0), "Length 11000 mm: must be 5 to 10000 mm");
+        assert_eq!(fault("membrane", |spec| spec.loss_factor = 0.7), "Loss factor 0.7: must be 0 to 0.5");
+        assert!(fault("membrane", half_width(9e9)).starts_with("Half-width 9.000e12 mm: must be "));
+        assert!(
+            fault("membrane", |spec| spec.span_end_m = 1.0)
+                .starts_with("Span to 1000 mm: must be 80.32 to 320 mm")
+        );
+        let modulus = fault("al-bending", |spec| {
+            if let slipline_plate::Model::BendingSupported(bending) = &mut spec.model {
+                bending.youngs_modulus_pa = 2e13;
+            }
+        });
+        assert_eq!(modulus, "Young's modulus 20000 GPa: must be 0.000001 to 10000 GPa");
+    }
+
+    #[test]
+    fn no_fault_of_a_plate_shows_a_name_of_the_file_or_a_bare_metre() {
+        for preset in slipline_plate::presets() {
+            for factor in [1e-9, 1e-3, 0.1, 3.0, 1e4, 1e300, f64::NAN] {
+                let changes: [fn(&mut PlateSpec, f64); 6] = [
+                    |spec, f| spec.length_m *= f,
+                    |spec, f| spec.full_scale_m *= f,
+                    |spec, f| spec.span_start_m *= f,
+                    |spec, f| spec.span_end_m *= f,
+                    |spec, f| {
+                        if let Taper::Exponential { rate_per_m, .. } = &mut spec.taper {
+                            *rate_per_m *= f;
+                        }
+                    },
+                    |spec, f| {
+                        if let Taper::Exponential { half_width_m, .. } = &mut spec.taper {
+                            *half_width_m *= f;
+                        }
+                    },
+                ];
+                for change in changes {
+                    let mut spec = slipline_plate::preset(preset.name).unwrap().spec().clone();
+                    change(&mut spec, factor);
+                    if let Err(error) = Plate::new(spec) {
+                        let text = error.told(&Panel::Plate);
+                        assert!(
+                            !text.contains('_') && !text.contains(" m ") && !text.ends_with(" m"),
+                            "{text}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_sentence_has_its_numbers_in_the_panels_units() {
+        let narrow = |spec: &mut PlateSpec| {
+            spec.taper = Taper::Exponential { half_width_m: 0.05, rate_per_m: 100.0 };
+        };
+        assert_eq!(
+            fault("membrane", narrow),
+            "Taper rate 100 1/m: must be at most 26.616 1/m, or the half-width at the end (6.332e-13 mm) falls below \
+             0.01 mm"
+        );
+        let short = Taper::Sampled { points: vec![[0.0, 0.05], [0.2, 0.01]] };
+        assert_eq!(
+            fault("membrane", |spec| spec.taper = short),
+            "The file's half-widths: must be at least 320 mm: the points must cover the plate (Length 320 mm)"
+        );
+        let slow = |spec: &mut PlateSpec| {
+            spec.taper = Taper::Exponential { half_width_m: 1e-4, rate_per_m: 1.0 };
+        };
+        assert_eq!(
+            fault("al-bending", slow),
+            "Span to 278 mm: must be where the boundary needs at most 10000 kHz (here 213250 kHz)"
+        );
+        let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
+        request.length_m = 0.01;
+        let designer = |request: &Request| design(request).unwrap_err().told(&Panel::Designer);
+        assert_eq!(
+            designer(&request),
+            "Length 10 mm: must be longer: the peak of 20 kHz and the tail of 40 kHz alone take 13.1 mm of it; or raise \
+             the band, or set smaller margins"
+        );
+        (request.length_m, request.band_hz) = (0.3, (400.0, 400.0));
+        assert_eq!(
+            designer(&request),
+            "Band to 400 Hz: must be 0.42 to 10000 kHz, at least 5 % above Band from 400 Hz"
+        );
+    }
+
+    #[test]
+    fn a_panel_names_a_field_by_its_own_caption() {
+        for (field, plate, designer) in [
+            ("full_scale_m", "At full scale", "Full scale"),
+            ("span_end_m", "Span to", "End margin"),
+            ("model.thickness_m", "Thickness", "Thickness"),
+            ("taper.points[3][1]", "The file's half-widths", "The file's half-widths"),
         ] {
-            assert_eq!(caption.unit.written(value, FIELD_DIGITS), text, "{}", caption.name);
-            let read = caption.unit.read(text).unwrap();
-            assert!((read - value).abs() <= 1e-12 * value, "{}: {read}", caption.name);
+            assert_eq!([Panel::Plate, Panel::Designer].map(|panel| panel.field(field)), [plate, designer]);
         }
     }
 }

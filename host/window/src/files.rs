@@ -2,7 +2,7 @@
 
 mod native;
 
-use slipline_model::disk::{self, said};
+use slipline_model::atomic_file::{self, said};
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -158,13 +158,13 @@ fn write_all(folder: &Path, files: &[(String, String)]) -> Result<(), String> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    disk::write(path, |out| out.write_all(bytes))
-        .map_err(|error: io::Error| disk::missing_folder(path).unwrap_or_else(|| said(&error)))
+    atomic_file::write(path, |out| out.write_all(bytes))
+        .map_err(|error: io::Error| atomic_file::missing_folder(path).unwrap_or_else(|| said(&error)))
 }
 
 /// The text of a file, or the reason why it cannot be read.
 fn read_text(path: &Path) -> Result<String, String> {
-    disk::read_text(path, FILE_BYTES_MAX).map_err(|error| said(&error))
+    atomic_file::read_text(path, FILE_BYTES_MAX).map_err(|error| said(&error))
 }
 
 #[cfg(test)]

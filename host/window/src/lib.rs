@@ -13,7 +13,6 @@ pub mod axis;
 pub mod caption;
 pub mod files;
 pub mod intent;
-pub mod plate_fault;
 pub mod scene;
 pub mod settings;
 pub mod view;

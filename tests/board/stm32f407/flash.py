@@ -3,12 +3,13 @@
 The memory itself is Unicorn's; a store into it is checked and counted by `programmed`. Bits only fall: what is stored
 is the old word AND the new one. A power cut may be ordered at any operation, and leaves the sector or the word torn.
 """
+from core import flash
+from core.flash import CACHES_DATA, LOCK
+
 BASE, START, SIZE = 0x40023C00, 0x08000000, 1 << 20
 ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
-KEYS = (0x45670123, 0xCDEF89AB)
-PROGRAM, ERASE, BEGIN, LOCK = 1 << 0, 1 << 1, 1 << 16, 1 << 31
+PROGRAM, ERASE, BEGIN = 1 << 0, 1 << 1, 1 << 16
 BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
-CACHES_DATA, RESETS_DATA_CACHE = 1 << 10, 1 << 12
 # The longest that 16 KiB take, by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time), and in proportion (DS8626
 # Rev 12, table 40); a word in 16 us.
 ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = [seconds / 0x4000 for seconds in (0.8, 0.6, 0.5, 0.5)], 16e-6
@@ -21,23 +22,14 @@ def sector(number):
     return (START + 0x10000, 0x10000) if number == 4 else (START + (number - 4) * 0x20000, 0x20000)
 
 
-class Flash:
+class Flash(flash.Flash):
     def __init__(self, board):
-        self.board = board
-        self.operations = 0
-        self.cut_at = None
-        self.reset()
+        self.torn = []
+        super().__init__(board)
 
     def reset(self):
-        self.access, self.control, self.keys = 0, LOCK, []
-        self.options = BROWN_OUT_LEVEL_3
-        self.torn = []
-        self.is_cache_stale = False
-
-    def cut(self):
-        """Whether the power goes with this operation."""
-        self.operations += 1
-        return self.cut_at is not None and self.operations > self.cut_at
+        super().reset()
+        self.access, self.options = 0, BROWN_OUT_LEVEL_3
 
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
@@ -61,19 +53,16 @@ class Flash:
 
     def read(self, offset):
         self.settle()
-        return {ACR: self.access, CR: self.control, OPTCR: self.options}.get(offset, 0)
+        known = {ACR: self.access, SR: 0, CR: self.control, OPTCR: self.options}
+        assert offset in known, f"FLASH has no modelled register {offset:#x} that can be read"
+        return known[offset]
 
     def write(self, offset, value):
         self.settle()
         if offset == ACR:
-            self.access = value
-            if value & RESETS_DATA_CACHE:
-                assert not value & CACHES_DATA, "the data cache is reset while it is off"
-                self.is_cache_stale = False
+            self.write_access(value)
         elif offset == KEYR:
-            self.keys = (self.keys + [value])[-2:]
-            if tuple(self.keys) == KEYS:
-                self.control &= ~LOCK
+            self.write_key(value)
         elif offset == CR:
             assert not self.control & LOCK or value & LOCK, "the flash's control is locked"
             self.control = value & ~BEGIN

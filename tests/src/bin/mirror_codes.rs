@@ -2,8 +2,8 @@
 //!
 //! Standard input, one line each: `<index> <frame>` for a command the device has accepted, where the frame is the
 //! command's bytes on the link in hexadecimal and the index the one the device named (upload commands before the
-//! commit have none: any number); last, `play <from> <until>`. Standard output: the codes from..until, two bytes each,
-//! little-endian.
+//! commit have none: any number); `limit <index> <per mille>` for the thermal limit that a status tells; last,
+//! `play <from> <until>`. Standard output: the codes from..until, two bytes each, little-endian.
 
 use std::io::{self, BufRead, Write};
 use std::sync::Arc;
@@ -22,6 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["play", from, until] => return play(&mut mirror, from.parse()?, until.parse()?),
+            ["limit", index, per_mille] => mirror.acknowledge_limit(per_mille.parse()?, index.parse()?)?,
             [index, frame] => {
                 let at = index.parse()?;
                 match command(frame).ok_or_else(|| format!("no command: {line}"))? {

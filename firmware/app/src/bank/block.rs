@@ -10,8 +10,8 @@ pub const AMPLITUDE_ONE: u32 = 1 << 31;
 /// reach fifteen times full scale before an `i32` wraps, so the sum needs no saturation and the codes' clamp suffices.
 pub const FULL_SCALE: i32 = 1 << 27;
 /// The largest change of a tone's step over one block: 2^-10 turns per sample (390 Hz per block at 400 kS/s, 1.2 MHz
-/// per second). A faster change is drawn as one of this size, so the wave jumps at the block's
-/// end; the phases stay exact.
+/// per second). A faster change is rendered as one of this size, so the wave jumps at the block's end; the phases stay
+/// exact.
 pub const MAX_STEP_CHANGE: u64 = 1 << 54;
 
 /// One tone over one block: step and amplitude move linearly from the block's first sample to the next block's first.
@@ -41,13 +41,13 @@ impl ToneBlock {
         self.step == self.step_end && self.amplitude == self.amplitude_end
     }
 
-    /// The phase gained over the block, `64 (step + step_end)`, modulo a turn.
+    /// The phase gained over the block, `64 (step + step_end)`, modulo one turn.
     #[inline(always)]
     pub(super) const fn block_gain(&self) -> u64 {
         self.step.wrapping_add(self.step_end) << 6
     }
 
-    /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo a turn.
+    /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo one turn.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "phases are counted modulo one turn")]
     pub const fn phase_gain(&self, n: u32) -> u64 {

@@ -7,19 +7,19 @@ use super::portable::Portable;
 pub use super::quantize::{MAX_CODE, MID_SCALE};
 use super::quantize::{ROUND, quantize};
 
-/// The codes of a block; returns how many samples had to be clamped.
+/// Computes the codes of a block, 0..=[`MAX_CODE`]; returns how many samples had to be clamped.
 pub fn codes(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
     codes_by::<Native>(samples, codes)
 }
 
-/// As [`codes`], by the portable kernel on every machine: what the assembly is compared with.
+/// As [`codes`], by the portable kernel on every machine. Tests compare the assembly with it.
 pub fn codes_portably(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
     codes_by::<Portable>(samples, codes)
 }
 
 fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 {
     if K::codes(samples, codes) {
-        // Seldom, so it may cost another pass.
+        // Clamping is rare, so counting may take a second pass.
         samples.iter().map(|sample| u32::from(quantize(*sample, ROUND).1)).sum()
     } else {
         0
@@ -32,14 +32,14 @@ pub fn energy(codes: &[u16; BLOCK]) -> u32 {
     Native::energy(codes)
 }
 
-/// As [`energy`], by the portable kernel on every machine: what the assembly is compared with.
+/// As [`energy`], by the portable kernel on every machine. Tests compare the assembly with it.
 #[must_use]
 pub fn energy_portably(codes: &[u16; BLOCK]) -> u32 {
     Portable::energy(codes)
 }
 
-/// As [`codes`], with a rectangular dither of one code drawn from `dither`: the codes' error no longer follows the
-/// signal, at the price of 3 dB of noise.
+/// As [`codes`], with a rectangular dither of one code from `dither`: the codes' error does not follow the signal, but
+/// the noise is 3 dB higher.
 pub fn dithered_codes(samples: &[i32; BLOCK], dither: &mut Dither, codes: &mut [u16; BLOCK]) -> u32 {
     let mut clipped = 0;
     for (sample, code) in samples.iter().zip(codes) {
@@ -55,7 +55,7 @@ pub fn dithered_codes(samples: &[i32; BLOCK], dither: &mut Dither, codes: &mut [
 pub struct Dither(u32);
 
 impl Dither {
-    /// Starts the sequence at `seed`; zero, which xorshift cannot leave, stands for 1.
+    /// Starts the sequence at `seed`. Zero counts as 1, because xorshift cannot leave zero.
     #[must_use]
     pub const fn new(seed: u32) -> Self {
         Self(if seed == 0 { 1 } else { seed })

@@ -5,8 +5,8 @@
 //! All but the conversion to codes are *naked* functions: they use the whole register file, which inline assembly may
 //! not claim. They follow the procedure call standard (r4-r11, lr and s16-s31 are saved where used, the stack stays
 //! balanced) and write no other memory than their arguments and their own frame, so an interrupt may come at any time.
-//! The comments name what `portable.rs`, `steady.rs` and `glide.rs` call the same thing; cycles are those
-//! of the M4's reference manual without wait states.
+//! The comments use the names of `portable.rs`, `steady.rs` and `glide.rs`; cycles are those of the M4's reference
+//! manual without wait states.
 //!
 //! A pass (see `layout.rs`) fills the register file exactly:
 //! ```text
@@ -29,7 +29,7 @@ use super::sine::{RADIANS, TABLE};
 /// The kernels in assembly.
 pub(super) struct CortexM4;
 
-// What the assembly takes for granted about the memory it walks through.
+// The memory layout that the assembly relies on.
 const _: () = {
     assert!(TONES == 16 && BLOCK == 128);
     assert!(size_of::<ToneBlock>() == 24 && size_of::<Turn>() == 8);
@@ -110,7 +110,7 @@ impl Kernel for CortexM4 {
     }
 
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]) {
-        // SAFETY: as above.
+        // SAFETY: as `steady` above: reads the two structures, writes the block.
         unsafe { glide(basis, seeds, out) }
     }
 
@@ -469,7 +469,7 @@ macro_rules! sine_cosine {
 unsafe extern "C" fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> u32 {
     naked_asm!(
         "push {{r4-r11, lr}}",
-        "mov r12, #-1", // all ones as long as every step is the inverted one's inverse
+        "mov r12, #-1", // stays all ones while every step is the inverse of its inverted one
         "add lr, r1, #128",
         "2:",
         "ldm r0!, {{r3-r8}}",

@@ -7,22 +7,22 @@
 //! Im[ (A + a tau) exp(i(e tau + d tau^2/2)) exp(ip) exp(i w tau) ] = Im[ g(tau) exp(ip) exp(i w tau) ]
 //! g(tau) = A + (a + iAe) tau + (-Ae^2/2 + i(Ad/2 + ae)) tau^2 + O(tau^3)
 //! ```
-//! so one basis `exp(i w tau)` does for all eight, if the sums carry two corrections beside the seed. With `G1 tau` and
+//! so one basis `exp(i w tau)` serves all eight, if the sums have two corrections besides the seed. With `G1 tau` and
 //! `G2 tau^2` for the last two terms times `exp(ip)`, the even and odd sums of [`super`] become
 //! ```text
 //! E = A sin p  C + tau (G1re S + tau G2im C)      C = cos(w tau)
 //! O = A cos p  S + tau (G1im C + tau G2re S)      S = sin(w tau)
 //! ```
-//! The brackets are small, so 16 bits do for them: both products are one SMLAD of packed words, `(S, tau C)` and
-//! `(C, tau S)`, with packed coefficients, and `tau` comes after the sum over the tones.
+//! The brackets are small, so 16 bits are enough for them: both products are one SMLAD of packed words, `(S, tau C)`
+//! and `(C, tau S)`, with packed coefficients, and the sum over the tones is multiplied by `tau`.
 //!
 //! Of the third order, `-(Aed/2) tau^3 + i(ad/2) tau^3` is the largest. It is replaced by the straight line that is
 //! closest to it over the sub-block, `tau^3 -> 5/8 8^2 tau`, which only changes `G1` ("straighten" and "lean" below).
-//! At [`MAX_STEP_CHANGE`](super::block::MAX_STEP_CHANGE), `e tau` reaches 0.020 and `d tau^2/2` 0.0013: the cubic of 2.7e-5 at the outermost
-//! samples shrinks to 1.0e-5, which with the neglected `e^3` and `a e^2` makes 2e-5 (-94 dB) at the peak; it falls with
-//! the square of the chirp. The packed coefficients' unit of 2^-17 leaves 5e-6 (-106 dB) whatever the chirp. The
-//! tests hold the levels that add up from these: -93 dB peak and -105 dB rms at the limit, -98 and -108 dB from a
-//! quarter of it down.
+//! At [`MAX_STEP_CHANGE`](super::block::MAX_STEP_CHANGE), `e tau` reaches 0.020 and `d tau^2/2` 0.0013: the cubic of
+//! 2.7e-5 at the outermost samples shrinks to 1.0e-5. With the neglected `e^3` and `a e^2` this makes 2e-5 (-94 dB) at
+//! the peak; it falls with the square of the chirp. The packed coefficients' unit of 2^-17 leaves 5e-6 (-106 dB) at any
+//! chirp. The tests assert the sums of these errors: -93 dB peak and -105 dB rms at the limit, -98 and -108 dB at a
+//! quarter of the limit and below.
 //!
 //! Scales, in units of `tau/8`, fractional bits in brackets: `theta` [36] is the whole block's change in radians per
 //! sample; detuning `8e = theta (j - 7/2)` [36]; amplitude `A` [30]; slope `8a` [34]; `8Ae` [34] ("imaginary");

@@ -1,13 +1,13 @@
-//! What the bank does for every block.
+//! The computations of one block, as a trait.
 //!
-//! There are two implementations: `portable.rs`, which defines the result and runs on hosts, and `cortex_m4.rs` in
-//! assembly. All sums are modulo 2^32, so their order does not matter: the two are equal bit for bit. The image
-//! `slipline-bench` compares them over blocks of every kind.
+//! It has two implementations: `portable.rs` defines the result and runs on hosts, `cortex_m4.rs` is in assembly. All
+//! sums are modulo 2^32, so their order does not matter: the two are equal bit for bit. The image `slipline-bench`
+//! compares them over blocks of every kind.
 
 use super::block::{BLOCK, TONES, ToneBlock};
 use super::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 
-/// What a block asks for.
+/// What the tones of a block need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Survey {
     /// Every tone is steady at a step that the basis is made for.
@@ -18,20 +18,20 @@ pub(super) enum Survey {
     Gliding,
 }
 
-/// The work of one block, on one kind of processor.
+/// The computations of one block, for one kind of processor.
 pub(super) trait Kernel {
-    /// Which kernel a block needs; `inverted_steps` are those that the steady basis is made for.
+    /// What the tones need; `inverted_steps` are the steps that the steady basis is made for, with every bit inverted.
     fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey;
-    /// The basis of one steady tone, and the turn from the block's centre to those of its halves.
+    /// The basis of one steady tone, and the turn from the block's centre to the centres of its halves.
     fn rebuild(step: u64, slot: usize, basis: &mut SteadyBasis, turn: &mut Turn);
-    /// The seeds of sixteen steady tones; moves the phases on.
+    /// The seeds of sixteen steady tones; advances the phases to the next block.
     fn seed_steady(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],
         turns: &[Turn; TONES],
         seeds: &mut SteadySeeds,
     );
-    /// The basis and the seeds of sixteen gliding tones; moves the phases on.
+    /// The basis and the seeds of sixteen gliding tones; advances the phases to the next block.
     fn seed_glide(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],
@@ -43,7 +43,7 @@ pub(super) trait Kernel {
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]);
     /// The same for the eight sub-blocks of 16 samples of a gliding block, `E` and `O` each with their corrections.
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]);
-    /// The codes of a block, rounded and clamped; whether any had to be clamped.
+    /// The codes of a block, rounded and clamped; returns whether any had to be clamped.
     fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool;
     /// The sum of the squares of the codes' distances from mid-scale.
     fn energy(codes: &[u16; BLOCK]) -> u32;

@@ -24,7 +24,7 @@ pub(super) type Words<const GROUPS: usize> = [[[i32; GROUP]; TONES]; GROUPS];
 /// One coefficient per tone and sub-block of a pair.
 pub(super) type Pair = [[i32; PAIR]; TONES];
 
-/// The basis of a steady block, 31 fractional bits: `cos(w tau)` and `sin(w tau)`, `tau = n + 1/2`.
+/// The basis of a steady block, 31 fractional bits: `cos(w tau)` (`even`) and `sin(w tau)` (`odd`), `tau = n + 1/2`.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(super) struct SteadyBasis {
@@ -39,7 +39,7 @@ impl SteadyBasis {
     }
 }
 
-/// What multiplies the basis of a steady block, 28 fractional bits.
+/// The factors of a steady block's basis, 28 fractional bits: `a sin p` (`even`) and `a cos p` (`odd`).
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(super) struct SteadySeeds {
@@ -70,7 +70,7 @@ impl GlideBasis {
     }
 }
 
-/// What multiplies the basis of a gliding block, per pair of sub-blocks.
+/// The factors of a gliding block's basis, for each pair of sub-blocks; their scales are in `bank/glide.rs`.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(super) struct GlideSeeds {

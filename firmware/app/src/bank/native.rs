@@ -1,4 +1,4 @@
-//! Which kernel this machine uses.
+//! The kernel of the processor that the crate is compiled for.
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub(super) use super::cortex_m4::CortexM4 as Native;

@@ -9,7 +9,7 @@ use super::quantize::{MID_SCALE, ROUND, quantize};
 use super::sine::{add_high, high};
 use super::{glide, steady};
 
-/// The kernel in Rust: the definition, and what runs on a host.
+/// The kernel in Rust. It defines the results, and it runs on hosts.
 pub(super) struct Portable;
 
 impl Kernel for Portable {

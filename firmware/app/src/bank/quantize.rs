@@ -5,7 +5,7 @@
 //! ```
 //! Full scale is 2047 codes, not 2048, so that a tone of full amplitude touches neither end and clips nowhere.
 
-/// The DAC's rest level.
+/// The code of silence: the middle of the DAC's range.
 pub const MID_SCALE: u16 = 2048;
 /// The DAC's highest code.
 pub const MAX_CODE: u16 = 4095;

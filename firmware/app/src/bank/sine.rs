@@ -12,7 +12,7 @@
 //!
 //! Everything is integers, the table too: it is made at compile time from a Taylor series in 60-bit fractions.
 
-/// What stands for 1.0: a little below 2^31, so that the truncations and the neglected cubic never wrap the sign.
+/// The number for 1.0: a little below 2^31, so that the truncations and the neglected cubic never wrap the sign.
 pub const ONE: i32 = i32::MAX - 7;
 
 const BINS: usize = 1024;
@@ -39,15 +39,15 @@ pub fn sine_cosine(phase: u32) -> (i32, i32) {
     (sub_high(add_high(s, c, r), s, h), sub_high(sub_high(c, s, r), c, h))
 }
 
-/// Sine and cosine of the sum of two angles. The shift makes up for the halving in each product; all are rounded to
-/// nearest (SMMULR, SMMLAR, SMMLSR), so that a chain of turns does not drift to one side.
+/// Sine and cosine of the sum of two angles. Each product halves the scale, so a shift doubles it again. All products
+/// are rounded to nearest (SMMULR, SMMLAR, SMMLSR), so that a chain of turns does not drift to one side.
 #[inline(always)]
 pub(super) const fn turned(s: i32, c: i32, turn_sine: i32, turn_cosine: i32) -> (i32, i32) {
     let (sine, cosine) = (high_rounded(0, s, turn_cosine), high_rounded(0, c, turn_cosine));
     (high_rounded(sine, c, turn_sine) << 1, high_rounded(cosine, s, -turn_sine) << 1)
 }
 
-/// Sine and cosine of twice an angle, rounded likewise.
+/// Sine and cosine of twice an angle, rounded in the same way.
 #[inline(always)]
 pub(super) const fn doubled(s: i32, c: i32) -> (i32, i32) {
     (high_rounded(0, s, c) << 2, high_rounded(high_rounded(0, c, c), s, -s) << 1)

@@ -1,4 +1,4 @@
-//! The bank against the truth, computed in doubles from the exact phases.
+//! The bank's samples, compared with sines in doubles of the exact phases.
 extern crate std;
 
 mod spectrum;
@@ -32,7 +32,7 @@ impl Numbers {
     }
 }
 
-/// The sum that the samples of one block should be, full scale = 1.
+/// The exact samples of one block, full scale = 1.
 fn truth(bank: &Bank, tones: &[ToneBlock; TONES]) -> [f64; BLOCK] {
     let one = f64::from(AMPLITUDE_ONE);
     core::array::from_fn(|n| {
@@ -134,7 +134,7 @@ fn a_steady_tone_is_the_same_through_either_kernel() {
     assert!(peak < -133.0 && rms < -138.0, "peak {peak:.1} dB, rms {rms:.1} dB");
 }
 
-/// The next block of a storm: every few blocks some tones start to glide, within the limits, or stop.
+/// The next block of a random sequence: unless `calm`, some tones change step or amplitude, within the limits.
 fn storm(numbers: &mut Numbers, before: &[ToneBlock; TONES], calm: bool, highest: u64) -> [ToneBlock; TONES] {
     core::array::from_fn(|slot| {
         let (step, amplitude) = (before[slot].step_end, before[slot].amplitude_end);
@@ -162,7 +162,7 @@ fn a_storm_of_glides_leaves_no_step_and_no_drift() {
     let highest = step(0.02);
     let (mut peak, mut biggest) = (0.0_f64, 0.0_f64);
     for block in 0..6000 {
-        // Three blocks of glides, two of rest: both kinds of kernel meet again and again.
+        // Three gliding blocks and two steady ones in turn: the change between the two kernels is tested, too.
         tones = storm(&mut numbers, &tones, block % 5 > 2, highest);
         let wanted = truth(&bank, &tones);
         // A tone's phase moves by at most its higher step and its amplitude by its ramp. The gliding kernel's error

@@ -1,5 +1,7 @@
 //! Arming and driving: motions are made here and handed over.
 
+use core::cell::Cell;
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
@@ -7,6 +9,7 @@ use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
 use super::range::in_range;
+use crate::faults::FaultLatch;
 use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
@@ -20,7 +23,7 @@ const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
 impl<F: FlashPages, S: System> Controller<F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
         let view = mailbox.view();
-        self.refuse_if_unfit(&view)?;
+        self.refuse_if_unfit(view.faults)?;
         if view.armed {
             return Ok(view.ready_at.max(view.next));
         }
@@ -38,16 +41,16 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(mailbox.arm())
     }
 
-    fn refuse_unless_armed(&self, view: &View) -> Result<(), Refusal> {
-        self.refuse_if_unfit(view)?;
-        if view.armed { Ok(()) } else { Err(Refusal::NotArmed) }
+    fn refuse_unless_armed(&self, armed: bool, faults: FaultLatch) -> Result<(), Refusal> {
+        self.refuse_if_unfit(faults)?;
+        if armed { Ok(()) } else { Err(Refusal::NotArmed) }
     }
 
-    fn refuse_if_unfit(&self, view: &View) -> Result<(), Refusal> {
+    fn refuse_if_unfit(&self, faults: FaultLatch) -> Result<(), Refusal> {
         if self.boot.safe_mode {
             return Err(Refusal::SafeMode);
         }
-        let faults = view.faults.set();
+        let faults = faults.set();
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
     }
 
@@ -57,9 +60,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
-        self.refuse_unless_armed(&mailbox.view())?;
-        let at = publish(mailbox, |view, lead| {
-            self.refuse_unless_armed(view)?;
+        let (armed, faults) = mailbox.standing();
+        self.refuse_unless_armed(armed, faults)?;
+        let at = publish(mailbox, &self.is_outrun, |view, lead| {
+            self.refuse_unless_armed(view.armed, view.faults)?;
             let earliest = view.next.max(view.ready_at);
             let at = match drive.apply {
                 Apply::Next => earliest.saturating_add(lead),
@@ -77,11 +81,15 @@ impl<F: FlashPages, S: System> Controller<F, S> {
 }
 
 /// Makes a motion and hands it over, anew with a later index if the renderer was faster.
+///
+/// `is_outrun` remembers that it was. From then on the first attempt leads by a block, too: an attempt in vain costs
+/// more time than that block.
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
+    is_outrun: &Cell<bool>,
     make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
-    for lead in LEADS {
+    for lead in LEADS.into_iter().skip(is_outrun.get().into()) {
         let view = mailbox.view();
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
@@ -93,7 +101,7 @@ pub(super) fn publish<M: RawMutex>(
         match mailbox.publish(motion, &view) {
             Ok(()) => return Ok(motion.start()),
             Err(NotPublished::Pending) => break,
-            Err(NotPublished::Late) => {}
+            Err(NotPublished::Late) => is_outrun.set(true),
         }
     }
     Err(Refusal::Busy(Busy::CommitPending))

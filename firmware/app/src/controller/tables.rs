@@ -14,20 +14,20 @@ use crate::store;
 
 impl<F: FlashPages, S: System> Controller<F, S> {
     pub(super) fn commit_table<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
-        let upload = self.upload.ok_or(Refusal::NoUpload)?;
-        if let Err(refusal) = upload.check(mailbox) {
+        let upload = self.upload.as_ref().ok_or(Refusal::NoUpload)?;
+        let (table, header) = (upload.table(), *upload.header());
+        if let Err(refusal) = upload.check() {
             // A missing chunk may still come; a wrong table stays wrong.
             if !matches!(refusal, Refusal::UploadIncomplete { .. }) {
                 self.upload = None;
             }
             return Err(refusal);
         }
-        let table = upload.table();
-        let at = publish(mailbox, |view, lead| {
+        let at = publish(mailbox, &self.is_outrun, |view, lead| {
             let at = view.next.saturating_add(lead);
             plan_swap(at, table, &view.motion, mailbox.slots(), &self.shape, &self.timing)
         })?;
-        self.table = Some(*upload.header());
+        self.table = Some(header);
         self.active = table;
         self.upload = None;
         Ok(at)

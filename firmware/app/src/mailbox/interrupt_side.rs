@@ -114,15 +114,18 @@ impl<M: RawMutex> Mailbox<M> {
 
     /// Disarms at once and drops what is pending; for the renderer, which ramps by itself.
     pub(crate) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
+        self.shared.lock(|shared| shared.disarm_now(fault));
+    }
+
+    /// As [`Self::disarm_now`] if the device is armed; returns whether it was.
+    pub(crate) fn disarm_if_armed(&self, fault: (Fault, SampleIndex)) -> bool {
         self.shared.lock(|shared| {
-            shared.armed.set(false);
-            shared.pending.set(None);
-            // A drive that is being planned right now was for an armed device: it must not be published any more.
-            shared.count_change();
-            if let Some((fault, at)) = fault {
-                shared.faults.set(shared.faults.get().with(fault, at));
+            let armed = shared.armed.get();
+            if armed {
+                shared.disarm_now(Some(fault));
             }
-        });
+            armed
+        })
     }
 
     /// Wakes the thread side.

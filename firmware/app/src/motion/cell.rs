@@ -58,11 +58,9 @@ impl MotionCell {
         )
     }
 
-    /// Copies the trajectories; their outline is kept apart.
-    pub(crate) fn load(&self, motion: &mut Motion) {
-        for (to, from) in motion.tones.iter_mut().zip(&self.0) {
-            *to = from.load();
-        }
+    /// A copy of the trajectories as a motion with this outline, which is kept apart.
+    pub(crate) fn load(&self, outline: Outline) -> Motion {
+        Motion { outline, tones: self.0.each_ref().map(TrajectoryCell::load) }
     }
 
     pub(crate) fn store(&self, motion: &Motion) {

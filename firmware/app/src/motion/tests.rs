@@ -104,13 +104,11 @@ proptest! {
         let motion = Motion::silent().follow(&[Placement::default(); MAX_TONES], &program(0, 20_000, SlotIndex::First, &targets), &slots);
         let cell = MotionCell::silent();
         cell.store(&motion);
-        let mut copy = Motion::with_outline(motion.outline());
-        cell.load(&mut copy);
+        let copy = cell.load(motion.outline());
         prop_assert_eq!(&copy, &motion);
         let here = motion.at(cut, &slots, &shape);
         cell.fade(&here);
-        let mut fade = Motion::with_outline(Outline::fading(&here, cut, ramp, motion.table()));
-        cell.load(&mut fade);
+        let fade = cell.load(Outline::fading(&here, cut, ramp, motion.table()));
         prop_assert!(fade.ends_silent());
         prop_assert!(fade.is_silent_from(fade.end()));
         let sounded = motion.at(cut, &slots, &shape).iter().any(|placement| !placement.is_silent());

@@ -1,5 +1,5 @@
-//! the power fails at every write and erase, twice in a row, in several ways, with and without error
-//! correction of what is half written; what is read back is whole.
+//! the power fails at every write and erase, twice in a row and in several ways, in flash with and without
+//! error correction; what is read back is always a whole record.
 
 use std::vec;
 use std::vec::Vec;
@@ -10,16 +10,16 @@ use super::*;
 
 const RATE: u32 = 400_000;
 
-/// How the word or the slot looks that was being written or erased when the power failed.
+/// The state of the word that was being written, or the slot that was being erased, when the power failed.
 #[derive(Clone, Copy, Debug)]
 enum Tear {
-    /// Not begun.
+    /// Unchanged.
     Before,
-    /// This many bytes of it done.
+    /// This many bytes are written, or this share of 32 of the slot is erased.
     Bytes(usize),
     /// Reading it is an ECC error.
     Unreadable,
-    /// Done, and nothing after it.
+    /// Completely written or erased; the next operation was not begun.
     After,
 }
 
@@ -37,7 +37,7 @@ const TEARS: [Tear; 7] = [
 struct Flash {
     slots: [Vec<u8>; 2],
     unreadable: [Vec<bool>; 2],
-    /// Operations left until the power fails, and how.
+    /// Operations left until the power fails, and what it leaves.
     cut: Option<(usize, Tear)>,
     dead: bool,
     operations: usize,
@@ -62,7 +62,7 @@ impl Flash {
         self
     }
 
-    /// Whether this operation is done, and how far if the power fails in it.
+    /// Counts an operation; returns what it leaves if the power fails in it.
     fn operate(&mut self) -> Result<Option<Tear>, FlashError> {
         if self.dead {
             return Err(FlashError);
@@ -169,10 +169,11 @@ fn what_is_kept_is_read_back_and_what_is_forgotten_is_not() {
     assert_eq!(read_back(&mut flash), Err(StoredConfig::Empty));
 }
 
-/// What a store, torn at some operation, leaves: the content before or after it, whole.
+/// Asserts that a power failure left the content before the store or the one after it, whole.
 fn check(flash: &Flash, old: &Result<Kept, StoredConfig>, new: &Result<Kept, StoredConfig>, what: &str) {
     let found = read_back(&mut flash.clone().powered_up());
-    // Where nothing was kept, a torn header can be told from blank flash, and is: nothing is kept either way.
+    // Where no table was stored, a half-written header is reported as damage, not as blank flash. There is no table in
+    // either case.
     let nothing = |content: &Result<Kept, StoredConfig>| {
         matches!(content, Err(StoredConfig::Empty | StoredConfig::Damaged))
     };

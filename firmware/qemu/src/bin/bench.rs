@@ -1,12 +1,11 @@
-//! One block at a time of the production bank and code conversion, for a cycle model to call by symbol, and counted
-//! under QEMU.
+//! A benchmark of the bank and the conversion to codes, as the device uses them. A cycle model calls its functions by
+//! their symbols; under QEMU it counts instructions.
 //!
 //! `bench_setup(tones)` chooses how many of the sixteen slots sound; then every call of `bench_steady()`,
 //! `bench_retune()` or `bench_glide()` renders exactly one block of 128 codes:
 //! - steady: nothing changes, the common case;
-//! - retune: every tone has another frequency than in the block before, at once, so every basis is rebuilt and then
-//!   used: the block after a glide;
-//! - glide: every tone moves in frequency, as fast as it may, and in amplitude.
+//! - retune: every tone has another frequency than in the block before, so every basis is rebuilt, as after a glide;
+//! - glide: every tone changes its amplitude, and its frequency as fast as it may.
 //!
 //! The image itself compares the assembly with the portable kernel and counts instructions:
 //! ```text
@@ -29,13 +28,13 @@ mod device {
         code::{MID_SCALE, codes, codes_portably, energy, energy_portably},
     };
 
-    /// What the calls work on.
+    /// The state between the calls.
     struct Bench {
         bank: Bank,
         tones: [ToneBlock; TONES],
-        /// A glide, as fast as the bank's accuracy is stated for, and the way back.
+        /// A glide up, as fast as the bank's stated accuracy allows, and the glide back down.
         glides: [[ToneBlock; TONES]; 2],
-        /// Whether the next glide goes down.
+        /// Whether the last glide went up, so that the next one goes down.
         down: bool,
         samples: [i32; BLOCK],
         codes: [u16; BLOCK],
@@ -227,5 +226,5 @@ mod device {
 
 #[cfg(not(target_arch = "arm"))]
 fn main() {
-    println!("build me with --target thumbv7em-none-eabihf; I am code for a Cortex-M4");
+    println!("This is a benchmark for a Cortex-M4. Build it with --target thumbv7em-none-eabihf.");
 }

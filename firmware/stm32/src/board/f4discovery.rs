@@ -10,7 +10,7 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
 
-use super::Board;
+use super::{Board, low};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
@@ -28,12 +28,21 @@ pub(crate) const CORE_HZ: u32 = 168_000_000;
 pub(crate) const TIMER_HZ: u32 = 84_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 210;
 
+// The mute pin is PB1: TIM1's channel 3, complementary output (alternate function 1, DS8626 table 9). TIM1 is on APB2;
+// since APB2 is divided, its timers run at twice APB2 = 168 MHz.
+pub(crate) type MuteTimer = peripherals::TIM1;
+pub(crate) const MUTE_TIMER: pac::timer::TimAdv = pac::TIM1;
+pub(crate) const MUTE_TIMER_HZ: u32 = 168_000_000;
+pub(crate) const MUTE_CHANNEL: usize = 2;
+pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
+pub(crate) const MUTE_FUNCTION: u8 = 1;
+pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 1);
+
 /// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 chapter 14).
 pub(crate) const DAC_TRIGGER: u8 = 0b000;
 /// DAC1 is served by DMA1 stream 5 only (RM0090 table 43), whose flags are in HISR.
 pub(crate) const DMA_STREAM: usize = 5;
 pub(crate) type DacDma = peripherals::DMA1_CH5;
-pub(crate) type Watchdog = peripherals::IWDG;
 
 /// CHSEL = 7 selects DAC1 for stream 5 (RM0090 table 43).
 pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
@@ -44,11 +53,16 @@ pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x4000, 0x8000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
-/// Nominal; the watchdog's oscillator runs at 17 to 47 kHz for 32 (DS8626 table 35), so 2.7 s to 7.5 s. The longest
-/// stall is a 16 KiB sector's erasure and the writing of 8.5 KiB after it. embassy-stm32 0.6 erases with FLASH_CR.PSIZE
-/// as its last write has left it, 00, 8 bits at a time: 800 ms at most (DS8626 table 40; 500 ms at 32 bits). The words
-/// are written at 32 bits, 2176 of at most 100 us. 1.02 s in all, less than half of the shortest period.
-pub(crate) const WATCHDOG_US: u32 = 4_000_000;
+pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG;
+/// One count is 1 ms at the nominal 32 kHz.
+pub(crate) const WATCHDOG_PRESCALER: u32 = 32;
+/// The watchdog's oscillator runs at 17 to 47 kHz (DS8626 table 35).
+pub(crate) const WATCHDOG_FASTEST_HZ: u32 = 47_000;
+/// The nominal period around an erasure: 2.7 s to 7.5 s. The longest stall is the erasure of a 16 KiB sector and the
+/// writing of 8.5 KiB after it. embassy-stm32 0.6 erases with FLASH_CR.PSIZE as its last write has left it: 00, 8 bits at
+/// a time. That takes 800 ms at most (DS8626 table 40; 500 ms at 32 bits). The words are written at 32 bits, 2176 of at
+/// most 100 us each. Together 1.02 s, less than half of the shortest period.
+pub(crate) const ERASURE_WATCHDOG_MS: u32 = 4_000;
 
 /// System memory (RM0090 table 5; AN2606: PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
@@ -85,8 +99,8 @@ pub(crate) fn config() -> Config {
     config
 }
 
-/// embassy-stm32 sets the five wait states that 168 MHz needs and switches the flash's caches off with the same
-/// write. On, they bring the core close to zero wait states (RM0090 3.5.2). Revision A has a faulty prefetch
+/// embassy-stm32 sets the five wait states that 168 MHz needs, and the same write switches the flash's caches off. With
+/// the caches the core runs almost as with zero wait states (RM0090 3.5.2). The prefetch of revision A is faulty
 /// (errata sheet ES0182; DBGMCU REV_ID 0x1000), so it stays off there.
 pub(crate) fn tune_flash() {
     let is_revision_a = pac::DBGMCU.idcode().read().rev_id() == 0x1000;
@@ -107,12 +121,13 @@ pub(crate) fn map_system_memory() {
 }
 
 pub(crate) fn take(p: Peripherals) -> Board {
-    // PA4 is also the word select of the board's audio codec: low on PD4 keeps that chip in reset and its pin out of the
-    // way. Forgotten, because an `Output` that is dropped lets go of its pin.
+    // PA4 is also the word select of the board's audio codec. PD4 low keeps that chip in reset, so it does not disturb
+    // the pin. `forget`, because an `Output` that is dropped makes its pin an input again.
     core::mem::forget(Output::new(p.PD4, Level::Low, Speed::Low));
     Board {
         // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
-        unmute: Output::new(p.PB1, Level::Low, Speed::Low),
+        unmute: low(p.PB1),
+        mute_timer: p.TIM1,
         // LD4, green.
         lamp: Output::new(p.PD12, Level::Low, Speed::Low),
         dac: p.DAC1,
@@ -120,14 +135,28 @@ pub(crate) fn take(p: Peripherals) -> Board {
         dac_stream: p.DMA1_CH5,
         dac_pin: p.PA4,
         flash: p.FLASH,
-        watchdog: p.IWDG,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }
 
-/// PB1 low. BSRR's upper half resets (RM0090 8.4.7).
-pub(crate) fn mute_now() {
-    pac::GPIOB.bsrr().write(|w| w.set_br(1, true));
+/// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
+/// (RM0090 7.2.7).
+pub(crate) fn guard_clock() {
+    pac::RCC.cr().modify(|w| w.set_csson(true));
+}
+
+/// Whether the NMI came because the crystal has stopped. Clears the flag, which would raise the NMI again.
+pub(crate) fn take_clock_failure() -> bool {
+    let has_failed = pac::RCC.cir().read().cssf();
+    pac::RCC.cir().modify(|w| w.set_cssc(true));
+    has_failed
+}
+
+/// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0090 38.16.4 and
+/// 38.16.5). These registers keep what a debugger has written through a reset, so both bits are written.
+pub(crate) fn set_debug_freezes() {
+    pac::DBGMCU.apb1fzr().modify(|w| w.set_tim6(true));
+    pac::DBGMCU.apb2fzr().modify(|w| w.set_tim1(false));
 }
 
 /// RCC_CSR (RM0090 7.3.21): every reset sets PINRSTF too, and power-on sets BORRSTF with PORRSTF. Clears the flags.
@@ -143,16 +172,16 @@ pub(crate) fn take_reset_flags() -> ResetFlags {
     }
 }
 
-/// FLASH_OPTCR.BOR_LEV (RM0090 3.9.9): 00 is level 3, reset below 2.83 V until 2.92 V (2.97 V at most: a board may
-/// never get there), 01 is level 2, 2.50 V and 2.59 V (DS8626 table 19). Either will do; chips leave the factory with
-/// 11, off.
+/// FLASH_OPTCR.BOR_LEV (RM0090 3.9.9): 00 is level 3, reset below 2.83 V until 2.92 V (2.97 V at most, which this
+/// board's supply may never reach); 01 is level 2, 2.50 V and 2.59 V (DS8626 table 19). Both are accepted. Chips leave
+/// the factory with 11, off.
 pub(crate) fn is_brown_out_guarded() -> bool {
     pac::FLASH.optcr().read().bor_lev() <= 0b01
 }
 
-/// PWR_CR.PLS = 100: the supply detector trips at 2.66 V, until 2.76 V (DS8626 table 19). This board feeds
-/// its chip with 2.9 to 3.0 V, too near to the next levels: 101 ends at 2.93 V, 110 at 3.03 V, and a detector that has
-/// tripped when it is switched on resets the program for ever.
+/// PWR_CR.PLS = 100: the supply detector trips at 2.66 V and releases at 2.76 V (DS8626 table 19). This board feeds its
+/// chip with 2.9 to 3.0 V, too near to the next levels: 101 releases at 2.93 V, 110 at 3.03 V. A detector that has
+/// already tripped when it is switched on would reset the program again and again.
 pub(crate) fn start_supply_detector() {
     pac::PWR.cr1().modify(|w| {
         w.set_pls(0b100);

@@ -9,9 +9,9 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals};
+use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, rcc};
 
-use super::Board;
+use super::{Board, low};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
@@ -20,31 +20,45 @@ pub(crate) const NAME: &str = "NUCLEO-G474RE";
 // Clocks (RM0440 7.2, DS12288 table 46). The board's crystal X3 has 24 MHz.
 //   VCO in = 24 / 6 = 4 MHz (PLLM = 6; 2.66 to 16 MHz allowed), VCO = 4 * 85 = 340 MHz (PLLN = 85; at most 344 MHz),
 //   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 table 38).
-//   RM0440 6.1.5 wants the AHB at half of it for 1 us after the switch; embassy-stm32 0.6 waits before the switch instead
-//   and ends the half with the same write. Should a chip fail at the start, look here first.
+//   RM0440 6.1.5 wants the AHB at half of that for 1 us after the switch. embassy-stm32 0.6 waits before the switch
+//   instead, and the write that switches also ends the half rate. If a chip fails at the start, look here first.
 //   AHB = APB1 = APB2 = 170 MHz. TIM6 is on APB1; APB1 is not divided, so its timers run at 170 MHz.
 //   170 MHz / 425 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
 
+// The mute pin is PB5: TIM8's channel 3, complementary output (alternate function 3, DS12288 table 13). TIM8 is on APB2,
+// which is not divided: 170 MHz.
+pub(crate) type MuteTimer = peripherals::TIM8;
+pub(crate) const MUTE_TIMER: pac::timer::TimAdv = pac::TIM8;
+pub(crate) const MUTE_TIMER_HZ: u32 = 170_000_000;
+pub(crate) const MUTE_CHANNEL: usize = 2;
+pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
+pub(crate) const MUTE_FUNCTION: u8 = 3;
+pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 5);
+
 /// DAC_CR.TSEL1 of DAC1: 0111 is TIM6 TRGO (RM0440 table 186, dac_chx_trg7).
 pub(crate) const DAC_TRIGGER: u8 = 7;
-/// DMA1 channel 1, which the registers count as 0.
+/// DMA1 channel 1; the register arrays count it as 0.
 pub(crate) const DMA_STREAM: usize = 0;
 /// DMAMUX input 6 is DAC1's channel 1 (RM0440 table 93).
 pub(crate) const DMA_REQUEST: u8 = 6;
 pub(crate) type DacDma = peripherals::DMA1_CH1;
-pub(crate) type Watchdog = peripherals::IWDG;
 
-/// The last two times eight pages of 2 KiB in bank 2, as offsets from 0x0800_0000. With option bit DBANK = 0, which no chip
-/// is delivered with, there is no bank 2: embassy-stm32 panics, and the program starts again and again, muted.
+/// Two slots of eight pages of 2 KiB at the end of bank 2, as offsets from 0x0800_0000. With option bit DBANK = 0 there
+/// is no bank 2 (no chip is delivered so): embassy-stm32 panics, and the program restarts again and again, muted.
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x7_8000, 0x7_c000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 
-/// The watchdog's oscillator runs at 29.5 to 34 kHz for 32 (DS12288 table 45). Eight pages erase in 8 * 24.5 ms at most
-/// (DS12288 table 47), and 8 KiB are written in 1024 * 0.1 ms: 0.3 s, far below half of this.
-pub(crate) const WATCHDOG_US: u32 = 2_000_000;
+pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG;
+/// One count is 1 ms at the nominal 32 kHz.
+pub(crate) const WATCHDOG_PRESCALER: u32 = 32;
+/// The watchdog's oscillator runs at 29.5 to 34 kHz (DS12288 table 45).
+pub(crate) const WATCHDOG_FASTEST_HZ: u32 = 34_000;
+/// The nominal period around an erasure. Eight pages erase in 8 * 24.5 ms at most (DS12288 table 47), and 8.5 KiB are
+/// written in 1088 * 0.1 ms: 0.31 s together, far below half of the period.
+pub(crate) const ERASURE_WATCHDOG_MS: u32 = 2_000;
 
 /// System memory (AN2606, bootloader V13.x: USART, I2C, SPI, USB DFU on PA11/PA12).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
@@ -67,10 +81,18 @@ pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_PVM;
 pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL1;
 pub(crate) const UART_INTERRUPT: interrupt::Interrupt = interrupt::USART2;
 
+/// On the internal oscillator, 16 MHz: `take` raises the clocks.
 pub(crate) fn config() -> Config {
     let mut config = Config::default();
-    config.rcc.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
-    config.rcc.pll = Some(Pll {
+    config.bdma_interrupt_priority = priority::DAC;
+    config
+}
+
+/// The clock tree above.
+fn clocks() -> rcc::Config {
+    let mut clocks = rcc::Config::default();
+    clocks.hse = Some(Hse { freq: Hertz(24_000_000), mode: HseMode::Oscillator });
+    clocks.pll = Some(Pll {
         source: PllSource::HSE,
         prediv: PllPreDiv::DIV6,
         mul: PllMul::MUL85,
@@ -78,16 +100,22 @@ pub(crate) fn config() -> Config {
         divq: None,
         divr: Some(PllRDiv::DIV2),
     });
-    config.rcc.sys = Sysclk::PLL1_R;
-    config.rcc.boost = true;
-    config.rcc.ahb_pre = AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = APBPrescaler::DIV1;
-    config.rcc.apb2_pre = APBPrescaler::DIV1;
-    config.bdma_interrupt_priority = priority::DAC;
-    config
+    clocks.sys = Sysclk::PLL1_R;
+    clocks.boost = true;
+    clocks.ahb_pre = AHBPrescaler::DIV1;
+    clocks.apb1_pre = APBPrescaler::DIV1;
+    clocks.apb2_pre = APBPrescaler::DIV1;
+    clocks
 }
 
-/// Caches are on after reset (RM0440 3.7.1); the prefetch is not.
+/// Range 1's boost mode, which 170 MHz need: PWR_CR5.R1MODE = 0, bit 8 (RM0440 6.4.21). stm32-metapac 21 has that field at
+/// bit 0, so embassy-stm32's own `boost` clears a bit that is not there. It cannot be done before embassy's start, which
+/// resets PWR; so the start leaves the clocks slow, and they are raised after it.
+fn boost() {
+    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+}
+
+/// After a reset the caches are on and the prefetch is off (RM0440 3.7.1).
 pub(crate) fn tune_flash() {
     pac::FLASH.acr().modify(|w| {
         w.set_icen(true);
@@ -96,8 +124,8 @@ pub(crate) fn tune_flash() {
     });
 }
 
-/// DAC_MCR.HFSEL: the DAC's clock is the AHB at 170 MHz; above 160 MHz it wants 10 (RM0440 22.7.16), which can be written
-/// only while both channels are off.
+/// DAC_MCR.HFSEL must be 10 because the DAC's clock is the AHB at 170 MHz, above 160 MHz (RM0440 22.7.16). It can be
+/// written only while both channels are off.
 pub(crate) fn tune_dac() {
     pac::DAC1.mcr().modify(|w| w.set_hfsel(0b10));
 }
@@ -114,11 +142,14 @@ pub(crate) struct Link {
     transmit: Peri<'static, peripherals::PA2>,
 }
 
-pub(crate) fn take(p: Peripherals) -> Board {
+pub(crate) fn take(mut p: Peripherals) -> Board {
+    boost();
+    rcc::reinit(clocks(), &mut p.RCC);
     Board {
         // PB5, D4 on the Arduino header; not PB4 or PB6, which USB-C's dead-battery resistors pull after reset. The
         // wiring has a resistor to ground on it (BOARDS.md).
-        unmute: Output::new(p.PB5, Level::Low, Speed::Low),
+        unmute: low(p.PB5),
+        mute_timer: p.TIM8,
         // LD2, green.
         lamp: Output::new(p.PA5, Level::Low, Speed::Low),
         dac: p.DAC1,
@@ -126,15 +157,14 @@ pub(crate) fn take(p: Peripherals) -> Board {
         dac_stream: p.DMA1_CH1,
         dac_pin: p.PA4,
         flash: p.FLASH,
-        watchdog: p.IWDG,
         link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
     }
 }
 
 impl Link {
-    /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK; UM2505 calls them LPUART1's
-    /// (alternate function 12), but the pins carry either. Its clock is APB1:
-    /// 170 MHz / 184 = 923913 baud, 0.25 % from 921600.
+    /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK. UM2505 names LPUART1 for
+    /// them (alternate function 12); both peripherals can use these pins. The clock is APB1: 170 MHz / 184 = 923913
+    /// baud, 0.25 % from 921600. Panics if the pins or the rate are impossible, which does not depend on outside data.
     pub(crate) fn open(
         self,
         transmit: &'static mut [u8],
@@ -148,13 +178,29 @@ impl Link {
     }
 }
 
-/// PB5 low. BSRR's upper half resets (RM0440 9.4.7).
-pub(crate) fn mute_now() {
-    pac::GPIOB.bsrr().write(|w| w.set_br(5, true));
+/// RCC_CR.CSSON: if the crystal stops, the internal oscillator takes over, the mute timer gets a break, and the NMI comes
+/// (RM0440 7.2.10; the failure is one of the break's internal sources, 28.3.18).
+pub(crate) fn guard_clock() {
+    pac::RCC.cr().modify(|w| w.set_csson(true));
+}
+
+/// Whether the NMI came because the crystal has stopped. Clears the flag, which would raise the NMI again.
+pub(crate) fn take_clock_failure() -> bool {
+    let has_failed = pac::RCC.cifr().read().cssf();
+    pac::RCC.cicr().write(|w| w.set_cssc(true));
+    has_failed
+}
+
+/// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0440, DBGMCU).
+/// These registers keep what a debugger has written through a reset, so both bits are written.
+pub(crate) fn set_debug_freezes() {
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_tim6(true));
+    pac::DBGMCU.apb2fzr().modify(|w| w.set_tim8(false));
 }
 
 /// RCC_CSR (RM0440 7.4.28): every reset sets PINRSTF too. A power-on sets BORRSTF (there is no separate flag), so a
-/// brown-out looks like one here; the supply detector tells it apart. Clears the flags.
+/// reset by the brown-out level looks like a power-on here. A dip that ends above that level is reported as a
+/// brown-out, from the record that the supply detector's handler leaves. Clears the flags.
 pub(crate) fn take_reset_flags() -> ResetFlags {
     let flags = pac::RCC.csr().read();
     pac::RCC.csr().modify(|w| w.set_rmvf(true));

@@ -11,11 +11,11 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
 
-use super::Board;
+use super::{Board, low};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
-/// OTG2 in the reference manual's words: the core on PA11 and PA12.
+/// The core on PA11 and PA12, which the reference manual calls OTG2.
 pub(crate) use crate::usb_link::Usb as Link;
 
 pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
@@ -26,23 +26,32 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 //   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
 //   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433, RCC_CFGR).
 //   200 MHz / 500 = 400 kHz.
-//   USB: VCO = 8 * 60 = 480 MHz (DIVM3 = 1, DIVN3 = 60), 480 / 10 = 48 MHz (DIVQ3 = 10), as true as the ST-LINK's
-//   clock. Above 420 MHz on purpose: below, embassy-stm32 0.6 chooses the medium VCO range, which is for inputs of 1
-//   to 2 MHz only (DS12110, PLL characteristics, medium VCO frequency range).
-//   Not HSI48: full speed wants 0.25 %, so it would have to be trimmed by the CRS, whose SYNCSRC 10, the only one
-//   embassy-stm32 0.6 sets, is OTG_HS; PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
+//   USB: VCO = 8 * 60 = 480 MHz (DIVM3 = 1, DIVN3 = 60), 480 / 10 = 48 MHz (DIVQ3 = 10), as exact as the ST-LINK's
+//   clock. The VCO must be above 420 MHz: below, embassy-stm32 0.6 chooses the medium VCO range, which is for inputs of
+//   1 to 2 MHz only (DS12110, PLL characteristics, medium VCO frequency range).
+//   HSI48 is not used. Full speed needs 0.25 %, so the CRS would have to trim HSI48 by the USB core; embassy-stm32 0.6
+//   always sets its SYNCSRC to 10, OTG_HS, but PA11 and PA12 are OTG_FS, 00 (RM0433, CRS_CFGR).
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
 
+// The mute pin is PE9: TIM1's channel 1 (alternate function 1, DS12110 table 13). TIM1 is on APB2; with TIMPRE = 0 and
+// APB2 divided by 2 its timers run at HCLK = 200 MHz.
+pub(crate) type MuteTimer = peripherals::TIM1;
+pub(crate) const MUTE_TIMER: pac::timer::TimAdv = pac::TIM1;
+pub(crate) const MUTE_TIMER_HZ: u32 = 200_000_000;
+pub(crate) const MUTE_CHANNEL: usize = 0;
+pub(crate) const MUTE_IS_COMPLEMENTARY: bool = false;
+pub(crate) const MUTE_FUNCTION: u8 = 1;
+pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOE, 9);
+
 /// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433, dac_ch1_trg5).
 pub(crate) const DAC_TRIGGER: u8 = 5;
-/// DMA1 stream 0, whose flags are in LISR. Streams 0 to 7 of DMA1 hang on DMAMUX1 channels 0 to 7 (RM0433, DMAMUX1).
+/// DMA1 stream 0, whose flags are in LISR. DMAMUX1 channels 0 to 7 feed streams 0 to 7 of DMA1 (RM0433, DMAMUX1).
 pub(crate) const DMA_STREAM: usize = 0;
 /// DMAMUX1 input 67 is DAC1's channel 1 (RM0433, dac_ch1_dma).
 const DMA_REQUEST: u8 = 67;
 pub(crate) type DacDma = peripherals::DMA1_CH0;
-pub(crate) type Watchdog = peripherals::IWDG1;
 
 /// The request is chosen in the DMAMUX. TRBUFF (bufferable transfers) is for UARTs and stays 0.
 pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
@@ -53,11 +62,15 @@ pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x1c_0000, 0x1e_0000];
 pub(crate) const SLOT_BYTES: usize = 128 * 1024;
 
-/// The watchdog's oscillator runs at 29.8 to 33.6 kHz for 32 (DS12110 table 49). The thread, but not the renderer,
-/// waits for a sector's erasure. embassy-stm32 0.6 erases with FLASH_CR2.PSIZE as its last write has left it, 00,
-/// 8 bits at a time: 4 s at most (DS12110 table 53; 2 s at 64 bits). With 272 flash words after it of at most 0.6 ms:
-/// less than half of this.
-pub(crate) const WATCHDOG_US: u32 = 10_000_000;
+pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG1;
+/// One count is 4 ms at the nominal 32 kHz.
+pub(crate) const WATCHDOG_PRESCALER: u32 = 128;
+/// The watchdog's oscillator runs at 29.8 to 33.6 kHz (DS12110 table 49).
+pub(crate) const WATCHDOG_FASTEST_HZ: u32 = 33_600;
+/// The nominal period around an erasure. The thread, but not the renderer, waits for it. embassy-stm32 0.6 erases with
+/// FLASH_CR2.PSIZE as its last write has left it: 00, 8 bits at a time. That takes 4 s at most (DS12110 table 53; 2 s at
+/// 64 bits). 272 flash words of at most 0.6 ms each follow: together 4.2 s, less than half of the shortest period.
+pub(crate) const ERASURE_WATCHDOG_MS: u32 = 10_000;
 
 /// System memory (AN2606; PA11/PA12 for DFU).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1ff0_9800;
@@ -112,14 +125,14 @@ pub(crate) fn config() -> Config {
 /// Nothing to do: this DAC has one speed.
 pub(crate) fn tune_dac() {}
 
-/// Nothing to do: this chip has no remap to address 0, the bootloader's vectors are found by VTOR alone.
+/// Nothing to do: this chip has no remap to address 0, so VTOR alone leads to the bootloader's vectors.
 pub(crate) fn map_system_memory() {}
 
-/// The instruction cache hides the flash's wait states. The data cache stays off: variables are in the DTCM, which it
-/// does not serve, and the DMA's ring must not be in it.
+/// The instruction cache hides the flash's wait states. The data cache stays off: it does not serve the DTCM, where the
+/// variables are, and the DMA's ring must not be cached.
 ///
 /// Revision Y (DBGMCU REV_ID 0x1003) may read the AXI SRAM wrongly when two reads are under way (errata sheet ES0392
-/// Rev 8, 2.2.9): READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD lets only one be issued, which is what the sheet says to do.
+/// Rev 8, 2.2.9). READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD allows one read at a time, as the sheet advises.
 pub(crate) fn tune_flash() {
     if pac::DBGMCU.idc().read().rev_id() == 0x1003 {
         // SAFETY: a register of the AXI interconnect (RM0433, AXI_TARGx_FN_MOD: base 0x5100_0000, target 7 at 0x8000,
@@ -134,7 +147,8 @@ pub(crate) fn tune_flash() {
 pub(crate) fn take(p: Peripherals) -> Board {
     Board {
         // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
-        unmute: Output::new(p.PE9, Level::Low, Speed::Low),
+        unmute: low(p.PE9),
+        mute_timer: p.TIM1,
         // LD1, green.
         lamp: Output::new(p.PB0, Level::Low, Speed::Low),
         dac: p.DAC1,
@@ -142,18 +156,32 @@ pub(crate) fn take(p: Peripherals) -> Board {
         dac_stream: p.DMA1_CH0,
         dac_pin: p.PA4,
         flash: p.FLASH,
-        watchdog: p.IWDG1,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }
 }
 
-/// PE9 low. BSRR's upper half resets (RM0433, GPIOx_BSRR).
-pub(crate) fn mute_now() {
-    pac::GPIOE.bsrr().write(|w| w.set_br(9, true));
+/// RCC_CR.HSECSSON: if the ST-LINK's clock stops, the internal oscillator takes over, the mute timer gets a break, and the
+/// NMI comes (RM0433 8.5.3).
+pub(crate) fn guard_clock() {
+    pac::RCC.cr().modify(|w| w.set_hsecsson(true));
 }
 
-/// RCC_RSR (RM0433 8.4.4): power-on sets PORRSTF, BORRSTF and PINRSTF, a brown-out the last two, everything else
-/// PINRSTF. Clears the flags.
+/// Whether the NMI came because the clock from outside has stopped. Clears the flag, which would raise the NMI again.
+pub(crate) fn take_clock_failure() -> bool {
+    let has_failed = pac::RCC.cifr().read().hsecssf();
+    pac::RCC.cicr().write(|w| w.set_hsecssc(true));
+    has_failed
+}
+
+/// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0433, DBGMCU).
+/// These registers keep what a debugger has written through a reset, so both bits are written.
+pub(crate) fn set_debug_freezes() {
+    pac::DBGMCU.apb1lfzr1().modify(|w| w.set_tim6(true));
+    pac::DBGMCU.apb2fzr1().modify(|w| w.set_tim1(false));
+}
+
+/// RCC_RSR (RM0433 8.4.4): a power-on sets PORRSTF, BORRSTF and PINRSTF; a brown-out sets the last two; every other
+/// reset sets PINRSTF besides its own flag. Clears the flags.
 pub(crate) fn take_reset_flags() -> ResetFlags {
     let flags = pac::RCC.rsr().read();
     pac::RCC.rsr().modify(|w| w.set_rmvf(true));

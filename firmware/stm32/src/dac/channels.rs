@@ -7,7 +7,7 @@ use embassy_stm32::pac::{DMA1, DMAMUX1};
 
 pub(super) fn start(ring: u32, register: u32, words: u16) {
     stop();
-    // Channels 1 to 8 of DMA1 hang on DMAMUX channels 0 to 7 (RM0440 13.3.2).
+    // DMAMUX channels 0 to 7 feed channels 1 to 8 of DMA1 (RM0440 13.3.2).
     DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
     let channel = DMA1.ch(DMA_STREAM);
     channel.par().write_value(register);
@@ -46,7 +46,7 @@ pub(super) fn take_flags() -> Flags {
     Flags { half: seen.htif(DMA_STREAM), whole: seen.tcif(DMA_STREAM), failed: seen.teif(DMA_STREAM) }
 }
 
-/// Words of the ring that are left until it begins anew.
+/// Words of the ring that are left until the DMA begins it again.
 pub(super) fn left() -> u16 {
     DMA1.ch(DMA_STREAM).ndtr().read().ndt()
 }

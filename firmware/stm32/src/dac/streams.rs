@@ -1,4 +1,4 @@
-//! The DAC's stream by a DMA with streams (F4, H7): RM0090 chapter 10, RM0433 likewise.
+//! The DAC's stream by a DMA with streams (F4, H7): RM0090 chapter 10, and the DMA chapter of RM0433.
 
 use super::Flags;
 use crate::board::{DMA_STREAM, route_dma};
@@ -66,7 +66,7 @@ pub(super) fn take_flags() -> Flags {
     Flags { half: seen.htif(FLAG), whole: seen.tcif(FLAG), failed: seen.teif(FLAG) }
 }
 
-/// Words of the ring that are left until it begins anew.
+/// Words of the ring that are left until the DMA begins it again.
 pub(super) fn left() -> u16 {
     DMA1.st(DMA_STREAM).ndtr().read().ndt()
 }

@@ -1,7 +1,7 @@
 //! The H7's flash: a double error ends in a bus fault (RM0433, DBECCERR).
 //!
-//! With FAULTMASK set and CCR.BFHFNMIGN, data bus faults are ignored (ARMv7-M B3.2.8): the read returns anything and the
-//! flash's status says that it did.
+//! With FAULTMASK and CCR.BFHFNMIGN set, the processor ignores data bus faults (ARMv7-M B3.2.8): the read returns
+//! anything, and DBECCERR in the flash's status shows the error.
 
 use cortex_m::peripheral::SCB;
 use embassy_stm32::pac::FLASH;
@@ -27,9 +27,9 @@ pub(super) fn guard(read: impl FnOnce() -> bool) -> bool {
     done && !is_torn
 }
 
-/// A corrected bit or a speculative read of a protected place leaves a flag in FLASH_SR2 that stands until it is
-/// cleared in FLASH_CCR2 (RM0433), and embassy-stm32 0.6, which writes FLASH_SR2 instead, takes it
-/// for an error of the next erasure or write.
+/// A corrected bit or a speculative read of a protected place sets a flag in FLASH_SR2, which only a write to
+/// FLASH_CCR2 clears (RM0433). embassy-stm32 0.6 writes to FLASH_SR2 instead, and takes an old flag for an error of the
+/// next erasure or write.
 pub(super) fn forget_old_errors() {
     FLASH.bank(1).ccr().write(|w| {
         w.set_clr_eop(true);
@@ -47,3 +47,8 @@ pub(super) fn forget_old_errors() {
 
 /// Nothing to do: the data cache is off.
 pub(super) const fn forget_cached() {}
+
+/// What the NMI means to the flash: nothing.
+pub(crate) fn on_nmi() -> Result<(), &'static str> {
+    Err("unexpected NMI")
+}

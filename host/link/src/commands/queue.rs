@@ -42,7 +42,7 @@ pub(crate) struct CommandQueue {
     upload_turn: bool,
     pub(super) keep_alive_due: Duration,
     pub(super) status_wanted: Vec<Ticket>,
-    /// Something happened that shows in the status.
+    /// Something has changed that the status tells, so it is asked for before the next keep-alive.
     pub(super) status_stale: bool,
     pub(super) renumberings: u32,
     pub(super) closing: Option<Duration>,
@@ -50,8 +50,8 @@ pub(crate) struct CommandQueue {
 
 impl CommandQueue {
     /// Begins with a hello.
-    pub(crate) fn begin(nonce: [u8; 4], connect: Option<Ticket>, now: Duration) -> Self {
-        let mut channel = Channel::new(nonce);
+    pub(crate) fn begin(nonce: [u8; 4], keeps_frames: bool, connect: Option<Ticket>, now: Duration) -> Self {
+        let mut channel = Channel::new(nonce, keeps_frames);
         let hello = channel.hello();
         channel.send(hello, now);
         Self {
@@ -174,8 +174,11 @@ impl CommandQueue {
         });
     }
 
-    /// Stops the drive and disarms; [`Next::Close`] follows soon.
+    /// Stops the drive and disarms; [`Next::Close`] follows soon. A closing that is under way goes on as it is.
     pub(crate) fn leave(&mut self, recorder: &mut Recorder, now: Duration) {
+        if self.closing.is_some() {
+            return;
+        }
         self.overtake(recorder, |_| true);
         if self.stage == Stage::Limited || !self.is_identified() {
             self.closing = Some(now);
@@ -274,6 +277,7 @@ impl CommandQueue {
         self.upload_turn = true;
         let command = match &task.job {
             Job::Send(command) => command.clone(),
+            Job::ArmUnasked => Command::Arm,
             Job::FirstReadBack => Command::TableDigest,
             Job::DigestRead => Command::DigestRead,
             Job::BeginUpload(upload) => {

@@ -217,9 +217,9 @@ impl CommandQueue {
             {
                 self.try_drive_again(task, recorder, now);
             }
-            // A simulated device is armed without being asked: nobody would try again.
+            // The user has not asked for it and will not try again, so the link does.
             Event::Refused(refusal::Refusal::Busy(_))
-                if command == Command::Arm && task.ticket.is_none() && task.tries < BUSY_TRIES =>
+                if matches!(task.job, Job::ArmUnasked) && task.tries < BUSY_TRIES =>
             {
                 self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
             }
@@ -232,7 +232,7 @@ impl CommandQueue {
                 if matches!(task.job, Job::FirstReadBack) {
                     self.stage = Stage::Connected;
                     self.connected(now_at, recorder);
-                    self.arm_simulated(recorder);
+                    self.arm_unasked(recorder);
                 } else {
                     recorder.finish(task.ticket, Outcome::Done { at: now_at });
                 }
@@ -296,7 +296,7 @@ impl CommandQueue {
                     recorder.stop_again(at);
                 }
             }
-            Command::ClearFaults => self.arm_simulated(recorder),
+            Command::ClearFaults => self.arm_unasked(recorder),
             Command::DigestStart(_) => {
                 let mut read = Task::new(task.ticket, Job::DigestRead);
                 read.not_before = now + DIGEST_PAUSE;
@@ -308,7 +308,7 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at });
                 return Next::Close;
             }
-            // They change nothing that the journal holds, or are not sent as tasks.
+            // They change nothing that is in the journal, or are not sent as tasks.
             Command::Store
             | Command::Forget
             | Command::TableBegin(_)
@@ -341,10 +341,10 @@ impl CommandQueue {
         self.tasks.push_back(task);
     }
 
-    /// No real plate hangs on a simulated device, so it needs no leave.
-    fn arm_simulated(&mut self, recorder: &Recorder) {
-        if recorder.view.identity.as_ref().is_some_and(|identity| identity.simulated) {
-            self.tasks.push_front(Task::new(None, Job::Send(Command::Arm)));
+    /// Arms the device if that needs no request of the user.
+    fn arm_unasked(&mut self, recorder: &Recorder) {
+        if recorder.view.may_arm_unasked() {
+            self.tasks.push_front(Task::new(None, Job::ArmUnasked));
         }
     }
 }

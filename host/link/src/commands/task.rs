@@ -9,8 +9,10 @@ use std::time::Duration;
 /// One thing to send.
 #[derive(Clone, Debug)]
 pub(super) enum Job {
-    /// A command that needs no more than to be sent.
+    /// A command that is complete as it is.
     Send(Command),
+    /// Arm a device that may be armed without the user's request.
+    ArmUnasked,
     Drive(DriveRequest),
     BeginUpload(Upload),
     CancelUpload,
@@ -24,7 +26,9 @@ impl Job {
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
             Self::Drive(_) => true,
-            Self::Send(Command::Arm | Command::ClearFaults) => matches!(stop, Command::EmergencyStop),
+            Self::ArmUnasked | Self::Send(Command::Arm | Command::ClearFaults) => {
+                matches!(stop, Command::EmergencyStop)
+            }
             _ => false,
         }
     }

@@ -1,5 +1,5 @@
-//! A table's way onto the device: recognised or sent step by step (begin, chunks, commit), and known once the digest that
-//! is read back names it.
+//! The upload of a table: the device holds it already, or it is sent step by step (begin, chunks, commit). It counts as
+//! known once the digest that is read back is its own.
 
 use crate::journal::Change;
 use crate::log::Severity;
@@ -13,12 +13,12 @@ use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// While the last table still glides in, the device is asked again after so long.
+/// While the tones still glide to the last table, the device is busy; the step is sent again after so long.
 pub(super) const BUSY_PAUSE: Duration = Duration::from_millis(5);
-/// It is asked again so often: a glide to a new table takes 20 ms.
+/// A busy device is asked so often at most: a glide to a new table takes 20 ms.
 pub(super) const BUSY_TRIES: u32 = 200;
 
-/// Where it stands.
+/// The step that is sent next, or waits for its reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     Begin,
@@ -34,7 +34,7 @@ pub(super) struct Upload {
     pub(super) table: Arc<DeviceTable>,
     pub(super) step: Step,
     pub(super) tries: u32,
-    /// It rests until then.
+    /// The step is not sent before this time.
     pub(super) not_before: Duration,
 }
 
@@ -43,7 +43,7 @@ impl Upload {
         Self { ticket, table, step: Step::Begin, tries: 0, not_before: Duration::ZERO }
     }
 
-    /// What to say next.
+    /// The command of the present step.
     pub(super) fn command(&self) -> Command {
         match self.step {
             Step::Begin => Command::TableBegin(self.table.header()),
@@ -56,7 +56,7 @@ impl Upload {
         }
     }
 
-    /// Goes on after the device agreed.
+    /// Moves to the next step after the device has accepted this one.
     pub(super) fn advance(&mut self) {
         let total = self.table.header().knots;
         self.tries = 0;
@@ -102,7 +102,7 @@ impl Uploads {
 
     /// Begins an upload, in the place of one that is under way, unless the device needs none.
     pub(super) fn begin(&mut self, upload: &Upload, recorder: &mut Recorder) {
-        // Whatever is under way replaces what the device holds.
+        // An upload under way replaces the table that the device holds.
         if self.0.is_none() && recognise(upload, recorder) {
             return;
         }
@@ -148,7 +148,7 @@ impl Uploads {
             (Event::Accepted(accepted), Step::Commit) => {
                 upload.advance();
                 recorder.acknowledge(accepted.at, Change::Table(upload.table.clone()));
-                // At once: a drive in between would go to the places of the table before.
+                // Before anything else: a drive would still be placed by the span of the table before.
                 after.command = Some(upload.command());
             }
             (Event::Table(report), Step::Verify) => {
@@ -181,7 +181,7 @@ impl Uploads {
     }
 }
 
-/// Whether the device's latest word on its table, read back, names this one.
+/// Whether the digest that was read back last is the one of this table.
 fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
     recorder.view.table.active == Some(upload.table.header())
 }

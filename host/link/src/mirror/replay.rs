@@ -12,80 +12,53 @@
 //! | entries of any kind were dropped, or the device stopped by itself | the next silence |
 //! | the mirror could not take a change | the next silence |
 
+mod exactness;
+mod history;
+#[cfg(test)]
+mod tests;
+
+pub use history::DeviceHistory;
+
 use super::Mirror;
 use crate::journal::{Acknowledged, Change};
-use crate::snapshot::Snapshot;
-use crate::table::DeviceTable;
+use exactness::Exactness;
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::{Stop, Timing};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
-use std::sync::Arc;
 
 /// After a stop the device is silent within this many seconds: every ramp is shorter.
 const SILENT_AFTER_S: f64 = 0.2;
 /// Samples between a table and the change after it: each is taken up at a block of its own.
 const AHEAD: u64 = 8 * BLOCK as u64;
-/// After a step of the thermal fold-back the renderer's amplitude is where the step leads within so many samples: it
-/// moves from full scale to nothing in 65 blocks.
-const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
-/// What the link knows of a device's past: what a [`Replay`] goes by.
-#[derive(Clone, Debug)]
-pub struct DeviceHistory {
-    /// The device's samples per second, in Hz.
-    pub sample_rate_hz: u32,
-    /// What it has agreed to.
-    pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
-    /// The table that it is known to hold.
-    pub table: Option<Arc<DeviceTable>>,
-    /// The device has rendered up to here.
-    pub now: SampleIndex,
-    /// What the thermal fold-back leaves of every amplitude there, per mille.
-    pub foldback_per_mille: u16,
-}
-
-impl DeviceHistory {
-    /// The history of the device in a snapshot; `None` while no device has told its status.
-    #[must_use]
-    pub fn of(snapshot: &Snapshot) -> Option<Self> {
-        let status = snapshot.status?;
-        Some(Self {
-            sample_rate_hz: snapshot.identity.as_ref()?.sample_rate_hz,
-            journal: Arc::clone(&snapshot.journal),
-            table: snapshot.confirmed_table.clone(),
-            now: status.now,
-            foldback_per_mille: status.foldback_per_mille,
-        })
-    }
-}
-
-/// How far the codes can be relied on.
-#[derive(Clone, Copy, Debug)]
-struct Exactness {
-    /// They are exact from this index on, unless:
-    since: SampleIndex,
-    /// Something unknown sounds or has sounded: they are exact once the device is silent.
-    misses_sound: bool,
-    /// A step of the thermal fold-back is missing: they are exact once the present one is known.
-    misses_foldback: bool,
-}
-
-impl Exactness {
-    /// The device is known to be silent at `at`.
-    fn silent(&mut self, at: SampleIndex) {
-        self.misses_sound = false;
-        self.since = self.since.max(at);
-    }
-
-    /// What the fold-back leaves is known from `at` on, but it was not before.
-    fn foldback_known(&mut self, at: SampleIndex) {
-        self.misses_foldback = false;
-        self.since = self.since.max(at + FOLDBACK_SETTLES);
-    }
-}
 
 /// Follows the journal of one device after the other; keeps the latest codes.
+///
+/// ```
+/// use slipline_link::mirror::replay::{DeviceHistory, Replay};
+/// use slipline_link::simulator::loopback::Loopback;
+/// use slipline_link::{DeviceTable, DriveRequest, Request};
+/// use std::sync::Arc;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut loopback = Loopback::connect(400_000)?;
+/// let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
+/// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6)?;
+/// loopback.perform(Request::Upload(Arc::new(table)), |_| ())?;
+/// let began = loopback.perform(Request::Drive(DriveRequest::at(&[(0.05, 0.5)])), |_| ())?;
+/// loopback.pass(40_000, |_| ());
+/// loopback.perform(Request::Refresh, |_| ())?;
+///
+/// let history = DeviceHistory::of(loopback.view()).ok_or("no status yet")?;
+/// let mut replay = Replay::new(400_000);
+/// replay.follow(&history);
+/// let codes: Vec<u16> = replay.exact_codes(began, 20_000).ok_or("not exact")?.collect();
+/// // Half of full scale, around mid-scale.
+/// assert_eq!(codes.iter().max(), Some(&(2048 + 1023)));
+/// # Ok(())
+/// # }
+/// ```
 pub struct Replay {
     keep: usize,
     sample_rate_hz: u32,
@@ -112,7 +85,7 @@ impl Replay {
             mirror: None,
             latest: 0,
             silent_since: None,
-            exactness: Exactness { since: 0, misses_sound: true, misses_foldback: false },
+            exactness: Exactness::unknown(),
             codes: VecDeque::new(),
             drive_began: 0,
             now: 0,
@@ -126,10 +99,12 @@ impl Replay {
         }
         for (place, entry) in history.journal.iter().enumerate() {
             if self.mirror.is_none() {
-                // Nothing stands before the first entry of all; before a session's, only the fold-back does.
+                // Before the first entry of all there is nothing; before that of a session, only the fold-back.
                 let is_complete = entry.number == 1 || entry.change == Change::Session;
                 self.begin(history, entry.at, is_complete);
-                self.exactness.misses_foldback = entry.number != 1;
+                if entry.number != 1 {
+                    self.exactness.miss_foldback();
+                }
             } else if entry.number <= self.latest {
                 continue;
             } else if entry.number > self.latest + 1 {
@@ -167,9 +142,7 @@ impl Replay {
     /// The index from which the codes are those of the device, every one of them; `None` while they may differ.
     #[must_use]
     pub fn exact_since(&self) -> Option<SampleIndex> {
-        let Exactness { since, misses_sound, misses_foldback } = self.exactness;
-        let is_true = self.mirror.as_ref().is_some_and(Mirror::is_true);
-        (is_true && !misses_sound && !misses_foldback).then_some(since)
+        self.exactness.since().filter(|_| self.mirror.as_ref().is_some_and(Mirror::is_true))
     }
 
     /// The codes of a window that the device has sent; `None` if they are not all known exactly, or not kept any more.
@@ -191,7 +164,7 @@ impl Replay {
         self.codes.clear();
         self.drive_began = at;
         self.silent_since = is_silent.then_some(at);
-        self.exactness = Exactness { since: at, misses_sound: !is_silent, misses_foldback: !is_silent };
+        self.exactness = Exactness::beginning(at, is_silent);
         let mut mirror = Mirror::new(self.sample_rate_hz, at.saturating_sub(AHEAD));
         if let Some(table) = &history.table {
             // Nothing has been rendered: it cannot come too late.
@@ -207,13 +180,13 @@ impl Replay {
         if at_front {
             self.begin(history, at, false);
         } else {
-            self.exactness.misses_foldback = true;
+            self.exactness.miss_foldback();
         }
     }
 
     /// A step of the fold-back was missed: the status tells what is in force now.
     fn catch_up_foldback(&mut self, per_mille: u16) {
-        let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback) else { return };
+        let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback()) else { return };
         let since = Timing::at(self.sample_rate_hz).limit_since(self.now).max(mirror.now());
         // It begins with the mirror's next block at the earliest: it cannot come too late.
         let _ = mirror.acknowledge_limit(per_mille, since);
@@ -255,12 +228,12 @@ impl Replay {
         };
         match (&entry.change, entry.is_exact) {
             (Change::Limit(_), is_exact) => {
-                if self.exactness.misses_foldback || !is_exact {
+                if self.exactness.misses_foldback() || !is_exact {
                     self.exactness.foldback_known(entry.at);
                 }
             }
             (_, true) => {}
-            (_, false) => self.exactness.misses_sound = true,
+            (_, false) => self.exactness.miss_sound(),
         }
     }
 
@@ -281,7 +254,7 @@ impl Replay {
         let rendered = mirror.now();
         let target = at - AHEAD;
         if target >= rendered {
-            if self.exactness.misses_sound || !mirror.is_true() {
+            if self.exactness.misses_sound() || !mirror.is_true() {
                 self.exactness.silent(silent.max(rendered));
             }
             mirror.silence(target);
@@ -303,156 +276,12 @@ impl Replay {
             }
         });
         // What was not exact goes as soon as there is something that is.
-        let Exactness { since, misses_sound, misses_foldback } = self.exactness;
-        if mirror.is_true() && !misses_sound && !misses_foldback {
+        if mirror.is_true()
+            && let Some(since) = self.exactness.since()
+        {
             let first = mirror.now() - codes.len() as u64;
             let stale = since.saturating_sub(first).min(codes.len() as u64);
             codes.drain(..stale as usize);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use slipline_protocol::command::{Apply, Drive, Tone};
-    use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
-
-    const RATE_HZ: u32 = 400_000;
-
-    fn drive(position: u16) -> Change {
-        let tone = Tone { slot: 0, position: Position(position), level: Level::FULL, phase: Phase(0) };
-        let tones = [tone].into_iter().collect();
-        let drive = Drive { tones, master: CentiDecibel(0), glide: 2000, apply: Apply::Next };
-        Change::Drive(Arc::new(drive))
-    }
-
-    fn table() -> Arc<DeviceTable> {
-        let knots = (0..65).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
-        Arc::new(DeviceTable::from_knots((0.1, 0.2), f64::from(RATE_HZ), knots, 1e-6).unwrap())
-    }
-
-    fn history(entries: &[(u64, u64, Change)], now: u64) -> DeviceHistory {
-        let entry = |(number, at, change): &(u64, u64, Change)| {
-            Arc::new(Acknowledged { number: *number, at: *at, change: change.clone(), is_exact: true })
-        };
-        let journal = Arc::new(entries.iter().map(entry).collect());
-        let foldback_per_mille = 1000;
-        DeviceHistory { sample_rate_hz: RATE_HZ, journal, table: Some(table()), now, foldback_per_mille }
-    }
-
-    /// A replay that has followed these entries, up to `now`.
-    fn followed(entries: &[(u64, u64, Change)], now: u64) -> Replay {
-        let mut replay = Replay::new(RATE_HZ as usize);
-        replay.follow(&history(entries, now));
-        replay
-    }
-
-    /// Whether all codes that are kept are exact.
-    fn is_exact(replay: &Replay) -> bool {
-        replay.exact_since().is_some_and(|since| since <= replay.codes().0)
-    }
-
-    #[test]
-    fn after_missing_entries_the_codes_are_exact_from_the_next_silence_and_the_table_is_kept() {
-        let mut replay = followed(&[(1, 12_800, Change::Session), (2, 25_600, drive(20_000))], 128_000);
-        assert!(is_exact(&replay));
-        replay.follow(&history(&[(40, 256_000, Change::Stop)], 260_000));
-        assert!(!is_exact(&replay));
-        let later = [(40, 256_000, Change::Stop), (41, 512_000, drive(20_000))];
-        replay.follow(&history(&later, 640_000));
-        assert!(is_exact(&replay));
-        assert!(replay.codes().1.iter().any(|&code| code > 2500), "the table was kept");
-    }
-
-    #[test]
-    fn a_drive_after_missing_entries_is_not_exact_while_an_unknown_drive_may_sound() {
-        let mut replay = followed(&[(1, 12_800, Change::Session)], 128_000);
-        // Entry 2 may have been a drive: this one is then a glide from tones that nobody knows.
-        replay.follow(&history(&[(3, 512_000, drive(20_000))], 640_000));
-        assert_eq!(replay.exact_since(), None);
-        assert!(replay.exact_codes(600_000, 1000).is_none());
-    }
-
-    #[test]
-    fn a_stop_of_the_devices_own_makes_the_codes_inexact_until_the_next_silence() {
-        let entries = [(1, 12_800, Change::Session), (2, 25_600, drive(20_000)), (3, 200_000, Change::Stop)];
-        let mut replay = followed(&entries[..2], 128_000);
-        let mut own = history(&entries, 204_800);
-        Arc::make_mut(Arc::make_mut(&mut own.journal).back_mut().unwrap()).is_exact = false;
-        replay.follow(&own);
-        assert!(!is_exact(&replay));
-        Arc::make_mut(&mut own.journal)
-            .extend(history(&[(4, 512_000, drive(20_000))], 0).journal.iter().cloned());
-        replay.follow(&DeviceHistory { now: 640_000, ..own });
-        assert!(is_exact(&replay) && !replay.codes().1.is_empty());
-    }
-
-    #[test]
-    fn dropped_steps_of_the_fold_back_cost_only_the_codes_before_the_next_one() {
-        let start = [(1, 12_800, Change::Session), (2, 25_600, drive(20_000))];
-        let mut replay = followed(&start, 128_000);
-        let later = [start[0].clone(), start[1].clone(), (9, 131_072, Change::Limit(900))];
-        replay.follow(&history(&later, 256_000));
-        assert!(is_exact(&replay) && !replay.codes().1.is_empty());
-        assert_eq!(replay.exact_since(), Some(131_072 + FOLDBACK_SETTLES));
-    }
-
-    #[test]
-    fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
-        let entries = [
-            (1, 12_800, Change::Session),
-            (2, 25_600, drive(20_000)),
-            (3, 102_400, Change::Stop),
-            (4, 307_200, drive(50_000)),
-        ];
-        // Followed at once, and entry by entry as they come.
-        let mut in_steps = Replay::new(RATE_HZ as usize);
-        for (count, now) in [(1, 20_000), (2, 90_000), (3, 110_000), (3, 300_000), (4, 384_000)] {
-            in_steps.follow(&history(&entries[..count], now));
-        }
-        let at_once = followed(&entries, 384_000);
-        let mut mirror = Mirror::new(RATE_HZ, 12_800);
-        mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
-        for (_, at, change) in &entries {
-            match change {
-                Change::Drive(drive) => mirror.acknowledge_drive(drive, *at).unwrap(),
-                Change::Stop => mirror.acknowledge_stop(Stop::Normal, *at).unwrap(),
-                _ => {}
-            }
-        }
-        let mut whole = Vec::new();
-        mirror.render(384_000, |_, codes| whole.extend_from_slice(codes));
-        let window = |from: u64, count: u32| whole[(from - 12_800) as usize..][..count as usize].to_vec();
-        for replay in [&at_once, &in_steps] {
-            for (from, count) in [(20_000, 90_000), (90_001, 250_000), (190_000, 7), (300_000, 80_000)] {
-                let codes: Vec<u16> = replay.exact_codes(from, count).unwrap().collect();
-                assert!(codes == window(from, count), "{count} from {from}");
-            }
-            assert!(replay.exact_codes(383_000, 2000).is_none(), "not sent yet");
-        }
-    }
-
-    #[test]
-    fn a_table_that_comes_during_a_silence_is_in_force_after_it() {
-        // Soon after the session's beginning, and long after it.
-        for at in [25_600, 92_800, 93_440, 400_000] {
-            let entries =
-                [(1, 12_800, Change::Session), (2, at, Change::Table(table())), (3, 600_064, drive(20_000))];
-            let mut replay = Replay::new(RATE_HZ as usize);
-            for (count, now) in [(1, 20_000), (2, 420_096), (3, 700_032)] {
-                replay.follow(&DeviceHistory { table: None, ..history(&entries[..count], now) });
-            }
-            assert!(is_exact(&replay), "{at}");
-            assert!(replay.codes().1.iter().any(|&code| code > 2500), "{at}");
-        }
-    }
-
-    #[test]
-    fn silence_is_known_without_being_rendered() {
-        let replay = followed(&[(1, 12_800, Change::Session)], 400_000_000);
-        assert!(replay.is_silent());
-        let mut codes = replay.exact_codes(399_000_000, 1000).unwrap();
-        assert!(codes.all(|code| code == MID_SCALE));
     }
 }

@@ -1,4 +1,4 @@
-//! The real world's ports, and the simulated device among them.
+//! Opens this computer's ports and the simulated device.
 
 use super::serial;
 use super::serial_ports::list_ports;
@@ -20,7 +20,7 @@ pub fn system_clock() -> Clock {
 
 impl Watch for RealtimeLine {}
 
-/// Opens ports of this computer. The simulated device is powered at its first use and stays so.
+/// Opens ports of this computer. The simulated device is switched on at its first use and stays on.
 #[derive(Default)]
 pub struct SystemOpener {
     simulated: Option<Arc<Mutex<RealtimeDevice>>>,

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// The rate of boards that talk through a UART; native USB ignores it.
 pub const BAUD_RATE: u32 = 921_600;
 
-/// A read or a write waits so long at most. To Windows, zero would mean that a write waits for ever.
+/// Time limit of a read or a write. On Windows, zero would mean that a write waits for ever.
 const PATIENCE: Duration = Duration::from_millis(if cfg!(windows) { 2 } else { 0 });
 
 #[cfg(unix)]
@@ -40,12 +40,12 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
         _ if is_no_device(Path::new(name)) => LinkError::NotSerial(port.clone()),
         _ => LinkError::opening(&port, &io::Error::from(error)),
     })?;
-    // What an earlier owner left behind belongs to nobody.
+    // Bytes that arrived for the program that had the port before.
     native.clear(serialport::ClearBuffer::All).ok();
     Ok(Serial(native))
 }
 
-/// Whether there is a file or a folder of that name, which the system would only call no typewriter.
+/// Whether there is a file or a folder of that name. The system's own error (ENOTTY) does not say so clearly.
 fn is_no_device(path: &Path) -> bool {
     path.is_file() || path.is_dir()
 }

@@ -5,7 +5,8 @@ use serialport::{SerialPortType, UsbPortInfo};
 
 /// Every port that exists now: the simulated device, then Slipline devices, then the other serial ports by name.
 ///
-/// On macOS only the `cu.` half of each port is listed: the `tty.` half waits for a carrier that never comes. Ports
+/// macOS has two names for each port. Only the `cu.` one is listed: opening the `tty.` one waits for a carrier that
+/// never comes. Ports
 /// that cannot be listed (no permission) are left out; they can still be named.
 #[must_use]
 pub fn list_ports() -> Vec<PortInfo> {
@@ -34,7 +35,7 @@ fn describe(name: String, kind: &SerialPortType) -> PortInfo {
 }
 
 fn is_ours(usb: &UsbPortInfo) -> bool {
-    // Some systems do not tell the product's name; then the pair has to do.
+    // Some systems do not tell the product's name; then vendor and product id must be enough.
     let name_fits = usb.product.as_deref().is_none_or(|product| product.starts_with(USB_PRODUCT_NAME));
     usb.vid == USB_VENDOR && usb.pid == USB_PRODUCT && name_fits
 }

@@ -17,9 +17,9 @@ use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// A read waits so long at most; then it is asked again whether to end.
+/// Time limit of a read; after it the server checks whether it must end.
 const READ_PATIENCE: Duration = Duration::from_millis(20);
-/// What does not fit the stream now is written again after so long.
+/// If the stream takes no more now, the rest is written after so long.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
 /// Why nothing can be offered at a path.

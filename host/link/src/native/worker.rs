@@ -1,9 +1,9 @@
 //! The thread that owns the port.
 //!
-//! It sleeps until a request comes, bytes arrive or something is due; [`Worker::send`] and [`Worker::snapshot`] only
-//! take a lock that is held for a copy. When the worker is dropped it stops and disarms the device first; should the
-//! program panic, [`stop_on_panic`] sends a stop, and if even that fails, the device's dead-man ends the drive. Should
-//! this very thread panic, the snapshot says so ([`LinkError::Crashed`]) and whatever is asked is not done.
+//! It sleeps until a request comes, bytes arrive or something is due. [`Worker::send`] and [`Worker::snapshot`] only
+//! take a lock that is held for a copy. When the worker is dropped, it stops and disarms the device first. If the
+//! program panics, [`stop_on_panic`] sends a stop; if that fails, too, the device's dead-man ends the drive. If this
+//! thread panics, the snapshot says so ([`LinkError::Crashed`]), and no later request is done.
 
 use super::opener::SystemOpener;
 use super::watch::{Wakes, Watch};
@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 /// A port that cannot wake the worker is read this often.
 const READ_PERIOD: Duration = Duration::from_millis(2);
-/// When the worker is dropped, the device has so long to agree to the farewell.
+/// When the worker is dropped, the device has so long to acknowledge stop and disarm.
 const QUIT_PATIENCE: Duration = Duration::from_millis(500);
 /// A thread that hangs in the system's port is left behind after so long: the program ends without it.
 const HANG_PATIENCE: Duration = Duration::from_millis(1000);
@@ -45,7 +45,7 @@ struct Shared {
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Nothing under these locks can be left half done.
+    // Each value under these locks is complete at any time, even after a panic.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -132,10 +132,11 @@ impl Worker {
         let waker = Waker::new(move || {
             let _ = of_ports.waker.wake();
         });
-        let connection = Connection::new(opener, waker, random_nonces());
+        let mut connection = Connection::new(opener, waker, random_nonces());
+        connection.keep_frames();
         let of_thread = shared.clone();
         let thread = thread::Builder::new().name("link".to_owned()).spawn(move || {
-            // What a panic leaves half done goes with the connection.
+            // After a panic the connection is dropped with whatever it left incomplete.
             let run = AssertUnwindSafe(|| run(connection, poll, &of_thread, &wake));
             if catch_unwind(run).is_err() {
                 tell_crash(&of_thread);
@@ -212,7 +213,7 @@ fn run<O: Opener<Transport: Watch>>(
         }
         if quit && quit_by.is_none() {
             quit_by = Some(now + QUIT_PATIENCE);
-            // Nobody waits for it: no ticket is numbered 0.
+            // Tickets are numbered from 1, so nobody waits for this one.
             connection.request(Ticket(0), Request::Disconnect, now);
         }
         connection.step(now);
@@ -247,7 +248,7 @@ fn publish(shared: &Shared, view: &Snapshot) {
     shared.published.notify_all();
 }
 
-/// Nobody may take the last picture before a crash for the present one.
+/// Publishes the crash, so that nobody takes the last snapshot before it for the present one.
 fn tell_crash(shared: &Shared) {
     let mut recorder = Recorder::default();
     recorder.view = Snapshot::clone(&lock(&shared.snapshot));

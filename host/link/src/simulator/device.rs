@@ -1,31 +1,32 @@
-//! The simulated device: the device application itself, its edges in memory, its time virtual.
+//! The simulated device: the device application itself, with its peripherals in memory and its time counted in blocks.
 //!
 //! ```text
 //! feed(bytes) -> [ Link::run ] -> take()          polled whenever bytes come and between blocks
 //! advance(n)  -> [ Renderer::run ] -> SentBlock   one block for each step of time
 //! ```
-//! It has no thread and no clock: nothing happens but by a call, so everything it does can be repeated exactly. Faults
-//! of the hardware are injected at the edges, where they would come from.
+//! It has no thread and no clock: it acts only when it is called, so every run can be repeated exactly. Faults of the
+//! hardware are injected at the peripherals, where they would come from.
 
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Waker};
 
-use super::peripherals::{Edge, MemoryFlash};
+use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};
 use slipline_app::mailbox::{Mailbox, Pulses};
 use slipline_app::thermal::Heat;
-use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing};
+use slipline_app::timing::TICK_BLOCKS;
+use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
 /// The supervisor is asked this often.
 const SUPERVISION_MS: u32 = 100;
 /// The watchdog resets the device when it has not been fed for so long.
-pub const WATCHDOG_MS: u32 = 4000;
+pub const WATCHDOG_MS: u32 = 300;
 
 type Shared = Arc<Mailbox<CriticalSectionRawMutex>>;
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
@@ -69,9 +70,35 @@ pub struct SentBlock<'a> {
 }
 
 /// The device application in memory, in virtual time.
+///
+/// ```
+/// use slipline_link::protocol::command::Hello;
+/// use slipline_link::protocol::version::{Minor, Version};
+/// use slipline_link::protocol::{Command, Decoder, Event};
+/// use slipline_link::simulator::{Options, SimulatedDevice};
+///
+/// let mut device = SimulatedDevice::new(Options::default());
+/// let hello = Command::Hello(Hello { version: Version::OURS, nonce: *b"demo" });
+/// if let Ok(frame) = hello.frame_for(Minor::FIRST, 0, 1) {
+///     device.feed(&frame);
+/// }
+/// let mut bytes = Vec::new();
+/// device.take(&mut bytes);
+/// let mut decoder = Decoder::new();
+/// let answers: Vec<Event> = bytes
+///     .iter()
+///     .filter_map(|&byte| decoder.push(byte, |frame| Event::decode(frame.header.id, frame.body).ok()))
+///     .flatten()
+///     .collect();
+/// assert!(matches!(&answers[..], [Event::Hello(identity)] if identity.simulated));
+///
+/// // Ten blocks of 128 codes: nothing is driven, so they are mid-scale.
+/// device.advance(10, |block| assert!(block.codes.iter().all(|&code| code == 2048)));
+/// assert_eq!(device.now(), 1280);
+/// ```
 pub struct SimulatedDevice {
     options: Options,
-    edge: Edge,
+    peripherals: Peripherals,
     mailbox: Shared,
     link: Task,
     renderer: Task,
@@ -94,30 +121,30 @@ impl SimulatedDevice {
     }
 
     fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
-        let edge = Edge::new(options.flash.clone());
+        let peripherals = Peripherals::new(options.flash.clone());
         let mailbox = Shared::default();
         let device = Device {
             board: "simulated",
             build: concat!("slipline ", env!("CARGO_PKG_VERSION")),
-            firmware: firmware_version(),
+            firmware: release::VERSION,
             unit: options.unit,
             simulated: true,
             sample_rate_hz: options.sample_rate_hz,
         };
-        let mut link = Link::new(device, boot, edge.clone(), edge.clone());
+        let mut link = Link::new(device, boot, peripherals.clone(), peripherals.clone());
         let mut renderer = Renderer::starting_at(Timing::at(options.sample_rate_hz), options.first_index);
         let now = renderer.index();
-        let (link_mailbox, link_edge) = (mailbox.clone(), edge.clone());
-        let (renderer_mailbox, renderer_edge) = (mailbox.clone(), edge.clone());
+        let (link_mailbox, link_peripherals) = (mailbox.clone(), peripherals.clone());
+        let (renderer_mailbox, renderer_peripherals) = (mailbox.clone(), peripherals.clone());
         let mut device = Self {
             options,
-            edge,
+            peripherals,
             mailbox,
             link: Box::pin(async move {
-                link.run(&link_mailbox, link_edge.clone(), link_edge).await;
+                link.run(&link_mailbox, link_peripherals.clone(), link_peripherals).await;
             }),
             renderer: Box::pin(async move {
-                renderer.run(&renderer_mailbox, renderer_edge.clone(), renderer_edge, ()).await;
+                renderer.run(&renderer_mailbox, renderer_peripherals.clone(), renderer_peripherals, ()).await;
             }),
             link_frozen: false,
             kept,
@@ -148,13 +175,13 @@ impl SimulatedDevice {
 
     /// Gives the device bytes and lets it answer.
     pub fn feed(&mut self, bytes: &[u8]) {
-        self.edge.lock().to_device.extend(bytes);
+        self.peripherals.lock().to_device.extend(bytes);
         self.poll_link();
     }
 
     /// Moves what the device has sent to the end of `bytes`.
     pub fn take(&mut self, bytes: &mut Vec<u8>) {
-        bytes.append(&mut self.edge.lock().from_device);
+        bytes.append(&mut self.peripherals.lock().from_device);
     }
 
     /// Lets so many blocks pass; `sink` sees each as it leaves for the DAC.
@@ -162,9 +189,9 @@ impl SimulatedDevice {
         for _ in 0..blocks {
             // The pin stands as it was set for the block that leaves now, until the next one is rendered.
             let muted = self.is_muted();
-            self.edge.lock().room = true;
+            self.peripherals.lock().room = true;
             poll(&mut self.renderer);
-            if let Some(codes) = self.edge.lock().sent.take() {
+            if let Some(codes) = self.peripherals.lock().sent.take() {
                 sink(SentBlock { first: self.now, codes: &codes, muted });
             }
             self.now = self.now.saturating_add(BLOCK as u64);
@@ -205,19 +232,22 @@ impl SimulatedDevice {
     /// Whether the amplifier is muted.
     #[must_use]
     pub fn is_muted(&self) -> bool {
-        self.edge.lock().muted
+        self.peripherals.lock().muted
     }
 
     /// Whether the device has left for its bootloader.
     #[must_use]
     pub fn is_in_bootloader(&self) -> bool {
-        self.edge.lock().in_bootloader
+        self.peripherals.lock().in_bootloader
     }
 
     /// Whether the watchdog would have reset the device by now.
+    ///
+    /// A device that is simulated at a low sample rate counts its ticks in long blocks: it gets the time of four ticks.
     #[must_use]
     pub fn is_watchdog_starved(&self) -> bool {
-        self.now - self.fed_at > Timing::at(self.options.sample_rate_hz).samples(WATCHDOG_MS)
+        let period = Timing::at(self.options.sample_rate_hz).samples(WATCHDOG_MS);
+        self.now - self.fed_at > period.max(4 * TICK_BLOCKS * BLOCK as u64)
     }
 
     /// The tasks' signs of life.
@@ -229,21 +259,28 @@ impl SimulatedDevice {
     /// What the flash holds.
     #[must_use]
     pub fn flash(&self) -> MemoryFlash {
-        self.edge.lock().flash.clone()
+        self.peripherals.lock().flash.clone()
     }
 
-    /// Lets the DAC run dry once, before it takes the next block.
+    /// Lets the next block come too late.
     pub fn inject_underrun(&mut self) {
-        self.edge.lock().underrun = true;
+        self.peripherals.lock().underrun = true;
+    }
+
+    /// Lets the amplifier's pin go low by itself, as it does some milliseconds after the last block in time.
+    pub fn inject_mute(&mut self) {
+        let mut state = self.peripherals.lock();
+        state.has_muted = !state.muted;
+        state.muted = true;
     }
 
     /// Whether the host has stopped reading: what the device sends is not taken.
     pub fn stall_transmit(&mut self, stalled: bool) {
-        self.edge.lock().transmit_stalled = stalled;
+        self.peripherals.lock().transmit_stalled = stalled;
         self.poll_link();
     }
 
-    /// Whether the link's half hangs; the renderer's goes on, as an interrupt would.
+    /// Whether the thread side (the link) hangs; the interrupt side (the renderer) goes on.
     pub fn freeze_link(&mut self, frozen: bool) {
         self.link_frozen = frozen;
         self.poll_link();
@@ -253,13 +290,4 @@ impl SimulatedDevice {
 fn poll(task: &mut Task) {
     // Nothing wakes it but the next call.
     let _ = task.as_mut().poll(&mut Context::from_waker(Waker::noop()));
-}
-
-fn firmware_version() -> (u8, u8, u8) {
-    let part = |text: &str| text.parse().unwrap_or(0);
-    (
-        part(env!("CARGO_PKG_VERSION_MAJOR")),
-        part(env!("CARGO_PKG_VERSION_MINOR")),
-        part(env!("CARGO_PKG_VERSION_PATCH")),
-    )
 }

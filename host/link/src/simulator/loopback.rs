@@ -1,10 +1,10 @@
-//! Link and simulated device in virtual time: link, protocol, device application, DAC codes. Nothing in it is a second
-//! implementation: the link is the worker's own state machine, the device the application that is flashed.
+//! Link and simulated device in virtual time: requests in, DAC codes out. It uses the worker's state machine and the
+//! device application that is flashed; nothing is implemented a second time.
 //!
 //! ```text
 //! Request -> Connection == bytes ==> SimulatedDevice -> DAC codes -> sink
 //! ```
-//! Time is what has been rendered, so every run of the same requests gives the same codes.
+//! The time is the number of rendered samples, so the same requests give the same codes in every run.
 
 use super::device::{Options, SimulatedDevice};
 use super::peripherals::MemoryFlash;
@@ -41,6 +41,21 @@ fn lock(device: &Shared) -> MutexGuard<'_, SimulatedDevice> {
 }
 
 /// A link and a simulated device in virtual time.
+///
+/// ```
+/// use slipline_link::Request;
+/// use slipline_link::simulator::loopback::Loopback;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut loopback = Loopback::connect(400_000)?;
+/// // A second of codes, in blocks of 128; the device is armed and silent.
+/// let mut codes = 0;
+/// loopback.pass(400_000, |block| codes += block.len());
+/// assert_eq!(codes, 400_000);
+/// loopback.perform(Request::Stop, |_| ())?;
+/// # Ok(())
+/// # }
+/// ```
 pub struct Loopback {
     connection: Connection<OneDevice>,
     device: Shared,

@@ -1,4 +1,4 @@
-//! Everything outside the device application, in memory: the bytes of the link, the DAC, the mute pin, the flash.
+//! The peripherals of the simulated device, in memory: the bytes of the link, the DAC, the mute pin, the flash.
 
 use std::collections::VecDeque;
 use std::future::poll_fn;
@@ -6,7 +6,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
 
 use slipline_app::bank::BLOCK;
-use slipline_app::ports::{DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, Mute, System, Underrun};
+use slipline_app::bank::code::MID_SCALE;
+use slipline_app::fade::fade;
+use slipline_app::ports::{
+    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, Mute, System, Underrun,
+};
 use slipline_app::store::SLOT_BYTES;
 
 /// Two slots of flash in memory; erased bytes are `0xff`.
@@ -28,49 +32,58 @@ impl MemoryFlash {
     }
 }
 
-/// What the ports lead to.
-pub(super) struct Edges {
+/// What the peripherals hold.
+pub(super) struct PeripheralState {
     pub(super) to_device: VecDeque<u8>,
     pub(super) from_device: Vec<u8>,
     pub(super) transmit_stalled: bool,
+    /// The DAC takes one more block.
     pub(super) room: bool,
     pub(super) sent: Option<[u16; BLOCK]>,
     pub(super) underrun: bool,
+    /// The last code played, and whether the DAC is on its way to mid-scale by itself.
+    last: u16,
+    fading: bool,
     pub(super) muted: bool,
+    /// The amplifier's pin has gone low by itself.
+    pub(super) has_muted: bool,
     pub(super) flash: MemoryFlash,
     pub(super) in_bootloader: bool,
 }
 
-/// The device's ports.
+/// The peripherals as the device application sees them. Cloning is cheap; all clones are the same peripherals.
 #[derive(Clone)]
-pub(super) struct Edge(Arc<Mutex<Edges>>);
+pub(super) struct Peripherals(Arc<Mutex<PeripheralState>>);
 
-impl Edge {
-    /// The edges after power came on, over a flash that holds what it held.
+impl Peripherals {
+    /// The state after power came on, over a flash that holds what it held.
     pub(super) fn new(flash: MemoryFlash) -> Self {
-        Self(Arc::new(Mutex::new(Edges {
+        Self(Arc::new(Mutex::new(PeripheralState {
             to_device: VecDeque::new(),
             from_device: Vec::new(),
             transmit_stalled: false,
             room: false,
             sent: None,
             underrun: false,
+            last: MID_SCALE,
+            fading: false,
             muted: true,
+            has_muted: false,
             flash,
             in_bootloader: false,
         })))
     }
 
-    pub(super) fn lock(&self) -> MutexGuard<'_, Edges> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, PeripheralState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl embedded_io_async::ErrorType for Edge {
+impl embedded_io_async::ErrorType for Peripherals {
     type Error = std::convert::Infallible;
 }
 
-impl embedded_io_async::Read for Edge {
+impl embedded_io_async::Read for Peripherals {
     async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Self::Error> {
         poll_fn(|_| {
             let queue = &mut self.lock().to_device;
@@ -87,14 +100,14 @@ impl embedded_io_async::Read for Edge {
     }
 }
 
-impl embedded_io_async::Write for Edge {
+impl embedded_io_async::Write for Peripherals {
     async fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
         poll_fn(|_| {
-            let mut edges = self.lock();
-            if edges.transmit_stalled {
+            let mut state = self.lock();
+            if state.transmit_stalled {
                 return Poll::Pending;
             }
-            edges.from_device.extend_from_slice(bytes);
+            state.from_device.extend_from_slice(bytes);
             Poll::Ready(Ok(bytes.len()))
         })
         .await
@@ -105,27 +118,49 @@ impl embedded_io_async::Write for Edge {
     }
 }
 
-impl DacStream for Edge {
+impl DacStream for Peripherals {
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
         poll_fn(|_| {
-            let mut edges = self.lock();
-            if !std::mem::take(&mut edges.room) {
+            let mut state = self.lock();
+            if !std::mem::take(&mut state.room) {
                 return Poll::Pending;
             }
-            edges.sent = Some(*codes);
-            Poll::Ready(if std::mem::take(&mut edges.underrun) { Err(Underrun) } else { Ok(()) })
+            let late = std::mem::take(&mut state.underrun);
+            state.play(codes, late);
+            Poll::Ready(if late { Err(Underrun) } else { Ok(()) })
         })
         .await
     }
 }
 
-impl Mute for Edge {
-    fn set_muted(&mut self, muted: bool) {
-        self.lock().muted = muted;
+impl PeripheralState {
+    /// Plays a block or, if it is late or others before it were and the way to mid-scale is not over, the fade.
+    fn play(&mut self, codes: &[u16; BLOCK], late: bool) {
+        self.fading = late || (self.fading && self.last != MID_SCALE);
+        let mut played = *codes;
+        if self.fading {
+            for (code, faded) in played.iter_mut().zip(fade(self.last)) {
+                *code = faded;
+            }
+        }
+        self.last = *played.last().unwrap_or(&MID_SCALE);
+        self.sent = Some(played);
     }
 }
 
-impl FlashPages for Edge {
+impl Mute for Peripherals {
+    fn set_muted(&mut self, muted: bool) {
+        let mut state = self.lock();
+        state.has_muted &= !muted;
+        state.muted = muted || state.has_muted;
+    }
+
+    fn stay_on(&mut self) -> Result<(), HasMuted> {
+        if self.lock().has_muted { Err(HasMuted) } else { Ok(()) }
+    }
+}
+
+impl FlashPages for Peripherals {
     fn slot_len(&self) -> usize {
         self.lock().flash.slots[0].len()
     }
@@ -154,7 +189,7 @@ impl FlashPages for Edge {
     }
 }
 
-impl System for Edge {
+impl System for Peripherals {
     fn has_bootloader(&self) -> bool {
         true
     }

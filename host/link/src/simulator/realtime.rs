@@ -1,8 +1,8 @@
 //! The simulated device in real time.
 //!
-//! The device speaks only when spoken to, and its samples are known from the mirror, so nobody can tell whether it
-//! rendered them at their time or just before it is next spoken to. It does the latter: no thread, no timer, and at
-//! rest no work but what the keep-alives cause.
+//! The device sends only answers, and its samples are known from the mirror. A host therefore cannot tell whether the
+//! device rendered its samples in time, or later, when the next command comes. It does the latter: it needs no thread
+//! and no timer, and at rest it works only for the keep-alives.
 
 use super::device::SimulatedDevice;
 use crate::transport::{Transport, Waker, read_received};
@@ -11,8 +11,8 @@ use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// A device that nobody has spoken to for longer skips the time beyond (the computer had slept): its dead-man needs
-/// one second and its ramp, the coil's cooling is not worth more.
+/// If no command came for longer (the computer had slept), the device skips the rest of the time. Two seconds are enough
+/// for the dead-man, which needs one second and its ramp; the coil's cooling beyond them is neglected.
 const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
 /// Tells the time since any fixed moment; it never goes back.

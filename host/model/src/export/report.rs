@@ -7,7 +7,7 @@ use crate::setup::file as setup_file;
 use slipline_link::protocol::command::TableHeader;
 use slipline_link::protocol::event::{Counters, Identity, ResetCause, State, Status, StoredConfig};
 use slipline_link::protocol::frame::DecoderCounters;
-use slipline_link::{LinkCounters, LinkState, Port, RoundTrip, Snapshot};
+use slipline_link::{LinkCounters, LinkError, LinkState, Port, RoundTrip, Snapshot};
 use std::fmt::{Display, Write as _};
 use std::time::Duration;
 
@@ -104,6 +104,7 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
         LinkState::Connecting => "connecting".to_owned(),
         LinkState::Connected => "connected".to_owned(),
         LinkState::Lost(trouble) => format!("lost: {trouble}"),
+        LinkState::Reconnecting(LinkError::NoSuchPort(_)) => "waiting for a missing port".to_owned(),
         LinkState::Reconnecting(trouble) => format!("reconnecting: {trouble}"),
     };
     page.line("State", state);
@@ -135,7 +136,12 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
     page.line("Requests dropped", dropped);
     page.line("Stray answers", unmatched);
     let DecoderCounters { frames, damaged, overlong } = snapshot.decoder;
-    page.line("Frames received", frames);
+    frame_counts(page, frames, damaged, overlong);
+}
+
+/// What a side has received.
+fn frame_counts(page: &mut Page, whole: u32, damaged: u32, overlong: u32) {
+    page.line("Frames received", whole);
     page.line("Frames damaged", damaged);
     page.line("Frames too long", overlong);
 }
@@ -246,9 +252,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
     page.line("Table", format!("{table_crc:08x}"));
     let Counters { frames, crc_errors, overlong, duplicates, dropped, underruns, clips, max_cycles } =
         counters;
-    page.line("Frames received", frames);
-    page.line("Frames damaged", crc_errors);
-    page.line("Frames too long", overlong);
+    frame_counts(page, *frames, *crc_errors, *overlong);
     page.line("Frames repeated", duplicates);
     page.line("Answers or commands dropped", dropped);
     page.line("Underruns", underruns);

@@ -3,7 +3,7 @@
 
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{POINTS, SteadyField, interpolate};
-use crate::numbers::ticks::round_step;
+use slipline_plate::quantity::ticks::round_step;
 use slipline_plate::{Complex64, Model, Plate};
 use std::f64::consts::TAU;
 

@@ -15,7 +15,7 @@ use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
 use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
-use slipline_link::{DriveError, DriveRequest, Request};
+use slipline_link::{DriveError, DriveRequest, OutOfRange, Request};
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
     TimeDomainLine, ToneDrive, predict_envelope, respond,
@@ -237,7 +237,8 @@ impl Simulation<'_> {
             .zip(self.tones)
             .map(|(slot, &(boundary_m, level))| {
                 let (got, min, max) = (boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
-                let outside = DriveError::Tone { slot, field: "boundary (mm)", got, min, max };
+                let value = OutOfRange { field: "boundary (mm)", got, min, max };
+                let outside = DriveError::Tone { slot, value };
                 let position = table.position(boundary_m).ok_or(LoopbackError::Refused(outside.into()))?;
                 let gain = f64::from(table.setting(position.fine()).gain.0) / f64::from(1u32 << 31);
                 Ok(ToneDrive {

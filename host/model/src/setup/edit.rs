@@ -5,13 +5,13 @@
 //!                                     \--> crate::setup::undo (undo, redo)
 //! ```
 
-use crate::numbers::quantity::{show_length, show_place};
 use crate::setup::{
     BoundaryMode, GLIDE_RANGE_S, MASTER_MIN_DB, MAX_TONES, Setup, THRESHOLD_RANGE_M, ToneSetup,
 };
 use slipline_link::protocol::command::Apply;
 use slipline_link::{DriveRequest, ToneRequest};
 use slipline_plate::Plate;
+use slipline_plate::quantity::{OutOfRange, Range};
 use std::sync::Arc;
 
 /// One change of the setup.
@@ -65,16 +65,9 @@ pub enum Edit {
 /// Why a change was refused. The setup is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EditError {
-    /// A value is outside its range, or not a number.
-    #[error("{field}: {got} is outside {allowed}")]
-    OutOfRange {
-        /// The field as the user knows it.
-        field: &'static str,
-        /// The value that was given, with its unit.
-        got: String,
-        /// The range, with its unit.
-        allowed: String,
-    },
+    /// A value is outside its range, or not a number. The field is named as the user knows it.
+    #[error("{}", .0.in_suitable_units())]
+    OutOfRange(OutOfRange),
     /// There is no tone in this slot.
     #[error("there is no tone {0}")]
     NoTone(u8),
@@ -126,19 +119,19 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
     match *edit {
         Edit::Move { slot, position_m } => {
             let span = setup.plate.span_m();
-            finite("boundary", position_m, || span_text(span))?;
+            finite("boundary", position_m, Range::new(span.0, span.1, "m"))?;
             tone_mut(&mut next, slot)?.position_m = position_m.clamp(span.0, span.1);
         }
         Edit::Level { slot, level } => {
-            tone_mut(&mut next, slot)?.level = within("level", level, (0.0, 1.0), |v| format!("{v:.2}"))?;
+            tone_mut(&mut next, slot)?.level = within("level", level, (0.0, 1.0), "")?;
         }
         Edit::Phase { slot, turns } => {
-            finite("phase", turns, || "0 to 1 turn".to_owned())?;
+            finite("phase", turns, Range::new(0.0, 1.0, "turn"))?;
             tone_mut(&mut next, slot)?.phase_turns = turns.rem_euclid(1.0);
         }
         Edit::Add { position_m } => {
             let span = setup.plate.span_m();
-            finite("tone", position_m, || span_text(span))?;
+            finite("tone", position_m, Range::new(span.0, span.1, "m"))?;
             let slot = setup.free_slot().ok_or(EditError::Full)?;
             let level = setup.tones.first().map_or(0.5, |tone| tone.level);
             let position_m = position_m.clamp(span.0, span.1);
@@ -152,14 +145,14 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             next.tones.retain(|tone| tone.slot != slot);
         }
         Edit::Master(db) => {
-            next.master_db = within("master level", db, (MASTER_MIN_DB, 0.0), |v| format!("{v:.1} dB"))?;
+            next.master_db = within("master level", db, (MASTER_MIN_DB, 0.0), "dB")?;
         }
         Edit::Glide(seconds) => {
-            next.glide_s = within("glide", seconds, GLIDE_RANGE_S, |v| format!("{:.0} ms", v * 1e3))?;
+            next.glide_s = within("glide", seconds, GLIDE_RANGE_S, "s")?;
         }
         Edit::Boundary(mode) => {
             if let BoundaryMode::FeltEdge { threshold_m } = mode {
-                within("threshold", threshold_m, THRESHOLD_RANGE_M, show_length)?;
+                within("threshold", threshold_m, THRESHOLD_RANGE_M, "m")?;
             }
             next.boundary = mode;
         }
@@ -202,31 +195,20 @@ fn tone_mut(setup: &mut Setup, slot: u8) -> Result<&mut ToneSetup, EditError> {
     setup.tones.iter_mut().find(|tone| tone.slot == slot).ok_or(EditError::NoTone(slot))
 }
 
-fn span_text((start, end): (f64, f64)) -> String {
-    format!("{} to {}", show_place(start), show_place(end))
-}
-
-fn finite(field: &'static str, value: f64, allowed: impl FnOnce() -> String) -> Result<(), EditError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(EditError::OutOfRange { field, got: value.to_string(), allowed: allowed() })
-    }
+/// Refuses what is no number; one beyond the range is taken.
+fn finite(field: &'static str, value: f64, range: Range) -> Result<(), EditError> {
+    if value.is_finite() { Ok(()) } else { Err(EditError::OutOfRange(OutOfRange { field, value, range })) }
 }
 
 /// The value if it lies in the range; NaN never does.
 fn within(
     field: &'static str,
     value: f64,
-    (min, max): (f64, f64),
-    show: impl Fn(f64) -> String,
+    (low, high): (f64, f64),
+    unit: &'static str,
 ) -> Result<f64, EditError> {
-    if (min..=max).contains(&value) {
-        Ok(value)
-    } else {
-        let allowed = format!("{} to {}", show(min), show(max));
-        Err(EditError::OutOfRange { field, got: show(value), allowed })
-    }
+    OutOfRange::check(field, value, Range::new(low, high, unit)).map_err(EditError::OutOfRange)?;
+    Ok(value)
 }
 
 #[cfg(test)]
@@ -258,8 +240,9 @@ mod tests {
     #[test]
     fn a_refused_value_names_its_field_and_range() {
         let error = apply(&setup(), &Edit::Master(3.0)).unwrap_err().to_string();
-        assert_eq!(error, "master level: 3.0 dB is outside -96.0 dB to 0.0 dB");
-        assert!(apply(&setup(), &Edit::Glide(0.001)).unwrap_err().to_string().contains("5 ms to 10000 ms"));
+        assert_eq!(error, "master level = 3 dB: must be -96 to 0 dB");
+        let error = apply(&setup(), &Edit::Glide(0.001)).unwrap_err().to_string();
+        assert_eq!(error, "glide = 1 ms: must be 5 ms to 10 s");
     }
 
     #[test]

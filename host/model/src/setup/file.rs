@@ -18,6 +18,7 @@
 use crate::setup::edit::{Edit, EditError, apply};
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
 use serde::{Deserialize, Serialize};
+use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
 
@@ -30,11 +31,8 @@ const VERSION: i64 = 1;
 #[derive(Debug, thiserror::Error)]
 pub enum SetupFileError {
     /// The file is too large.
-    #[error("the file has {bytes} bytes; at most {FILE_BYTES_MAX} are read")]
-    TooBig {
-        /// Its size in bytes.
-        bytes: usize,
-    },
+    #[error(transparent)]
+    TooBig(WrongCount),
     /// Not TOML, or not of this form.
     #[error("line {line}: {message}")]
     Syntax {
@@ -52,14 +50,17 @@ pub enum SetupFileError {
     /// A value is outside its range.
     #[error("{0}")]
     Value(#[from] EditError),
+    /// A tone's place is not on the span of the file's plate.
+    #[error("{0}, the plate's span")]
+    OffSpan(OutOfRange),
     /// The number of tones is wrong.
-    #[error("tones: {0} of them; allowed are 1 to {MAX_TONES}")]
-    Tones(usize),
+    #[error(transparent)]
+    Tones(WrongCount),
     /// A slot is out of range or named twice.
     #[error("tones: slot {0} is named twice or outside 0 to 15")]
     Slot(i64),
     /// The `holds` value is not known to this program.
-    #[error("boundary.holds = {0:?}: allowed are \"turning-point\" and \"felt-edge\"")]
+    #[error("{}", must_be(format_args!("boundary.holds = {:?}", .0), "\"turning-point\" or \"felt-edge\""))]
     Holds(String),
 }
 
@@ -119,9 +120,8 @@ pub enum Opened {
 /// # Errors
 /// [`SetupFileError`]: too big, not TOML, a field that is missing, unknown or out of range.
 pub fn read(text: &str) -> Result<Opened, SetupFileError> {
-    if text.len() > FILE_BYTES_MAX {
-        return Err(SetupFileError::TooBig { bytes: text.len() });
-    }
+    let allowed = Count::at_most(FILE_BYTES_MAX, Counted::Bytes);
+    WrongCount::check("the file", text.len(), allowed).map_err(SetupFileError::TooBig)?;
     let syntax = |fault: toml::de::Error| {
         let start = fault.span().map_or(0, |span| span.start.min(text.len()));
         let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
@@ -155,9 +155,8 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
         }
         Err(error) => return Err(error.into()),
     };
-    if !(1..=MAX_TONES).contains(&parsed.tones.len()) {
-        return Err(SetupFileError::Tones(parsed.tones.len()));
-    }
+    let allowed = Count::new(1, MAX_TONES, Counted::Tones);
+    WrongCount::check("the setup", parsed.tones.len(), allowed).map_err(SetupFileError::Tones)?;
     let mut setup = Setup { tones: Vec::new(), ..Setup::new(plate) };
     let mut edits = vec![Edit::Master(parsed.master_db), Edit::Glide(parsed.glide_s)];
     for tone in &parsed.tones {
@@ -166,13 +165,8 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
             .filter(|&slot| usize::from(slot) < MAX_TONES && setup.tone(slot).is_none())
             .ok_or(SetupFileError::Slot(tone.slot))?;
         let (start, end) = setup.plate.span_m();
-        if !(start..=end).contains(&tone.position_m) {
-            return Err(SetupFileError::Value(EditError::OutOfRange {
-                field: "tones.position_m",
-                got: tone.position_m.to_string(),
-                allowed: format!("{start} to {end} m, the plate's span"),
-            }));
-        }
+        OutOfRange::check("tones.position_m", tone.position_m, Range::new(start, end, "m"))
+            .map_err(SetupFileError::OffSpan)?;
         setup.tones.push(ToneSetup { slot, position_m: tone.position_m, level: 0.0, phase_turns: 0.0 });
         edits.push(Edit::Level { slot, level: tone.level });
         edits.push(Edit::Phase { slot, turns: tone.phase_turns });

@@ -1,15 +1,15 @@
-//! A plate prepared for checks, and its lights at one boundary or over its span.
+//! Prepares a plate for checks and computes its lights at one boundary or over its span.
 
 use super::conditions::Conditions;
 use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
+use super::lights::{drive, shape, sound, wave};
 use super::prepared::{Prepared, SPAN_PLACES, places};
 use super::report::Report;
-use super::{drive, shape, sound, wave};
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 
-/// A plate prepared for checks; make it once and ask it for as many boundaries as there are.
+/// A plate prepared for checks. Preparing takes most of the time: make it once and use it for many boundaries.
 #[derive(Debug)]
 pub struct Checker {
     prepared: Prepared,
@@ -19,13 +19,14 @@ impl Checker {
     /// Prepares the checks of `plate`.
     ///
     /// # Errors
-    /// [`CheckError`] when a condition is out of range, or the sample rate cannot carry the plate's band.
+    /// [`CheckError::Level`] or [`CheckError::Boundary`] if a condition is out of range, [`CheckError::Table`] if the
+    /// sample rate cannot carry the plate's band or the plate has no amplitude somewhere on its span.
     pub fn new(plate: &Plate, conditions: Conditions) -> Result<Self, CheckError> {
         Self::watched(plate, conditions, &mut Progress::new(&mut |_| true))
     }
 
-    /// [`Checker::new`] that tells how far it is and can be stopped: a moment for a usual plate, many
-    /// times as long for one of many wavelengths.
+    /// As [`Checker::new`], with reports of its progress; it can be stopped. It takes a moment for most plates, and
+    /// many times as long for a plate of many wavelengths.
     ///
     /// # Errors
     /// As [`Checker::new`], and [`CheckError::Stopped`].
@@ -37,7 +38,7 @@ impl Checker {
         Ok(Self { prepared: Prepared::new(plate, conditions, progress)? })
     }
 
-    /// Goes on under other conditions.
+    /// Changes the conditions. The preparation is repeated only if the sample rate changes.
     ///
     /// # Errors
     /// As [`Checker::new`]; the conditions stay as they were.
@@ -56,8 +57,8 @@ impl Checker {
         &self.prepared.plate
     }
 
-    /// Peak displacement the lights suppose, metres: what a turning-point table can keep over the whole span at the
-    /// conditions' level.
+    /// The peak displacement that the lights assume, metres: what a turning-point table reaches everywhere on the span
+    /// at the conditions' level.
     pub fn peak_m(&self) -> f64 {
         self.prepared.peak_m()
     }
@@ -65,8 +66,8 @@ impl Checker {
     /// The lights at one boundary.
     ///
     /// # Errors
-    /// [`CheckError::Boundary`] when it is not on the plate, [`CheckError::Table`] when its frequency is too high for
-    /// the sample rate.
+    /// [`CheckError::Boundary`] if `boundary_m` is not 0.001 to 1 of the plate's length, [`CheckError::Table`] if the
+    /// plate has no amplitude at its frequency.
     pub fn at(&self, boundary_m: f64) -> Result<Report, CheckError> {
         let findings = self.findings(boundary_m)?;
         let frequency_hz = self.plate().frequency_for_boundary_hz(boundary_m);
@@ -78,7 +79,8 @@ impl Checker {
         })
     }
 
-    /// The lights over the plate's span: each at the boundary where it is worst.
+    /// The lights over the plate's span: each of them at the boundary with its worst result, of
+    /// [`super::SPAN_PLACES`] boundaries.
     ///
     /// # Errors
     /// As [`Checker::at`].
@@ -86,7 +88,7 @@ impl Checker {
         self.over_span_watched(&mut Progress::new(&mut |_| true))
     }
 
-    /// [`Checker::over_span`] that tells how far it is and can be stopped.
+    /// As [`Checker::over_span`], with reports of its progress; it can be stopped.
     ///
     /// # Errors
     /// As [`Checker::at`], and [`CheckError::Stopped`].
@@ -100,7 +102,7 @@ impl Checker {
                 continue;
             }
             for (kept, new) in worst.iter_mut().zip(found) {
-                if (new.light.colour, new.badness) > (kept.light.colour, kept.badness) {
+                if (new.light.colour, new.severity) > (kept.light.colour, kept.severity) {
                     *kept = new;
                 }
             }

@@ -1,19 +1,19 @@
-//! What a plate is used with, as far as the checks ask.
+//! The conditions of use that the checks depend on.
 
 use super::error::{CheckError, on_plate};
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 
-/// What the plate is used with.
+/// The conditions under which a plate is checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
-    /// The device's sample rate, Hz.
+    /// The device's sample rate, Hz (see [`crate::sample_rates`]; 400 000 by default).
     pub sample_rate_hz: f64,
-    /// Level of the tone, 0 to 1 of the turning-point table's full scale.
+    /// Level of the tone, 0 to 1 of the turning-point table's full scale (1 by default).
     pub level: f64,
-    /// Whether the drive sits beside the centre line, which lets the second width mode in.
+    /// Whether the drive is off the centre line, where it excites the second width mode, too.
     pub off_centre: bool,
-    /// Boundaries of the other tones that sound at the same time, metres.
+    /// Boundaries of the other tones played at the same time, metres (0.001 to 1 of the plate's length).
     pub other_boundaries_m: Vec<f64>,
 }
 

@@ -10,21 +10,21 @@ use thiserror::Error;
 /// Why a plate could not be checked.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CheckError {
-    /// The boundary, or another tone's, is not on the plate.
+    /// A boundary is not on the plate.
     #[error("{0}, on the plate")]
     Boundary(OutOfRange),
     /// The level is not between 0 and 1.
     #[error(transparent)]
     Level(OutOfRange),
-    /// The plate cannot be driven at this sample rate.
+    /// The sample rate cannot carry the plate's band, or the plate has no amplitude at a boundary.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The check was given up.
+    /// The caller stopped the check.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
-/// Refuses a boundary that is not on the plate.
+/// Refuses a boundary that is not on the plate: 0.001 to 1 of its length.
 pub(super) fn on_plate(plate: &Plate, field: &'static str, boundary_m: f64) -> Result<(), CheckError> {
     let range = Range { high: plate.length_m(), ..limits::span_start(plate.length_m()) };
     OutOfRange::check(field, boundary_m, range).map_err(CheckError::Boundary)

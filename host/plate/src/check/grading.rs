@@ -1,17 +1,17 @@
-//! How a number found at a boundary becomes a light.
+//! Turns a number found at a boundary into a light with a colour and a sentence.
 
 use super::prepared::Prepared;
 use super::report::{Colour, Light};
 use super::thresholds::Limits;
 use crate::spec::plate::Plate;
 
-/// A light and how bad it is within its colour, so that the worst of a span can be picked.
+/// A light and its severity within its colour; over a span the light with the highest severity is kept.
 pub(super) struct Finding {
     pub(super) light: Light,
-    pub(super) badness: f64,
+    pub(super) severity: f64,
 }
 
-/// One boundary, with what the groups of lights need of it.
+/// One boundary on a prepared plate: the input of every light.
 pub(super) struct Site<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) plate: &'a Plate,
@@ -20,7 +20,7 @@ pub(super) struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// A light whose colour follows from `value` and `limits`; the larger, the worse.
+    /// A light whose colour follows from `value` and `limits`, where larger is worse.
     pub(super) fn graded(
         &self,
         name: &'static str,
@@ -33,25 +33,29 @@ impl Site<'_> {
         self.judged(name, Some(value), unit, colour, value, pick(colour, sentences))
     }
 
+    /// A light whose colour is known.
     pub(super) fn judged(
         &self,
         name: &'static str,
         value: Option<f64>,
         unit: &'static str,
         colour: Colour,
-        badness: f64,
+        severity: f64,
         sentence: String,
     ) -> Finding {
-        // JSON and a reader can do nothing with an infinite number: the sentence tells it.
+        // JSON cannot represent an infinite number; the sentence says it in words.
         let value = value.filter(|value| value.is_finite());
-        Finding { light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m }, badness }
+        Finding {
+            light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m },
+            severity,
+        }
     }
 }
 
 /// The sentence that belongs to the colour.
 pub(super) fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
     match colour {
-        // What was not checked has no measure, so no colour of one.
+        // An unchecked light has no value to grade; it does not come here.
         Colour::Green | Colour::Unchecked => green,
         Colour::Amber => amber,
         Colour::Red => red,

@@ -1,4 +1,4 @@
-//! A plate with what the lights need of it, computed once.
+//! A plate with everything that the lights need and that does not depend on the boundary, computed once.
 
 use super::conditions::Conditions;
 use super::error::CheckError;
@@ -6,19 +6,19 @@ use crate::progress::Progress;
 use crate::spec::plate::Plate;
 use crate::table::level::{DriveToPeak, other_speeds};
 
-/// Places over the span that [`super::Checker::over_span`] looks at.
+/// Number of boundaries over the span that [`super::Checker::over_span`] checks.
 pub const SPAN_PLACES: usize = 41;
 
-/// What every light may ask of the plate and its conditions.
+/// The plate, its conditions and what follows from both for every boundary.
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) plate: Plate,
     pub(super) conditions: Conditions,
-    /// The plate with its waves 1 %, 0.5 % slower and faster.
+    /// The plate with a wave speed 1 % and 0.5 % lower and higher.
     pub(super) detuned: Vec<Plate>,
-    /// The plate at the other speeds that its table is levelled over.
+    /// The plate at the other wave speeds within its tolerance, over which its table is levelled.
     pub(super) speeds: Vec<Plate>,
-    /// Lowest drive-to-peak gain over the span: what a table can keep everywhere.
+    /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
     lowest_gain: f64,
 }
 
@@ -36,7 +36,7 @@ impl Prepared {
             progress.at(number as f64 / count as f64)?;
             lowest_gain = lowest_gain.min(drive_to_peak.level(plate.frequency_for_boundary_hz(x))?.amplitude);
         }
-        // A material at the very end of its allowed range has neighbours on one side only.
+        // At the end of a material's allowed range some of these speeds are not allowed.
         let detuned =
             [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
         Ok(Self { plate: plate.clone(), conditions, detuned, speeds: other_speeds(plate), lowest_gain })
@@ -48,7 +48,7 @@ impl Prepared {
     }
 }
 
-/// Places of the span, both ends included, evenly spread.
+/// `count` boundaries, uniform over the span with both ends included, metres.
 pub(super) fn places(plate: &Plate, count: usize) -> impl Iterator<Item = f64> {
     let (start, end) = plate.span_m();
     (0..count).map(move |i| start + (end - start) * i as f64 / (count - 1) as f64)

@@ -1,22 +1,22 @@
-//! What is told of a plate: lights, each with its number, its colour and a sentence.
+//! The report of a check: lights, each with a number, a colour and a sentence.
 
 use serde::{Serialize, Serializer};
 
-/// Colour of a light, from the calmest to the worst.
+/// Colour of a light, in rising order of concern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Colour {
-    /// What it takes to judge is not known; no reason to worry, and none not to.
+    /// The plate file lacks what this check needs, so the result is not known.
     Unchecked,
-    /// Nothing to mind.
+    /// No concern.
     Green,
-    /// It works, with the reservation the sentence names.
+    /// It works with the limitation that the sentence states.
     Amber,
-    /// Do not rely on it.
+    /// It does not work or cannot be relied on.
     Red,
 }
 
 impl Colour {
-    /// Its word.
+    /// The colour as a word: `unchecked`, `green`, `amber` or `red`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -37,17 +37,17 @@ impl Serialize for Colour {
 /// One validity light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Light {
-    /// What is looked at; the same words for every plate.
+    /// What is checked; the same words for every plate.
     pub name: &'static str,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
     /// Unit of `value`; empty for a plain number.
     pub unit: &'static str,
-    /// The verdict.
+    /// The result.
     pub colour: Colour,
     /// One sentence that says what it means here.
     pub sentence: String,
-    /// The boundary this was found at, metres: over the span, the one where it is worst.
+    /// The boundary of this result, metres; over a span the one with the worst result.
     pub boundary_m: f64,
 }
 
@@ -58,19 +58,19 @@ pub struct Report {
     pub plate: String,
     /// The boundary, metres; `None` over the span.
     pub boundary_m: Option<f64>,
-    /// The frequencies that were looked at, Hz: the lowest and the highest.
+    /// Lowest and highest frequency of the checked boundaries, Hz.
     pub frequency_hz: (f64, f64),
     /// The lights, always in the same order.
     pub lights: Vec<Light>,
 }
 
 impl Report {
-    /// The worst colour of all lights that could be judged.
+    /// The worst colour of all lights; green if there is none.
     pub fn worst(&self) -> Colour {
         self.lights.iter().map(|light| light.colour).max().unwrap_or(Colour::Green)
     }
 
-    /// The light of that name.
+    /// The light called `name`; `None` if there is none.
     pub fn light(&self, name: &str) -> Option<&Light> {
         self.lights.iter().find(|light| light.name == name)
     }

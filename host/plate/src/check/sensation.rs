@@ -1,34 +1,35 @@
-//! What a finger may feel. Every number here is illustrative: calibrate on your own plate.
+//! What a finger may feel. All numbers are illustrative: calibrate on your own plate.
 //!
-//! Below 20 kHz a plate can only be felt to vibrate; the level is the amplitude over the threshold of vibrotactile
-//! feeling. From 20 kHz on the squeeze film can make it slippery.
+//! Below 20 kHz a finger can feel vibration only; its level is the amplitude over the threshold of feeling. From 20 kHz
+//! on the squeeze film of air can make the plate slippery.
 
-/// From this frequency on a vibration is called slippery, below it a vibration, Hz.
+/// From this frequency on, Hz, a tone can make the plate slippery; below it a tone is felt as a vibration.
 pub const SLIPPERY_FROM_HZ: f64 = 20e3;
 
-/// What a finger may feel at one place (illustrative).
+/// What a finger may feel at one position (illustrative).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sensation {
-    /// A vibration: amplitude over the threshold of feeling, dB (negative: not felt).
+    /// A vibration.
     Vibration {
-        /// Sensation level, dB.
+        /// Sensation level: amplitude over the threshold of feeling, dB. Below 0 it is not felt.
         level_db: f64,
     },
-    /// Slipperiness: friction as a part of the still plate's friction, 0 to 1.
+    /// Reduced friction.
     Friction {
-        /// mu/mu0.
+        /// mu/mu0: friction over the friction of the plate at rest, 0 to 1.
         ratio: f64,
     },
 }
 
-/// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p).
+/// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p) of the displacement amplitude a. Default: a0 = 1 um, r = 0.2,
+/// p = 1.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionCurve {
-    /// Amplitude scale a0, metres.
+    /// Amplitude scale a0, metres (above 0).
     pub scale_m: f64,
     /// Residual friction r, 0 to 1.
     pub residual: f64,
-    /// Exponent p.
+    /// Exponent p (above 0).
     pub exponent: f64,
 }
 
@@ -46,8 +47,8 @@ impl FrictionCurve {
     }
 }
 
-/// Threshold of feeling a vibration, metres of displacement amplitude: 10 um up to 40 Hz, falling 12 dB per octave
-/// to 250 Hz, then rising 12 dB per octave.
+/// Threshold of feeling a vibration, as a displacement amplitude in metres: 10 um up to 40 Hz, falling by 12 dB per
+/// octave up to 250 Hz (0.256 um), then rising by 12 dB per octave.
 pub fn threshold_m(frequency_hz: f64) -> f64 {
     const FLAT_M: f64 = 10e-6;
     const CORNER_HZ: f64 = 40.0;
@@ -62,7 +63,8 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
     }
 }
 
-/// What is felt at a displacement amplitude and frequency, with the default friction curve.
+/// What is felt at a frequency in Hz and a displacement amplitude in metres, with the default friction curve. The
+/// sensation level is finite at an amplitude of 0.
 pub fn felt(frequency_hz: f64, amplitude_m: f64) -> Sensation {
     if frequency_hz >= SLIPPERY_FROM_HZ {
         Sensation::Friction { ratio: FrictionCurve::default().ratio(amplitude_m) }
@@ -72,13 +74,14 @@ pub fn felt(frequency_hz: f64, amplitude_m: f64) -> Sensation {
     }
 }
 
-/// Squeeze number of the air film under a finger: 12 eta omega l^2/(p0 h^2) with air, a 5 mm contact and a film of
-/// about 11 um; 0.4 at 30 Hz, 275 at 20 kHz. Above about 10 the film carries.
+/// Squeeze number of the air film under a finger, 12 eta omega l^2/(p0 h^2), with a contact of 5 mm and a film of about
+/// 5 um: 0.4 at 30 Hz, 275 at 20 kHz. From about 10 on, the film carries the finger.
 pub fn squeeze_number(frequency_hz: f64) -> f64 {
     275.0 * frequency_hz / 20e3
 }
 
-/// Upper bound of the sound level a plane piston of that displacement amplitude radiates, dB SPL.
+/// Upper bound of the sound level, dB SPL: a plane wave of the same displacement amplitude, with rho c = 413 Pa s/m.
+/// See also [`crate::check::plane_wave_level_db`].
 pub fn sound_level_db(frequency_hz: f64, amplitude_m: f64) -> f64 {
     let velocity = std::f64::consts::TAU * frequency_hz * amplitude_m.abs();
     let pressure_rms = 413.0 * velocity / std::f64::consts::SQRT_2;

@@ -133,7 +133,7 @@ fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensiti
 #[test]
 fn the_drive_ratio_drifts_by_a_fifth_over_an_octave_of_bending() {
     let plate = preset("al-bending").expect("preset");
-    let ratio = |frequency_hz: f64| drive::drive_ratio(&plate, frequency_hz).expect("it enters");
+    let ratio = |frequency_hz: f64| lights::drive::drive_ratio(&plate, frequency_hz).expect("it enters");
     let matched_hz = plate.spec().drive_end.at_frequency_hz().expect("a resistance");
     assert!((ratio(matched_hz) - 1.0).abs() < 1e-12);
     // r goes with omega/k0, k0 ~ sqrt(omega): 2^(1/4) up and down, a little less so near the cut-off.

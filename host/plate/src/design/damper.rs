@@ -1,16 +1,22 @@
 //! The resistance that absorbs the returning wave at the driven end.
 //!
-//! A wave of amplitude A on the centre line carries P = (1/2) Z omega^2 A^2 with Z = rho h v_g (integral of the width
-//! mode's square), v_g = d omega/d k at x = 0; for a membrane this is T k0/omega with T = tension x W. A source at the
-//! centre line whose mechanical resistance is Z takes back all that returns. Z changes with frequency and a real
-//! damper does not: the match is made where the two ends of the band are wrong by the same factor.
+//! A wave of amplitude A on the centre line carries the power P = (1/2) Z omega^2 A^2 with the wave impedance
+//! Z = rho h v_g (integral of the width mode's square over z), v_g = d omega/d k at x = 0. For a membrane Z is
+//! T k0/omega with T = (tension per width) x W. In the one-mode equation a source on the centre line with the
+//! mechanical resistance Z absorbs the returning wave completely. Z changes with the frequency and a real damper does
+//! not, so the match is made where the two ends of the band are wrong by the same factor.
+//!
+//! A real plate in bending also has an evanescent near field at the driven end, which the one-mode equation leaves out
+//! and a damper does not absorb: with R = Z at a free end about 0.57 of the returning amplitude is still reflected.
+//! There Z is a first value to start from; measure and adjust.
 
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// The damper at the driven end.
+/// The damper at the driven end, matched in the one-mode equation. At the driven end of a plate in bending it is only a
+/// first value: a real end has a near field that the equation leaves out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Damper {
     /// Mechanical resistance R, N s/m.
@@ -21,11 +27,11 @@ pub struct Damper {
     pub ratio_range: (f64, f64),
 }
 
-/// Places of the band at which r is looked at.
+/// Number of frequencies in the band at which r is evaluated.
 const BAND_PLACES: usize = 201;
 
-/// Frequency in the band where omega/k0 is the geometric mean of its extremes, and r over the band for a damper that
-/// matches there.
+/// The frequency of the band, Hz, where omega/k0 is closest to the geometric mean of its extremes; and the smallest and
+/// the largest r over the band for a damper that matches there.
 pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)) {
     let width_mode = plate.width_mode(1);
     let slowness = |frequency_hz: f64| {
@@ -49,7 +55,7 @@ pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)
     (at, (low / matched, high / matched))
 }
 
-/// Z at the driven end, N s/m, for a sheet of `surface_density` kg/m^2.
+/// The wave impedance Z at the driven end, N s/m, for a sheet of `surface_density` kg/m^2.
 pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: f64) -> f64 {
     let width_mode = plate.width_mode(1);
     let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
@@ -61,10 +67,10 @@ pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: 
     surface_density * group_speed * mode_square(&plate.spec().model) * plate.half_width_m(0.0)
 }
 
-/// Integral of the first width mode's square over the width, in half-widths, with 1 on the centre line.
+/// Integral of the first width mode's square over the width, in half-widths; the mode is 1 on the centre line.
 fn mode_square(model: &Model) -> f64 {
     match model {
-        // The clamped beam's first mode has a mean square of 1 when its middle is 1.588.
+        // Normalised to a mean square of 1, the clamped beam's first mode is 1.588 in the middle.
         Model::BendingClamped(_) => 2.0 / (1.588_15 * 1.588_15),
         _ => 1.0,
     }

@@ -1,16 +1,16 @@
-//! A drawing in millimetres: lines to cut and dimensions to read. x to the right from the driven end, z upward.
+//! A drawing in millimetres: lines to cut, dimensions and notes to read. x points right from the driven end, z up.
 
-/// What a shape is for.
+/// The purpose of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
     /// To be cut.
     Cut,
-    /// To be read: dimension lines and their text.
+    /// To be read: dimension lines and texts.
     Dimension,
 }
 
 impl Layer {
-    /// Name of the layer in the files.
+    /// Name of the layer in DXF files; lower case in SVG files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cut => "CUT",
@@ -38,16 +38,16 @@ pub enum Shape {
     Dimension {
         /// One end.
         from: [f64; 2],
-        /// Other end; straight right of or above `from`.
+        /// The other end, to the right of `from` or above it.
         to: [f64; 2],
-        /// What it says.
+        /// The text.
         text: String,
     },
     /// A line of text.
     Note {
-        /// Left end of its foot.
+        /// Left end of the text's base line.
         at: [f64; 2],
-        /// What it says.
+        /// The text.
         text: String,
     },
 }
@@ -65,15 +65,15 @@ impl Shape {
 /// A drawing of one part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// What the part is, in a few words.
+    /// What the part is.
     pub title: String,
-    /// Its shapes; the outer outline comes first.
+    /// The shapes; the outer outline comes first.
     pub shapes: Vec<Shape>,
 }
 
 /// Height of the dimension text, mm.
 pub(super) const TEXT_HEIGHT_MM: f64 = 4.0;
-/// Width of a letter, in its height: what a common typeface needs on the average, and some more.
+/// Width of a letter over its height: a little more than the average of common typefaces.
 const LETTER_WIDTH: f64 = 0.6;
 /// Most letters in a line of a note.
 const NOTE_LETTERS: usize = 70;
@@ -81,7 +81,7 @@ const NOTE_LETTERS: usize = 70;
 pub(super) const TICK_MM: f64 = 1.5;
 
 impl Drawing {
-    /// Extents of what is cut, mm: `[x_min, z_min, x_max, z_max]`.
+    /// Extents of the layer that is cut, mm: `[x_min, z_min, x_max, z_max]`.
     pub fn cut_extents_mm(&self) -> [f64; 4] {
         let mut extents = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         for shape in &self.shapes {
@@ -94,7 +94,7 @@ impl Drawing {
         extents
     }
 
-    /// Extents of everything, mm, with room for the text.
+    /// Extents of all shapes, mm, with room for the texts.
     pub(super) fn extents_mm(&self) -> [f64; 4] {
         let mut extents = self.cut_extents_mm();
         for shape in &self.shapes {
@@ -122,7 +122,7 @@ fn grow(extents: &mut [f64; 4], [x, z]: [f64; 2], radius: f64) {
     extents[3] = extents[3].max(z + radius);
 }
 
-/// A note in lines that end between words.
+/// A note broken into lines between words.
 pub(super) fn wrapped(text: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -137,7 +137,7 @@ pub(super) fn wrapped(text: &str) -> Vec<String> {
     lines
 }
 
-/// Where a dimension's text stands (its middle) and whether it runs upward.
+/// The middle of a dimension's text, and whether the text runs upward.
 pub(super) fn text_place(from: [f64; 2], to: [f64; 2]) -> ([f64; 2], bool) {
     let upward = (to[1] - from[1]).abs() > (to[0] - from[0]).abs();
     let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];

@@ -1,21 +1,22 @@
-//! A drawing as DXF of AutoCAD release 12 (AC1009), the version every cutter's software reads; millimetres.
+//! Writes a drawing as DXF of AutoCAD release 12 (AC1009), which the software of all cutters reads; millimetres.
 
 use super::drawing::{Drawing, Layer, Shape, TEXT_HEIGHT_MM, strokes, text_place};
 use std::fmt::{Display, Write};
 
-/// Colour numbers of the layers: red to cut, blue to read.
+/// AutoCAD colour numbers of the layers: 1 is red, 5 is blue.
 const LAYERS: [(Layer, i32); 2] = [(Layer::Cut, 1), (Layer::Dimension, 5)];
 
 impl Drawing {
     /// The drawing as a DXF R12 file in millimetres.
     pub fn to_dxf(&self) -> String {
         let mut file = Groups::default();
-        // For those who read the file as text.
+        // Group 999 is a comment for people who open the file as text.
         file.put(999, format_args!("{}; units: millimetres", ascii(&self.title)));
         let [left, bottom, right, top] = self.extents_mm();
         file.section("HEADER");
         file.put(9, "$ACADVER").put(1, "AC1009");
-        // Younger than R12, but the only words for a unit that programs read: without them a part may come in as inches.
+        // R12 has no header variable for the unit. Programs read these two of later releases; without them they may
+        // take the numbers as inches.
         file.put(9, "$INSUNITS").put(70, 4);
         file.put(9, "$MEASUREMENT").put(70, 1);
         file.put(9, "$EXTMIN").point(10, [left, bottom]);
@@ -41,7 +42,7 @@ impl Drawing {
     }
 }
 
-/// Pairs of a group code and its value, each on a line of its own.
+/// The text of the file: pairs of a group code and a value, each on its own line.
 #[derive(Default)]
 struct Groups {
     text: String,
@@ -58,7 +59,7 @@ impl Groups {
         self.put(0, "SECTION").put(2, name);
     }
 
-    /// A point: `code` for x, `code` + 10 for the sheet's y.
+    /// A point: `code` is the group of DXF's x, `code` + 10 that of DXF's y, which is z here.
     fn point(&mut self, code: i32, [x, z]: [f64; 2]) -> &mut Self {
         self.put(code, format_args!("{x:.5}")).put(code + 10, format_args!("{z:.5}"))
     }
@@ -72,7 +73,7 @@ fn draw(file: &mut Groups, shape: &Shape) {
     let layer = shape.layer();
     match shape {
         Shape::Outline { points } => {
-            // 66: vertices follow; 70: closed.
+            // 66 = 1: vertices follow; 70 = 1: closed.
             file.entity("POLYLINE", layer).put(66, 1).put(70, 1).point(10, [0.0, 0.0]).put(30, "0.0");
             for &point in points {
                 file.entity("VERTEX", layer).point(10, point).put(30, "0.0");
@@ -111,7 +112,7 @@ fn draw(file: &mut Groups, shape: &Shape) {
     }
 }
 
-/// R12 text is ASCII on one line; anything else becomes a question mark.
+/// Replaces every character that is not printable ASCII by a question mark: R12 has no other characters.
 fn ascii(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
 }

@@ -1,7 +1,7 @@
 //! A small library of sheet materials.
 //!
-//! Handbook values at room temperature; the loss factors are illustrative, because mounting and glue often lose more
-//! than the material. Measure two boundaries on the plate you built and calibrate.
+//! Handbook values at room temperature. The loss factors are illustrative, because mounting and glue often lose more
+//! energy than the material: measure two boundaries on your plate and calibrate.
 
 use crate::quantity::hint;
 use crate::spec::error::PlateError;
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// A sheet material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Material {
-    /// Name it is chosen by.
+    /// The name that selects it.
     pub name: String,
     /// Young's modulus E, Pa (1000 to 1e13).
     pub youngs_modulus_pa: f64,
@@ -23,7 +23,7 @@ pub struct Material {
     pub loss_factor: f64,
 }
 
-/// name, E in GPa, nu, rho, loss factor.
+/// Name, E in GPa, nu, rho in kg/m^3, loss factor.
 const LIBRARY: [(&str, f64, f64, f64, f64); 11] = [
     ("aluminium", 70.0, 0.33, 2700.0, 0.002),
     ("steel", 200.0, 0.29, 7850.0, 0.002),
@@ -44,10 +44,10 @@ pub fn material_names() -> impl Iterator<Item = &'static str> {
 }
 
 impl Material {
-    /// The library's material of that name.
+    /// The library's material called `name`.
     ///
     /// # Errors
-    /// [`PlateError::UnknownKind`] lists the names there are.
+    /// [`PlateError::UnknownKind`], with all names of the library, if there is no such material.
     pub fn named(name: &str) -> Result<Self, PlateError> {
         let Some(&(name, gigapascal, poisson_ratio, density_kg_per_m3, loss_factor)) =
             LIBRARY.iter().find(|entry| entry.0 == name)

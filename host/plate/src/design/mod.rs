@@ -4,8 +4,8 @@
 //! Request -> design() -> Design { plate, damper, low, high, .. } -> plate.to_toml()
 //!                                                               -> plate_drawing(), frame_drawing() -> SVG, DXF
 //! ```
-//! The taper is the exponential one: W = W0 e^(-d x) with W = q/K at both ends of the band, so
-//! d = ln(K2/K1)/(x2 - x1) and W0 = (q/K1) e^(d x1). K comes from the plate's own model, thick plates included.
+//! The taper is exponential, W = W0 e^(-d x). Both ends of the band turn where W = q/K, so
+//! d = ln(K2/K1)/(x2 - x1) and W0 = (q/K1) e^(d x1). K is that of the plate's model, also for thick plates.
 
 mod damper;
 mod drawing;
@@ -34,27 +34,27 @@ pub use material::{Material, material_names};
 pub use mounting::Mounting;
 pub use request::{Edge, Request, Wave};
 
-/// What the plate does at one end of its band.
+/// The boundary at one end of the band.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BandEnd {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Turning point, metres.
     pub boundary_m: f64,
-    /// Half-width there, metres.
+    /// Half-width at the turning point, metres.
     pub half_width_m: f64,
-    /// From the peak to a tenth of it, metres.
+    /// Distance from the peak to a tenth of its amplitude, metres.
     pub edge_width_m: f64,
-    /// Wavelengths from the drive to the boundary.
+    /// Number of wavelengths from the driven end to the boundary.
     pub wavelengths: f64,
-    /// Loss integral I: the wave arrives with e^-I of its amplitude.
+    /// Loss integral I: the wave arrives with e^-I of its amplitude (see [`loss_integral`]).
     pub loss_integral: f64,
 }
 
 /// A designed plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// The plate, with the damper as its drive end.
+    /// The plate; its drive end is the damper.
     pub plate: Plate,
     /// Rate d of the taper, 1/m.
     pub rate_per_m: f64,
@@ -62,12 +62,12 @@ pub struct Design {
     pub low: BandEnd,
     /// The highest frequency's boundary.
     pub high: BandEnd,
-    /// Loss factor at which the worst boundary's loss integral reaches 3 and its peak is no longer the largest
-    /// amplitude; the material's own loss factor is the plate's `loss_factor`.
+    /// Loss factor at which the larger loss integral of the two ends of the span reaches 3, so that its peak is no
+    /// longer the largest amplitude. (The material's own loss factor is the plate's `loss_factor`.)
     pub loss_factor_limit: f64,
-    /// Boundaries from the nearest up to this one are alone on the plate when the drive is on the centre line, metres.
+    /// Up to this boundary, metres, no higher width mode enters if the drive is on the centre line.
     pub single_boundary_to_m: f64,
-    /// The same for a drive beside the centre line, metres; nearer than the nearest boundary if there is none.
+    /// The same for a drive off the centre line, metres; it may lie before the nearest boundary.
     pub single_boundary_off_centre_to_m: f64,
     /// The damper that matches the drive end.
     pub damper: Damper,
@@ -78,10 +78,11 @@ pub struct Design {
     pub mounting: Mounting,
 }
 
-/// Designs the plate.
+/// Designs the plate: finds the taper that puts the two ends of the band at the margins, and the matching damper.
 ///
 /// # Errors
-/// [`PlateError`] names the field of the request that is out of range and what is allowed.
+/// [`PlateError`] names the field of the request that is out of range, or the length if the margins do not leave a
+/// tenth of it for the span.
 pub fn design(request: &Request) -> Result<Design, PlateError> {
     request.material.validate()?;
     limits::THICKNESS.check("thickness_m", request.thickness_m)?;
@@ -143,18 +144,18 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
 }
 
 impl Design {
-    /// Boundaries that are alone on the plate, as a length of travel from the nearest one, metres (drive on the
-    /// centre line).
+    /// Length of the span over which no higher width mode enters, metres, measured from the nearest boundary, for a
+    /// drive on the centre line.
     pub fn mode_free_travel_m(&self) -> f64 {
         (self.single_boundary_to_m - self.low.boundary_m).max(0.0)
     }
 
-    /// The sheet to cut.
+    /// Drawing of the sheet.
     pub fn plate_drawing(&self) -> Drawing {
         outline::plate(&self.plate, self.rim_m, self.mounting)
     }
 
-    /// The frame to cut, twice.
+    /// Drawing of the frame, which is cut twice.
     pub fn frame_drawing(&self) -> Drawing {
         outline::frame(&self.plate, self.rim_m, self.mounting)
     }
@@ -167,26 +168,29 @@ struct FoundTaper {
     far_m: f64,
 }
 
-/// Room before the nearest boundary, in 1/kappa: to the first node of its Airy form, so that its peak is whole.
+/// Room before the nearest boundary, in units of 1/kappa: up to the first node of the Airy form, so that the whole
+/// antinode of the peak fits.
 const START_ROOM: f64 = 2.338;
-/// Room behind the farthest boundary, in 1/kappa: to 5 % of its peak.
+/// Room behind the farthest boundary, in units of 1/kappa: there the amplitude is 5 % of the peak.
 const END_ROOM: f64 = 2.172;
-/// Shortest span, as a part of the length.
+/// Shortest span over the plate's length.
 const SPAN_LEAST: f64 = 0.1;
-/// Handbook constants of a metal and a gauge of its thickness give the wave speed to about 1 %.
+/// A metal's handbook constants and its measured thickness give the wave speed to about 1 %.
 const WAVE_SPEED_TOLERANCE: f64 = 0.01;
 
-/// The highest frequency of a band that starts at `low_hz`, Hz.
+/// The allowed highest frequencies of a band that starts at `low_hz`, Hz: from 5 % above it to 1e7.
 pub fn band_high_range(low_hz: f64) -> Range {
     Range { low: (1.0 + 0.01 * limits::BAND_WIDTH_MIN_PERCENT) * low_hz, ..limits::FREQUENCY }
 }
 
-/// From the driven end to the nearest boundary, metres, on a plate of this length.
+/// The allowed distances from the driven end to the nearest boundary on a plate of this length, metres: 0.001 to 0.9 of
+/// the length.
 pub fn start_margin_range(length_m: f64) -> Range {
     Range { high: (1.0 - SPAN_LEAST) * length_m, ..limits::span_start(length_m) }
 }
 
-/// From the farthest boundary to the narrow end, metres, on a plate of this length.
+/// The allowed distances from the farthest boundary to the narrow end on a plate of this length, metres: 0 to 0.9 of
+/// the length.
 pub fn end_margin_range(length_m: f64) -> Range {
     Range::new(0.0, (1.0 - SPAN_LEAST) * length_m, "m")
 }
@@ -202,7 +206,8 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     if let Some(margin_m) = request.end_margin_m {
         end_margin_range(length).check("end_margin_m", margin_m)?;
     }
-    // kappa depends on the rate and the rate on the margins: a few rounds settle it.
+    // The margins depend on kappa, kappa on the rate and the rate on the margins: iterate, averaging the old rate and
+    // the new one so that it converges.
     let mut rate = (far_k / near_k).ln() / (0.6 * length);
     let (mut near_m, mut far_m) = (0.0, length);
     for _ in 0..60 {
@@ -222,7 +227,8 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     Ok(FoundTaper { half_width_m, rate_per_m, near_m, far_m })
 }
 
-/// The loss integral is proportional to the loss factor: scaled from a plate of known loss.
+/// The loss factor at which the larger loss integral of the two ends of the span reaches the green limit. The integral
+/// is proportional to the loss factor, so one value of it is enough.
 fn loss_factor_limit(plate: &Plate) -> Result<f64, PlateError> {
     let loss_factor = 0.1;
     let lossy = Plate::new(PlateSpec { loss_factor, ..plate.spec().clone() })?;

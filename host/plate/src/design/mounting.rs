@@ -1,18 +1,18 @@
-//! How sheet and frame are put together, so that the edges are held as the wave's equation has them.
+//! How the frame holds the sheet, so that the edges meet the boundary condition of the wave model.
 
 /// How the frame holds the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mounting {
-    /// On a narrow lip that may turn: supported edges.
+    /// The sheet lies on a narrow lip that can rotate: supported edges.
     Lip,
-    /// By a margin that may not turn: clamped or fixed edges.
+    /// A margin of the sheet is clamped and cannot rotate: clamped or fixed edges.
     Gripped,
-    /// By a margin, under tension: a membrane.
+    /// A margin of the sheet is clamped under tension: a membrane.
     Stretched,
 }
 
 impl Mounting {
-    /// What to cut and how to put it together, in two sentences.
+    /// What to cut and how to assemble it, in two sentences for the user.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {

@@ -1,19 +1,19 @@
-//! The parts that are cut: the sheet and the frame whose window is the taper.
+//! Outlines of the two parts to cut: the sheet, and the frame whose window has the shape of the taper.
 //!
-//! The frame reaches around the plate: its window begins before the driven end, so that the actuator finds room and
-//! the wide end stays free, follows the taper and is closed at the narrow end. The window's edge is where the sheet is
-//! held, so the sheet is always larger: where the edges are clamped or the sheet is stretched, it reaches under the rim
-//! and shares the frame's bolt holes; where the edges may turn, a narrow lip of it lies between two frames.
+//! The frame surrounds the plate. Its window begins before the driven end, so that the actuator has room and the wide
+//! end stays free; it follows the taper and is closed at the narrow end. The frame holds the sheet at the edge of the
+//! window, so the sheet is larger than the window. With clamped edges or under tension it extends over the whole rim
+//! and has the frame's bolt holes. With supported edges only a narrow lip of it lies between the two frames.
 
 use super::drawing::{Drawing, Shape, wrapped};
 use super::mounting::Mounting;
 use crate::spec::plate::Plate;
 
-/// How far a plate whose edges may turn reaches over the window, mm: several times a cutter's kerf, so that it cannot
-/// drop through, and little enough to turn freely. At 40 kHz in 2 mm of aluminium (K = 0.27 /mm) the lip's inertia
-/// against turning is (K lip)^3/3, under 1 % of the plate's stiffness.
+/// How far a plate with supported edges extends beyond the window, mm: several times a cutter's kerf, so that the plate
+/// cannot fall through, and short enough to rotate freely. At 40 kHz in 2 mm of aluminium (K = 0.28 /mm) the moment of
+/// the lip's inertia about the edge is (K lip)^3/3 of the plate's bending moment, under 1 %.
 pub(super) const LIP_MM: f64 = 1.0;
-/// Largest departure of the cut polyline from the taper, mm.
+/// Largest distance of the cut polyline from the taper, mm.
 const SAG_MM: f64 = 0.005;
 /// Most points of one edge of the taper.
 const EDGE_POINTS_MAX: usize = 2000;
@@ -27,7 +27,8 @@ const BOLT_PITCH_MM: f64 = 60.0;
 /// The upper edge of the taper from x = 0 to the plate's end, mm.
 fn edge(plate: &Plate) -> Vec<[f64; 2]> {
     let length_mm = plate.length_m() * 1e3;
-    // A chord of length s leaves an arc of curvature W'' by s^2 W''/8; the edge bends most at its wide end.
+    // A chord of length s deviates by s^2 W''/8 from a curve with second derivative W''. Here W'' = d^2 W, which is
+    // largest at the wide end.
     let rate = plate.narrowing_per_m(0.0).abs() * 1e-3;
     let bend = (plate.half_width_m(0.0) * 1e3 * rate * rate).max(1e-12);
     let chord = (8.0 * SAG_MM / bend).sqrt();
@@ -40,29 +41,29 @@ fn edge(plate: &Plate) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The window: the taper from before the driven end, around the narrow end and back, mm.
+/// Outline of the window, mm: from before the driven end along the taper, around the narrow end and back.
 fn window(plate: &Plate) -> Vec<[f64; 2]> {
     let wide = plate.half_width_m(0.0) * 1e3;
     closed(std::iter::once([-DRIVE_GAP_MM, wide]).chain(edge(plate)).collect())
 }
 
-/// The taper and a lip around it but for the driven end, mm.
+/// Outline of the taper with a lip on all sides except the driven end, mm.
 fn lipped(plate: &Plate) -> Vec<[f64; 2]> {
     let mut upper = edge(plate);
     upper.extend(upper.last().map(|&[x, z]| [x + LIP_MM, z]));
     closed(upper.into_iter().map(|[x, z]| [x, z + LIP_MM]).collect())
 }
 
-/// An upper edge and its mirror image, as one outline.
+/// Joins an upper edge and its mirror image to one outline.
 fn closed(upper: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let lower: Vec<[f64; 2]> = upper.iter().rev().map(|&[x, z]| [x, -z]).collect();
     [upper, lower].concat()
 }
 
-/// Bolt holes along both long sides and the narrow end of a rim, mm.
+/// Bolt holes in the rim along both long sides and the narrow end, mm.
 fn bolts(wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Iterator<Item = Shape> {
     let line = wide_mm + 0.5 * rim_mm;
-    // The first pair stands at the driven end's corner of the sheet, half a rim behind its edge.
+    // The first two holes lie half a rim's width behind the sheet's edge at the driven end.
     let (first, last) = (0.5 * rim_mm, length_mm + 0.5 * rim_mm);
     let along = ((last - first) / BOLT_PITCH_MM).ceil().max(1.0) as usize;
     let across = (2.0 * line / BOLT_PITCH_MM).ceil().max(1.0) as usize;
@@ -74,7 +75,7 @@ fn bolts(wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Iterator<Item = Shap
     sides.chain(end).map(|centre| Shape::Hole { centre, diameter: BOLT_MM })
 }
 
-/// The sheet.
+/// Drawing of the sheet.
 pub(super) fn plate(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let (length, rim) = (plate.length_m() * 1e3, rim_m * 1e3);
     let wide = plate.half_width_m(0.0) * 1e3;
@@ -95,7 +96,7 @@ pub(super) fn plate(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     Drawing { title: format!("{}: plate, to lie between two frames", plate.name()), shapes }
 }
 
-/// The frame.
+/// Drawing of the frame.
 pub(super) fn frame(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let (length, rim) = (plate.length_m() * 1e3, rim_m * 1e3);
     let wide = plate.half_width_m(0.0) * 1e3;
@@ -115,7 +116,7 @@ pub(super) fn frame(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     Drawing { title: format!("{}: frame, to be cut twice", plate.name()), shapes }
 }
 
-/// How the parts are put together, in lines under the drawing.
+/// How to assemble the parts, as lines of text from (`x`, `z`) down.
 fn notes(mounting: Mounting, x: f64, z: f64) -> impl Iterator<Item = Shape> {
     const LINE_MM: f64 = 6.0;
     let sentences =
@@ -124,11 +125,12 @@ fn notes(mounting: Mounting, x: f64, z: f64) -> impl Iterator<Item = Shape> {
     lines.map(move |(row, text)| Shape::Note { at: [x, z - LINE_MM * row as f64], text })
 }
 
+/// A dimension along x.
 fn horizontal(from: f64, to: f64, z: f64) -> Shape {
     Shape::Dimension { from: [from, z], to: [to, z], text: millimetres(to - from) }
 }
 
-/// A dimension across the centre line.
+/// A dimension along z, symmetric about the centre line.
 fn vertical(x: f64, half: f64) -> Shape {
     Shape::Dimension { from: [x, -half], to: [x, half], text: millimetres(2.0 * half) }
 }

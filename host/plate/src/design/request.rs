@@ -1,4 +1,4 @@
-//! What a plate is wanted for.
+//! The request to the designer: sheet, wave, band and length.
 
 use super::material::Material;
 use crate::quantity::number_format::rounded;
@@ -25,7 +25,8 @@ pub enum Wave {
 }
 
 impl Wave {
-    /// A membrane of this material and thickness (m) under `tension_n_per_m`: speed = sqrt(tension/(density thickness)).
+    /// A membrane of this material and thickness (m) under `tension_n_per_m`: speed = sqrt(tension/(density
+    /// thickness)).
     #[must_use]
     pub fn under_tension(tension_n_per_m: f64, material: &Material, thickness_m: f64) -> Self {
         let surface_density = material.density_kg_per_m3 * thickness_m;
@@ -37,30 +38,32 @@ impl Wave {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Edge {
-    /// On a knife edge: no displacement, free to turn.
+    /// On a knife edge: no displacement, free to rotate.
     Supported,
-    /// Between the halves of a stiff frame: no displacement, no turn.
+    /// Between the halves of a stiff frame: no displacement, no rotation.
     Clamped,
 }
 
-/// What a plate is wanted for.
+/// What to design a plate for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Short name of the plate, 1 to 80 characters.
     pub name: String,
-    /// The sheet.
+    /// Material of the sheet.
     pub material: Material,
     /// Thickness of the sheet, metres (1e-6 to 0.1).
     pub thickness_m: f64,
     /// How the sheet carries the wave.
     pub wave: Wave,
-    /// Lowest and highest frequency of the boundary, Hz (0.5 to 1e7, at least 5 % apart).
+    /// Frequencies of the nearest and the farthest boundary, Hz (0.5 to 1e7; the second at least 5 % above the first).
     pub band_hz: (f64, f64),
     /// Length from the driven end to the narrow end, metres (0.005 to 10).
     pub length_m: f64,
-    /// From the driven end to the nearest boundary, metres; `None`: as much as its peak needs.
+    /// From the driven end to the nearest boundary, metres (see [`super::start_margin_range`]); `None` for the room
+    /// that its peak needs.
     pub start_margin_m: Option<f64>,
-    /// From the farthest boundary to the narrow end, metres; `None`: as much as its tail needs.
+    /// From the farthest boundary to the narrow end, metres (see [`super::end_margin_range`]); `None` for the room that
+    /// its tail needs.
     pub end_margin_m: Option<f64>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1).
     pub full_scale_m: f64,
@@ -69,8 +72,8 @@ pub struct Request {
 }
 
 impl Request {
-    /// A request with the usual rest: automatic margins, a rim of 20 mm, a drive of 1 um from 1 kHz on and 100 um
-    /// below.
+    /// A request with defaults for the other fields: margins as needed, a rim of 20 mm, and a full-scale displacement
+    /// of 1 um if the band starts at 1 kHz or above, else 100 um.
     pub fn new(
         name: &str,
         material: Material,
@@ -93,7 +96,7 @@ impl Request {
         }
     }
 
-    /// What the plate is of.
+    /// The plate's wave model.
     pub(super) fn model(&self) -> Model {
         let material = &self.material;
         match self.wave {

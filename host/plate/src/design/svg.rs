@@ -1,9 +1,9 @@
-//! A drawing as SVG, one user unit to the millimetre, z upward on the sheet.
+//! Writes a drawing as SVG: one user unit is 1 mm, and z points up on the page.
 
 use super::drawing::{Drawing, Layer, Shape, TEXT_HEIGHT_MM, strokes, text_place};
 use std::fmt::Write;
 
-/// Paper left around the drawing, mm.
+/// Empty margin around the drawing, mm.
 const MARGIN_MM: f64 = 5.0;
 
 impl Drawing {

@@ -1,4 +1,4 @@
-//! Designed plates do what was asked, and their cut files can be read back.
+//! Tests of the designer: its plates meet their requests, and other programs can read the cut files.
 
 use super::*;
 use crate::Plate;
@@ -269,7 +269,7 @@ fn the_cut_files_say_how_the_parts_are_put_together() {
 }
 
 #[test]
-fn the_description_is_written_as_a_person_writes_it() {
+fn the_description_rounds_its_numbers_and_writes_kilohertz() {
     let described = |request: &Request| design(request).expect("possible").plate.spec().description.clone();
     assert_eq!(
         described(&aluminium()),
@@ -293,7 +293,7 @@ fn names_with_markup_do_not_break_the_files() {
     assert!(Plate::from_toml(&designed.plate.to_toml()).is_ok());
 }
 
-/// Numbers as they may come from outside: sensible, absurd, and no numbers at all.
+/// Numbers as they may come from outside: in range, far out of range, and not a number.
 fn any_number(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![
         12 => (low.ln()..high.ln()).prop_map(f64::exp),
@@ -314,7 +314,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn whatever_is_asked_is_refused_in_words_or_gives_a_plate_that_holds_its_band(
+    fn any_request_is_refused_with_the_allowed_range_or_gives_a_plate_with_its_band(
         number in 0..11_usize,
         thickness_m in any_number(1e-5, 1e-2),
         wave in any_wave(),
@@ -375,7 +375,7 @@ fn grow(extents: &mut [f64; 4], x: f64, z: f64, r: f64) {
 
 const NOTHING: [f64; 4] = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
 
-/// Extents of the cut layer, as an XML reader sees them; the view box must hold them at 1 unit = 1 mm.
+/// Extents of the cut layer, read by an XML parser; they must lie in the view box, whose unit is 1 mm.
 fn svg_cut_extents(svg: &str) -> [f64; 4] {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let root = document.root_element();

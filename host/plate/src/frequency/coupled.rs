@@ -1,17 +1,17 @@
-//! Several width modes that pass energy to each other: how good the one-mode equation is.
+//! Several coupled width modes: a check of the one-mode equation.
 //!
 //! u(x, z) = sum g_n(x) phi_n, phi_n = W^(-1/2) cos(q_n z/W) with q_n = pi/2, 3 pi/2, .. solves
 //! u_xx + u_zz + K^2 u = 0 with u = 0 on the edges when
 //!
 //! g'' + 2 A g' + B g + (K^2 - q^2/W^2) g = 0, A = (W'/W) a, B = (W'/W)' a - (W'/W)^2 d,
 //!
-//! a_mn = <phi_m, d phi_n/d ln W>, d_mn = <d phi_m/d ln W, d phi_n/d ln W>: nothing is neglected but the modes left
-//! out. The one-mode equation drops a and d. Supported bending obeys the same equation with K = kb, as far as its
-//! evanescent partner wave may be left out.
+//! a_mn = <phi_m, d phi_n/d ln W>, d_mn = <d phi_m/d ln W, d phi_n/d ln W>. The only approximation is the finite number
+//! of modes. The one-mode equation neglects a and d. Bending with supported edges has the same equation with K = kb if
+//! its evanescent wave is neglected.
 
 use crate::frequency::error::RespondError;
 use crate::frequency::numerov::{EndCondition, end_condition};
-use crate::frequency::respond::POINTS_MIN;
+use crate::frequency::respond::{POINTS_MIN, check_frequency};
 use crate::quantity::OutOfRange;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
@@ -21,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Most modes that are coupled.
 pub const COUPLED_MODES_MAX: usize = 8;
-/// Most points of a coupled solution (its work goes with the cube of the modes).
+/// Most points of a coupled solution; its work is proportional to the points and to the cube of the number of modes.
 pub const COUPLED_POINTS_MAX: usize = 20_001;
 
 /// Steady amplitudes of several coupled width modes.
@@ -29,23 +29,26 @@ pub const COUPLED_POINTS_MAX: usize = 20_001;
 pub struct CoupledResponse {
     /// Positions, metres: uniform from 0 to the plate's end.
     pub position_m: Vec<f64>,
-    /// Amplitude of each mode (1, 3, 5, ..) on the centre line, relative to the drive.
+    /// Amplitude of each mode (1, 3, 5, ..) on the centre line at each position, relative to the drive.
     pub modes: Vec<Vec<Complex64>>,
 }
 
 impl CoupledResponse {
-    /// Displacement on the centre line, where every symmetric mode counts with its full amplitude.
+    /// Displacement on the centre line at each position: the sum of all modes.
     pub fn centre_line(&self) -> Vec<Complex64> {
         (0..self.position_m.len()).map(|i| self.modes.iter().map(|mode| mode[i]).sum()).collect()
     }
 }
 
-/// Solves for the first `modes` symmetric width modes together; the drive has the shape of the first.
+/// Solves for the first `modes` (1 to 8) symmetric width modes together, on `points` (8 to 20 001) uniform points from
+/// 0 to the plate's end. The drive has the shape of the first mode.
 ///
-/// Second order in the spacing of `points`. Returns `None` for clamped edges, whose modes are not cosines.
+/// The error is of second order in the distance of the points. Returns `None` for clamped edges, whose modes are not
+/// cosines.
 ///
 /// # Errors
-/// [`RespondError`] when the frequency cannot enter, or when `points` or the range of `modes` (1 to 8) is left.
+/// [`RespondError::OutOfRange`] for `points` or `modes`; [`RespondError::CannotEnter`] or [`RespondError::Frequency`]
+/// for a frequency outside [`super::respond_range`].
 pub fn respond_coupled(
     plate: &Plate,
     frequency_hz: f64,
@@ -54,9 +57,7 @@ pub fn respond_coupled(
 ) -> Result<Option<CoupledResponse>, RespondError> {
     OutOfRange::check_count("points", points, POINTS_MIN..=COUPLED_POINTS_MAX)?;
     OutOfRange::check_count("modes", modes, 1..=COUPLED_MODES_MAX)?;
-    if plate.turning_point_m(frequency_hz).is_none() {
-        return Err(RespondError::cannot_enter(plate, frequency_hz));
-    }
+    check_frequency(plate, frequency_hz)?;
     if matches!(plate.spec().model, Model::BendingClamped(_)) {
         return Ok(None);
     }
@@ -83,7 +84,7 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
         }
         (&identity - &slope, middle, identity + slope)
     };
-    // From the end toward the drive: g[i] = R[i] g[i-1], with the tail beyond the last place decaying mode by mode.
+    // From the plate's end toward the drive: g[i] = R[i] g[i-1]. Beyond the last point each mode decays by itself.
     let last = points - 1;
     let end = plate.width.at(plate.length_m());
     let mut ratio = DMatrix::<Complex64>::zeros(modes, modes);
@@ -98,7 +99,7 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
         ratio = matrix.lu().solve(&(-low)).unwrap_or_else(|| DMatrix::zeros(modes, modes));
         ratios[i] = ratio.clone();
     }
-    // The driven end: the first mode as the plate's drive end says, the others held still.
+    // At the driven end the first mode meets the condition of the plate's drive end; the others are zero.
     let root = |i: usize| (0.5 * (plate.width.at(0.0).value - plate.width.at(i as f64 * step).value)).exp();
     let mut start = DVector::<Complex64>::zeros(modes);
     start[0] = Complex64::ONE;
@@ -121,7 +122,8 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
     CoupledResponse { position_m: (0..points).map(|i| i as f64 * step).collect(), modes: fields }
 }
 
-/// a and d by Simpson's rule over -1..1 (smooth integrands: 2000 intervals are exact to rounding).
+/// The matrices a and d by Simpson's rule over -1..1. The integrands are smooth: 2000 intervals leave only rounding
+/// errors.
 fn coupling(modes: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let intervals = 2000;
     let mut a = DMatrix::zeros(modes, modes);
@@ -199,6 +201,10 @@ mod tests {
             Err(RespondError::OutOfRange(OutOfRange { field: "points", .. }))
         ));
         assert!(matches!(respond_coupled(&plate, 20.0, 2001, 3), Err(RespondError::CannotEnter { .. })));
+        for frequency_hz in [f64::NAN, f64::INFINITY, -1.0, 1e6] {
+            let refused = respond_coupled(&plate, frequency_hz, 2001, 3);
+            assert!(matches!(refused, Err(RespondError::Frequency(_))), "{frequency_hz}: {refused:?}");
+        }
         let mut spec = preset("al-bending").expect("a preset").spec().clone();
         spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
         spec.span_end_m = 0.25;

@@ -1,20 +1,20 @@
-//! Why the plate has no amplitude at a frequency.
+//! Why no amplitude was computed at a frequency.
 
 use crate::quantity::number_format::{at_least, at_most, typed};
-use crate::quantity::{OutOfRange, Range};
+use crate::quantity::{OutOfRange, Range, must_be};
 use crate::spec::plate::Plate;
 use thiserror::Error;
 
-/// Why a plate did not answer.
+/// Why the amplitude was not computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RespondError {
-    /// The frequency is below the cut-off at the driven end: nothing runs.
-    #[error(
-        "frequency = {} Hz cannot enter the plate {plate:?}: must be above {} Hz, the cut-off at its wide end",
-        typed(at_most(*.frequency_hz, 6)), typed(at_least(*.cut_off_hz, 5))
-    )]
+    /// The frequency is below the cut-off at the driven end: no wave propagates.
+    #[error("{}", must_be(
+        format_args!("frequency = {} Hz cannot enter the plate {:?}", typed(at_most(*.frequency_hz, 6)), .plate),
+        format_args!("above {} Hz, the cut-off at its wide end", typed(at_least(*.cut_off_hz, 5))),
+    ))]
     CannotEnter {
-        /// Name of the plate: a table made for one may be played on another.
+        /// Name of the plate, because a table made for one plate can be used on another.
         plate: String,
         /// The frequency that was asked for, Hz.
         frequency_hz: f64,
@@ -24,7 +24,7 @@ pub enum RespondError {
     /// The frequency is too low, too high or not a number.
     #[error("{0} for this plate")]
     Frequency(OutOfRange),
-    /// The number of points or of width modes is out of range.
+    /// The number of points or of width modes, or the sample rate, is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
 }

@@ -1,4 +1,4 @@
-//! The plate at one frequency: the amplitude over x, and its peak.
+//! The plate in the frequency domain: the steady amplitude over x at one frequency, and its peak.
 
 pub mod clamped;
 mod coupled;

@@ -1,12 +1,12 @@
-//! The amplitude equation on a grid, fourth order.
+//! Solves the amplitude equation on a grid by Numerov's method, of fourth order.
 //!
 //! With g = sqrt(W) f the equation f'' + (W'/W) f' + k^2 f = 0 becomes g'' + Q g = 0 with
 //! Q = k^2 - (sqrt W)''/sqrt W (the paper's equation is g = f, Q = k^2). Numerov's scheme for y = (1 + h^2 Q/12) g is
 //! `y[i-1] = U[i] y[i] - y[i+1]`, U = 12/(1 + h^2 Q/12) - 10, with an error of h^4.
 //!
-//! It is run from far behind the turning point, where only the decaying solution fits, toward the driven end: in
-//! that direction the wanted solution grows and the recursion is stable, with no division and no matrix. The
-//! driven end then fixes the scale, with a derivative that is fourth order too.
+//! The recursion runs from far beyond the turning point, where only the decaying solution is possible, toward the
+//! driven end. In that direction the wanted solution grows, so the recursion is stable and needs no matrix. The
+//! condition at the driven end then gives the scale; its derivative is of fourth order, too.
 
 use crate::frequency::equation::Equation;
 use crate::frequency::sweep::{LANES, Sweep};
@@ -15,11 +15,12 @@ use crate::spec::plate::{Plate, WidthMode};
 use num_complex::Complex64;
 use pulp::Arch;
 
-/// Most points a refined grid has: a plate that would need more has a tail too steep to be seen.
+/// Most points of a refined grid. A plate that would need more has a tail so steep that its error is invisible.
 const GRID_POINTS_MAX: usize = 400_000;
-/// Decay exponents beyond which the tail is set to zero (e^-60 is below anything that is shown).
+/// Exponents of decay after which the tail is set to zero: e^-60 is negligible.
 const TAIL_EXPONENTS: f64 = 60.0;
-/// Decay exponents that the taper is continued beyond the plate's end, so that the end condition cannot be seen.
+/// Exponents of decay over which the taper is continued beyond the plate's end, so that the condition at the end of the
+/// grid has no effect.
 const BEYOND_EXPONENTS: f64 = 14.0;
 
 /// The frequency-independent part of the problem: one plate, one width mode, one equation, one grid.
@@ -28,9 +29,10 @@ pub(crate) struct Grid {
     step_m: f64,
     /// Points on the plate (from 0 to its end).
     on_plate: usize,
-    /// a (q/W)^2 + (sqrt W)''/sqrt W at -1, 0, 1, .. : index i + 1. Goes on beyond the plate's end.
+    /// a (q/W)^2 + (sqrt W)''/sqrt W at the grid points -1, 0, 1, ..; point i has the index i + 1. It continues beyond
+    /// the plate's end.
     barrier: Vec<f64>,
-    /// Whether the barrier rises from place to place, as it does on most plates.
+    /// Whether the barrier rises from point to point, as on most plates.
     is_rising: bool,
     /// 1/sqrt(W/W0) on the plate (1 for the paper's equation).
     scale: Vec<f64>,
@@ -57,7 +59,7 @@ impl Grid {
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
         barrier.push(barrier_at(-step_m));
         barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
-        // The wave that turns at the plate's end is the one that decays slowest there.
+        // Of all waves that turn on the plate, the one that turns at its end decays slowest beyond it.
         let end_term = width_mode.width_term(plate.length_m());
         let (mut exponents, mut i) = (0.0, on_plate);
         while exponents < BEYOND_EXPONENTS && barrier.len() < 4 * on_plate + 64 {
@@ -84,12 +86,12 @@ impl Grid {
     }
 }
 
-/// How much finer than `step_m` the grid must be for an error of about 1e-9 at `frequency_hz`.
+/// The factor by which the grid must be finer than `step_m` for an error of about 1e-9 at `frequency_hz`.
 pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize {
     let width_mode = plate.width_mode(1);
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(0.0);
-    // Numerov's phase error is (kh)^4/480 per radian; the deepest tail on the plate counts by its own exponent.
+    // Numerov's phase error is (kh)^4/480 per radian. The steepest decay on the plate counts with half of its rate.
     let phase = width_mode.phase_to(plate.length_m(), frequency_hz).max(1.0);
     let tail =
         (width_mode.width_term(plate.length_m()) - width_mode.axial_squared(frequency_hz)).max(0.0).sqrt();
@@ -99,13 +101,13 @@ pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize
     (step_m / wanted).ceil().clamp(1.0, most) as usize
 }
 
-/// f'(0) + a f(0) = b of the driven end at `frequency_hz`, or a prescribed f(0).
+/// Condition at the driven end: f(0) = 1 (Dirichlet), or f'(0) + a f(0) = b (Robin).
 pub(crate) enum EndCondition {
     Dirichlet,
     Robin { a: Complex64, b: Complex64 },
 }
 
-/// The driven end's law for a drive of 1.
+/// The condition at the driven end for a drive of 1.
 pub(crate) fn end_condition(plate: &Plate, frequency_hz: f64) -> EndCondition {
     let width_mode = plate.width_mode(1);
     let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
@@ -122,12 +124,12 @@ pub(crate) fn end_condition(plate: &Plate, frequency_hz: f64) -> EndCondition {
     }
 }
 
-/// a K^2 (1 + j eta), eta = [`Plate::wave_loss`].
+/// a K^2 (1 + j eta) with eta = [`Plate::wave_loss`], 1/m^2.
 pub(crate) fn lossy_axial_squared(plate: &Plate, width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
     width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
 }
 
-/// f on the grid's points on the plate.
+/// f at the grid points on the plate, relative to the drive.
 pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Complex64> {
     let width_mode = plate.width_mode(grid.mode);
     let axial = lossy_axial_squared(plate, &width_mode, frequency_hz);
@@ -145,7 +147,7 @@ pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Comple
         next = y[i];
         y[i - 1] = before;
     }
-    // From y to g, then the driven end's derivative, fourth order (Numerov's own: g''' = -(Q g)').
+    // From y to g. Then the derivative at the driven end, of fourth order, because g''' = -(Q g)'.
     for (i, value) in y.iter_mut().enumerate().take(start + 1) {
         *value /= 1.0 + h2 * q(i);
     }
@@ -155,7 +157,7 @@ pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Comple
     y[1..=grid.on_plate].iter().zip(&grid.scale).map(|(g, scale)| g * gain * *scale).collect()
 }
 
-/// The factor that makes g and g' at 0 obey the driven end.
+/// The factor by which a solution with `g` and g' = `slope` at 0 is scaled to meet the condition at the driven end.
 pub(crate) fn end_gain(
     grid: &Grid,
     plate: &Plate,
@@ -170,11 +172,11 @@ pub(crate) fn end_gain(
     }
 }
 
-/// Where the sweep may begin: so far behind the turning point that the rest is below e^-60.
+/// Index at which the recursion may begin: so far beyond the turning point that the amplitude there is below e^-60.
 fn tail_start(grid: &Grid, axial: f64) -> usize {
     let last = grid.barrier.len() - 1;
     let mut exponents = 0.0;
-    // Roots only where there is a tail: they would take as long as the sweep.
+    // Only the tail needs square roots. Over the whole grid they would take as long as the recursion.
     let turn = if grid.is_rising { grid.barrier.partition_point(|&barrier| barrier <= axial) } else { 1 };
     for i in turn.max(1)..last {
         exponents += (grid.barrier[i] - axial).max(0.0).sqrt() * grid.step_m;
@@ -185,10 +187,10 @@ fn tail_start(grid: &Grid, axial: f64) -> usize {
     last
 }
 
-/// Places whose eight values are taken apart together: 8 KiB, so that they stay in the first-level cache.
+/// Grid points whose eight values are copied to the eight fields together: 8 KiB, which fits in the first-level cache.
 const STRETCH: usize = 64;
 
-/// [`solve`] for many frequencies, eight at a time; `visit` gets the number of the frequency and its field.
+/// As [`solve`] for many frequencies, eight at a time; `visit` gets the index of each frequency and its field.
 pub(crate) fn solve_each(
     grid: &Grid,
     plate: &Plate,
@@ -227,7 +229,7 @@ pub(crate) fn solve_each(
             let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
             end_gain(grid, plate, frequency[lane], g, difference / (2.0 * grid.step_m))
         });
-        // A stretch of places at a time: all lanes read the same cache lines.
+        // A stretch of points at a time, so that all lanes read the same cache lines.
         for from in (0..grid.on_plate).step_by(STRETCH) {
             let to = (from + STRETCH).min(grid.on_plate);
             for ((lane, field), gain) in fields.iter_mut().enumerate().zip(gains) {

@@ -1,24 +1,24 @@
-//! Finding the turning-point peak on a grid, and saying so when there is none.
+//! Finds the turning-point peak of an amplitude on a grid, if there is one.
 
 use crate::spec::plate::Plate;
 use num_complex::Complex64;
 
-/// The turning-point peak of an amplitude distribution.
+/// The turning-point peak of an amplitude over x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
-    /// Where it is, metres.
+    /// Position, metres.
     pub position_m: f64,
-    /// How high it is, in the unit of the distribution.
+    /// Height, in the unit of the amplitude.
     pub amplitude: f64,
     /// Whether it is the largest amplitude on the plate (with loss, the driven end may be larger).
     pub is_largest: bool,
 }
 
 impl Peak {
-    /// The turning-point peak of a measured field: `field` holds a tone's complex amplitude at places uniform from 0
-    /// to the plate's end.
+    /// The turning-point peak of a measured field: `field` holds the complex amplitude of a tone at positions uniform
+    /// from 0 to the plate's end.
     ///
-    /// `None` if there is none to be seen, if the frequency does not enter, or if there are fewer than 3 places.
+    /// `None` if the field has no such peak, if the frequency does not enter, or if there are fewer than 3 positions.
     pub fn of(field: &[Complex64], plate: &Plate, frequency_hz: f64) -> Option<Self> {
         let turning_point_m = plate.turning_point_m(frequency_hz)?;
         let kappa = plate.kappa_per_m(frequency_hz)?;
@@ -27,11 +27,11 @@ impl Peak {
     }
 }
 
-/// Looks for the last local maximum of |f| before the turning point.
+/// Finds the last local maximum of |f| between 3.3/kappa before the turning point and 0.5/kappa beyond it.
 ///
-/// The Airy peak lies at -1.019/kappa and the first node at -2.338/kappa; loss shifts the maximum toward the drive
-/// before it disappears, and a maximum further than 3.3/kappa away belongs to another antinode. `None` if |f| has no
-/// interior maximum there, or one that stands out by less than 0.1 % (a bump nobody could find).
+/// The Airy peak lies 1.019/kappa before the turning point and the first node 2.338/kappa. Loss shifts the maximum
+/// toward the drive and then removes it; a maximum farther away than 3.3/kappa belongs to another antinode. `None` if
+/// |f| has no interior maximum there, or one less than 0.1 % above the minimum before it.
 pub(crate) fn find(field: &[Complex64], step_m: f64, turning_point_m: f64, kappa: f64) -> Option<Peak> {
     let square: Vec<f64> = field.iter().map(Complex64::norm_sqr).collect();
     find_in_squares(&square, step_m, turning_point_m, kappa)
@@ -46,7 +46,7 @@ pub(crate) fn find_in_squares(square: &[f64], step_m: f64, turning_point_m: f64,
     let (first, end) = (index(near).max(1), index(far));
     let top = (first..=end).rev().find(|&i| square[i] >= square[i - 1] && square[i] > square[i + 1])?;
     let valley = square[..top].iter().rev().scan(square[top], |above, &value| {
-        // Walk down toward the drive as long as it falls.
+        // Follow the amplitude toward the drive as long as it falls.
         (value <= *above).then(|| {
             *above = value;
             value
@@ -66,7 +66,7 @@ pub(crate) fn find_in_squares(square: &[f64], step_m: f64, turning_point_m: f64,
     })
 }
 
-/// |f| at a place between grid points (three-point interpolation of |f|^2); 0 outside the grid.
+/// |f| at a position between grid points, by quadratic interpolation of the complex f; 0 outside the grid.
 pub(crate) fn amplitude_at(field: &[Complex64], step_m: f64, place_m: f64) -> f64 {
     let at = place_m / step_m;
     if !(at >= 0.0 && at <= (field.len() - 1) as f64) {
@@ -80,7 +80,8 @@ pub(crate) fn amplitude_at(field: &[Complex64], step_m: f64, place_m: f64) -> f6
     (f(middle) + slope * t + curvature * (0.5 * t * t)).norm()
 }
 
-/// The vertex near `top`: a quartic through five points where they exist, else a parabola through three.
+/// Offset from the grid point `top`, in steps, and value of the maximum near it: of a quartic through five points, or
+/// of a parabola through three at the ends of the grid.
 fn vertex(square: &[f64], top: usize) -> (f64, f64) {
     let value = |i: usize| square[i];
     if top >= 2 && top + 2 < square.len() {
@@ -91,12 +92,12 @@ fn vertex(square: &[f64], top: usize) -> (f64, f64) {
         let third = (-a + 2.0 * b - 2.0 * d + e) / 2.0;
         let fourth = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
         let slope = |t: f64| first + t * (second + t * (third / 2.0 + t * fourth / 6.0));
-        let bend = |t: f64| second + t * (third + t * fourth / 2.0);
+        let curvature_at = |t: f64| second + t * (third + t * fourth / 2.0);
         let mut t = 0.0;
         for _ in 0..8 {
-            let bend = bend(t);
-            if bend < 0.0 {
-                t = (t - slope(t) / bend).clamp(-1.0, 1.0);
+            let curvature = curvature_at(t);
+            if curvature < 0.0 {
+                t = (t - slope(t) / curvature).clamp(-1.0, 1.0);
             }
         }
         return (t, c + t * (first + t * (second / 2.0 + t * (third / 6.0 + t * fourth / 24.0))));

@@ -1,39 +1,40 @@
-//! Numerov's sweep for eight frequencies side by side, in vector registers.
+//! Numerov's recursion for eight frequencies at once, in vector registers.
 //!
-//! The barrier is real and the loss constant along x, so 1/(1 + h^2 Q/12) needs one real division for each place and
-//! frequency; the recursion itself has only products and sums.
+//! The barrier is real and the loss does not depend on x, so 1/(1 + h^2 Q/12) takes one real division per position and
+//! frequency. The recursion itself consists of products and sums.
 
 use pulp::{Simd, WithSimd};
 
-/// Frequencies that are swept together.
+/// Frequencies that are computed together.
 pub(crate) const LANES: usize = 8;
 
 type Lanes = [f64; LANES];
 
 /// One sweep from the tail to the driven end.
 pub(crate) struct Sweep<'a> {
-    /// h^2/12 times the barrier at each place, from -1 on.
+    /// h^2/12 times the barrier at each grid point, from point -1 on.
     pub(crate) barrier: &'a [f64],
     /// 1 + h^2/12 times a K^2 (1 + j eta) of each frequency.
     pub(crate) axial_re: Lanes,
     pub(crate) axial_im: Lanes,
-    /// Where each frequency's sweep begins, and the ratio of its first two values (a decaying tail).
+    /// Index at which the sweep of each frequency begins, and the ratio of its first two values, that of a decaying
+    /// tail.
     pub(crate) start: [usize; LANES],
     pub(crate) ratio_re: Lanes,
     pub(crate) ratio_im: Lanes,
-    /// g at each place (room for `barrier.len()`); places behind a frequency's start are zero.
+    /// g at each grid point (of length `barrier.len()`); zero beyond the start of a frequency.
     pub(crate) g_re: &'a mut [Lanes],
     pub(crate) g_im: &'a mut [Lanes],
 }
 
-/// Value at the start of a sweep: small, so that sixty exponents of growth stay finite.
+/// Value at the start of a sweep: small, so that the values stay finite when they grow by e^60.
 const SEED: f64 = 1e-30;
 
-/// What the driven end needs of a sweep: g at 0, and (1 + h^2 Q/6)-weighted y at 1 and at -1.
+/// What the condition at the driven end needs from a sweep: g at point 0, and the slope of g there.
 pub(crate) struct Ends {
     pub(crate) g_re: Lanes,
     pub(crate) g_im: Lanes,
-    /// y (1 + h^2 Q/6) at place 1 minus the same at place -1: 2 h times the slope of g at 0.
+    /// g (1 + h^2 Q/6) at point 1 minus the same at point -1: 2 h times the slope of g at point 0.
     pub(crate) difference_re: Lanes,
     pub(crate) difference_im: Lanes,
 }
@@ -69,8 +70,8 @@ impl WithSimd for Sweep<'_> {
             let mut before_re = [0.0; LANES];
             let mut before_im = [0.0; LANES];
             for lane in 0..LANES {
-                // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p. Not by way of g: y[i-1] waits for
-                // y[i], and the fewer operations lie between them the better.
+                // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p. The recursion is in y and not in g,
+                // because that has fewer operations between y[i] and y[i-1], which must wait for it.
                 let re = self.axial_re[lane] - barrier;
                 let im = self.axial_im[lane];
                 let inverse = 1.0 / (re * re + im * im);

@@ -21,7 +21,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let x0 = response.turning_point_m;
     let kappa = airy::EDGE_WIDTH / response.edge_width_m;
     let peak = response.peak.map_or((0.0, 0.0), |peak| (peak.position_m, peak.amplitude));
-    // The Airy form is a near form: shown from its third node on.
+    // The Airy form holds only near the turning point, so it is drawn from its third node on.
     let airy = response
         .position_m
         .iter()
@@ -76,7 +76,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::summit;
+    use crate::paper::figure::highest_point;
 
     #[test]
     fn the_printed_turning_point_lies_before_the_drive_and_its_peak_just_behind() {
@@ -84,7 +84,7 @@ mod tests {
         let panel = &figure.panels[0];
         // d x0 = -0.031.
         assert!((panel.marks[0].x * 4.62e-3 + 0.031).abs() < 5e-4, "{:?}", panel.marks);
-        let (x, height) = summit(&panel.series[0].points);
+        let (x, height) = highest_point(&panel.series[0].points);
         // Edge width of the SH wave at 40 kHz: 69 mm in the Airy form (68 mm exactly), so 1.0188/kappa = 25.9 mm.
         let kappa = printed::kappa_per_m(FREQUENCY_HZ, ALUMINIUM_SPEED);
         assert!((2.7286 / kappa * 1e3 - 69.4).abs() < 0.1, "{}", 2.7286 / kappa);
@@ -97,11 +97,11 @@ mod tests {
         let panel = &figure.panels[1];
         let x0 = panel.marks[0].x;
         assert!((x0 * 4.62e-3 - 1.286).abs() < 1e-3, "{x0}");
-        let (x, height) = summit(&panel.series[0].points);
+        let (x, height) = highest_point(&panel.series[0].points);
         // x0 - 1.0188/kappa, kappa = 90.7/m: 267 mm.
         assert!((x - 267.1).abs() < 0.8 && (panel.marks[1].x - x).abs() < 0.6, "{x}");
         // W0/W = e^1.286 lifts the wave by e^0.64 = 1.9.
-        let bare = summit(&panel.series[1].points).1;
+        let bare = highest_point(&panel.series[1].points).1;
         assert!((height / bare - 1.9).abs() < 0.15, "{height} {bare}");
         // One tenth of the peak 1.710/kappa behind x0.
         let tail = panel.series[0].points.iter().find(|p| p.0 > x && p.1 < 0.1 * height).expect("decays");

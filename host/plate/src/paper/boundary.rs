@@ -65,7 +65,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::summit;
+    use crate::paper::figure::highest_point;
 
     #[test]
     fn the_printed_boundaries_move_the_wrong_way() {
@@ -82,7 +82,7 @@ mod tests {
         assert!((forty - 1.286).abs() < 1e-3 && (twenty - 0.939).abs() < 1e-3, "{forty} {twenty}");
         assert!((panel.marks[0].x - panel.marks[1].x - 75.0).abs() < 0.1);
         for (series, edge_mm) in panel.series.iter().zip([29.8, 37.4]) {
-            let (x, height) = summit(&series.points);
+            let (x, height) = highest_point(&series.points);
             let tail = series.points.iter().find(|p| p.0 > x && p.1 < 0.1 * height).expect("decays").0;
             assert!((tail - x - edge_mm).abs() < 1.5, "{}: {}", series.name, tail - x);
         }

@@ -1,11 +1,11 @@
-//! A figure's numbers as CSV: comment lines with the conventions, then one row a point.
+//! Writes a figure as CSV: comment lines with the conventions, then one row per point.
 
 use super::figure::Figure;
 use std::fmt::Write;
 
 impl Figure {
-    /// The figure as CSV with the columns `panel, curve, x, y` (the header names the units); a marked place is a row
-    /// without y. Lines that begin with `#` tell the conventions.
+    /// The figure as CSV with the columns `panel, curve, x, y`; the header has the unit of x, a comment line the
+    /// meaning of y. A mark is a row without y. Lines that begin with `#` are comments with the conventions.
     pub fn to_csv(&self) -> String {
         let mut text = String::new();
         // Writing to a String cannot fail.

@@ -4,11 +4,12 @@ use super::figure::{Figure, Mark, POINTS, Panel, Series, Stroke, ramp};
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Wave speed of the rubber sheet, m/s (the paper gives none; 30 Hz must enter a plate 100 mm wide).
+/// Wave speed of the rubber sheet, m/s. The paper does not give it; 30 Hz must enter a plate 100 mm wide, which
+/// requires less than 6 m/s.
 const SPEED: f64 = 5.0;
 /// Loss factor of the rubber sheet.
 const LOSS: f64 = 0.1;
-/// The frequency that is put in, Hz.
+/// Frequency of the drive, Hz.
 const FREQUENCY_HZ: f64 = 40.0;
 /// Highest frequency shown, Hz.
 const HIGHEST_HZ: f64 = 80.0;
@@ -21,7 +22,7 @@ fn wavenumber(frequency_hz: f64, half_width_m: f64, mode: f64, loss: f64) -> Com
     (free * Complex64::new(1.0, loss) - (mode * FRAC_PI_2 / half_width_m).powi(2)).sqrt()
 }
 
-/// Lossless curve in the paper's way: Re k to the right, Im k to the left.
+/// The curve without loss, drawn as in the paper: Re k to the right of zero, -Im k to the left.
 fn lossless(half_width_mm: f64, mode: f64) -> Vec<(f64, f64)> {
     ramp(0.0, HIGHEST_HZ, POINTS)
         .map(|frequency_hz| {

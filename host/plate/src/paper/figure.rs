@@ -1,4 +1,4 @@
-//! What a figure is made of: panels, curves and marks; and the solutions that its curves show.
+//! The data of a figure: panels, curves and marks; and helpers that compute the curves.
 
 use crate::frequency::equation::Equation;
 use crate::frequency::error::RespondError;
@@ -14,42 +14,42 @@ pub(super) const POINTS: usize = 601;
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// The curve the panel is about.
+    /// A main curve of the panel.
     Solid,
-    /// Something to compare it with.
+    /// A curve for comparison.
     Dashed,
 }
 
 /// A curve of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What it is.
+    /// Name of the curve in the legend.
     pub name: String,
     /// How it is drawn.
     pub stroke: Stroke,
-    /// Number of its colour: curves of one frequency share one.
+    /// Index of its colour; curves of the same frequency have the same.
     pub hue: usize,
     /// Points in the panel's units, in drawing order.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A place worth a vertical line.
+/// A position marked by a vertical line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// What is there.
+    /// Name of the mark.
     pub name: String,
-    /// Number of its colour, as [`Series::hue`].
+    /// Index of its colour, as [`Series::hue`].
     pub hue: usize,
-    /// Where, in the unit of the x axis.
+    /// Position in the unit of the x axis.
     pub x: f64,
 }
 
-/// One version of a figure.
+/// One of the two versions of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// `as printed` or `corrected`.
     pub heading: &'static str,
-    /// The convention the curves suppose, one sentence a line.
+    /// The formulas and values that the curves assume, one line each.
     pub convention: Vec<String>,
     /// Range of the x axis, in its unit.
     pub x_range: (f64, f64),
@@ -68,24 +68,24 @@ pub struct Panel {
 pub struct Figure {
     /// Its number in the paper.
     pub number: u32,
-    /// What it shows.
+    /// The title.
     pub title: &'static str,
     /// The x axis's label with its unit.
     pub x_label: &'static str,
-    /// As printed, then corrected.
+    /// The version as printed, then the corrected one.
     pub panels: [Panel; 2],
 }
 
 /// Why a figure could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
-    /// The figures' own plate is not among the presets.
+    /// The plate of a figure is not among the presets.
     #[error("the preset plate \"{0}\" is not there")]
     Preset(&'static str),
-    /// The figures' own plate was refused.
+    /// The plate of a figure was refused.
     #[error(transparent)]
     Plate(#[from] crate::spec::error::PlateError),
-    /// The plate did not answer.
+    /// The amplitude could not be computed.
     #[error(transparent)]
     Respond(#[from] RespondError),
 }
@@ -103,27 +103,27 @@ pub(super) fn solve(plate: &Plate, frequency_hz: f64, equation: Equation) -> Res
     Ok(respond(plate, frequency_hz, POINTS, equation)?)
 }
 
-/// |f| over x in mm.
+/// |f| of a response as points (x in mm, |f|).
 pub(super) fn magnitude(response: &Response) -> Vec<(f64, f64)> {
     let pairs = response.position_m.iter().zip(&response.amplitude);
     pairs.map(|(x, amplitude)| (x * 1e3, amplitude.norm())).collect()
 }
 
-/// Points of the largest y in a curve.
+/// The point of a curve with the largest y.
 #[cfg(test)]
-pub(super) fn summit(points: &[(f64, f64)]) -> (f64, f64) {
+pub(super) fn highest_point(points: &[(f64, f64)]) -> (f64, f64) {
     points.iter().copied().fold((0.0, f64::NEG_INFINITY), |best, p| if p.1 > best.1 { p } else { best })
 }
 
 impl Figure {
-    /// Base of the names of its files: `fig04`.
+    /// Name of its files without the extension: `fig04`.
     pub fn file_stem(&self) -> String {
         format!("fig{:02}", self.number)
     }
 }
 
 impl Panel {
-    /// The curve of that name.
+    /// The curve called `name`; `None` if there is none.
     pub fn curve(&self, name: &str) -> Option<&Series> {
         self.series.iter().find(|series| series.name == name)
     }

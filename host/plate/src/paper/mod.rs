@@ -1,10 +1,10 @@
 //! The figures of the paper "A Tactile Display Using Elastic Waves in a Tapered Plate", as printed and corrected.
 //!
 //! ```text
-//! figures() -> Figure { panels: [as printed, corrected] } -> to_csv(), or a picture (drawn by whoever has a canvas)
+//! figures() -> Figure { panels: [as printed, corrected] } -> to_csv(), or a picture (the caller draws it)
 //! ```
-//! The paper gives neither the taper's rate, nor the wave speed, nor the loss, nor the plate's thickness: every panel
-//! states the convention it supposes. `d` is 4.62 /m throughout, the rate that narrows a plate fourfold in 300 mm.
+//! The paper does not give the rate of the taper, the wave speed, the loss or the thickness of the plate, so every
+//! panel states the values it assumes. `d` is always 4.62 /m, which makes a plate four times narrower over 300 mm.
 
 mod amplitude;
 mod boundary;
@@ -18,10 +18,11 @@ mod superposition;
 
 pub use figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke};
 
-/// Fig. 2, 3, 4, 5, 7 and 9.
+/// The figures 2, 3, 4, 5, 7 and 9 of the paper.
 ///
 /// # Errors
-/// [`FigureError`] only if the presets were changed into something that cannot show the figures.
+/// [`FigureError`] if a preset that a figure uses is missing or its frequencies do not enter; the presets as shipped
+/// give none.
 pub fn figures() -> Result<Vec<Figure>, FigureError> {
     Ok(vec![
         dispersion::figure(),

@@ -8,21 +8,22 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const SPEED: f64 = 5.0;
 /// Half-width at x = 0, metres.
 const HALF_WIDTH_M: f64 = 0.05;
-/// The frequency that is put in, Hz.
+/// Frequency of the drive, Hz.
 const FREQUENCY_HZ: f64 = 40.0;
 /// x axis, mm.
 const RANGE_MM: (f64, f64) = (-200.0, 200.0);
 
-/// (pi/2W)^2 with W = W0 e^(-sign d x), 1/m^2.
+/// The potential V = (pi/2W)^2 with W = W0 e^(-sign d x), 1/m^2.
 fn potential(x_m: f64, sign: f64) -> f64 {
     (FRAC_PI_2 / HALF_WIDTH_M).powi(2) * (2.0 * sign * RATE_PER_M * x_m).exp()
 }
 
+/// The "energy" E = (omega/Vs)^2, 1/m^2: the wave turns where V = E.
 fn energy() -> f64 {
     (TAU * FREQUENCY_HZ / SPEED).powi(2)
 }
 
-/// (1/d) ln(f/fc0), metres.
+/// The turning point (1/d) ln(f/fc0), metres: minus the printed one.
 fn turning_point_m() -> f64 {
     -printed::turning_point_m(FREQUENCY_HZ, SPEED, HALF_WIDTH_M)
 }

@@ -9,19 +9,19 @@ pub(super) const ALUMINIUM_SPEED: f64 = 3_103.162;
 /// W0 of Fig. 4, 5 and 7, metres.
 pub(super) const ALUMINIUM_WIDTH_M: f64 = 0.02;
 
-/// (24): x0 = (1/d) ln(pi Vs/(2 W0 omega)), metres; minus the turning point of (22).
+/// The paper's (24): x0 = (1/d) ln(pi Vs/(2 W0 omega)), metres. It is minus the turning point that follows from (22).
 pub(super) fn turning_point_m(frequency_hz: f64, speed: f64, width_m: f64) -> f64 {
     (FRAC_PI_2 * speed / (width_m * TAU * frequency_hz)).ln() / RATE_PER_M
 }
 
-/// (33)-(36): the two Bessel forms joined at x0 are one Airy function of the mirrored place, Ai(-kappa (x - x0)) with
-/// kappa = (2 d (omega/Vs)^2)^(1/3); here with its peak at 1. It oscillates for x > x0.
+/// The paper's (33)-(36), scaled to a peak of 1. The two Bessel forms joined at x0 are one Airy function of the
+/// mirrored position, Ai(-kappa (x - x0)) with kappa = (2 d (omega/Vs)^2)^(1/3). It oscillates for x > x0.
 pub(super) fn amplitude(x: f64, frequency_hz: f64, speed: f64, width_m: f64) -> f64 {
     airy::ai(-kappa_per_m(frequency_hz, speed) * (x - turning_point_m(frequency_hz, speed, width_m)))
         / airy::PEAK_VALUE
 }
 
-/// kappa of (26), k^(2/3) with k^2 = 2 d (omega/Vs)^2, 1/m.
+/// kappa of the paper's (26), 1/m: k^(2/3) with k^2 = 2 d (omega/Vs)^2.
 pub(super) fn kappa_per_m(frequency_hz: f64, speed: f64) -> f64 {
     (2.0 * RATE_PER_M * (TAU * frequency_hz / speed).powi(2)).cbrt()
 }

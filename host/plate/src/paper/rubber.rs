@@ -21,7 +21,7 @@ fn curves(plate: &Plate, equation: Equation) -> Result<(Vec<Series>, Vec<Mark>),
 
 pub(super) fn figure() -> Result<Figure, FigureError> {
     let rig = preset("paper-rubber")?;
-    // Read with the paper's own definition of W0, the plate is twice as wide.
+    // By the paper's own definition of W0 as a half-width, the plate is twice as wide as the rig's.
     let half_width_m = 0.1;
     let read_literally = Plate::new(PlateSpec {
         taper: Taper::Exponential { half_width_m, rate_per_m: RATE_PER_M },
@@ -71,7 +71,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::summit;
+    use crate::paper::figure::highest_point;
 
     #[test]
     fn the_corrected_turning_points_are_39_5_and_101_7_mm_a_shift_of_ln_4_thirds_over_d() {
@@ -94,7 +94,7 @@ mod tests {
         let panel = &figure().expect("the preset shows it").panels[1];
         let slow = &panel.series[0].points;
         assert!(slow.windows(2).all(|pair| pair[1].1 < pair[0].1), "no peak at 30 Hz");
-        let (x, height) = summit(&panel.series[1].points);
+        let (x, height) = highest_point(&panel.series[1].points);
         let at_turn = panel.series[1].points.iter().find(|p| p.0 > panel.marks[1].x).expect("on it").1;
         assert!(x < panel.marks[1].x && at_turn < height, "{x} {height} {at_turn}");
     }

@@ -28,7 +28,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     for (i, frequency_hz) in FREQUENCIES_HZ.into_iter().enumerate() {
         let response = solve(&plate, frequency_hz, Equation::Corrected)?;
         let mut points = magnitude(&response);
-        // A table would level both peaks: so do the curves.
+        // A drive table makes both peaks equal, so the curves are scaled to a peak of 1.
         let level = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
         points.iter_mut().for_each(|point| point.1 /= level);
         tones.push(Series { name: name(frequency_hz), stroke: Stroke::Dashed, hue: i + 1, points });
@@ -87,7 +87,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::figure::summit;
+    use crate::paper::figure::highest_point;
 
     #[test]
     fn the_printed_peaks_are_450_mm_apart_in_the_wrong_order() {
@@ -103,7 +103,7 @@ mod tests {
         assert!((panel.marks[0].x * 4.62e-3 - 0.246).abs() < 1e-3, "{:?}", panel.marks);
         assert!((panel.marks[1].x * 4.62e-3 - 1.286).abs() < 1e-3, "{:?}", panel.marks);
         for (tone, mark) in panel.series[1..].iter().zip(&panel.marks) {
-            let (x, height) = summit(&tone.points);
+            let (x, height) = highest_point(&tone.points);
             assert!(
                 (height - 1.0).abs() < 2e-3 && x < mark.x && mark.x - x < 30.0,
                 "{}: {x} {height}",
@@ -117,6 +117,6 @@ mod tests {
             assert!(sum.1 >= a.1.max(b.1) && sum.1 <= a.1 + b.1 + 1e-12);
         }
         let far = panel.series[0].points.iter().copied().filter(|p| p.0 > 200.0).collect::<Vec<_>>();
-        assert!((summit(&far).1 - 1.0).abs() < 5e-3);
+        assert!((highest_point(&far).1 - 1.0).abs() < 5e-3);
     }
 }

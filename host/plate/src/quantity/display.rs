@@ -1,6 +1,7 @@
 //! Numbers with units, written for people: each in the unit that suits its size.
 
 use super::number_format::{at_least, at_most, typed};
+use std::fmt;
 
 /// What a range is of, and so the units that its ends are told in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,16 +16,26 @@ pub enum Measure {
     Plain(&'static str),
 }
 
-/// A range as it would be typed: `5 mm to 10 m`, each end rounded inwards to four digits, so that it is allowed.
-#[must_use]
-pub fn show_range(low: f64, high: f64, measure: Measure) -> String {
-    let units: &[(f64, &str)] = match measure {
-        Measure::Length => &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")],
-        Measure::Frequency => &[(1e6, "MHz"), (1e3, "kHz"), (1.0, "Hz")],
-        Measure::Time => &[(1.0, "s"), (1e-3, "ms")],
-        Measure::Plain(unit) => &[(1.0, unit)],
-    };
-    let end = |value: f64, round: fn(f64, usize) -> f64| {
+impl Measure {
+    /// The measure of numbers in this SI unit.
+    #[must_use]
+    pub fn of(unit: &'static str) -> Self {
+        match unit {
+            "m" => Self::Length,
+            "Hz" => Self::Frequency,
+            "s" => Self::Time,
+            unit => Self::Plain(unit),
+        }
+    }
+
+    /// A finite number rounded to four digits by `round`, in the unit that suits it.
+    fn written(self, value: f64, round: fn(f64, usize) -> f64) -> String {
+        let units: &[(f64, &str)] = match self {
+            Self::Length => &[(1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")],
+            Self::Frequency => &[(1e6, "MHz"), (1e3, "kHz"), (1.0, "Hz")],
+            Self::Time => &[(1.0, "s"), (1e-3, "ms")],
+            Self::Plain(unit) => &[(1.0, unit)],
+        };
         let suits = units.iter().find(|(factor, _)| value.abs() >= factor * (1.0 - 1e-9));
         // Nothing is nothing of the first unit; what is smaller than all units is told in the last.
         let otherwise = if value == 0.0 { units.first() } else { units.last() };
@@ -32,12 +43,41 @@ pub fn show_range(low: f64, high: f64, measure: Measure) -> String {
         // The division's own error must not count as a digit to be rounded away.
         let scaled: f64 = format!("{:.11e}", value / factor).parse().unwrap_or(value / factor);
         format!("{} {unit}", typed(round(scaled, 4))).trim_end().to_owned()
-    };
-    let (low, high) = (end(low, at_least), end(high, at_most));
-    match (low.split_once(' '), high.split_once(' ')) {
-        (Some((number, unit)), Some((_, same))) if unit == same => format!("{number} to {high}"),
-        _ => format!("{low} to {high}"),
     }
+}
+
+/// A range written as it would be typed: `5 mm to 10 m`, each end rounded inwards to four digits, so that it is
+/// allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TypedRange {
+    /// Least, in SI units.
+    pub low: f64,
+    /// Most, in SI units.
+    pub high: f64,
+    /// What it is of.
+    pub measure: Measure,
+}
+
+impl fmt::Display for TypedRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) =
+            (self.measure.written(self.low, at_least), self.measure.written(self.high, at_most));
+        match (low.split_once(' '), high.split_once(' ')) {
+            (Some((number, unit)), Some((_, same))) if unit == same => write!(f, "{number} to {high}"),
+            _ => write!(f, "{low} to {high}"),
+        }
+    }
+}
+
+/// The text of a [`TypedRange`].
+#[must_use]
+pub fn show_range(low: f64, high: f64, measure: Measure) -> String {
+    TypedRange { low, high, measure }.to_string()
+}
+
+/// A value as it would be typed, to the last digit, in the unit that suits it: `1.0001`, `3 dB`, `1 ms`.
+pub(super) fn show_value(value: f64, measure: Measure) -> String {
+    if value.is_finite() { measure.written(value, |value, _| value) } else { "no number".to_owned() }
 }
 
 /// A value with four digits and the prefix that suits it: `26.67 N s/m`, `6.213 mN s/m`.

@@ -1,27 +1,32 @@
 //! The one home of numbers and names that people type and read.
 //!
 //! ```text
-//! text "12,5 cm" -> parse -> 0.125 (SI) -> Range::contains -> used
-//!                     |                          |
-//!                     +-> QuantityError          +-> OutOfRange, or a plate's error: field, value, range
-//!                                                      |
+//! text "12,5 cm" -> parse, unit -> 0.125 (SI) -> Range::contains -> used
+//!                     |                             |
+//!                     +-> QuantityError             +-> OutOfRange, or a plate's error: field, value, range
+//!                                                         |
 //! number -> number_format, display, ticks -> text <- refusal: one wording, in the notation of who shows it
 //! a mistyped name -> suggestion -> the name that was probably meant
 //! ```
 
 mod display;
+mod notation;
 pub mod number_format;
 mod parse;
 mod range;
 pub(crate) mod refusal;
 mod suggestion;
 pub mod ticks;
+mod unit;
 
-pub use display::{Measure, show_frequency, show_length, show_place, show_range, show_si};
+pub use display::{Measure, TypedRange, show_frequency, show_length, show_place, show_range, show_si};
+pub(crate) use notation::PlateFile;
+pub use notation::{Caption, Form, Notation};
 pub use parse::{
     PlaceOrFrequency, decibel, frequency_hz, length_m, level, place_or_frequency, plain, short_time_s, time_s,
 };
 pub use range::{Count, Counted, Range};
-pub use refusal::{Notation, OutOfRange, QuantityError};
+pub use refusal::{NotAllowed, OutOfRange, QuantityError, WrongCount, must_be, only};
 pub(crate) use suggestion::hint;
 pub use suggestion::nearest;
+pub use unit::{FIELD_DIGITS, Unit};

@@ -60,7 +60,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// How long a text or a list may be, both ends included. Written as `1 to 80`.
+/// How long a text or a list may be, both ends included. Written as `1 to 80`, or `at most 80`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
     /// Fewest.
@@ -78,12 +78,29 @@ pub enum Counted {
     Characters,
     /// Points of a list.
     Points,
+    /// Bytes of a file.
+    Bytes,
+    /// Cells of a grid.
+    Cells,
+    /// Tones of a drive.
+    Tones,
 }
 
 impl Count {
     /// From `least` to `most` of something.
     pub const fn new(least: usize, most: usize, of: Counted) -> Self {
         Self { least, most, of }
+    }
+
+    /// Up to so many of something.
+    pub const fn at_most(most: usize, of: Counted) -> Self {
+        Self::new(0, most, of)
+    }
+
+    /// With what is counted: `1 to 80 characters`.
+    #[must_use]
+    pub fn with_unit(self) -> String {
+        format!("{self} {}", self.of)
     }
 
     /// Whether so many are allowed.
@@ -99,7 +116,20 @@ impl Count {
 
 impl fmt::Display for Count {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", self.least, self.most)
+        match self.least {
+            0 => write!(f, "at most {}", self.most),
+            least => write!(f, "{least} to {}", self.most),
+        }
+    }
+}
+
+impl Counted {
+    /// What is asked of them beside their number, as the end of a sentence.
+    pub(super) const fn rule(self) -> &'static str {
+        match self {
+            Self::Characters => ", on one line, without control characters",
+            Self::Points | Self::Bytes | Self::Cells | Self::Tones => "",
+        }
     }
 }
 
@@ -108,6 +138,9 @@ impl fmt::Display for Counted {
         f.write_str(match self {
             Self::Characters => "characters",
             Self::Points => "points",
+            Self::Bytes => "bytes",
+            Self::Cells => "cells",
+            Self::Tones => "tones",
         })
     }
 }

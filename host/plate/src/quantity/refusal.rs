@@ -1,54 +1,24 @@
-//! The words of a refusal: of a typed text that is no number, and of a number that is out of its range.
+//! The words of a refusal: of a typed text that is no number, of a number that is out of its range, of a text or list
+//! that is too long.
 //!
-//! An error carries the field, the value and the range as data; its sentence is made here, in the notation of whoever
-//! shows it.
+//! An error carries the field, the value and the range as data; its sentence is made here. A test of the workspace
+//! (`tests/tests/wording.rs`) holds that nothing else in the host words a refusal of its own.
 
+use super::display::{Measure, show_range, show_value};
 use super::number_format::typed;
-use super::range::Range;
+use super::range::{Count, Range};
 use std::fmt;
 
-/// How fields and numbers are written in a sentence. Numbers come in SI units, fields as the plate file has them.
-pub trait Notation {
-    /// A field: `length_m`.
-    fn field(&self, field: &str) -> String;
-    /// A field with the number that it has: `length_m = 0.3`.
-    fn given(&self, field: &str, value: f64) -> String;
-    /// The numbers that a field may have, with their unit: `0.005 to 10 m`.
-    fn range(&self, field: &str, range: Range) -> String;
-    /// A length, with its unit.
-    fn length(&self, metres: f64) -> String;
-    /// A frequency, with its unit.
-    fn frequency(&self, hertz: f64) -> String;
-}
-
-/// The notation of plate files: their own names, and their units.
-pub(crate) struct PlateFile;
-
-impl Notation for PlateFile {
-    fn field(&self, field: &str) -> String {
-        field.to_owned()
-    }
-
-    fn given(&self, field: &str, value: f64) -> String {
-        format!("{field} = {}", typed(value))
-    }
-
-    fn range(&self, _field: &str, range: Range) -> String {
-        range.to_string()
-    }
-
-    fn length(&self, metres: f64) -> String {
-        format!("{} m", typed(metres))
-    }
-
-    fn frequency(&self, hertz: f64) -> String {
-        format!("{} Hz", typed(hertz))
-    }
-}
-
 /// `length_m = 11: must be 0.005 to 10 m`: what was given, and what is allowed.
-pub(crate) fn must_be(given: impl fmt::Display, allowed: impl fmt::Display) -> String {
-    format!("{given}: must be {allowed}")
+#[must_use]
+pub fn must_be(given: impl fmt::Display, allowed: impl fmt::Display) -> String {
+    format!("{given}: {}", only(allowed))
+}
+
+/// `must be 0.005 to 10 m`: what is allowed, where whoever shows it tells what was given.
+#[must_use]
+pub fn only(allowed: impl fmt::Display) -> String {
+    format!("must be {allowed}")
 }
 
 /// A number that is outside its range, or not a number.
@@ -67,7 +37,7 @@ impl OutOfRange {
     ///
     /// # Errors
     /// The field, the value and the range.
-    pub(crate) fn check(field: &'static str, value: f64, range: Range) -> Result<(), Self> {
+    pub fn check(field: &'static str, value: f64, range: Range) -> Result<(), Self> {
         if range.contains(value) { Ok(()) } else { Err(Self { field, value, range }) }
     }
 
@@ -79,6 +49,14 @@ impl OutOfRange {
     ) -> Result<(), Self> {
         // Counts are far below 2^53: exact.
         Self::check(field, count as f64, Range::new(*allowed.start() as f64, *allowed.end() as f64, ""))
+    }
+
+    /// The refusal in the units that suit the numbers: `glide = 1 ms: must be 5 ms to 10 s`.
+    #[must_use]
+    pub fn in_suitable_units(&self) -> String {
+        let measure = Measure::of(self.range.unit);
+        let given = format!("{} = {}", self.field, show_value(self.value, measure));
+        must_be(given, show_range(self.range.low, self.range.high, measure))
     }
 }
 
@@ -99,6 +77,64 @@ impl fmt::Display for OutOfRange {
 }
 
 impl std::error::Error for OutOfRange {}
+
+/// A text or a list that is too short or too long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WrongCount {
+    /// The text or list.
+    pub field: &'static str,
+    /// How many characters, points, bytes it has.
+    pub count: usize,
+    /// How many it may have, and of what.
+    pub allowed: Count,
+}
+
+impl WrongCount {
+    /// Refuses a count that is not allowed.
+    ///
+    /// # Errors
+    /// The field, the count and how many are allowed.
+    pub fn check(field: &'static str, count: usize, allowed: Count) -> Result<(), Self> {
+        if allowed.contains(count) { Ok(()) } else { Err(Self { field, count, allowed }) }
+    }
+}
+
+impl fmt::Display for WrongCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&wrong_count(self.field, self.count, self.allowed))
+    }
+}
+
+impl std::error::Error for WrongCount {}
+
+/// `name has 0 characters: must be 1 to 80, on one line, without control characters`.
+pub(crate) fn wrong_count(field: &str, count: usize, allowed: Count) -> String {
+    must_be(
+        format_args!("{field} has {count} {}", allowed.of),
+        format_args!("{allowed}{}", allowed.of.rule()),
+    )
+}
+
+/// A typed text that is not allowed: it is no number of a unit that fits, or its number is out of range. Its sentence
+/// does not repeat the text: whoever shows it has it in view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotAllowed<A> {
+    /// Why no number could be read from it; nothing where its number is out of range.
+    pub mistake: Option<QuantityError>,
+    /// What is allowed.
+    pub allowed: A,
+}
+
+impl<A: fmt::Display> fmt::Display for NotAllowed<A> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.mistake {
+            Some(mistake) => write!(f, "{mistake}; {}", only(&self.allowed)),
+            None => f.write_str(&only(&self.allowed)),
+        }
+    }
+}
+
+impl<A: fmt::Display + fmt::Debug> std::error::Error for NotAllowed<A> {}
 
 /// Why a typed value is not taken.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -121,6 +157,7 @@ pub enum QuantityError {
 
 #[cfg(test)]
 mod tests {
+    use super::super::range::Counted;
     use super::*;
 
     #[test]
@@ -132,5 +169,34 @@ mod tests {
         let level = OutOfRange::check("level", f64::NAN, Range::new(0.0, 1.0, "")).unwrap_err();
         assert_eq!(level.to_string(), "level = NaN: must be 0 to 1");
         assert_eq!(OutOfRange::check("level", 1.0, Range::new(0.0, 1.0, "")), Ok(()));
+    }
+    #[test]
+    fn a_number_out_of_range_is_refused_in_the_units_that_suit_it() {
+        let said = |field, value, (low, high), unit| {
+            OutOfRange { field, value, range: Range::new(low, high, unit) }.in_suitable_units()
+        };
+        assert_eq!(said("glide", 0.001, (0.005, 10.0), "s"), "glide = 1 ms: must be 5 ms to 10 s");
+        assert_eq!(said("level", 1.00001, (0.0, 1.0), ""), "level = 1.00001: must be 0 to 1");
+        assert_eq!(said("master", f64::NAN, (-96.0, 0.0), "dB"), "master = no number: must be -96 to 0 dB");
+        assert_eq!(said("place", 0.5, (0.08, 0.28), "m"), "place = 500 mm: must be 80 to 280 mm");
+    }
+
+    #[test]
+    fn what_is_too_long_is_refused_with_its_length_and_the_longest() {
+        let file = WrongCount::check("the file", 11, Count::at_most(10, Counted::Bytes)).unwrap_err();
+        assert_eq!(file.to_string(), "the file has 11 bytes: must be at most 10");
+        let name = WrongCount::check("name", 0, Count::new(1, 80, Counted::Characters)).unwrap_err();
+        let told = "name has 0 characters: must be 1 to 80, on one line, without control characters";
+        assert_eq!(name.to_string(), told);
+        assert_eq!(WrongCount::check("tones", 16, Count::new(1, 16, Counted::Tones)), Ok(()));
+    }
+
+    #[test]
+    fn a_typed_text_is_refused_with_its_mistake_and_what_is_allowed() {
+        let allowed = "0 to 1";
+        let mistake = QuantityError::NoNumber("x".to_owned());
+        let unread = NotAllowed { mistake: Some(mistake), allowed };
+        assert_eq!(unread.to_string(), "\"x\" does not begin with a number; must be 0 to 1");
+        assert_eq!(NotAllowed { mistake: None, allowed }.to_string(), "must be 0 to 1");
     }
 }

@@ -1,21 +1,21 @@
-//! One thread's band of rows: its part of the field, and the halos that it sends and receives.
+//! The band of rows of one thread: its part of the field, and the halos that it sends and receives.
 
 use super::block::{HaloRows, Schedule, Skew, Transfer, Wavefronts};
 use super::halo::{Halo, HaloExchange};
 use super::kernel::{self, FlushDenormals};
-use super::plan::Plan;
 use super::record::{EnvelopeRecord, overlap, refill};
 use super::row::Row;
+use super::tiling::Plan;
 use super::vector::{LANES, Line};
 use std::ops::Range;
 
-/// The rows `owned`; where they end changes with every block.
+/// A band of rows. The rows that it owns change with every block.
 #[derive(Debug)]
 pub(super) struct Band {
     pub(super) owned: Range<usize>,
-    /// All rows that are stored: those that are ever owned, and one more at each boundary, which their update reads.
+    /// All stored rows: those that are owned at any time, and at each boundary one more row, which their update reads.
     stored: Range<usize>,
-    /// Number of the band, and how many there are.
+    /// Index of the band, and the number of bands.
     number: usize,
     bands: usize,
     stride: usize,
@@ -24,7 +24,7 @@ pub(super) struct Band {
     record: EnvelopeRecord,
 }
 
-/// The field at one time, in memory that starts on a cache line.
+/// The field at one time, aligned to cache lines.
 #[derive(Debug)]
 struct AlignedField {
     numbers: Vec<f32>,
@@ -53,7 +53,8 @@ impl Band {
     /// The band `number` of `bands`, which owns the rows `owned` before a rising block.
     pub(super) fn new(plan: &Plan, owned: Range<usize>, number: usize, bands: usize) -> Self {
         let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
-        // Room for a row before and one after: the edge's outer side, which is zero, or never read.
+        // Space for one row before and one after the stored rows: beyond an edge it is zero, elsewhere it is never
+        // read.
         let count = (stored.len() + 2) * plan.stride + 1;
         let record = EnvelopeRecord::new(overlap(&plan.recorded, &stored), plan.stride);
         Self {
@@ -73,7 +74,7 @@ impl Band {
         (row + 1 - self.stored.start) * self.stride
     }
 
-    /// Advances the band by one step for each number of `drive`; the boundaries move as `skew` says.
+    /// Advances the band by one step for each number of `drive`; the boundaries move in the direction of `skew`.
     pub(super) fn block(
         &mut self,
         plan: &Plan,
@@ -138,7 +139,7 @@ impl Band {
         self.record.reset();
     }
 
-    /// Copies rows that the neighbour gets: both fields, and the envelope where it is recorded.
+    /// Copies the rows for the neighbour: both fields and the recorded envelope.
     fn pack(&self, halo_rows: &HaloRows, flipped: bool, halo: &mut Halo) {
         let (newest, older) = if flipped { (&self.second, &self.first) } else { (&self.first, &self.second) };
         refill(&mut halo.newest, &newest.lines()[self.lines_of(&halo_rows.rows)]);

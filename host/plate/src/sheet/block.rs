@@ -1,28 +1,29 @@
-//! A block of steps of one band (time skewing): which rows each step updates, and in which order.
+//! A block of steps of one band (time skewing): the rows that each step updates, and the order of the updates.
 //!
 //! ```text
-//!            row       .. 57 58 59 60 61 62 63 | 64 65 66 ..      a rising block of 3 steps: the boundary stood
-//!  step 1           above's              a  |  b  b  b  below's   before row 64 and moves up by one row a step. The
-//!  step 2                             a  |  b  b  b  b            band above sends the rows that it cannot update
-//!  step 3                          a  |  b  b  b  b  b            without its neighbour, and the band below receives them.
+//!            row       .. 57 58 59 60 61 62 63 | 64 65 66 ..      a rising block of 3 steps: at its start the boundary
+//!  step 1           above's              a  |  b  b  b  below's   is before row 64; it moves up by one row per step.
+//!  step 2                             a  |  b  b  b  b            The band above sends the rows that it cannot update
+//!  step 3                          a  |  b  b  b  b  b            without its neighbour; the band below receives them.
 //! ```
 //!
 //! So neighbours exchange one halo per block, and the sender never waits for the receiver's work: a rising block begins
-//! at the band's lower boundary, where it sends, and ends at the upper one, where it receives. The next block is a
-//! falling one, the other way round, and brings the boundaries back.
+//! at the band's lower boundary, where it sends, and ends at the upper one, where it receives. The next block is
+//! falling: it does the same in the opposite direction and moves the boundaries back.
 
 use super::kernel::{self, COLUMNS, Place, WeightVectors};
-use super::plan::{Extent, Plan};
 use super::record::EnvelopeRecord;
+use super::tiling::{Extent, Plan};
 use super::vector::{LANES, Lanes, Line, Work};
 use std::mem::replace;
 use std::ops::Range;
 
-/// Which way the boundaries between bands move during a block.
+/// The direction in which the boundaries between bands move during a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Skew {
-    /// Up, towards row 0.
+    /// Up, toward row 0.
     Rising,
+    /// Down, toward the last row.
     Falling,
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Schedule {
     skew: Skew,
     /// Rows that each step updates.
     rows: Vec<Range<usize>>,
-    /// Rows in a group, and the group in which the block begins.
+    /// Rows per group, and the group in which the block begins.
     group: usize,
     origin: usize,
     /// Wavefronts of the whole block. In front f, step s (from 0) updates the group that is f - s away from the origin.
@@ -54,13 +55,13 @@ pub(super) enum Transfer {
 #[derive(Debug)]
 pub(super) struct HaloRows {
     pub(super) rows: Range<usize>,
-    /// These, and one row more on the sender's side, which the update of the outermost reads; of it only the older field
+    /// These rows and one more on the sender's side, which the update of the outermost row reads. Only its older field
     /// is needed.
     pub(super) with_support: Range<usize>,
 }
 
 impl HaloRows {
-    /// One row per step, from where the boundary is when the block begins.
+    /// One row per step, from the boundary's position at the start of the block.
     fn new(skew: Skew, boundary: usize, steps: usize) -> Self {
         match skew {
             Skew::Rising => {
@@ -93,19 +94,19 @@ impl Schedule {
         let (lowest, highest) = (first.start.min(last.start) / group, (first.end.max(last.end) - 1) / group);
         let origin = if skew == Skew::Rising { highest } else { lowest };
         let place_of = |row: usize| origin.abs_diff(row / group);
-        // Rows are sent at the boundary where the block begins, and received at the one where it ends.
+        // A block sends at the boundary where it begins and receives at the one where it ends.
         let (upper, lower) = (above.then_some(owned.start), below.then_some(owned.end));
         let (sent_at, received_at) = if skew == Skew::Rising { (lower, upper) } else { (upper, lower) };
         let mut transfers = Vec::with_capacity(2);
         if let Some(boundary) = sent_at {
             let halo_rows = HaloRows::new(skew, boundary, steps);
-            // Of the supporting row the field before the last step is needed: it is ready one front before the last.
+            // The field of the supporting row before the last step is needed; it is complete one front before the last.
             let support = if skew == Skew::Rising { boundary - steps - 1 } else { boundary + steps };
             transfers.push((place_of(support) + steps - 1, Transfer::Send(halo_rows)));
         }
         if let Some(boundary) = received_at {
             let halo_rows = HaloRows::new(skew, boundary, steps);
-            // The own row beside the boundary reads the first received row from the first step on.
+            // The band's row next to the boundary reads the first received row from the first step on.
             let reader = if skew == Skew::Rising { boundary } else { boundary - 1 };
             transfers.push((place_of(reader), Transfer::Receive(halo_rows)));
         }
@@ -118,14 +119,14 @@ impl Schedule {
         self.rows[self.rows.len() - 1].clone()
     }
 
-    /// All fronts, in parts, and the transfer that comes after each part.
+    /// All fronts in order, split at the transfers, with the transfer that follows each part.
     pub(super) fn parts(&self) -> impl Iterator<Item = (Range<usize>, Option<&Transfer>)> {
         let ends = self.transfers.iter().map(|(front, transfer)| ((*front).min(self.fronts), Some(transfer)));
         ends.chain([(self.fronts, None)])
             .scan(0, |from, (to, transfer)| Some((replace(from, to)..to, transfer)))
     }
 
-    /// The rows that a step updates at a distance from the origin; `None` if it has none there.
+    /// The rows that a step updates in the group at distance `place` from the origin; `None` if there are none.
     #[inline(always)]
     fn rows_at(&self, place: usize, step: usize) -> Option<Range<usize>> {
         let group = match self.skew {
@@ -137,7 +138,7 @@ impl Schedule {
         (from < to).then_some(from..to)
     }
 
-    /// Whether a step has no rows at that distance from the origin or beyond.
+    /// Whether a step has no rows at distance `place` from the origin or farther.
     #[inline(always)]
     fn is_passed(&self, place: usize, step: usize) -> bool {
         match self.skew {
@@ -157,7 +158,7 @@ pub(super) struct Wavefronts<'a> {
     /// The newest field when the block begins, and the one a step before.
     pub(super) newest: &'a mut [Line],
     pub(super) older: &'a mut [Line],
-    /// The first row that the fields hold; there is room for one before it, which is zero or never read.
+    /// The first row in the fields. Before it there is space for one row, which is zero or never read.
     pub(super) first_row: usize,
     pub(super) drive: &'a [f32],
     pub(super) record: &'a mut EnvelopeRecord,
@@ -166,7 +167,7 @@ pub(super) struct Wavefronts<'a> {
 impl Work for Wavefronts<'_> {
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) {
-        match (self.plan.group, self.plan.weights.keep_all()) {
+        match (self.plan.group, self.plan.weights.is_lossless()) {
             (4, true) => self.sweep::<L, 4, true>(lanes),
             (4, false) => self.sweep::<L, 4, false>(lanes),
             (_, true) => self.sweep::<L, 2, true>(lanes),
@@ -177,13 +178,13 @@ impl Work for Wavefronts<'_> {
 
 impl Wavefronts<'_> {
     #[inline(always)]
-    fn sweep<L: Lanes, const N: usize, const KEEP_ALL: bool>(self, lanes: L) {
+    fn sweep<L: Lanes, const N: usize, const LOSSLESS: bool>(self, lanes: L) {
         let Self { plan, schedule, fronts, newest, older, first_row, drive, record } = self;
         let (steps, stride) = (drive.len(), plan.stride);
         let weights = WeightVectors::new(lanes, plan.weights);
-        // Rows before the first are not stored: this may be "negative".
+        // Rows before the first are not stored, so the offset may be negative: it wraps, and the sum wraps back.
         let offset = stride.wrapping_sub(first_row * stride);
-        // The first steps have passed the last group (`passed` counts them), the last ones have not reached the first.
+        // The first `passed` steps are beyond the last group already; the last steps have not reached the first.
         let mut passed = 0;
         for front in fronts {
             while passed < steps && passed <= front && schedule.is_passed(front - passed, passed) {
@@ -196,10 +197,10 @@ impl Wavefronts<'_> {
                     if step % 2 == 0 { (&mut *older, &*newest) } else { (&mut *newest, &*older) };
                 let mut stage = StepRows { plan, past, now, stride, offset, drive };
                 if rows.len() == N {
-                    stage.advance::<L, N, KEEP_ALL>(lanes, weights, rows.start);
+                    stage.advance::<L, N, LOSSLESS>(lanes, weights, rows.start);
                 } else {
                     for row in rows.clone() {
-                        stage.advance::<L, 1, KEEP_ALL>(lanes, weights, row);
+                        stage.advance::<L, 1, LOSSLESS>(lanes, weights, row);
                     }
                 }
                 for row in rows {
@@ -222,7 +223,7 @@ struct StepRows<'a> {
     /// The field that is read.
     now: &'a [Line],
     stride: usize,
-    /// From where a row would begin, had the field all rows, to where it does.
+    /// Offset, wrapping, from a row's position in a field of all rows to its position in this field.
     offset: usize,
     drive: f32,
 }
@@ -230,7 +231,7 @@ struct StepRows<'a> {
 impl StepRows<'_> {
     /// Advances `N` rows from `row` on.
     #[inline(always)]
-    fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
+    fn advance<L: Lanes, const N: usize, const LOSSLESS: bool>(
         &mut self,
         lanes: L,
         weights: WeightVectors<L::Vector>,
@@ -240,10 +241,10 @@ impl StepRows<'_> {
         let (stride, offset, drive) = (*stride, *offset, *drive);
         let Extent { line, chunks, ghosts } = plan.extent::<N>(row);
         let at = line.wrapping_add(offset);
-        // A mirrored first row has its neighbour below above it, too.
-        let over = if row == 0 && plan.mirrored { at + stride } else { at - stride };
-        let place = Place { at, over, stride, chunks, ghosts };
-        kernel::advance::<L, N, KEEP_ALL>(lanes, weights, (past, now), place);
+        // Above a mirrored first row lies the mirror image of the row below it.
+        let above_at = if row == 0 && plan.mirrored { at + stride } else { at - stride };
+        let place = Place { at, above_at, stride, chunks, ghosts };
+        kernel::advance::<L, N, LOSSLESS>(lanes, weights, (past, now), place);
         let Some(column) = &plan.column else { return };
         let lane = |line: usize| now[line][LANES - 1];
         for (row, at) in (row..row + N).zip((at..).step_by(stride)) {

@@ -1,14 +1,15 @@
-//! What a sheet takes, told before it is built.
+//! The cost of a sheet, computed before the sheet is built.
 
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::source::StepRatio;
+use crate::quantity::{Count, Counted, WrongCount};
 use crate::spec::plate::Plate;
 
-/// Courant number of the step (1 is the limit of stability).
+/// Courant number of the step; the limit of stability is 1.
 const COURANT: f64 = 0.99;
 
-/// What a sheet takes to run.
+/// The work of a sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Cells that a step updates.
@@ -18,19 +19,19 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Cell updates that one second of plate time takes; a processor core does some 1e9 a second.
+    /// Cell updates per second of plate time; one processor core does about 1e9 per second.
     pub fn updates_per_second(&self) -> f64 {
         self.cells as f64 * self.step_rate_hz
     }
 }
 
-/// The frame of a sheet: where its cells are and how long a step is.
+/// The grid of a sheet in metres, and the length of its steps.
 pub(super) struct Layout {
     pub(super) edge: EmbeddedBoundary,
     pub(super) ratio: StepRatio,
     pub(super) step_s: f64,
     pub(super) speed_m_per_s: f64,
-    /// Whether only one half is computed.
+    /// Whether one half is computed and mirrored at the centre line.
     pub(super) mirrored: bool,
 }
 
@@ -41,12 +42,10 @@ impl Layout {
         };
         grid.validate(sample_rate_hz)?;
         let cells = 2 * grid.along * grid.across;
-        if cells > CELLS_MAX {
-            return Err(SheetError::TooBig { cells, limit: CELLS_MAX });
-        }
+        WrongCount::check("the grid", cells, Count::at_most(CELLS_MAX, Counted::Cells))?;
         let edge = EmbeddedBoundary::new(plate, grid.along, grid.across);
         let longest = COURANT / (speed_m_per_s * (edge.dx.powi(-2) + edge.dz.powi(-2)).sqrt());
-        let ratio = StepRatio::new(sample_rate_hz, longest);
+        let ratio = StepRatio::new(sample_rate_hz, longest)?;
         let mirrored = !grid.whole && grid.drive.is_symmetric();
         Ok(Self { step_s: ratio.step_s(sample_rate_hz), edge, ratio, speed_m_per_s, mirrored })
     }
@@ -60,7 +59,7 @@ impl Layout {
 }
 
 impl SheetGrid {
-    /// What a sheet on this grid would take; builds no sheet.
+    /// The work of a sheet on this grid, without building the sheet.
     ///
     /// # Errors
     /// [`SheetError`] as [`super::Sheet::new`].

@@ -1,15 +1,16 @@
-//! Where the plate's edge cuts the grid.
+//! The plate's edge as a boundary embedded in the grid.
 //!
-//! Grid points closer to the edge than half a cell count as edge (v = 0); so every point inside has 0.5 to 1.5 cells
-//! of way across to the edge, and the link over that way weighs 1/(its length) instead of 1. This changes only the
-//! diagonal of the (symmetric) stiffness, keeps its rows below the uniform grid's bound 4/dx^2 + 4/dz^2, and so the
-//! scheme is stable up to the Courant number of a uniform grid, whatever the edge; its error stays second order
-//! (Gibou et al. 2002, J. Comput. Phys. 176, 205).
+//! Grid points closer to the edge than half a cell count as edge (v = 0). So the outermost point inside is 0.5 to 1.5
+//! cells from the edge, and its link to the edge has the weight 1/(that distance) instead of 1. This changes only the
+//! diagonal of the symmetric stiffness matrix and keeps its row sums below the bound 4/dx^2 + 4/dz^2 of a uniform grid.
+//! So the scheme is stable up to the Courant number of a uniform grid for every shape of the edge, and its error is of
+//! second order (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
 use crate::spec::plate::Plate;
 use std::ops::RangeInclusive;
 
-/// Decay exponents between the last turning point and the end of the grid: what is cut off returns as e^-12.
+/// Exponents of decay between the last turning point and the end of the grid: a wave reflected there returns with
+/// e^-12.
 const BEYOND_EXPONENTS: f64 = 6.0;
 
 /// The plate on a grid of stations along x (0 = the driven column) and rows z = j dz from the centre line.
@@ -17,11 +18,11 @@ const BEYOND_EXPONENTS: f64 = 6.0;
 pub(super) struct EmbeddedBoundary {
     pub(super) dx: f64,
     pub(super) dz: f64,
-    /// Stations inside each row, besides station 0; never rising from row to row.
+    /// Number of stations inside the plate in each row, without station 0; it never increases from row to row.
     pub(super) reach: Vec<usize>,
     /// Half-width at each station.
     half_width: Vec<f64>,
-    /// Where each row meets the edge.
+    /// Position x where each row meets the edge, metres.
     row_end: Vec<f64>,
 }
 
@@ -49,7 +50,7 @@ impl EmbeddedBoundary {
         self.reach.len()
     }
 
-    /// Cells of `row` that have both neighbours farther out inside, so that their weights are the common ones.
+    /// Number of cells of `row` whose neighbours are all inside, so that they have the common weights.
     pub(super) fn plain(&self, row: usize) -> usize {
         let farther = self.reach.get(row + 1).copied().unwrap_or(0);
         farther.min(self.reach[row].saturating_sub(1))
@@ -81,8 +82,8 @@ impl EmbeddedBoundary {
     }
 }
 
-/// The first station that is not part of the grid: the taper goes on beyond the plate's end until the wave that
-/// transfers last has decayed, as in the frequency domain, or until the plate is narrower than the grid can show.
+/// The first station beyond the grid. The taper is continued beyond the plate's end, as in the frequency domain, until
+/// the wave of the highest frequency has decayed or the plate is narrower than the grid can resolve.
 fn station_of_end(plate: &Plate, along: usize, dx: f64, dz: f64) -> usize {
     let width_mode = plate.width_mode(1);
     let axial = width_mode.axial_squared(plate.band_hz().1);

@@ -1,4 +1,4 @@
-//! The energy of the discrete sheet, which a step conserves exactly when nothing drives or damps it.
+//! The energy of the discrete sheet, which every step conserves exactly if nothing drives or damps the sheet.
 //!
 //! Leapfrog keeps E = 1/2 |v+ - v|^2_M/dt^2 + 1/2 v+ K v with the lumped mass M and the stiffness K of the grid's
 //! links: multiply M (v+ - 2 v + v-)/dt^2 = -K v by (v+ - v-) and sum, K being symmetric. It is positive as long as
@@ -19,7 +19,7 @@ pub(super) fn energy(
     speed: f64,
 ) -> f64 {
     let middle = if mirrored { 0 } else { edge.rows() - 1 };
-    // The newest field and the one before it; zero outside.
+    // The newest field and the one before it; zero outside the plate.
     let at = |row: Option<usize>, station: usize| match row {
         Some(row) if row < fdtd.rows() => {
             let value = |row: Row<'_>| row.get(station).map_or(0.0, f64::from);
@@ -31,7 +31,7 @@ pub(super) fn energy(
     for row in 0..fdtd.rows() {
         let from_centre = row.abs_diff(middle);
         let twins = if mirrored && row > 0 { 2.0 } else { 1.0 };
-        // Links outward; the centre line has one to either side.
+        // Links to the outer neighbours and their number; the centre line has one on each side.
         let outward: &[(Option<usize>, f64)] = match (mirrored, row.cmp(&middle)) {
             (true, _) => &[(Some(row + 1), 2.0)],
             (false, Ordering::Greater) => &[(Some(row + 1), 1.0)],

@@ -1,4 +1,5 @@
-//! FDTD on the grid of the sheet: rows of cells, advanced by leapfrog in time-skewed blocks, in bands for threads.
+//! FDTD on the grid of the sheet: rows of cells, advanced by leapfrog in time-skewed blocks; one band of rows per
+//! thread.
 //!
 //! ```text
 //!            driven column     cells 0, 1, 2, ..  (x grows)
@@ -8,18 +9,18 @@
 //!  row 3     |d|o o e e e e e|. . . . . . . . .|      .: outside, always zero
 //! ```
 //!
-//! Two arrays hold the field at two times; a step overwrites the older one. Within a block of [`FdtdGrid::depth`]
-//! steps a group of rows takes step s + 1 as soon as the next group has taken step s (a wavefront), so a row is
-//! advanced many times while it is in the cache. With several threads, each owns a band of rows; the boundaries between
-//! the bands move up and down with the blocks (time skewing, see [`super::block`]). Every thread does the same
-//! arithmetic for a cell, so the result does not depend on the number of threads, to the bit.
+//! Two arrays hold the field at two times; a step overwrites the older one. Within a block of [`FdtdGrid::depth`] steps
+//! a group of rows takes step s + 1 as soon as the next group has taken step s (a wavefront), so a row is advanced many
+//! times while it is in the cache. With several threads, each owns a band of rows; the boundaries between the bands
+//! move up and down with the blocks (time skewing, see [`super::block`]). The arithmetic for a cell is the same on
+//! every thread, so the bits of the result do not depend on the number of threads.
 
 use super::band::Band;
 use super::block::Skew;
 use super::halo::HaloExchange;
 use super::kernel::Weights;
-use super::plan::{Cells, Plan, plan_of};
 use super::row::Row;
+use super::tiling::{Cells, Plan, plan_of};
 use super::vector::LANES;
 use std::ops::Range;
 
@@ -35,10 +36,10 @@ pub struct FdtdGrid {
 }
 
 impl FdtdGrid {
-    /// A rectangle of `cells` x `rows` between fixed edges, without loss, at rest: the benchmark's problem.
+    /// A rectangle of `cells` x `rows` between fixed edges, without loss, at rest: the grid of the benchmark.
     ///
-    /// `cells` and `rows` from 1; `courant_squared` is (c dt/h)^2, stable up to 0.5; `threads` from 1. The update is
-    /// v+ = 2 v - v- + courant_squared (left + right + above + below - 4 v).
+    /// `cells`, `rows` and `threads` are at least 1 (0 counts as 1); `courant_squared` is (c dt/h)^2, and up to 0.5 the
+    /// scheme is stable. The update is v+ = 2 v - v- + courant_squared (left + right + above + below - 4 v).
     pub fn rectangle(cells: usize, rows: usize, courant_squared: f32, threads: usize) -> Self {
         let weights = Weights {
             own: 2.0 - 4.0 * courant_squared,
@@ -55,7 +56,7 @@ impl FdtdGrid {
     }
 
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
-        // A browser starts no threads.
+        // There are no threads in a browser.
         let threads = if cfg!(target_family = "wasm") { 1 } else { threads };
         let cuts = cut(&plan.reach, threads, plan.depth);
         let count = cuts.len();
@@ -68,7 +69,7 @@ impl FdtdGrid {
         self.plan.depth
     }
 
-    /// Threads that are used.
+    /// Number of threads that are used: at most as many as were asked for, and fewer if the grid has few rows.
     pub fn threads(&self) -> usize {
         self.bands.len()
     }
@@ -82,9 +83,11 @@ impl FdtdGrid {
         &self.plan
     }
 
-    /// One step for each number of `drive`, which goes to the driven column (a rectangle has none).
+    /// Advances the field by one step for each number of `drive`, the source of the driven column. A rectangle has no
+    /// driven column and ignores the numbers.
     ///
-    /// After a panic, which only a bug or a system without threads to give can cause, the grid is of no use.
+    /// # Panics
+    /// If the system cannot start a thread. The grid cannot be used after that.
     #[cfg_attr(
         not(test),
         expect(
@@ -100,7 +103,7 @@ impl FdtdGrid {
         let (plan, clock) = (&self.plan, self.clock);
         if let Some((first, others)) = self.bands.split_first_mut() {
             std::thread::scope(|scope| {
-                // For the first band, and for a thread that cannot be started.
+                // Releases the other bands if the first one panics or a thread cannot be started.
                 let _guard = exchange.guard();
                 for band in others {
                     let exchange = &exchange;
@@ -114,15 +117,15 @@ impl FdtdGrid {
         }
     }
 
-    /// The newest field along `row`: the driven column, then the cells that are inside.
+    /// The newest field along `row`: the driven column, then the cells inside the plate.
     ///
     /// # Panics
-    /// If there is no such row.
+    /// If `row` is not below [`FdtdGrid::rows`].
     pub fn row(&self, row: usize) -> impl Iterator<Item = f32> {
         self.newest(row).numbers()
     }
 
-    /// As [`FdtdGrid::row`], by station.
+    /// As [`FdtdGrid::row`], for access by station.
     pub(super) fn newest(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, self.clock.flipped)
     }
@@ -137,14 +140,15 @@ impl FdtdGrid {
         self.plan.rows()
     }
 
-    /// Sets the newest field and the one before it from a shape `v(cell, row)`: a sheet let go from rest.
+    /// Sets the newest field and the one before it to `shape(cell, row)`: a sheet released from rest.
     pub fn release(&mut self, shape: impl Fn(usize, usize) -> f32) {
         for band in &mut self.bands {
             band.release(&self.plan, &shape);
         }
     }
 
-    /// Largest magnitude and sum of squares of each cell of a recorded row (as [`FdtdGrid::row`] is laid out).
+    /// Largest magnitude and sum of squares of each cell of `row`, in the order of [`FdtdGrid::row`]; `None` if the row
+    /// is not recorded.
     pub(super) fn envelope(&self, row: usize) -> Option<impl Iterator<Item = (f32, f64)>> {
         self.band_of(row).envelope(&self.plan, row)
     }
@@ -166,18 +170,18 @@ impl FdtdGrid {
     }
 }
 
-/// Where the grid stands in time.
+/// The time of the grid.
 #[derive(Debug, Clone, Copy, Default)]
 struct Clock {
     steps: u64,
     /// Whether the newest field is in the bands' second array.
     flipped: bool,
-    /// Rows by which the boundaries between bands are shifted up: 0 to the depth. It is kept between calls.
+    /// Number of rows by which the boundaries between bands are shifted up now: 0 to the depth.
     shift: usize,
 }
 
 impl Clock {
-    /// The next block, when `left` steps are to be taken: its number of steps, and which way the boundaries move.
+    /// The next block if `left` steps remain: its number of steps and the direction of the boundaries.
     fn block(self, left: usize, depth: usize) -> (usize, Skew) {
         let to_flush = (FLUSH_EVERY - self.steps % FLUSH_EVERY) as usize;
         let steps = left.min(depth).min(to_flush);
@@ -194,7 +198,7 @@ impl Clock {
     }
 }
 
-/// Runs one band through all steps, from the given time to the time that it returns.
+/// Advances one band by all steps of `drive`, from the time `clock` to the time that it returns.
 fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: &HaloExchange) -> Clock {
     let mut rest = drive;
     while !rest.is_empty() {
@@ -210,8 +214,8 @@ fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: 
     clock
 }
 
-/// Cuts the rows into bands of about equal work, for blocks of `depth` steps. A band needs `depth` + 2 rows; with
-/// twice that it can send its halo before it has received one.
+/// Divides the rows into bands of about equal work, for blocks of `depth` steps. A band needs `depth` + 2 rows; with
+/// 2 `depth` + 2 rows it can send its halo before it has received one.
 fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
     let (rows, fewest) = (reach.len(), 2 * depth + 2);
     let bands = threads.clamp(1, (rows / fewest).max(1));
@@ -223,7 +227,7 @@ fn cut(reach: &[usize], threads: usize, depth: usize) -> Vec<Range<usize>> {
             sum += reach[row] + LANES;
             row += 1;
         }
-        // The boundary is shifted up by `depth` half of the time. Leave enough rows for the bands on either side.
+        // The boundary is shifted up by `depth` rows half of the time. Leave enough rows for the bands on both sides.
         let least = edges[band - 1] + fewest;
         let most = rows - fewest * (bands - band);
         edges.push((row + depth / 2).clamp(least, most));

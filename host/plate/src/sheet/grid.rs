@@ -1,25 +1,25 @@
-//! The grid of a sheet as it is asked for: how fine, how driven, what is recorded, and what is refused.
+//! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
-use crate::quantity::{OutOfRange, Range};
+use crate::quantity::{OutOfRange, Range, WrongCount};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
-/// Most cells that a sheet of the plate's length may have, both halves together.
+/// Most cells of a sheet, 2 `along` x `across`: both halves over the plate's length.
 pub const CELLS_MAX: usize = 1 << 23;
 
 /// How the driven end moves across the width.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveShape {
-    /// cos(pi z/2W0): the first width mode alone.
+    /// cos(pi z/(2 W0)): excites the first width mode only.
     FirstMode,
-    /// A raised cosine about `centre` of half-width `reach`, both in half-widths W0 (-0.9 to 0.9; 0.05 to 1): all
-    /// width modes, the even ones too when it is off the centre line.
+    /// A raised cosine about `centre`, which ends at the distance `reach`. It excites all odd width modes and, off the
+    /// centre line, the even ones, too.
     Patch {
-        /// Centre z/W0.
+        /// Centre z/W0 (-0.9 to 0.9).
         centre: f64,
-        /// Distance z/W0 from the centre to where the patch ends.
+        /// Distance z/W0 from the centre to the end of the patch (0.05 to 1).
         reach: f64,
     },
 }
@@ -43,12 +43,12 @@ impl DriveShape {
     }
 }
 
-/// Where the envelope is recorded, at every step.
+/// Where the envelope is recorded; it is recorded at every step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EnvelopeScope {
-    /// On the centre line only: free.
+    /// On the centre line only, at almost no cost.
     CentreLine,
-    /// Everywhere: about halves the speed.
+    /// Everywhere, which about halves the speed.
     Everywhere,
 }
 
@@ -61,12 +61,12 @@ pub struct SheetGrid {
     pub across: usize,
     /// How the driven end moves.
     pub drive: DriveShape,
-    /// Whether both halves are computed although the drive is symmetric.
+    /// Whether to compute both halves even if the drive is symmetric.
     pub whole: bool,
     /// Where the envelope is recorded.
     pub envelope: EnvelopeScope,
-    /// The frequency at which the loss is the plate's, Hz; `None`: the middle of the plate's band. The loss is
-    /// viscous (r v_t), so the loss factor falls as 1/f about it.
+    /// The frequency at which the loss factor is the plate's, Hz (0.1 to 1e8); `None` for the geometric mean of the
+    /// plate's band. The loss of a sheet is viscous (r v_t), so its loss factor is proportional to 1/f.
     pub loss_at_hz: Option<f64>,
     /// Threads (1 to 64). The result is the same for every number.
     pub threads: usize,
@@ -86,7 +86,8 @@ impl SheetGrid {
         }
     }
 
-    /// The coarsest grid that still shows the whole span: 8 cells on the half-width where the span ends.
+    /// A coarse grid that resolves the whole span: 8 cells on the half-width at the span's end, within the limits of
+    /// `along` and `across`. For a very narrow plate it may exceed [`CELLS_MAX`].
     pub fn coarse(plate: &Plate) -> Self {
         let cell = plate.half_width_m(plate.span_m().1) / 8.0;
         let along = (plate.length_m() / cell).ceil().clamp(16.0, 16384.0) as usize;
@@ -116,7 +117,7 @@ impl SheetGrid {
 /// Why a sheet was refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SheetError {
-    /// The plate bends: the scalar wave equation is not its equation.
+    /// The plate is in bending, which the scalar wave equation does not describe.
     #[error(
         "{plate} is a plate in bending: a sheet carries membranes and shear waves, use a time line for it"
     )]
@@ -124,15 +125,10 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
-    /// A field of [`SheetGrid`], or `sample_rate_hz`, is out of range.
+    /// A field of [`SheetGrid`] or `sample_rate_hz` is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// The grid is too big to be held.
-    #[error("the grid would have {cells} cells: at most {limit}")]
-    TooBig {
-        /// Cells it would have.
-        cells: usize,
-        /// Most cells.
-        limit: usize,
-    },
+    /// The grid has more than [`CELLS_MAX`] cells.
+    #[error(transparent)]
+    TooBig(#[from] WrongCount),
 }

@@ -1,4 +1,4 @@
-//! Halo exchange: how bands on different threads pass rows to their neighbours.
+//! Halo exchange: bands on different threads send rows to their neighbours.
 
 use super::block::Skew;
 use super::record::RecordHalo;
@@ -6,18 +6,18 @@ use super::vector::Line;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Spins before a waiting thread gives its core to others.
+/// Number of spins before a waiting thread yields its core to other threads.
 const SPINS: u32 = 4096;
 
 /// The boundaries between neighbouring bands.
 #[derive(Debug)]
 pub(super) struct HaloExchange {
     boundaries: Vec<BandBoundary>,
-    /// Whether a band has panicked: the others must not wait for it for ever.
+    /// Whether a band has panicked; the others must then not wait for it.
     is_broken: AtomicBool,
 }
 
-/// Held by a band while it runs: tells the others when it panics.
+/// A band holds this while it runs; it informs the others if the band panics.
 #[must_use]
 pub(super) struct PanicGuard<'a>(&'a HaloExchange);
 
@@ -29,14 +29,14 @@ impl Drop for PanicGuard<'_> {
     }
 }
 
-/// One boundary between bands: halos go down over it in rising blocks, and up in falling ones.
+/// The boundary between two bands: halos pass down in rising blocks and up in falling ones.
 #[derive(Debug, Default)]
 struct BandBoundary {
     down: Slot,
     up: Slot,
 }
 
-/// Room for one halo, and how many were sent and received through it.
+/// A buffer for one halo, and the numbers of halos sent and received through it.
 #[derive(Debug, Default)]
 struct Slot {
     halo: Mutex<Halo>,
@@ -44,7 +44,7 @@ struct Slot {
     received: AtomicUsize,
 }
 
-/// Rows on their way to a neighbour: both fields, and the envelope recorded of them.
+/// Rows sent to a neighbour: both fields and the recorded envelope.
 #[derive(Debug, Default)]
 pub(super) struct Halo {
     pub(super) newest: Vec<Line>,
@@ -65,19 +65,19 @@ impl HaloExchange {
     }
 
     /// Sends the rows that `pack` writes to the neighbour at the boundary where the block begins. Waits until the
-    /// neighbour has received the halo before.
+    /// neighbour has received the previous halo.
     pub(super) fn send(&self, band: usize, skew: Skew, pack: impl FnOnce(&mut Halo)) {
         let slot = match skew {
             Skew::Rising => &self.boundaries[band].down,
             Skew::Falling => &self.boundaries[band - 1].up,
         };
         self.wait_until(|| slot.received.load(Ordering::Acquire) == slot.sent.load(Ordering::Relaxed));
-        // A halo is plain numbers: a panic of its holder leaves nothing half done that matters.
+        // A halo that was half written when its band panicked does no harm: the grid is not used after a panic.
         pack(&mut slot.halo.lock().unwrap_or_else(PoisonError::into_inner));
         slot.sent.fetch_add(1, Ordering::Release);
     }
 
-    /// Receives the rows of the neighbour at the boundary where the block ends. Waits until they were sent.
+    /// Receives the rows of the neighbour at the boundary where the block ends. Waits until they have been sent.
     pub(super) fn receive(&self, band: usize, skew: Skew, unpack: impl FnOnce(&Halo)) {
         let slot = match skew {
             Skew::Rising => &self.boundaries[band - 1].down,
@@ -88,7 +88,8 @@ impl HaloExchange {
         slot.received.fetch_add(1, Ordering::Release);
     }
 
-    /// Spins first, then yields: a block takes some tens of microseconds only.
+    /// Waits until a condition is true, or panics if another band has panicked. It spins first, because a block takes
+    /// only some tens of microseconds.
     fn wait_until(&self, is_so: impl Fn() -> bool) {
         let mut spins = 0;
         while !is_so() {

@@ -4,14 +4,14 @@
 //!
 //! ```text
 //!           lane  0  1  2 ..  15
-//!  column 0       0  4  8 ..  60      of every chunk: a cell's neighbours along the row are in the same lane of the
-//!  column 1       1  5  9 ..  61      columns beside its own. Only column 0 looks to the left, and column 3 to the
-//!  column 2       2  6 10 ..  62      right, one lane further: two moves across lanes for 64 cells, where cells one
-//!  column 3       3  7 11 ..  63      after the other take eight.
+//!  column 0       0  4  8 ..  60      of every chunk: the neighbours of a cell along the row are in the same lane of
+//!  column 1       1  5  9 ..  61      the next columns. Only the left neighbours of column 0 and the right neighbours
+//!  column 2       2  6 10 ..  62      of column 3 are in another lane. So 64 cells take two moves across lanes; stored
+//!  column 3       3  7 11 ..  63      in their natural order they would take eight.
 //! ```
 //!
-//! Before the first chunk lies one more line. Its last lane is the cell before cell 0, and its lane 0 the cell after
-//! the last one of the row before.
+//! Before the first chunk lies one more line. Its last lane is the cell before cell 0, and its lane 0 is the cell after
+//! the last cell of the previous row.
 
 #![expect(clippy::needless_range_loop, reason = "rows and columns number several arrays at once")]
 
@@ -22,7 +22,7 @@ pub(super) const COLUMNS: usize = 4;
 /// Cells of a chunk.
 pub(super) const CHUNK: usize = COLUMNS * LANES;
 
-/// Line and lane, from the first chunk's first line on, where a cell is stored.
+/// Line and lane of a cell; lines are counted from the first line of the first chunk.
 pub(super) fn place(cell: usize) -> (usize, usize) {
     let (chunk, within) = (cell / CHUNK, cell % CHUNK);
     (chunk * COLUMNS + within % COLUMNS, within / COLUMNS)
@@ -38,8 +38,8 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// Whether there is no loss: the past field then needs no weight, which saves a multiplication.
-    pub(super) fn keep_all(&self) -> bool {
+    /// Whether there is no loss. Then the weight of the past field is 1, which saves a multiplication.
+    pub(super) fn is_lossless(&self) -> bool {
         self.past == 1.0
     }
 }
@@ -47,9 +47,9 @@ impl Weights {
 /// The four lines of a chunk.
 pub(super) type Chunk = [Line; COLUMNS];
 
-/// A chunk of cells beside the plate's edge and of ghost cells beyond it, which stay zero.
+/// A chunk with cells next to the plate's edge and ghost cells beyond it, which stay zero.
 ///
-/// The ghost value that the fixed edge asks for is eliminated: it changes the own weight of the cell inside.
+/// The ghost value that the fixed edge requires is eliminated: instead, the cell inside has another own weight.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GhostCells {
     /// Own weight of each cell.
@@ -63,13 +63,13 @@ pub(super) struct GhostCells {
 pub(super) struct Place<'a> {
     /// The line before the first row's first chunk.
     pub(super) at: usize,
-    /// The same of the row above it.
-    pub(super) over: usize,
+    /// The same line of the row above the first.
+    pub(super) above_at: usize,
     /// Lines from one row to the next.
     pub(super) stride: usize,
-    /// Chunks of every row. (Of 32 bits, so that the compiler sees that no sum overflows.)
+    /// Chunks per row. (32 bits show the compiler that no sum overflows.)
     pub(super) chunks: u32,
-    /// The last chunks of each row, those beside the edge, row after row.
+    /// The last chunks of each row, those with ghost cells, row after row.
     pub(super) ghosts: &'a [GhostCells],
 }
 
@@ -96,9 +96,9 @@ impl<V> WeightVectors<V> {
 
 /// Advances `N` rows by one step: `past`, the field one step before `now`, becomes the field one step after it.
 ///
-/// `KEEP_ALL`: [`Weights::keep_all`].
+/// `LOSSLESS`: [`Weights::is_lossless`].
 #[inline(always)]
-pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
+pub(super) fn advance<L: Lanes, const N: usize, const LOSSLESS: bool>(
     lanes: L,
     weights: WeightVectors<L::Vector>,
     (past, now): (&mut [Line], &[Line]),
@@ -114,7 +114,7 @@ pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
     let plain = chunks.saturating_sub(beside);
     for chunk in 0..plain {
         let own = [[weights.own; COLUMNS]; N];
-        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, weights);
+        let next = rows.next::<L, LOSSLESS>(lanes, chunk, &mut before, own, weights);
         for row in 0..N {
             for column in 0..COLUMNS {
                 lanes.store(next[row][column], &mut rows.past[row][chunk][column]);
@@ -129,7 +129,7 @@ pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
                 own[row][column] = lanes.load(&ghosts.own[column]);
             }
         }
-        let next = rows.next::<L, KEEP_ALL>(lanes, chunk, &mut before, own, weights);
+        let next = rows.next::<L, LOSSLESS>(lanes, chunk, &mut before, own, weights);
         for row in 0..N {
             let ghosts = &place.ghosts[row * beside + chunk - plain];
             for column in 0..COLUMNS {
@@ -143,11 +143,11 @@ pub(super) fn advance<L: Lanes, const N: usize, const KEEP_ALL: bool>(
 /// Most rows that are advanced at once.
 const ROWS_MAX: usize = 4;
 
-/// The chunks of `N` rows and of those around them.
+/// The chunks of `N` rows and of the rows above and below them.
 struct Rows<'a, const N: usize> {
     past: [&'a mut [Chunk]; ROWS_MAX],
     now: [&'a [Chunk]; N],
-    /// As `now`, one chunk further: its first line is the one after the chunk.
+    /// As `now`, one chunk later: its first line follows the chunk of `now`.
     after: [&'a [Chunk]; N],
     above: &'a [Chunk],
     below: &'a [Chunk],
@@ -158,7 +158,7 @@ impl<'a, const N: usize> Rows<'a, N> {
     fn new(past: &'a mut [Line], now: &'a [Line], place: Place<'_>) -> Self {
         const { assert!(N <= ROWS_MAX) };
         let count = place.chunks as usize * COLUMNS;
-        let above = now[place.over..][1..1 + count].as_chunks().0;
+        let above = now[place.above_at..][1..1 + count].as_chunks().0;
         let mut rows = Self {
             past: [&mut [], &mut [], &mut [], &mut []],
             now: [above; N],
@@ -180,9 +180,10 @@ impl<'a, const N: usize> Rows<'a, N> {
         rows
     }
 
-    /// A chunk after the step. `before` is the line before it, and on return the line before the next chunk.
+    /// Computes a chunk after the step. `before` is the line before the chunk, and on return the line before the next
+    /// one.
     #[inline(always)]
-    fn next<L: Lanes, const KEEP_ALL: bool>(
+    fn next<L: Lanes, const LOSSLESS: bool>(
         &self,
         lanes: L,
         chunk: usize,
@@ -209,7 +210,7 @@ impl<'a, const N: usize> Rows<'a, N> {
                 let down = if row == N - 1 { lanes.load(&below[column]) } else { now[row + 1][column] };
                 let (beside, across) = (lanes.add(left, right), lanes.add(up, down));
                 let past = lanes.load(&self.past[row][chunk][column]);
-                let rest = if KEEP_ALL {
+                let rest = if LOSSLESS {
                     lanes.multiply_subtract(weights.across, across, past)
                 } else {
                     lanes.multiply_add(weights.minus_past, past, lanes.multiply(weights.across, across))
@@ -223,7 +224,8 @@ impl<'a, const N: usize> Rows<'a, N> {
     }
 }
 
-/// Flushes to zero what is below 1e-30, before it becomes a denormal number: one costs some hundred cycles.
+/// Sets numbers below 1e-30 to zero before they become denormal: an operation on a denormal number takes some hundred
+/// cycles.
 pub(super) struct FlushDenormals<'a>(pub(super) &'a mut [Line]);
 
 impl Work for FlushDenormals<'_> {

@@ -1,12 +1,12 @@
-//! The plate in two dimensions and in time: the scalar wave equation on the tapered plate, driven by DAC codes.
+//! The plate in two dimensions, in the time domain: the scalar wave equation on the tapered plate, driven by DAC codes.
 //!
 //! ```text
 //!  codes -> mean or hold per step -> actuator -> driven column -> FDTD grid (rows x stations) -> field, envelope
 //! ```
 //!
-//! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid that the plate's edge cuts. It is the
-//! model of a stretched membrane and of the shear-horizontal wave, with all width modes and their coupling; bending
-//! is another equation (dispersive, fourth order) and is left to the modal lines.
+//! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary. This is the
+//! model of a stretched membrane and of the shear-horizontal wave, with all width modes and their coupling. Bending has
+//! another equation (dispersive, of fourth order), which only [`crate::TimeDomainLine`] solves.
 
 mod band;
 mod block;
@@ -19,13 +19,13 @@ mod halo;
 mod kernel;
 #[cfg(test)]
 mod naive;
-mod plan;
 mod record;
 mod row;
 mod scheme;
 mod source;
 #[cfg(test)]
 mod tests;
+mod tiling;
 mod vector;
 
 pub use cost::Cost;
@@ -40,21 +40,22 @@ use source::{DriveCondition, Source};
 use std::f64::consts::TAU;
 use std::iter::repeat;
 
-/// Steps that are collected before the grid advances, or a single code's if those are more.
+/// Steps that are collected before the grid advances; more if a single code gives more steps.
 const STEPS_AT_ONCE: usize = 4096;
 
 /// The largest and the root-mean-square displacement since the last reset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetEnvelope {
-    /// Steps that were recorded.
+    /// Number of recorded steps.
     pub steps: u64,
-    /// Largest |v| in metres: one number per station for the centre line, else row by row as [`Sheet::field_m`].
+    /// Largest |v| in metres: one number per station if only the centre line is recorded, else row by row as
+    /// [`Sheet::field_m`].
     pub maximum_m: Vec<f32>,
-    /// Root mean square of v in metres, laid out as `maximum_m`.
+    /// Root mean square of v in metres, in the order of `maximum_m`.
     pub rms_m: Vec<f32>,
 }
 
-/// A tapered plate in two dimensions, at one moment.
+/// A tapered plate in two dimensions in the time domain.
 ///
 /// ```
 /// use slipline_plate::{Sheet, SheetGrid, preset};
@@ -83,10 +84,12 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// A sheet at rest, driven by codes of `sample_rate_hz` (1000 to 1e8).
+    /// A sheet at rest, driven by codes of `sample_rate_hz` (1000 to 1e8, and at least a millionth of the step rate
+    /// that the grid needs).
     ///
     /// # Errors
-    /// [`SheetError`] when the plate bends, or the grid or the rate is out of range.
+    /// [`SheetError::Bends`] for a plate in bending, [`SheetError::OutOfRange`] for a field of `grid` or the sample
+    /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells.
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
         let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored } =
             Layout::new(plate, sample_rate_hz, &grid)?;
@@ -113,7 +116,7 @@ impl Sheet {
         })
     }
 
-    /// Plays codes (-1 to 1 of full scale; anything else is clamped, what is no number counts as 0).
+    /// Drives the plate with codes of -1 to 1 of full scale. Larger codes are clamped; NaN and infinity count as 0.
     pub fn push(&mut self, codes: &[f32]) {
         for part in codes.chunks(self.source.codes_for(STEPS_AT_ONCE)) {
             self.steps.clear();
@@ -132,16 +135,15 @@ impl Sheet {
         &self.widths_m
     }
 
-    /// Writes the displacement in metres, row by row (`widths_m` x `positions_m`); 0 outside the plate.
-    ///
-    /// What does not fit into `out` is left away.
+    /// Writes the displacement in metres, row by row (`widths_m` x `positions_m`); 0 outside the plate. `out` may be
+    /// shorter.
     pub fn field_m(&self, out: &mut [f32]) {
         for (line, out) in out.chunks_mut(self.positions_m.len()).take(self.widths_m.len()).enumerate() {
             self.line_m(line, out);
         }
     }
 
-    /// Writes the displacement on the centre line in metres, one number per station.
+    /// Writes the displacement on the centre line in metres, one number per station; `out` may be shorter.
     pub fn centre_line_m(&self, out: &mut [f32]) {
         self.line_m(self.widths_m.len() / 2, out);
     }
@@ -178,7 +180,7 @@ impl Sheet {
         envelope
     }
 
-    /// Begins the envelope anew.
+    /// Restarts the envelope.
     pub fn reset_envelope(&mut self) {
         self.recorded_since = self.fdtd.steps();
         self.fdtd.reset_envelope();
@@ -186,7 +188,7 @@ impl Sheet {
 
     /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 |grad v|^2 over the plate.
     ///
-    /// Steps conserve it to rounding when there is no loss and the driven end is held or free.
+    /// Without loss and with a held or free driven end it is constant except for rounding.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
         let unit = energy::energy(&self.fdtd, &self.edge, self.mirrored, self.step_s, self.speed_m_per_s);
         unit * self.full_scale_m.powi(2)
@@ -197,12 +199,12 @@ impl Sheet {
         1.0 / self.step_s
     }
 
-    /// Cells that a step updates.
+    /// Number of cells that a step updates.
     pub fn cells(&self) -> usize {
         self.fdtd.plan().reach.iter().map(|reach| reach + 1).sum()
     }
 
-    /// Cell updates that one second of plate time takes: below some 1e9 per core a sheet runs live.
+    /// Cell updates per second of plate time. Below about 1e9 per processor core the sheet runs in real time.
     pub fn updates_per_second(&self) -> f64 {
         self.cells() as f64 * self.step_rate_hz()
     }

@@ -1,13 +1,13 @@
-//! The sheet's steps as plain loops over rows of cells: what every layout, tiling, width and number of threads must equal,
-//! to the bit.
+//! A reference implementation of the sheet's steps as plain loops over rows of cells. Every memory layout, tiling,
+//! vector width and number of threads must give the same bits.
 
 use super::fdtd::FdtdGrid;
 use super::kernel::Weights;
-use super::plan::{Cells, Column, plan_at};
+use super::tiling::{Cells, Column, plan_at};
 use super::vector::Width;
 use proptest::prelude::*;
 
-/// Steps between two flushes of denormal numbers, as the grid promises.
+/// Steps between two flushes of denormal numbers, as in the grid.
 const FLUSH_EVERY: u64 = 64;
 
 /// An FDTD grid as plain loops: station 0 of a row is the driven column.
@@ -101,14 +101,14 @@ impl Naive {
             assert_eq!(bits(&mut maximum.into_iter()), expected(&self.maximum), "maximum, row {row}");
             assert_eq!(squares.len(), reach + 1);
             for (got, want) in squares.iter().zip(&self.squares[row]) {
-                // What is smaller than the least normal number cannot be squared.
+                // Squares below the smallest normal number are not accurate.
                 assert!((got - want).abs() <= 1e-5 * want + 1e-37, "squares, row {row}: {got} {want}");
             }
         }
     }
 }
 
-/// What a grid is made of.
+/// The cells and weights of a test grid.
 #[derive(Debug, Clone)]
 struct Case {
     reach: Vec<usize>,
@@ -119,14 +119,15 @@ struct Case {
     column: Option<Column>,
 }
 
-/// Numbers that look like any: 0 to 1, for a place and a purpose.
+/// A pseudo-random number from 0 to 1 for each `place` and `purpose`.
 fn scattered(place: usize, purpose: usize) -> f32 {
     let mixed = (place as u32).wrapping_mul(2_654_435_761) ^ (purpose as u32).wrapping_mul(0x9e37_79b9);
     (mixed.wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 24) as f32
 }
 
 impl Case {
-    /// `rows` rows, the longest of `cells` cells, the others ever shorter by `taper` (0 to 1) of it at the outermost.
+    /// `rows` rows: the longest has `cells` cells, and the others become shorter, the outermost by `taper` (0 to 1) of
+    /// it.
     fn new(cells: usize, rows: usize, taper: f64, mirrored: bool, is_lossy: bool, is_driven: bool) -> Self {
         let middle = if mirrored { 0 } else { rows / 2 };
         let reach_of = |row: usize| cells as f64 * (1.0 - taper * row.abs_diff(middle) as f64 / rows as f64);
@@ -200,7 +201,7 @@ proptest! {
 
 #[test]
 fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
-    // Sizes about the borders of lines, chunks and caches, and the tiling and the bands that come of them.
+    // Sizes near the limits of lines, chunks and caches, with the tiling and the number of bands that follow.
     for (cells, rows, threads, tiling, bands) in [
         (1, 1, 1, (4, 16), 1),
         (64, 70, 2, (4, 16), 2),

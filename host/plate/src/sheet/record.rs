@@ -1,26 +1,26 @@
-//! The record of the envelope: largest magnitude and sum of squares of every cell of the recorded rows.
+//! The recorded envelope: largest magnitude and sum of squares of every cell of the recorded rows.
 //!
-//! Squares are first summed as `f32`, over at most some tens of steps, and those sums as `f64`: two thirds of the
-//! memory traffic that sums in `f64` alone would take, and an error below 1e-5 of the sum.
+//! Squares are summed as `f32` over at most 64 steps, and these sums are added as `f64`. That takes two thirds of the
+//! memory traffic of `f64` sums alone, with an error below 1e-5 of the sum.
 
 use super::row::Row;
 use super::vector::{LANES, Lanes, Line};
 use std::ops::Range;
 
-/// The record of `rows`, laid out as the field is.
+/// The recorded envelope of `rows`, stored in the same order as the field.
 #[derive(Debug)]
 pub(super) struct EnvelopeRecord {
     pub(super) rows: Range<usize>,
-    /// Lines of a row.
+    /// Lines per row.
     stride: usize,
     maximum: Vec<Line>,
     /// Squares since the last [`EnvelopeRecord::accumulate`].
     recent: Vec<Line>,
-    /// Squares before it.
+    /// Squares before that.
     squares: Vec<[f64; LANES]>,
 }
 
-/// The record of rows that a band sends to another.
+/// The recorded envelope of the rows that a band sends to its neighbour.
 #[derive(Debug, Default)]
 pub(super) struct RecordHalo {
     maximum: Vec<Line>,
@@ -29,14 +29,14 @@ pub(super) struct RecordHalo {
 }
 
 impl EnvelopeRecord {
-    /// Of `rows`, each `stride` lines.
+    /// An empty record of `rows`, each of `stride` lines.
     pub(super) fn new(rows: Range<usize>, stride: usize) -> Self {
         let count = rows.len() * stride;
         let zero = vec![[0.0; LANES]; count];
         Self { rows, stride, recent: zero.clone(), maximum: zero, squares: vec![[0.0; LANES]; count] }
     }
 
-    /// Where the lines of `rows` lie, as far as they are recorded.
+    /// The lines of those of `rows` that are recorded.
     #[inline(always)]
     fn lines(&self, rows: &Range<usize>) -> Range<usize> {
         let rows = overlap(rows, &self.rows);
@@ -86,7 +86,7 @@ impl EnvelopeRecord {
         Some(maximum.zip(sums))
     }
 
-    /// Copies out what is recorded of `rows`.
+    /// Copies the recorded part of `rows` into `extract`.
     pub(super) fn pack(&self, rows: &Range<usize>, extract: &mut RecordHalo) {
         let range = self.lines(rows);
         refill(&mut extract.maximum, &self.maximum[range.clone()]);
@@ -94,7 +94,8 @@ impl EnvelopeRecord {
         refill(&mut extract.squares, &self.squares[range]);
     }
 
-    /// Puts in its place what [`EnvelopeRecord::pack`] copied out of the same rows of another record.
+    /// Replaces the recorded part of `rows` by what [`EnvelopeRecord::pack`] copied from the same rows of another
+    /// record.
     pub(super) fn unpack(&mut self, rows: &Range<usize>, extract: &RecordHalo) {
         let range = self.lines(rows);
         self.maximum[range.clone()].copy_from_slice(&extract.maximum);
@@ -103,13 +104,13 @@ impl EnvelopeRecord {
     }
 }
 
-/// Makes a vector equal to a slice, in the room that it has.
+/// Makes a vector equal to a slice; reuses its memory.
 pub(super) fn refill<T: Copy>(target: &mut Vec<T>, source: &[T]) {
     target.clear();
     target.extend_from_slice(source);
 }
 
-/// What two ranges share; empty, but within the second, when they share nothing.
+/// The intersection of two ranges. If it is empty, its position is still within the second range.
 pub(super) fn overlap(one: &Range<usize>, other: &Range<usize>) -> Range<usize> {
     let start = one.start.clamp(other.start, other.end);
     start..one.end.clamp(start, other.end)

@@ -1,9 +1,9 @@
-//! One row of an FDTD grid, read by station: hides the order of its cells in memory.
+//! Reads one row of an FDTD grid by station, whatever the order of its cells in memory.
 
 use super::kernel::place;
 use super::vector::LANES;
 
-/// A row: station 0 is the driven column, the stations after it are the cells that are inside.
+/// A row: station 0 is the driven column, the following stations are the cells inside the plate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row<'a, T = f32> {
     lines: &'a [[T; LANES]],
@@ -11,12 +11,12 @@ pub(super) struct Row<'a, T = f32> {
 }
 
 impl<'a, T: Copy> Row<'a, T> {
-    /// `lines` begin with the one that ends in the driven column; `reach` cells are inside.
+    /// The first of `lines` has the driven column in its last lane; `reach` cells are inside the plate.
     pub(super) fn new(lines: &'a [[T; LANES]], reach: usize) -> Self {
         Self { lines, reach }
     }
 
-    /// Number at a station; `None` beyond the last.
+    /// The number at a station; `None` beyond the last station.
     pub(super) fn get(self, station: usize) -> Option<T> {
         if station > self.reach {
             return None;
@@ -28,7 +28,7 @@ impl<'a, T: Copy> Row<'a, T> {
         Some(self.lines[1 + line][lane])
     }
 
-    /// All stations in their order.
+    /// The numbers of all stations in their order.
     pub(super) fn numbers(self) -> impl Iterator<Item = T> + use<'a, T> {
         (0..=self.reach).map_while(move |station| self.get(station))
     }

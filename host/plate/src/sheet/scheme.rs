@@ -3,23 +3,23 @@
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{EnvelopeScope, SheetGrid};
 use super::kernel::Weights;
-use super::plan::{Cells, Column, Plan, plan_of};
 use super::source::{DriveCondition, SourceTerm};
+use super::tiling::{Cells, Column, Plan, plan_of};
 
-/// What the weights of the update are computed from.
+/// The quantities from which the weights of the update are computed.
 pub(super) struct Scheme<'a> {
     pub(super) edge: &'a EmbeddedBoundary,
     pub(super) speed: f64,
     pub(super) step_s: f64,
-    /// r of r v_t, 1/s.
+    /// r of the damping term r v_t, 1/s.
     pub(super) damping: f64,
     pub(super) mirrored: bool,
     pub(super) grid: &'a SheetGrid,
 }
 
 impl Scheme<'_> {
-    /// (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/2dt = c^2 (second differences), solved for v+.
-    pub(super) fn plan(&self, law: DriveCondition) -> (Plan, SourceTerm) {
+    /// The update: (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/(2 dt) = c^2 (second differences of v), solved for v+.
+    pub(super) fn plan(&self, condition: DriveCondition) -> (Plan, SourceTerm) {
         let edge = self.edge;
         let along = (self.speed * self.step_s / edge.dx).powi(2);
         let across = (self.speed * self.step_s / edge.dz).powi(2);
@@ -37,7 +37,7 @@ impl Scheme<'_> {
         } else {
             (0..2 * side + 1).map(|row| row.abs_diff(side)).collect()
         };
-        // Links of a point to its two neighbours in z; the centre line has two outward ones.
+        // Weights of the links from a point to its two neighbours in z. On the centre line both are outward.
         let across_links = |station: usize, row: usize| {
             let outward = edge.across_link(station, row);
             if row == 0 { 2.0 * outward } else { 1.0 + outward }
@@ -52,7 +52,7 @@ impl Scheme<'_> {
             .collect();
 
         // The driven column is half a cell wide: v_tt = c^2 (2/dx ((v1 - v0)/dx - v_x(0)) + v_zz).
-        let (resisted, term) = match law {
+        let (resisted, term) = match condition {
             DriveCondition::Displacement => (0.0, SourceTerm::Value),
             DriveCondition::Force { slope_per_m } => {
                 (0.0, SourceTerm::Scaled(2.0 * along * edge.dx * slope_per_m / divisor))
@@ -62,7 +62,7 @@ impl Scheme<'_> {
                 (b, SourceTerm::Change(2.0 * b / (divisor + b)))
             }
         };
-        let moves = if law == DriveCondition::Displacement { 0.0 } else { 1.0 / (divisor + resisted) };
+        let moves = if condition == DriveCondition::Displacement { 0.0 } else { 1.0 / (divisor + resisted) };
         let column_own = |row: usize| {
             let links = 2.0 * along * edge.along_link(0, row) + across * across_links(0, row);
             (moves * (2.0 - links)) as f32

@@ -1,27 +1,37 @@
-//! The source: from DAC codes to the driven column, by way of the step rate, the actuator and the driven end.
+//! The source: DAC codes are converted to the step rate, filtered by the actuator and applied to the driven column.
 
+use crate::quantity::{OutOfRange, Range};
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::plate::Plate;
+use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::PI;
 
-/// Steps per code or codes per step: a whole number, so that steps stay on the sample clock.
+/// Most steps per code, and most codes per step.
+const RATIO_MAX: f64 = 1e6;
+
+/// Steps per code or codes per step: a whole number, so that steps and samples keep the same clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepRatio {
-    /// One step takes the mean of this many codes (a coarse grid is slower than the DAC).
+    /// One step takes the mean of this many codes: the grid is coarse.
     CodesPerStep(u32),
-    /// One code is held for this many steps (a fine grid is faster than the DAC).
+    /// One code is held for this many steps: the grid is fine.
     StepsPerCode(u32),
 }
 
 impl StepRatio {
-    /// The longest step on the sample clock that is not above `longest_step_s`.
-    pub(super) fn new(sample_rate_hz: f64, longest_step_s: f64) -> Self {
+    /// The ratio with the longest step that is at most `longest_step_s`, the limit of stability.
+    ///
+    /// # Errors
+    /// The sample rates that are allowed, if a code would take more than a million steps.
+    pub(super) fn new(sample_rate_hz: f64, longest_step_s: f64) -> Result<Self, OutOfRange> {
+        let rates = Range::new(1.0 / (RATIO_MAX * longest_step_s), SAMPLE_RATE_MAX_HZ, "");
+        OutOfRange::check("sample_rate_hz", sample_rate_hz, rates)?;
         let codes = longest_step_s * sample_rate_hz;
-        if codes >= 1.0 {
-            Self::CodesPerStep(codes.min(1e6) as u32)
+        Ok(if codes >= 1.0 {
+            Self::CodesPerStep(codes.min(RATIO_MAX) as u32)
         } else {
-            Self::StepsPerCode((1.0 / codes).ceil().min(1e6) as u32)
-        }
+            Self::StepsPerCode((1.0 / codes).ceil() as u32)
+        })
     }
 
     pub(super) fn step_s(self, sample_rate_hz: f64) -> f64 {
@@ -32,31 +42,29 @@ impl StepRatio {
     }
 }
 
-/// What the source adds to the column's update in each step.
+/// The term that the source adds to the update of the driven column in each step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum SourceTerm {
     /// The displacement itself.
     Value,
     /// This factor times the displacement (a force).
     Scaled(f64),
-    /// This factor times the displacement's change over two steps (a source behind a resistance).
+    /// This factor times the change of the displacement over two steps (a source behind a resistance).
     Change(f64),
 }
 
-/// The column's law at x = 0 in the time domain: v_x = rho v_t - (term), or a prescribed v.
+/// The condition at x = 0 in the time domain.
 ///
-/// f' + j (R/T) omega f = 2 j (R/T) omega u of the frequency domain is v_x = rho (v_t - 2 u_t), rho = R/T.
+/// In the frequency domain it is f' + j (R/T) omega f = 2 j (R/T) omega u; with e^(-j omega t) that is
+/// v_x = rho (v_t - 2 u_t), rho = R/T.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum DriveCondition {
+    /// v = u.
     Displacement,
     /// v_x = -slope u.
-    Force {
-        slope_per_m: f64,
-    },
+    Force { slope_per_m: f64 },
     /// v_x = rho (v_t - 2 u_t).
-    Resistance {
-        rho_s_per_m: f64,
-    },
+    Resistance { rho_s_per_m: f64 },
 }
 
 impl DriveCondition {
@@ -81,7 +89,7 @@ pub(super) struct Source {
     actuator: Option<Resonator>,
     sum: f64,
     taken: u32,
-    /// Displacement one and two steps ago.
+    /// The source's displacement one and two steps before.
     last: [f64; 2],
 }
 
@@ -91,7 +99,7 @@ impl Source {
         Self { ratio, term, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
-    /// How many codes make at most `steps` steps; one at least.
+    /// Number of codes that give at most `steps` steps; at least one.
     pub(super) fn codes_for(&self, steps: usize) -> usize {
         match self.ratio {
             StepRatio::StepsPerCode(count) => (steps / count as usize).max(1),
@@ -99,7 +107,8 @@ impl Source {
         }
     }
 
-    /// Appends one number for each step that `codes` complete. Codes that are no numbers count as zero.
+    /// Appends the source's term for each step that `codes` complete. Codes are clamped to -1..1; NaN and infinity
+    /// count as zero.
     pub(super) fn take(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
         for &code in codes {
             let code = if code.is_finite() { f64::from(code.clamp(-1.0, 1.0)) } else { 0.0 };
@@ -129,7 +138,7 @@ impl Source {
         };
         let value = match self.term {
             SourceTerm::Value => displacement,
-            // The update to step n + 1 has the force of step n.
+            // The update to step n + 1 takes the force at step n.
             SourceTerm::Scaled(factor) => factor * self.last[0],
             SourceTerm::Change(factor) => factor * (displacement - self.last[1]),
         };
@@ -138,8 +147,8 @@ impl Source {
     }
 }
 
-/// The actuator's resonance in the time domain: u'' + (w0/Q) u' + w0^2 u = w0^2 s by the trapezoidal rule, with the
-/// resonance itself exact; unconditionally stable.
+/// The actuator in the time domain: u'' + (w0/Q) u' + w0^2 u = w0^2 s by the trapezoidal rule, which is always stable.
+/// The factor tan(w0 dt/2) (frequency pre-warping) makes the resonance frequency exact.
 #[derive(Debug, Clone)]
 struct Resonator {
     g: f64,
@@ -149,7 +158,7 @@ struct Resonator {
 }
 
 impl Resonator {
-    /// `None` where the resonance lies beyond what the step rate can carry: it is far above the plate's band.
+    /// `None` if the resonance is above 0.45 of the step rate: it is then far above the plate's band and has no effect.
     fn new(actuator: &Actuator, step_s: f64) -> Option<Self> {
         let half_turn = PI * actuator.resonance_hz * step_s;
         (half_turn < 1.4).then(|| Self {

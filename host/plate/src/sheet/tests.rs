@@ -1,4 +1,5 @@
-//! What a sheet promises: energy, independence of threads and vectors, and the modal solution as its limit.
+//! Tests of the sheet: conservation of energy, results that do not depend on threads and vector widths, and convergence
+//! to the modal solution.
 
 use super::vector::Width;
 use super::*;
@@ -25,7 +26,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
     .unwrap()
 }
 
-/// A sine that starts over a raised cosine of 20 ms.
+/// A sine whose amplitude rises as a raised cosine over 20 ms.
 fn tone_at(rate_hz: f64, frequency_hz: f64, from: usize, count: usize) -> Vec<f32> {
     (from..from + count)
         .map(|n| {
@@ -210,7 +211,7 @@ fn modal(plate: &Plate, along: usize, frequency_hz: f64) -> (Vec<f64>, Option<cr
 
 #[test]
 fn a_gentle_taper_converges_to_the_modal_solution_at_second_order() {
-    // d W0 = 0.01: the coupling of width modes, which the modal solution leaves out, is far below the error here.
+    // d W0 = 0.01: the coupling of width modes, which the modal solution neglects, is far below the error here.
     let frequency_hz = 400.0;
     let end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: frequency_hz };
     let plate = membrane(0.01, 1.0, 0.4, 0.02, end);
@@ -244,6 +245,22 @@ fn the_default_membrane_peaks_where_and_as_high_as_the_modal_solution_says() {
 }
 
 #[test]
+fn a_sample_rate_that_would_need_too_many_steps_per_code_is_refused_with_the_lowest_one() {
+    // Waves of 1e6 m/s on cells of 0.3 um: a stable step is 0.3 ps, and a code at 1 kHz would take 3e9 of them.
+    let plate = Plate::new(PlateSpec {
+        model: Model::ShearHorizontal { shear_modulus_pa: 1e12, density_kg_per_m3: 1.0 },
+        ..membrane(0.05, 10.0, 0.005, 0.0, DriveEnd::Displacement).spec().clone()
+    })
+    .unwrap();
+    let grid = SheetGrid::new(16_384, 4);
+    let refused = grid.cost(&plate, 1000.0).unwrap_err();
+    let SheetError::OutOfRange(error) = refused else { panic!("{refused}") };
+    assert_eq!((error.field, error.value), ("sample_rate_hz", 1000.0));
+    assert!(error.range.low > 3e6 && error.range.low < 4e6, "{error}");
+    assert!(grid.cost(&plate, error.range.low * 1.000_001).is_ok());
+}
+
+#[test]
 fn bad_grids_are_refused_by_name() {
     let plate = preset("membrane").unwrap();
     let refused = |grid: SheetGrid, rate: f64| Sheet::new(&plate, rate, grid).unwrap_err().to_string();
@@ -258,7 +275,7 @@ fn bad_grids_are_refused_by_name() {
 }
 
 #[test]
-fn codes_that_are_no_numbers_do_not_reach_the_sheet() {
+fn codes_that_are_not_numbers_count_as_zero_and_large_ones_are_clamped() {
     let plate = preset("membrane").unwrap();
     let mut sheet = Sheet::new(&plate, RATE, SheetGrid::new(64, 10)).unwrap();
     sheet.push(&[f32::NAN, f32::INFINITY, -1e30, 5.0]);

@@ -1,9 +1,9 @@
-//! Sixteen numbers at a time, on whatever instruction set the machine has.
+//! Vectors of sixteen numbers on any instruction set.
 //!
-//! [`Work`] is written once, with the operations of [`Lanes`], and compiled for each instruction set; [`Width::run`]
-//! takes the widest that the machine has. Products are fused with sums where the code says so, which rounds the same
-//! way wherever it is computed: every machine and every width gives the same bits. (A machine without the
-//! instruction, as x86 had before 2013, is slow.)
+//! [`Work`] is written once with the operations of [`Lanes`] and compiled for each instruction set; [`Width::run`] uses
+//! the widest of the machine. Where the code says so, a product and a sum are fused, which rounds in the same way on
+//! every machine: all machines and all widths compute the same bits. (Processors without a fused multiply-add, such as
+//! x86 before 2013, are slow.)
 
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
@@ -12,10 +12,10 @@ use std::array::from_fn;
 /// Numbers per vector (16 `f32` = 512 bits).
 pub(super) const LANES: usize = 16;
 
-/// A vector in memory; fields are laid out so that it is one cache line.
+/// A vector in memory; fields are aligned so that each vector is one cache line.
 pub(super) type Line = [f32; LANES];
 
-/// What is done with vectors.
+/// The operations on vectors.
 pub(super) trait Lanes: Copy {
     type Vector: Copy;
 
@@ -28,15 +28,15 @@ pub(super) trait Lanes: Copy {
     fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// a b - c, rounded once.
     fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// The larger of |a| and b; b if a is no number.
+    /// The larger of |a| and b; b if a is NaN.
     fn larger_magnitude(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// Every number one lane up; lane 0 takes the last lane of `before`.
+    /// Moves every number one lane up; lane 0 takes the last lane of `before`.
     fn up(self, before: Self::Vector, vector: Self::Vector) -> Self::Vector;
-    /// Every number one lane down; the last lane takes lane 0 of `after`.
+    /// Moves every number one lane down; the last lane takes lane 0 of `after`.
     fn down(self, vector: Self::Vector, after: Self::Vector) -> Self::Vector;
 }
 
-/// Plain Rust, which the compiler transfers into the vectors of the instruction set it compiles for.
+/// Plain Rust, which the compiler vectorises for its instruction set.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plain;
 
@@ -150,16 +150,16 @@ impl Lanes for V4 {
     }
 }
 
-/// Something to be done with vectors. Everything down to the last loop must be `#[inline(always)]`: what is not
-/// inlined is compiled without the instruction set.
+/// A computation with vectors. All its functions must be `#[inline(always)]`: a function that is not inlined is
+/// compiled without the instruction set.
 pub(super) trait Work {
     fn with<L: Lanes>(self, lanes: L);
 }
 
-/// The widest instruction set that may be used.
+/// The instruction set that is used.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Width {
-    /// What every machine of the target architecture has.
+    /// The basic instructions of the target architecture.
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2(V3),
@@ -168,7 +168,7 @@ pub(super) enum Width {
 }
 
 impl Width {
-    /// The widest that this machine has.
+    /// The widest instruction set of this machine.
     pub(super) fn detect() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -182,7 +182,7 @@ impl Width {
         Self::Portable
     }
 
-    /// All that this machine has.
+    /// All instruction sets of this machine.
     #[cfg(test)]
     pub(super) fn all() -> Vec<Self> {
         let mut all = vec![Self::Portable];
@@ -191,7 +191,7 @@ impl Width {
         all
     }
 
-    /// Does the work, compiled for this width.
+    /// Runs the computation as compiled for this instruction set.
     pub(super) fn run(self, work: impl Work) {
         match self {
             Self::Portable => work.with(Plain),

@@ -1,10 +1,10 @@
-//! What can be wrong with a plate: every variant names the field and what is allowed, in numbers. The words are in
+//! Why a plate is refused. Every variant carries the field and what is allowed as data; the sentences are in
 //! [`super::wording`].
 
-use crate::quantity::{Count, Range};
+use crate::quantity::{Count, Range, WrongCount};
 use thiserror::Error;
 
-/// Why a plate was refused. Displayed in the words of a plate file; [`PlateError::told`] has others.
+/// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::told`] can use other names.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PlateError {
     /// A number is outside its range (or not a number).
@@ -15,10 +15,10 @@ pub enum PlateError {
         value: f64,
         /// The range that is allowed, in the same unit.
         range: Range,
-        /// What moves the range, where the plate's other numbers do and it does not go without saying.
+        /// The reason for the range, if it depends on other fields of the plate.
         origin: Option<Origin>,
     },
-    /// A number is in its own range, but what follows from it is not.
+    /// A number is in its range, but a quantity that follows from it is not.
     Unfit {
         /// The field, as it is written in the plate file.
         field: String,
@@ -27,30 +27,30 @@ pub enum PlateError {
         /// What follows from it, and what is allowed of that.
         consequence: Consequence,
     },
-    /// A field that this kind of taper, model or drive end needs is not there.
+    /// A field that this kind of taper, model or drive end needs is absent.
     Missing {
         /// The field, as it is written in the plate file.
         field: String,
-        /// Who needs it and in which range.
+        /// Which kind needs it, its meaning and its range, in words.
         needed: String,
     },
-    /// A field is there that this kind of taper, model or drive end does not have.
+    /// A field is present that this kind of taper, model or drive end does not have.
     Unexpected {
         /// The field, as it is written in the plate file.
         field: String,
         /// Which fields belong here instead.
         reason: String,
     },
-    /// Something of another kind than is due: a word that is not one of the allowed ones, or a text for a number.
+    /// A value of the wrong type, for instance a text for a number, or a word that is not one of the allowed ones.
     UnknownKind {
         /// The field, as it is written in the plate file.
         field: String,
-        /// What was given, as it stands in the file: a text with its quotes.
+        /// The value as the file has it: a text with its quotes.
         value: String,
         /// What is allowed, in words.
         allowed: String,
     },
-    /// A text or a list is too short or too long, or a text is not all on one line.
+    /// A text or a list is too short or too long, or a text has line breaks or control characters.
     WrongCount {
         /// The field, as it is written in the plate file.
         field: String,
@@ -59,9 +59,9 @@ pub enum PlateError {
         /// How many there may be, and of what.
         allowed: Count,
     },
-    /// Two neighbouring points of a sampled taper do not narrow.
+    /// The taper does not narrow from one sampled point to the next.
     NotNarrowing {
-        /// Number of the offending point, from 0.
+        /// Index of the second of the two points, from 0.
         index: usize,
         /// Its position, metres.
         position_m: f64,
@@ -70,65 +70,61 @@ pub enum PlateError {
     },
 }
 
-/// What moves the range of a field.
+/// Why a field has the range it has, where the range depends on other fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Origin {
     /// The lowest frequency that enters the plate.
     Entry,
-    /// The lowest frequency that enters the plate (or the start of the band), itself not allowed, and the highest that
-    /// turns on it.
+    /// The range goes from the lowest frequency that enters the plate, or the start of the band, to the highest that
+    /// turns on the plate. The lower end itself is not allowed.
     Turning,
     /// The lowest frequency of the design's band, Hz.
     BandLow(f64),
     /// The driven end, where the taper begins.
     DrivenEnd,
-    /// The plate's length, metres, all of which has to have a width.
+    /// The plate's length, metres: the points must cover all of it.
     Length(f64),
-    /// The half-width at the plate's end, metres, which the taper would make too small.
+    /// The half-width at the plate's end, metres, which would be too small.
     EndHalfWidth(f64),
 }
 
-/// What follows from a number and is not allowed.
+/// The quantity that follows from a number and is out of its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Consequence {
-    /// The frequency that a boundary at this place needs, Hz, is outside [`super::limits::FREQUENCY`].
+    /// The frequency of a boundary at this position, Hz, is outside [`super::limits::FREQUENCY`].
     Frequency(f64),
-    /// The frequencies of the span's two ends, Hz, are more than [`super::limits::BAND_RATIO_MAX`] apart.
+    /// The ratio of the frequencies at the span's end and start exceeds [`super::limits::BAND_RATIO_MAX`]; the values
+    /// are the start's and the end's frequency, Hz.
     BandRatio(f64, f64),
-    /// So many wavelengths lie before this place, more than [`super::limits::WAVELENGTHS_MAX`].
+    /// This number of wavelengths lies before the position, more than [`super::limits::WAVELENGTHS_MAX`].
     Wavelengths(f64),
     /// The plate is too short for a design's margins.
     Margins {
-        /// The band whose peak and tail need them, Hz.
+        /// The band, Hz: its lowest frequency needs room for the peak, its highest for the tail.
         band_hz: (f64, f64),
-        /// Both together, metres.
+        /// The sum of both margins, metres.
         margins_m: f64,
     },
 }
 
-/// Why a plate file was refused, with the line where that is known.
+/// Why a plate file was refused, with the line if it is known.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlateFileError {
-    /// The file is too big to be a plate; it was not parsed.
-    #[error("the plate file has {bytes} bytes: must be at most {limit}")]
-    TooBig {
-        /// Size of the text, bytes.
-        bytes: usize,
-        /// Largest size that is read, bytes.
-        limit: usize,
-    },
-    /// The text is not TOML, or holds a field no plate has.
+    /// The file exceeds [`crate::PLATE_FILE_BYTES_MAX`] and was not parsed.
+    #[error(transparent)]
+    TooBig(#[from] WrongCount),
+    /// The text is not TOML.
     #[error("line {line}: {message}")]
     Syntax {
         /// Line of the fault, from 1.
         line: usize,
-        /// The parser's sentence.
+        /// The parser's message, preceded by the field's name if the line has one.
         message: String,
     },
-    /// The text is TOML but no plate.
+    /// The text is TOML but does not describe a valid plate.
     #[error("{}{error}", .line.map(|line| format!("line {line}: ")).unwrap_or_default())]
     Plate {
-        /// Line of the field, from 1, where it could be found.
+        /// Line of the field, from 1; `None` if neither the field nor its section is in the text.
         line: Option<usize>,
         /// What is wrong with which field.
         error: PlateError,
@@ -157,12 +153,12 @@ impl PlateError {
 impl std::error::Error for PlateError {}
 
 impl Range {
-    /// Refuses what is not allowed, naming the field.
+    /// Refuses a value outside the range; the error names the field.
     pub(crate) fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
         if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
     }
 
-    /// As [`Range::check`], naming what moves the range too.
+    /// As [`Range::check`]; the error also carries the reason for the range.
     pub(crate) fn check_from(self, origin: Origin, field: &str, value: f64) -> Result<(), PlateError> {
         if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, Some(origin))) }
     }
@@ -173,7 +169,7 @@ impl Range {
 }
 
 impl Count {
-    /// Refuses a text that is not allowed, naming the field.
+    /// Refuses a text of the wrong length or with control characters; the error names the field.
     pub(crate) fn check_text(self, field: &str, text: &str) -> Result<(), PlateError> {
         if self.allows(text) { Ok(()) } else { Err(self.refuse(field, text.chars().count())) }
     }

@@ -1,12 +1,12 @@
-//! The limits of a plate's fields: those who check a field and those who describe it read them here.
+//! The limits of a plate's fields, used both to check a field and to describe its range.
 
 use crate::quantity::{Count, Counted, Range};
 
-/// Length of a plate, and of a design's.
+/// Length of a plate or of a design.
 pub const LENGTH: Range = Range::new(0.005, 10.0, "m");
 /// Loss factor of a material or a tension.
 pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
-/// How well the wave speed is known, as a fraction.
+/// Relative uncertainty of the wave speed.
 pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
 /// Displacement of the drive at DAC full scale.
 pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
@@ -14,7 +14,7 @@ pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
 /// Rate of an exponential taper.
 pub const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
-/// Place of a point of a sampled taper.
+/// Position of a point of a sampled taper.
 pub const TAPER_PLACE: Range = Range::new(0.0, 100.0, "m");
 /// Wave speed of a membrane.
 pub const WAVE_SPEED: Range = Range::new(0.1, 2e4, "m/s");
@@ -28,34 +28,34 @@ pub const POISSON_RATIO: Range = Range::new(0.0, 0.499, "");
 pub const DENSITY: Range = Range::new(1.0, 3e4, "kg/m^3");
 /// Thickness of the sheet.
 pub const THICKNESS: Range = Range::new(1e-6, 0.1, "m");
-/// r of a drive end that is a resistance.
+/// Ratio r of a resistance drive end to the wave impedance.
 pub const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
-/// Frequency that a boundary may need.
+/// Frequency of a boundary.
 pub const FREQUENCY: Range = Range::new(0.5, 1e7, "Hz");
 /// An actuator's resonance.
 pub const RESONANCE: Range = Range::new(0.1, 1e7, "Hz");
 /// An actuator's quality factor.
 pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
-/// Width of the frame's rim of a design.
+/// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 
-/// The nearest boundaries that a plate of this length may offer, metres from the driven end.
+/// Allowed start of the span of a plate of this length, metres from the driven end.
 pub fn span_start(length_m: f64) -> Range {
     Range::new(1e-3 * length_m, 0.999 * length_m, "m")
 }
 
 /// Name of a plate.
 pub const NAME: Count = Count::new(1, 80, Counted::Characters);
-/// What a plate is, on one line.
+/// Description of a plate, on one line.
 pub const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
 /// Points of a sampled taper.
 pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 
-/// Most wavelengths between the driven end and the boundary; keeps every computation bounded.
+/// Most wavelengths between the driven end and the boundary; this bounds the work of every computation.
 pub const WAVELENGTHS_MAX: f64 = 60.0;
-/// Largest ratio of the band's end to its start (six octaves); the filters in the time domain grow with it.
+/// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
 pub const BAND_RATIO_MAX: f64 = 64.0;
-/// How far the end of a design's band is above its start at least, percent.
+/// Least distance of a design's highest frequency above its lowest, percent of the lowest.
 pub const BAND_WIDTH_MIN_PERCENT: f64 = 5.0;
 
 #[cfg(test)]

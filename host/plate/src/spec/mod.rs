@@ -1,4 +1,4 @@
-//! What a plate is: its taper, its material, its driven end and its span, from a file or from numbers.
+//! The specification of a plate: taper, material, driven end and span, read from a file or given as numbers.
 
 pub(crate) mod drive;
 pub(crate) mod error;

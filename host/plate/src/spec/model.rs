@@ -1,12 +1,15 @@
-//! What kind of wave the plate carries: the material, the edge and the local wavenumber.
+//! The wave model: material, edge and local wavenumber.
 //!
-//! Every model is the amplitude equation f'' + (W'/W) f' + k^2 f = 0 with k^2 = a (K^2 - (q/W)^2):
+//! Every model uses the amplitude equation f'' + (W'/W) f' + k^2 f = 0 with k^2 = a (K^2 - (q/W)^2):
 //!
 //! | model | a | q (first width mode) | K |
 //! |---|---|---|---|
 //! | stretched membrane, SH wave, fixed edges | 1 | pi/2 | omega/V |
 //! | thin plate in bending, simply supported edges | 1 | pi/2 | sqrt(omega) (rho h/D)^(1/4) |
-//! | thin plate in bending, clamped edges | 1.817 | 2.36502 | the same |
+//! | thin plate in bending, clamped edges | 1.81858 | 2.36502 | the same |
+//!
+//! With clamped edges this holds near the cut-off only; farther from it the exact law is
+//! p tan p + r tanh r = 0 with p^2, r^2 = W^2 (K^2 -+ k^2), and a is its slope at k = 0.
 
 use crate::spec::error::PlateError;
 use crate::spec::limits;
@@ -54,7 +57,7 @@ impl Bending {
         self.youngs_modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson_ratio.powi(2)))
     }
 
-    /// sqrt(D/(rho h)), m^2/s: omega = this times kb^2 in a thin plate.
+    /// sqrt(D/(rho h)), m^2/s. In a thin plate omega is this times kb^2.
     pub fn spread_m2_per_s(&self) -> f64 {
         (self.stiffness_n_m() / (self.density_kg_per_m3 * self.thickness_m)).sqrt()
     }
@@ -75,7 +78,7 @@ impl Bending {
         0.5 * square * (1.0 / shear + 1.0 / stretch) + (half_difference.powi(2) + thin * thin).sqrt()
     }
 
-    /// The angular frequency at which the free plate's wavenumber squared is `wavenumber_squared`, rad/s.
+    /// The inverse of [`Bending::wavenumber_squared`]: the angular frequency, rad/s, for kb^2 in 1/m^2.
     pub fn angular_frequency(&self, wavenumber_squared: f64) -> f64 {
         let spread = self.spread_m2_per_s();
         if !self.thick_plate {
@@ -107,8 +110,8 @@ impl Bending {
     }
 }
 
-/// Clamped edges: k^2 = 1.817 (kb^2 - (2.36502/W)^2) near the cut-off of the first width mode.
-const CLAMPED_FIRST: (f64, f64) = (1.817, 2.365_020_37);
+/// q of the first width mode between clamped edges: half of the first root of cos(bL) cosh(bL) = 1.
+const CLAMPED_FIRST: f64 = 2.365_020_372_431_352;
 
 impl Model {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
@@ -124,7 +127,7 @@ impl Model {
         }
     }
 
-    /// The bending plate behind the model, if it is one.
+    /// The material of a plate in bending; `None` for the other models.
     pub fn bending(&self) -> Option<&Bending> {
         match self {
             Self::BendingSupported(bending) | Self::BendingClamped(bending) => Some(bending),
@@ -161,7 +164,7 @@ impl Model {
         }
     }
 
-    /// q of width mode `mode` (1 = the first): the mode is cut off where K = q/W.
+    /// q of width mode `mode` (1 is the first, 0 counts as 1): the mode is cut off where K = q/W.
     pub fn width_number(&self, mode: u32) -> f64 {
         let mode = mode.max(1);
         match self {
@@ -170,10 +173,10 @@ impl Model {
         }
     }
 
-    /// a of width mode `mode`: k^2 = a (K^2 - (q/W)^2). 1 but for clamped edges.
+    /// a of width mode `mode` (1 is the first, 0 counts as 1): k^2 = a (K^2 - (q/W)^2). It is 1 except for clamped
+    /// edges.
     pub fn width_slope(&self, mode: u32) -> f64 {
         match self {
-            Self::BendingClamped(_) if mode <= 1 => CLAMPED_FIRST.0,
             Self::BendingClamped(_) => {
                 // First-order perturbation of the clamped beam's mode: a = bL/(s (s bL - 2)) with bL = 2 q and
                 // s = (cosh bL - cos bL)/(sinh bL - sin bL).
@@ -189,9 +192,9 @@ impl Model {
 /// Half of the m-th root of cos(bL) cosh(bL) = 1.
 fn clamped_root(mode: u32) -> f64 {
     if mode <= 1 {
-        return CLAMPED_FIRST.1;
+        return CLAMPED_FIRST;
     }
-    // Beyond the first root the asymptote (2m + 1) pi/4 is good to 1e-3 and Newton's rule finishes it.
+    // From the second root on, bL = (2m + 1) pi/2 is accurate to 1e-3, and four Newton steps give full precision.
     let mut root = (2.0 * f64::from(mode) + 1.0) * PI / 2.0;
     for _ in 0..4 {
         // cos(b) - 1/cosh(b) = 0
@@ -199,4 +202,30 @@ fn clamped_root(mode: u32) -> f64 {
         root -= (root.cos() - 1.0 / root.cosh()) / slope;
     }
     0.5 * root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::presets::preset;
+
+    #[test]
+    fn clamped_edges_have_the_slope_of_the_exact_law_at_the_cut_off() {
+        let bending =
+            preset("al-bending").expect("a preset").spec().model.bending().expect("bending").clone();
+        let model = Model::BendingClamped(bending);
+        let q = model.width_number(1);
+        assert!((q * q.tan() + q * q.tanh()).abs() < 1e-12, "{q} is not at the cut-off");
+        // p tan p + r tanh r = 0 with p^2, r^2 = q^2 + t -+ s, where s = (W k)^2 and t = W^2 K^2 - q^2: a is ds/dt.
+        let residual = |s: f64, t: f64| {
+            let (p, r) = ((q * q + t - s).sqrt(), (q * q + t + s).sqrt());
+            p * p.tan() + r * r.tanh()
+        };
+        let h = 1e-4;
+        let by_s = (residual(h, 0.0) - residual(-h, 0.0)) / (2.0 * h);
+        let by_t = (residual(0.0, h) - residual(0.0, -h)) / (2.0 * h);
+        let slope = model.width_slope(1);
+        assert!((slope + by_t / by_s).abs() < 1e-6, "{slope} against {}", -by_t / by_s);
+        assert!((slope - 1.818_58).abs() < 1e-4, "{slope}");
+    }
 }

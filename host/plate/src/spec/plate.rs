@@ -1,7 +1,7 @@
 //! A plate: taper, material and edge, loss, drive end, and the span its boundary is dragged over.
 //!
-//! [`PlateSpec`] is what a user edits; [`Plate`] is a specification that has been validated, so that nothing
-//! behind it has to be asked twice.
+//! [`PlateSpec`] is what a user edits. [`Plate`] is a validated specification, so the solvers need no checks of
+//! their own.
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
 use crate::quantity::Range;
@@ -26,18 +26,19 @@ pub struct PlateSpec {
     pub model: Model,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
-    /// How well the wave speed is known, as a fraction (0 to 0.05): the drive table is levelled over every speed
-    /// within it, not for the nominal speed alone. Useful with a matched drive end, whose ripple is small.
+    /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
+    /// this tolerance, not only for the nominal one. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
     /// What is held at x = 0.
     pub drive_end: DriveEnd,
     /// The actuator's resonance, if it matters.
     pub actuator: Option<Actuator>,
-    /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1); illustrative until it was measured.
+    /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
     pub full_scale_m: f64,
-    /// Nearest turning point that is offered, metres (above 0).
+    /// Turning point nearest to the drive that a user can choose, metres (0.001 L to 0.999 L).
     pub span_start_m: f64,
-    /// Farthest turning point that is offered, metres (at most L).
+    /// Turning point farthest from the drive that a user can choose, metres (at least 0.001 L beyond `span_start_m`,
+    /// at most L).
     pub span_end_m: f64,
 }
 
@@ -55,11 +56,20 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Validates a specification.
+    /// Validates a specification. Besides the range of each field it checks the band of the span: its frequencies must
+    /// be 0.5 Hz to 10 MHz and at most a factor of 64 apart, at most 60 wavelengths may lie before the span's end, and
+    /// the drive end's own frequency must enter the plate.
     ///
     /// # Errors
-    /// [`PlateError`] names the first field that is out of range and the range that is allowed.
+    /// [`PlateError`] names the first field that is out of range and the allowed range.
     pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
+        let plate = Self::with_any_band(spec)?;
+        plate.validate_band()?;
+        Ok(plate)
+    }
+
+    /// As [`Plate::new`], but the band of the span and the drive end's frequency are not checked.
+    pub(super) fn with_any_band(spec: PlateSpec) -> Result<Self, PlateError> {
         limits::NAME.check_text("name", &spec.name)?;
         limits::DESCRIPTION.check_text("description", &spec.description)?;
         limits::LENGTH.check("length_m", spec.length_m)?;
@@ -77,9 +87,7 @@ impl Plate {
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
         let width = WidthLaw::new(&spec.taper, spec.length_m);
-        let plate = Self { spec, width };
-        plate.validate_band()?;
-        Ok(plate)
+        Ok(Self { spec, width })
     }
 
     fn validate_band(&self) -> Result<(), PlateError> {
@@ -122,18 +130,18 @@ impl Plate {
         self.spec.length_m
     }
 
-    /// Half-width at `x`, metres.
+    /// Half-width W at `x` metres from the driven end, metres. Beyond the plate's end the taper is continued.
     pub fn half_width_m(&self, x: f64) -> f64 {
         self.width.at(x).value.exp()
     }
 
-    /// W'/W at `x`, 1/m (negative: the plate narrows).
+    /// W'/W at `x`, 1/m; negative because the plate narrows.
     pub fn narrowing_per_m(&self, x: f64) -> f64 {
         self.width.at(x).slope
     }
 
-    /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta): the material's loss factor, but half of it in bending,
-    /// where K^2 goes with the root of the modulus.
+    /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta). For membranes and SH waves it is the loss factor. In
+    /// bending it is half of that, because K^2 is proportional to 1/sqrt(E).
     pub fn wave_loss(&self) -> f64 {
         match self.spec.model {
             Model::BendingSupported(_) | Model::BendingClamped(_) => 0.5 * self.spec.loss_factor,
@@ -141,12 +149,12 @@ impl Plate {
         }
     }
 
-    /// Nearest and farthest turning point that are offered, metres.
+    /// Turning points at the start and at the end of the span, metres.
     pub fn span_m(&self) -> (f64, f64) {
         (self.spec.span_start_m, self.spec.span_end_m)
     }
 
-    /// Lowest frequency that enters the plate at all, Hz (its wave turns at x = 0).
+    /// Cut-off frequency at the wide end, Hz: its wave turns at x = 0, and lower frequencies cannot enter the plate.
     pub fn cut_off_hz(&self) -> f64 {
         self.width_mode(1).cut_off_hz(0.0)
     }
@@ -156,7 +164,7 @@ impl Plate {
         self.width_mode(1).cut_off_hz(x)
     }
 
-    /// Frequencies of the two ends of the span, Hz.
+    /// Frequencies whose turning points are the start and the end of the span, Hz.
     pub fn band_hz(&self) -> (f64, f64) {
         (
             self.frequency_for_boundary_hz(self.spec.span_start_m),
@@ -164,17 +172,20 @@ impl Plate {
         )
     }
 
-    /// The same plate with every wave `factor` times as fast at equal frequency (0.5 to 2).
+    /// The same plate with a phase speed `factor` times as high (0.5 to 2) at equal frequency.
+    ///
+    /// It scales the membrane's wave speed by `factor`, the shear modulus by its square, and Young's modulus by its
+    /// fourth power. The last is exact for a thin plate and approximate where `thick_plate` is set.
     ///
     /// # Errors
-    /// [`PlateError`] when the material leaves its allowed range.
+    /// [`PlateError`] when `factor`, the material or the plate's band leaves its allowed range.
     pub fn with_wave_speed(&self, factor: f64) -> Result<Self, PlateError> {
         Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
         let mut spec = self.spec.clone();
         match &mut spec.model {
             Model::Membrane { wave_speed_m_per_s } => *wave_speed_m_per_s *= factor,
             Model::ShearHorizontal { shear_modulus_pa, .. } => *shear_modulus_pa *= factor * factor,
-            // The phase speed omega/kb goes with the fourth root of the stiffness.
+            // The phase speed omega/kb is proportional to the fourth root of the bending stiffness.
             Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
                 bending.youngs_modulus_pa *= factor.powi(4);
             }
@@ -182,7 +193,7 @@ impl Plate {
         Self::new(spec)
     }
 
-    /// The wave of one width mode in this plate.
+    /// Width mode `mode` of this plate (1 is the first).
     pub(crate) fn width_mode(&self, mode: u32) -> WidthMode<'_> {
         WidthMode {
             plate: self,
@@ -196,9 +207,9 @@ impl Plate {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WidthMode<'a> {
     pub(crate) plate: &'a Plate,
-    /// q.
+    /// q, see [`Model::width_number`].
     pub(crate) number: f64,
-    /// a.
+    /// a, see [`Model::width_slope`].
     pub(crate) slope: f64,
 }
 
@@ -208,7 +219,7 @@ impl WidthMode<'_> {
         self.slope * self.plate.spec.model.wavenumber_squared(TAU * frequency_hz)
     }
 
-    /// a (q/W)^2, 1/m^2: what the width takes from `axial_squared`.
+    /// a (q/W)^2, 1/m^2: the part of k^2 that the width takes away.
     pub(crate) fn width_term(&self, x: f64) -> f64 {
         self.slope * (self.number * (-self.plate.width.at(x).value).exp()).powi(2)
     }
@@ -235,13 +246,14 @@ impl WidthMode<'_> {
         -2.0 * self.width_term(x) * self.plate.width.at(x).slope
     }
 
-    /// Phase from the driven end to `x` (or to the turning point if that is nearer), radians.
+    /// Phase of the wave from the driven end to `x`, or to the turning point if that is nearer, radians.
     pub(crate) fn phase_to(&self, x: f64, frequency_hz: f64) -> f64 {
         let end = x.min(self.turning_point_m(frequency_hz));
         if end <= 0.0 {
             return 0.0;
         }
-        // k has a square-root zero at the turning point: substitute x = end (1 - u^2) and use the midpoint rule.
+        // k falls to zero as a square root at the turning point, which makes the midpoint rule inaccurate. The
+        // substitution x = end (1 - u^2) makes the integrand smooth.
         let steps = 400;
         let total: f64 = (0..steps)
             .map(|i| {

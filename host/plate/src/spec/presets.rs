@@ -5,14 +5,14 @@ use crate::spec::plate::Plate;
 /// A plate that comes with Slipline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Preset {
-    /// The name it is chosen by.
+    /// The name that selects it.
     pub name: &'static str,
-    /// The plate file.
+    /// The plate file, TOML text.
     pub toml: &'static str,
 }
 
 impl Preset {
-    /// The plate. `None` only if the preset's own file were wrong, which a test excludes.
+    /// The plate. `None` only if the preset's own file is invalid; a test checks that none is.
     pub fn plate(&self) -> Option<Plate> {
         Plate::from_toml(self.toml).ok()
     }
@@ -35,12 +35,12 @@ const PRESETS: [Preset; 6] = [
     Preset { name: "al-sh", toml: include_str!("../../presets/al-sh.toml") },
 ];
 
-/// Every preset; the first is the one to start with.
+/// All presets; the first one is the default.
 pub fn presets() -> &'static [Preset] {
     &PRESETS
 }
 
-/// The preset plate of that name.
+/// The plate of the preset called `name`; `None` if there is no such preset.
 pub fn preset(name: &str) -> Option<Plate> {
     PRESETS.iter().find(|preset| preset.name == name).and_then(Preset::plate)
 }

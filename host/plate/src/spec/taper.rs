@@ -1,7 +1,7 @@
 //! How the half-width of the plate narrows along x.
 //!
-//! The plate spans z = -W..+W. Beyond the plate's end the law is continued (the frame goes on), so that the tail
-//! of the wave decays as it would in a longer plate.
+//! The plate spans z = -W..+W. Beyond the plate's end the taper is continued, so that the tail of the wave decays as
+//! in a longer plate.
 
 use crate::quantity::Range;
 use crate::spec::error::{Origin, PlateError};
@@ -19,29 +19,30 @@ use crate::spec::limits;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Taper {
-    /// W = W0 e^(-d x): every boundary is linear in the logarithm of the frequency.
+    /// W = W0 e^(-d x): the turning point is linear in the logarithm of the frequency.
     Exponential {
         /// Half-width W0 at the driven end, metres (1e-5 to 10).
         half_width_m: f64,
         /// Rate d, 1/m (0.01 to 1000).
         rate_per_m: f64,
     },
-    /// W falls in a straight line from x = 0 to the plate's end.
+    /// W falls linearly from x = 0 to the plate's end.
     Linear {
         /// Half-width at the driven end, metres (1e-5 to 10).
         half_width_m: f64,
-        /// Half-width at the narrow end, metres (1e-5 to 10, below `half_width_m`).
+        /// Half-width at the narrow end, metres (1e-5 to 0.999 `half_width_m`).
         end_half_width_m: f64,
     },
-    /// Measured or drawn points, joined by a monotone curve of ln W (which is exact for an exponential taper).
+    /// Measured or drawn points, joined by a monotone cubic curve of ln W, which is exact for an exponential taper.
     Sampled {
-        /// `[position_m, half_width_m]`, 2 to 10 000 of them, positions rising from 0, half-widths falling.
+        /// 2 to 10 000 pairs `[position_m, half_width_m]`. Positions rise from 0 to at least the plate's length in
+        /// steps of at least 1e-6 m; half-widths fall from point to point and are 1e-5 to 10 m.
         points: Vec<[f64; 2]>,
     },
 }
 
 impl Taper {
-    /// Refuses a taper that does not narrow or is absurd in size, on a plate of the given length.
+    /// Checks that the taper narrows and that its half-widths are in range on a plate of the given length.
     pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
         match self {
             Self::Exponential { half_width_m, rate_per_m } => {
@@ -100,13 +101,13 @@ pub(crate) struct LogWidth {
 }
 
 impl LogWidth {
-    /// (sqrt W)''/sqrt W, the term that g = sqrt(W) f adds to k^2 with a minus sign.
+    /// (sqrt W)''/sqrt W, 1/m^2. With g = sqrt(W) f the amplitude equation is g'' + (k^2 - this) g = 0.
     pub(crate) fn root_curvature(self) -> f64 {
         0.5 * self.curvature + 0.25 * self.slope * self.slope
     }
 }
 
-/// The taper prepared for evaluation: sampled points carry their slopes.
+/// The taper prepared for evaluation; the slopes of a sampled taper are computed once.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum WidthLaw {
     Exponential { log_width: f64, rate_per_m: f64 },
@@ -133,7 +134,7 @@ impl WidthLaw {
         }
     }
 
-    /// Where the continued law still has a width: a linear taper ends where its edges meet.
+    /// Where the continued taper has zero width, metres: finite for a linear taper, whose edges meet.
     pub(crate) fn reach_m(&self) -> f64 {
         match self {
             Self::Linear { half_width_m, fall } => half_width_m / fall,
@@ -147,7 +148,7 @@ impl WidthLaw {
                 LogWidth { value: log_width - rate_per_m * x, slope: -rate_per_m, curvature: 0.0 }
             }
             Self::Linear { half_width_m, fall } => {
-                // Held off zero so that a caller beyond the tip gets a very narrow plate and not a NaN.
+                // Beyond the tip the width stays above zero, so that a caller gets a very narrow plate and no NaN.
                 let width = (half_width_m - fall * x).max(half_width_m * 1e-9);
                 let slope = -fall / width;
                 LogWidth { value: width.ln(), slope, curvature: -slope * slope }
@@ -156,7 +157,7 @@ impl WidthLaw {
         }
     }
 
-    /// The place where ln W has fallen to `target`; the law is continued on both sides.
+    /// The position where ln W has fallen to `target`, metres; the taper is continued on both sides.
     pub(crate) fn place_of(&self, target: f64) -> f64 {
         match self {
             Self::Exponential { log_width, rate_per_m } => (log_width - target) / rate_per_m,
@@ -180,7 +181,8 @@ impl WidthLaw {
     }
 }
 
-/// Slopes of the monotone cubic through the points (Fritsch and Butland's weighted harmonic mean).
+/// Slopes of the monotone cubic through the points: the weighted harmonic mean of Fritsch and Butland (1984, SIAM J.
+/// Sci. Stat. Comput. 5, 300).
 fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
     let count = position.len();
     let step: Vec<f64> = position.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -190,7 +192,7 @@ fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
         let (before, after) = (2.0 * step[i] + step[i - 1], step[i] + 2.0 * step[i - 1]);
         slope[i] = (before + after) / (before / secant[i - 1] + after / secant[i]);
     }
-    // One-sided three-point ends, kept falling and no steeper than monotonicity allows.
+    // At the ends: the one-sided three-point formula, limited so that the curve falls and stays monotone.
     let end = |near: f64, far: f64, h0: f64, h1: f64| {
         let raw = ((2.0 * h0 + h1) * near - h0 * far) / (h0 + h1);
         raw.clamp(3.0 * near, 0.1 * near)
@@ -221,7 +223,7 @@ fn curve_at(position: &[f64], value: &[f64], slope: &[f64], x: f64) -> LogWidth 
     let h = position[right] - position[left];
     let t = (x - position[left]) / h;
     let rise = value[right] - value[left];
-    // Hermite cubic written in powers of t.
+    // The cubic Hermite polynomial in powers of t.
     let (a, b) = (h * slope[left], h * slope[right]);
     let (c2, c3) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
     LogWidth {

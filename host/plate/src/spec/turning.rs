@@ -1,4 +1,4 @@
-//! Where a frequency turns, how wide its edge is, and which frequency puts the boundary at a place.
+//! The turning point of a frequency, the width of its edge, and the frequency for a given boundary.
 //!
 //! Near the turning point x0 the amplitude is an Airy function, Ai(kappa (x - x0)) with kappa^3 = -d(k^2)/dx at x0
 //! (2 d K^2 for the exponential taper). Its peak lies 1.018793/kappa before x0 and it falls to a tenth of the peak
@@ -10,39 +10,43 @@ use crate::special::airy;
 impl Plate {
     /// The turning point of `frequency_hz`, metres; `None` if the wave cannot enter.
     ///
-    /// The taper is thought to go on beyond the plate's end, so a value above [`Plate::length_m`] means that the
-    /// wave reaches the end of the plate.
+    /// The taper is continued beyond the plate's end, so a value above [`Plate::length_m`] means that the wave
+    /// reaches the end of the plate.
     pub fn turning_point_m(&self, frequency_hz: f64) -> Option<f64> {
         self.ghost_boundary_m(frequency_hz, 1)
     }
 
-    /// The turning point of width mode `mode` (1 = the wanted one), metres; `None` if that mode cannot enter.
+    /// The turning point of width mode `mode` (1 is the wanted one; 0 counts as 1), metres; `None` if that mode
+    /// cannot enter.
     ///
-    /// A drive on the centre line excites m = 3, 5, ..; an off-centre one m = 2, 3, ..
+    /// A drive on the centre line also excites the modes 3, 5, ..; an off-centre drive also the modes 2, 3, ..
     pub fn ghost_boundary_m(&self, frequency_hz: f64, mode: u32) -> Option<f64> {
         let place = self.width_mode(mode).turning_point_m(frequency_hz);
         (place.is_finite() && place > 0.0).then_some(place)
     }
 
-    /// kappa of the Airy form at the turning point, 1/m.
+    /// kappa of the Airy form at the turning point, 1/m; `None` if the wave cannot enter.
     pub fn kappa_per_m(&self, frequency_hz: f64) -> Option<f64> {
         self.turning_point_m(frequency_hz).map(|x0| self.width_mode(1).fall(x0).cbrt())
     }
 
-    /// Distance from the peak to a tenth of it, metres (2.729/kappa).
+    /// Distance from the peak to the position with a tenth of its amplitude, metres: 2.729/kappa. `None` if the wave
+    /// cannot enter.
     pub fn edge_width_m(&self, frequency_hz: f64) -> Option<f64> {
         self.kappa_per_m(frequency_hz).map(|kappa| airy::EDGE_WIDTH / kappa)
     }
 
-    /// Where the Airy form puts the peak, metres: x0 - 1.018793/kappa. Negative if it would lie before the drive.
+    /// Position of the peak in the Airy form, metres: x0 - 1.018793/kappa. Negative if the peak would lie before the
+    /// driven end; `None` if the wave cannot enter.
     pub fn airy_peak_m(&self, frequency_hz: f64) -> Option<f64> {
         let x0 = self.turning_point_m(frequency_hz)?;
         Some(x0 - airy::PEAK_OFFSET / self.kappa_per_m(frequency_hz)?)
     }
 
-    /// Where the amplitude has fallen to the threshold of feeling, metres: the second boundary a user may drag.
+    /// Where the amplitude has fallen to the threshold of feeling, metres: the felt edge, x0 + z/kappa with
+    /// Ai(z) = `threshold_to_peak` times Airy's peak.
     ///
-    /// `threshold_to_peak` = a_th/a_peak. `None` when the wave cannot enter or the threshold is not in 1e-6..1.
+    /// `threshold_to_peak` is a_th/a_peak. `None` if the wave cannot enter or the threshold is not in 1e-6..1.
     pub fn threshold_boundary_m(&self, frequency_hz: f64, threshold_to_peak: f64) -> Option<f64> {
         let x0 = self.turning_point_m(frequency_hz)?;
         Some(x0 + airy::place_of_level(threshold_to_peak)? / self.kappa_per_m(frequency_hz)?)
@@ -50,11 +54,14 @@ impl Plate {
 
     /// The frequency whose threshold boundary is `x`, Hz: the inverse of [`Plate::threshold_boundary_m`].
     ///
-    /// `None` when no frequency that enters the plate has its threshold there.
+    /// `None` if no frequency that enters the plate and turns before 1.5 times its length has its threshold at `x`, or
+    /// if `x` is not a number.
     pub fn frequency_for_threshold_hz(&self, x: f64, threshold_to_peak: f64) -> Option<f64> {
         let (mut low, mut high) =
             (self.cut_off_hz() * 1.000_001, self.frequency_for_boundary_hz(self.length_m() * 1.5));
-        if self.threshold_boundary_m(low, threshold_to_peak)? > x {
+        let nearest_m = self.threshold_boundary_m(low, threshold_to_peak)?;
+        let farthest_m = self.threshold_boundary_m(high, threshold_to_peak)?;
+        if !(nearest_m..=farthest_m).contains(&x) {
             return None;
         }
         for _ in 0..80 {
@@ -65,5 +72,21 @@ impl Plate {
             }
         }
         Some((low * high).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::spec::presets::preset;
+
+    #[test]
+    fn a_threshold_boundary_that_no_frequency_has_gives_none() {
+        let plate = preset("membrane").expect("a preset");
+        for x in [f64::NAN, -0.1, 0.0, 10.0 * plate.length_m(), f64::INFINITY] {
+            assert_eq!(plate.frequency_for_threshold_hz(x, 0.2), None, "{x}");
+        }
+        let frequency_hz = plate.frequency_for_threshold_hz(0.2, 0.2).expect("on the plate");
+        let boundary_m = plate.threshold_boundary_m(frequency_hz, 0.2).expect("enters");
+        assert!((boundary_m - 0.2).abs() < 1e-9, "{boundary_m}");
     }
 }

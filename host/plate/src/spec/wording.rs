@@ -4,8 +4,8 @@
 use super::error::{Consequence, Origin, PlateError};
 use super::limits::{BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, WAVELENGTHS_MAX};
 use crate::quantity::number_format::{at_least, at_most, typed};
-use crate::quantity::refusal::{Notation, PlateFile, must_be};
-use crate::quantity::{Counted, Range};
+use crate::quantity::refusal::wrong_count;
+use crate::quantity::{Notation, PlateFile, Range, must_be};
 use std::fmt;
 
 impl fmt::Display for PlateError {
@@ -32,16 +32,7 @@ impl PlateError {
             Self::UnknownKind { field, value, allowed } => {
                 must_be(format_args!("{} = {value}", name(field)), allowed)
             }
-            Self::WrongCount { field, count, allowed } => {
-                let more = match allowed.of {
-                    Counted::Characters => ", on one line, without control characters",
-                    Counted::Points => "",
-                };
-                must_be(
-                    format_args!("{} has {count} {}", name(field), allowed.of),
-                    format_args!("{allowed}{more}"),
-                )
-            }
+            Self::WrongCount { field, count, allowed } => wrong_count(&name(field), *count, *allowed),
             Self::NotNarrowing { index, position_m, half_width_m } => format!(
                 "{} = [{}, {}]: positions must increase and half-widths must decrease from point to point",
                 name(&format!("taper.points[{index}]")),

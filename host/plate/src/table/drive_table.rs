@@ -1,14 +1,14 @@
-//! The turning-point table: for each place of the boundary, the frequency and the gain that put it there at equal
-//! level.
+//! The turning-point table: for each position of the boundary, the frequency that puts it there and the gain that
+//! gives every position the same peak.
 //!
 //! The gain is the inverse of everything between the DAC code and the plate's peak: the zero-order hold's droop
-//! sinc(f/fs), the actuator, the driven end and the plate with its resonances. The device interpolates step and
-//! gain linearly between knots, so the table is made for that: knots are moved onto the plate's resonances (by
-//! less than a knot), gains share the error between a knot and the middle of its neighbours, and what is left
-//! between the knots is measured and reported.
+//! sinc(f/fs), the actuator, the driven end and the plate with its resonances. The device interpolates phase step and
+//! gain linearly between knots, and the table allows for that in three steps: knots are moved onto the plate's
+//! resonances by less than the distance of two knots; the gains balance the error at each knot against the error
+//! half-way to its neighbours; the remaining error is measured and reported.
 
 use super::error::{KNOTS_MAX, TableError};
-use super::knots::{onto_resonances, rising, share_error};
+use super::knots::{balance_errors, make_increasing, move_onto_resonances};
 use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_speeds};
 use crate::progress::Progress;
 use crate::quantity::OutOfRange;
@@ -17,14 +17,14 @@ use crate::spec::plate::Plate;
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
-    /// Nominal place of the boundary, metres (uniform over the span).
+    /// Nominal position of the boundary, metres (uniform over the span).
     pub position_m: f64,
-    /// Frequency, Hz; strictly rising from knot to knot.
+    /// Frequency, Hz; strictly increasing from knot to knot.
     pub frequency_hz: f64,
     /// Gain, above 0 and at most 1.
     pub gain: f64,
-    /// Whether the plate shows a turning-point peak here; where loss leaves none, the level is defined by the
-    /// amplitude at the turning point (an Airy peak would be 1/0.6628 of it).
+    /// Whether the plate has a turning-point peak here. Where loss leaves none, the table levels the amplitude at the
+    /// turning point over 0.6628, which is the height of the Airy peak.
     pub peak_present: bool,
 }
 
@@ -39,23 +39,24 @@ pub struct Knot {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct DriveTable {
-    /// Place of the first knot, metres.
+    /// Position of the first knot, metres.
     pub span_start_m: f64,
-    /// Place of the last knot, metres.
+    /// Position of the last knot, metres.
     pub span_end_m: f64,
     /// Sample rate the table was made for, Hz.
     pub sample_rate_hz: f64,
     /// The knots, uniform in position.
     pub knots: Vec<Knot>,
-    /// Peak displacement at level 1 (DAC amplitude = gain), the same everywhere on the span, metres.
+    /// Peak displacement at level 1 (DAC amplitude = gain), metres; the same over the whole span.
     pub peak_at_full_scale_m: f64,
-    /// Largest departure of the peak from its level at the knots, between them and at the resonances, dB.
+    /// Largest deviation of the peak from that level, dB; measured at each knot and at three positions between each
+    /// two, for the nominal wave speed.
     pub worst_error_db: f64,
-    /// Largest distance between a commanded boundary and the turning point it gets, metres.
+    /// Largest distance between a commanded boundary and the turning point of the table's frequency, metres.
     pub worst_shift_m: f64,
-    /// Swing of the peak over the span without gains, dB (largest over smallest).
+    /// Largest over smallest peak on the span if all gains were equal, dB.
     pub swing_without_gain_db: f64,
-    /// Knots without a turning-point peak.
+    /// Number of knots without a turning-point peak.
     pub knots_without_peak: usize,
 }
 
@@ -63,13 +64,14 @@ impl DriveTable {
     /// Builds the table with `knots` knots (2 to 1025) over the plate's span.
     ///
     /// # Errors
-    /// [`TableError`] when the rate cannot carry the band, `knots` is out of range, or the plate is silent somewhere.
+    /// [`TableError::SampleRate`] if the rate cannot carry the band, [`TableError::Knots`] if `knots` is out of range,
+    /// [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
     pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
         Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
     }
 
-    /// [`DriveTable::build`] that tells how far it is and can be stopped: a moment for a usual plate,
-    /// many times as long for one of many wavelengths whose speed has a tolerance.
+    /// As [`DriveTable::build`], with reports of its progress; it can be stopped. It takes a moment for most plates,
+    /// and many times as long for a plate of many wavelengths whose wave speed has a tolerance.
     ///
     /// # Errors
     /// As [`DriveTable::build`], and [`TableError::Stopped`].
@@ -84,24 +86,25 @@ impl DriveTable {
         let (start, end) = plate.span_m();
         let place = |k: f64| start + (end - start) * k / (knots - 1) as f64;
         let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
-        // Halves: knots at even indices, middles at odd ones.
+        // Knots at even indices, the positions half-way between them at odd ones.
         let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
         let others = other_speeds(plate);
         let others = drives_to_peak(&others, sample_rate_hz);
-        // Frequencies that each stage solves, per knot: they share out the progress.
+        // The stages take progress in proportion to the frequencies they solve: 2 per knot, 1 per knot and speed, the
+        // same half-way between the knots, then 4 per knot.
         let speeds = 1.0 + others.len() as f64;
         let whole = 2.0 + 2.0 * speeds + 4.0;
         let ends = [0.0, 2.0, 2.0 + speeds, 2.0 + 2.0 * speeds, whole].map(|end| end / whole);
         let levels = drive_to_peak.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
-        let shifted = onto_resonances(&drive_to_peak, &places, &halves, &levels);
+        let shifted = move_onto_resonances(&drive_to_peak, &places, &halves, &levels);
 
         let mut frequency: Vec<f64> = shifted.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
-        rising(&mut frequency);
+        make_increasing(&mut frequency);
         let at_knots = mid_levels(&drive_to_peak, &others, &frequency, &mut progress.part(ends[1], ends[2]))?;
         let middles: Vec<f64> = frequency.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let between = mid_levels(&drive_to_peak, &others, &middles, &mut progress.part(ends[2], ends[3]))?;
         let mut gain: Vec<f64> = at_knots.iter().map(|level| 1.0 / level.amplitude).collect();
-        share_error(&mut gain, &at_knots, &between);
+        balance_errors(&mut gain, &at_knots, &between);
         let largest = gain.iter().copied().fold(0.0, f64::max);
         gain.iter_mut().for_each(|gain| *gain /= largest);
         let level = 1.0 / largest;
@@ -131,12 +134,14 @@ impl DriveTable {
         Ok(table)
     }
 
-    /// Frequency at `position_m`, Hz, interpolated as the device does; clamped to the span.
+    /// Frequency at `position_m` metres, Hz, interpolated linearly as the device does. Positions outside the span give
+    /// its nearest end, NaN its start.
     pub fn frequency_hz(&self, position_m: f64) -> f64 {
         self.between(position_m, |knot| knot.frequency_hz)
     }
 
-    /// Gain at `position_m`, interpolated as the device does; clamped to the span.
+    /// Gain at `position_m` metres, interpolated linearly as the device does. Positions outside the span give its
+    /// nearest end, NaN its start.
     pub fn gain(&self, position_m: f64) -> f64 {
         self.between(position_m, |knot| knot.gain)
     }
@@ -150,7 +155,7 @@ impl DriveTable {
         value(&self.knots[left]) * (1.0 - t) + value(&self.knots[left + 1]) * t
     }
 
-    /// Measures the error at each knot and at three places between each pair.
+    /// Measures the error at each knot and at three positions between each two.
     fn measure(
         &mut self,
         plate: &Plate,

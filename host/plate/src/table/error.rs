@@ -17,7 +17,7 @@ pub enum TableError {
     /// The number of knots is out of range.
     #[error(transparent)]
     Knots(#[from] OutOfRange),
-    /// The plate does not answer somewhere in its span (its amplitude is zero or not a number).
+    /// The amplitude is zero or not finite at a position of the span.
     #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
     Silent {
         /// Turning point, metres.
@@ -25,7 +25,7 @@ pub enum TableError {
         /// Frequency, Hz.
         frequency_hz: f64,
     },
-    /// The computation was given up.
+    /// The caller stopped the computation.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }

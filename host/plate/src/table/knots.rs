@@ -1,9 +1,13 @@
-//! Where the knots of a table are put and what gains they get, for a device that interpolates linearly between them.
+//! Positions and gains of a table's knots, for a device that interpolates linearly between them.
 
 use super::level::{DriveToPeak, Level};
 
-/// Moves knots so that each sharp resonance of the level falls on a knot; between resonances the shift is linear.
-pub(super) fn onto_resonances(
+/// Shifted positions of the knots, in metres, with each sharp resonance on a knot. The shift is zero at both ends and
+/// linear between resonances.
+///
+/// A resonance is a local maximum of `levels` at `halves` (the `places` of the knots and the positions half-way between
+/// them) that stands 2 % above the mean of its neighbours.
+pub(super) fn move_onto_resonances(
     drive_to_peak: &DriveToPeak<'_>,
     places: &[f64],
     halves: &[f64],
@@ -39,6 +43,8 @@ pub(super) fn onto_resonances(
     shifted
 }
 
+/// The maximum of a function with one maximum between `low` and `high`, by golden-section search; 14 steps narrow the
+/// interval by a factor of 800.
 fn golden_maximum(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.618_033_988_749_895;
     let (mut a, mut b) = (high - ratio * (high - low), low + ratio * (high - low));
@@ -57,15 +63,16 @@ fn golden_maximum(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f6
     0.5 * (low + high)
 }
 
-/// Guards the strict order that the device demands against rounding.
-pub(super) fn rising(frequency: &mut [f64]) {
+/// Makes the frequencies strictly increasing, as the device requires, where rounding has made two of them equal.
+pub(super) fn make_increasing(frequency: &mut [f64]) {
     for k in 1..frequency.len() {
         frequency[k] = frequency[k].max(frequency[k - 1] * (1.0 + 1e-12));
     }
 }
 
-/// Splits the error in the middle of an interval between the middle and its two knots.
-pub(super) fn share_error(gain: &mut [f64], at_knots: &[Level], between: &[Level]) {
+/// Adjusts the gains so that the error half-way between two knots and the errors at the knots are equal and opposite.
+/// `between` holds the levels half-way between the knots.
+pub(super) fn balance_errors(gain: &mut [f64], at_knots: &[Level], between: &[Level]) {
     for _ in 0..3 {
         let error: Vec<f64> = between
             .iter()
@@ -76,7 +83,8 @@ pub(super) fn share_error(gain: &mut [f64], at_knots: &[Level], between: &[Level
             let left = if k > 0 { error[k - 1] } else { error[0] };
             let right = error.get(k).copied().unwrap_or(left);
             let own = (gain[k] * at_knots[k].amplitude).ln();
-            // The middle's error falls as much as the knot's own grows; stop where they are equal and opposite.
+            // A change of the gain moves both errors (in nepers) by about the same amount, so minus half of their sum
+            // makes them equal and opposite. Three rounds settle the influence of the neighbours.
             let worst = if left.abs() > right.abs() { left } else { right };
             gain[k] *= (-0.5 * (worst + own)).exp();
         }

@@ -1,9 +1,9 @@
-//! The level that a table makes equal: the peak per unit of DAC amplitude, at one wave speed or mid_levels several.
+//! The level that a table makes equal: the peak per unit of DAC amplitude, for one wave speed or for several.
 //!
-//! A wave speed that is known to a tolerance only shifts the ripple of an imperfect match along the plate. A table
-//! that undoes the ripple where it is supposed to be doubles it where it is not. So with a tolerance the gain at each
-//! knot lies in the middle, in dB, between the lowest and the highest peak of all speeds within it: the worst
-//! departure is then the ripple itself, whatever the true speed.
+//! An imperfect match of the drive end leaves a ripple of the peak along the plate, and an error of the wave speed
+//! shifts that ripple. A table that cancels the ripple at the nominal speed can double it at another one. So with a
+//! tolerance each knot is levelled to the middle, in dB, of the lowest and the highest peak at all speeds within the
+//! tolerance. The largest error is then the ripple itself, whatever the true speed.
 
 use super::error::TableError;
 use crate::frequency::equation::Equation;
@@ -16,23 +16,23 @@ use crate::special::airy;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Wave speeds over a tolerance at which the levels are computed, the nominal one among them; odd. At 1 % and 40 kHz
-/// on the plates at hand the ripple turns by about pi over the tolerance: a tenth of a turn from speed to speed.
+/// Number of wave speeds within the tolerance, the nominal one included; odd. On the presets, at 40 kHz, the phase of
+/// the ripple changes by about pi over a tolerance of 1 %, so by about a tenth of a turn from speed to speed.
 const SPEEDS: usize = 9;
-/// Frequencies between two looks at whether the table is still wanted.
+/// Frequencies between two reports of progress.
 const FREQUENCIES_AT_ONCE: usize = 64;
 
-/// The peak a drive makes: how high per unit of DAC amplitude, and whether it is a peak at all.
+/// The plate's answer at one frequency, per unit of DAC amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
-    /// Peak amplitude per unit of DAC amplitude (of full-scale displacement); where there is no peak, the amplitude
-    /// at the turning point over 0.6628.
+    /// Peak amplitude per unit of DAC amplitude, in units of the full-scale displacement. Where there is no peak, the
+    /// amplitude at the turning point over 0.6628.
     pub amplitude: f64,
     /// Whether there is a turning-point peak.
     pub peak_present: bool,
 }
 
-/// Everything between the DAC and the plate's peak, prepared for many frequencies of one plate.
+/// The gain from the DAC to the plate's peak, prepared for many frequencies of one plate.
 pub(crate) struct DriveToPeak<'a> {
     pub(super) plate: &'a Plate,
     grid: Grid,
@@ -46,10 +46,10 @@ impl<'a> DriveToPeak<'a> {
         Ok(Self::unchecked(plate, sample_rate_hz))
     }
 
-    /// The same for a plate whose band may end a little above what the rate carries.
+    /// As [`DriveToPeak::new`], for a plate whose band may end a little above what the sample rate carries.
     pub(crate) fn unchecked(plate: &'a Plate, sample_rate_hz: f64) -> Self {
         let highest_hz = plate.band_hz().1;
-        // 1e-6 of the amplitude is 1e-5 dB: a coarser grid than a response needs.
+        // An error of 1e-6 of the amplitude, 1e-5 dB, is enough here: the grid is coarser than that of a response.
         let points = 257;
         let refinement = numerov::refinement(plate, highest_hz, plate.length_m() / 256.0).div_ceil(4).max(2);
         let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
@@ -106,7 +106,7 @@ impl<'a> DriveToPeak<'a> {
         Ok(Level { amplitude, peak_present: found.is_some() })
     }
 
-    /// Zero-order hold and actuator.
+    /// Gain of the zero-order hold and the actuator.
     fn before_the_plate(&self, frequency_hz: f64) -> f64 {
         let turn = PI * frequency_hz / self.sample_rate_hz;
         let droop = turn.sin() / turn;
@@ -114,9 +114,9 @@ impl<'a> DriveToPeak<'a> {
     }
 }
 
-/// The peak amplitude that a table for `plate` levels at one frequency, per unit of DAC amplitude; `others` are its
-/// [`other_speeds`].
-pub(crate) fn levelled_amplitude(
+/// The amplitude that a table for `plate` makes equal at one frequency, per unit of DAC amplitude: the level of
+/// [`mid_levels`], where `others` are the plate's [`other_speeds`].
+pub(crate) fn level_over_speeds(
     plate: &Plate,
     others: &[Plate],
     sample_rate_hz: f64,
@@ -128,7 +128,7 @@ pub(crate) fn levelled_amplitude(
     Ok(levels[0].amplitude)
 }
 
-/// The plate at other wave speeds within its tolerance; a speed at which it is no valid plate is left out.
+/// The plate at the other wave speeds within its tolerance. Speeds that make the plate invalid are left out.
 pub(crate) fn other_speeds(plate: &Plate) -> Vec<Plate> {
     let tolerance = plate.spec().wave_speed_tolerance;
     if tolerance == 0.0 {
@@ -145,7 +145,7 @@ pub(super) fn drives_to_peak(plates: &[Plate], sample_rate_hz: f64) -> Vec<Drive
     plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect()
 }
 
-/// The nominal plate's levels, each moved to the middle, in dB, of the lowest and the highest that all plates give.
+/// The nominal plate's levels, each replaced by the middle, in dB, of the lowest and the highest level of all plates.
 pub(super) fn mid_levels(
     nominal: &DriveToPeak<'_>,
     others: &[DriveToPeak<'_>],

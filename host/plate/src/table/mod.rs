@@ -1,4 +1,4 @@
-//! The turning-point table, and how far it holds on a plate that differs from the one it was made for.
+//! The turning-point table, and its error on a plate that differs from the one it was made for.
 
 mod drive_table;
 pub(crate) mod error;

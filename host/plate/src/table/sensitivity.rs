@@ -1,4 +1,4 @@
-//! How much the peak moves when the real plate is not the one the table was made for.
+//! How much the peak's height changes when the real plate differs from the one that the table was made for.
 
 use super::drive_table::DriveTable;
 use super::error::{KNOTS_MAX, TableError};
@@ -6,23 +6,24 @@ use super::level::DriveToPeak;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 
-/// What a table made for one plate does on another.
+/// Error of the peak when a table made for one plate drives another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
-    /// Largest rise of the peak above its level, dB.
+    /// Largest rise of the peak above its level, dB (0 or more).
     pub highest_db: f64,
-    /// Largest fall of the peak below its level, dB (negative).
+    /// Largest fall of the peak below its level, dB (0 or less).
     pub lowest_db: f64,
     /// The larger of the two magnitudes, dB.
     pub worst_db: f64,
-    /// Boundary at which the worst occurs, metres.
+    /// Boundary with the largest magnitude, metres.
     pub worst_at_m: f64,
 }
 
-/// Places over the span at which a sensitivity is evaluated.
+/// Number of boundaries over the span at which a sensitivity is evaluated.
 const PLACES: usize = 801;
 
-/// Plays the table of `table_plate` on `actual_plate` over the span and compares the peaks with their level.
+/// Builds the table of `table_plate` with 1025 knots, applies it to `actual_plate` and compares the peaks over the
+/// span with the table's level.
 ///
 /// # Errors
 /// [`TableError`] as [`DriveTable::build`].
@@ -35,10 +36,10 @@ pub fn sensitivity(
     table_sensitivity(&table, table_plate, actual_plate)
 }
 
-/// [`sensitivity`] for a table that was built already.
+/// [`sensitivity`] for a table that has been built for `table_plate` already.
 ///
 /// # Errors
-/// [`TableError`] when the actual plate is silent at one of the table's frequencies.
+/// [`TableError::Silent`] if the actual plate has no amplitude at one of the table's frequencies.
 pub fn table_sensitivity(
     table: &DriveTable,
     table_plate: &Plate,
@@ -54,7 +55,7 @@ fn watched(
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivity, TableError> {
     let intended = table.peak_at_full_scale_m / table_plate.spec().full_scale_m;
-    // The actual plate's own band may end elsewhere: only the table's frequencies have to be carried.
+    // The sample rate must carry the table's frequencies; the band of the actual plate may end higher.
     let drive_to_peak = DriveToPeak::unchecked(actual_plate, table.sample_rate_hz);
     let mut result =
         Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_start_m };
@@ -74,7 +75,7 @@ fn watched(
     Ok(result)
 }
 
-/// The worst change of the peak, in dB, when every wave is 1 % faster or 1 % slower than the table supposes.
+/// The largest change of the peak when the wave speed is 1 % higher or 1 % lower than the table assumes.
 ///
 /// # Errors
 /// [`TableError`] as [`DriveTable::build`].
@@ -82,7 +83,7 @@ pub fn sensitivity_per_percent(plate: &Plate, sample_rate_hz: f64) -> Result<Sen
     sensitivity_per_percent_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
 }
 
-/// [`sensitivity_per_percent`] that tells how far it is and can be stopped.
+/// As [`sensitivity_per_percent`], with reports of its progress; it can be stopped.
 ///
 /// # Errors
 /// As [`DriveTable::build_watched`].
@@ -95,8 +96,8 @@ pub fn sensitivity_per_percent_watched(
     per_percent(&table, plate, &mut progress.part(0.8, 1.0))
 }
 
-/// [`sensitivity_per_percent_watched`] at the rate of a `table` that was made for the plate: it is not made again if it
-/// has all the knots a table can have.
+/// [`sensitivity_per_percent_watched`] at the sample rate of a `table` made for `plate`. The table is used as it is if
+/// it has 1025 knots, the most a table can have; otherwise one with 1025 knots is built.
 ///
 /// # Errors
 /// As [`DriveTable::build_watched`].
@@ -119,7 +120,7 @@ fn per_percent(
 ) -> Result<Sensitivity, TableError> {
     let mut result: Option<Sensitivity> = None;
     for (factor, from) in [(1.01, 0.0), (0.99, 0.5)] {
-        // A material at the very end of its allowed range has only one neighbour.
+        // At the end of a material's allowed range one of the two speeds is not allowed.
         let Ok(actual) = plate.with_wave_speed(factor) else { continue };
         let found = watched(table, plate, &actual, &mut progress.part(from, from + 0.5))?;
         if result.is_none_or(|best| found.worst_db > best.worst_db) {

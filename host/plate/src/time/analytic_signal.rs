@@ -1,16 +1,17 @@
-//! From DAC codes to the slowly varying complex drive of the oscillators.
+//! Turns DAC codes into the slowly varying complex drive of the oscillators.
 //!
-//! The DAC holds each code for one sample. Of that staircase only the plate's band matters: it is filtered out as
-//! an analytic signal (frequencies e^(-j omega t), omega > 0), moved down by the band's middle and decimated. What
-//! comes out are the coefficients of a quintic B-spline whose curve is the drive between the decimated samples
-//! too, so that the oscillators can be integrated exactly. The hold's droop is kept, the spline's is undone.
+//! The DAC holds each code for one sample. Of that staircase only the plate's band matters. A band filter takes it as
+//! an analytic signal (only e^(-j omega t) with omega > 0), which is shifted down by the band's middle and decimated.
+//! The results are the coefficients of a quintic B-spline; its curve is the drive also between the decimated samples,
+//! so the oscillators can be integrated exactly. The filter keeps the droop of the DAC's hold and cancels the spline's
+//! droop.
 
 use crate::time::kernel;
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::{PI, TAU};
 
-/// Which part of the spectrum is kept and how it is sampled.
+/// The band of the filter and the two decimations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BandPlan {
     pub(crate) sample_rate_hz: f64,
@@ -18,26 +19,27 @@ pub(crate) struct BandPlan {
     pub(crate) coarse: usize,
     /// Second decimation, by the band filter.
     pub(crate) fine: usize,
-    /// Middle of the band, Hz: moved to zero.
+    /// Middle of the band, Hz; it is shifted to 0 Hz.
     pub(crate) centre_hz: f64,
     /// Edges of the band filter (half-amplitude), Hz.
     low_hz: f64,
     high_hz: f64,
     transition_hz: f64,
-    /// Half of what is kept, Hz.
+    /// Half of the width of the band, stop band edges included, Hz.
     pub(crate) half_band_hz: f64,
-    /// The centre turns by `turn/CYCLE` of a circle per output sample.
+    /// The phase of `centre_hz` advances by `turn/CYCLE` of a full turn per output sample.
     turn: usize,
 }
 
-/// Length of the mixing sequence.
+/// Output samples after which the mixing phase repeats.
 const CYCLE: usize = 256;
 /// Kaiser's beta for a stop band of 90 dB.
 const KAISER_BETA: f64 = 8.96;
 
 impl BandPlan {
     pub(crate) fn new(sample_rate_hz: f64, low_hz: f64, high_hz: f64) -> Self {
-        // Below: from 0.6 of the lowest boundary's frequency down to 0.1; the mirror image lies below zero.
+        // Lower transition: from 0.6 of the lowest frequency down to 0.1 of it, because the mirror image of the band
+        // begins below 0 Hz.
         let transition_hz = 0.5 * low_hz;
         let pass_high = (1.2 * high_hz).min((1.02 * high_hz).max(0.47 * sample_rate_hz));
         let low_edge = 0.35 * low_hz;
@@ -48,7 +50,7 @@ impl BandPlan {
         let middle_rate = sample_rate_hz / coarse as f64;
         let fine = ((middle_rate / (5.2 * half_band)) as usize).max(1);
         let rate = middle_rate / fine as f64;
-        // The nearest centre that returns to its phase after CYCLE output samples.
+        // The centre nearest to the middle whose phase repeats after CYCLE output samples.
         let turn = (0.5 * (low_edge + stop_high) / rate * CYCLE as f64).round() as usize;
         let centre_hz = turn as f64 * rate / CYCLE as f64;
         Self {
@@ -69,15 +71,18 @@ impl BandPlan {
         self.sample_rate_hz / (self.coarse * self.fine) as f64
     }
 
-    /// Taps of the band filter, newest sample first.
+    /// Taps of the band filter, newest sample first; with `rate_of_drive` the filter also differentiates with respect
+    /// to time.
     ///
-    /// The window smooths the wanted shape a little: at most 0.01 dB, at the ends of the band.
+    /// The taps are the Fourier integral of [`BandPlan::shape`] over the band, times a Kaiser window. The window
+    /// smooths the shape a little: at most 0.01 dB, at the ends of the band.
     fn taps(&self, rate_of_drive: bool) -> Vec<Complex64> {
         let rate = self.sample_rate_hz / self.coarse as f64;
         let count = 2 * ((0.5 * 5.8 * rate / self.transition_hz) as usize) + 1;
         let middle = (count / 2) as f64;
         let span = self.high_hz - self.low_hz;
-        // Sixteen points per oscillation of the fastest integrand (the taps at the ends), midpoint rule.
+        // Midpoint rule with sixteen points per oscillation of the fastest integrand, that of the first and the last
+        // tap.
         let points = ((16.0 * count as f64 * span / rate) as usize).max(64);
         let df = span / points as f64;
         let mut taps = vec![Complex64::ZERO; count];
@@ -101,7 +106,8 @@ impl BandPlan {
         taps
     }
 
-    /// Hold droop, over the triangle's droop, over the spline's.
+    /// Wanted frequency response: the droop of the DAC's hold, divided by the droop of the triangle decimator and by
+    /// that of the spline.
     fn shape(&self, frequency: f64) -> f64 {
         let hold = sinc(frequency / self.sample_rate_hz);
         let n = self.coarse as f64;
@@ -127,21 +133,23 @@ fn bessel_i0(x: f64) -> f64 {
     sum
 }
 
-/// The running filter: codes in, spline coefficients out.
+/// The filter with its state: codes in, spline coefficients out.
 pub(crate) struct AnalyticDrive {
     arch: Arch,
     plan: BandPlan,
     /// Taps in time order (oldest first), split for the dot product.
     tap_re: Vec<f64>,
     tap_im: Vec<f64>,
-    /// The last `tap.len()` middle-rate samples, written twice so that a window is always contiguous.
+    /// The last samples after the first decimation, as many as there are taps; each is stored twice, so that a window
+    /// of that length is always contiguous.
     history: Vec<f64>,
     write: usize,
-    /// Triangle decimator: position in the block, the sum that ends with this block, the one that begins.
+    /// Triangle decimator: position in the block, the weighted sum that ends with this block, and the one that begins
+    /// with it.
     place: usize,
     ending: f64,
     beginning: f64,
-    /// Middle-rate samples until the next output.
+    /// Samples after the first decimation until the next output.
     wait: usize,
     phase: usize,
 }
@@ -165,14 +173,14 @@ impl AnalyticDrive {
         }
     }
 
-    /// Delay from a code to the spline coefficient it stands in the middle of, seconds.
+    /// Delay of the filter, seconds: from a code to the spline coefficient whose taps it is in the middle of.
     pub(crate) fn delay_s(&self) -> f64 {
         let coarse = self.plan.coarse as f64;
         let triangle = if self.plan.coarse > 1 { coarse - 1.0 } else { 0.0 };
         ((self.tap_re.len() / 2) as f64 * coarse + triangle) / self.plan.sample_rate_hz
     }
 
-    /// Forgets every code.
+    /// Clears the history of codes. The mixing phase goes on.
     pub(crate) fn rest(&mut self) {
         self.history.fill(0.0);
         self.ending = 0.0;
@@ -220,8 +228,8 @@ impl AnalyticDrive {
     }
 }
 
-/// Pieces of the quintic B-spline: `BSPLINE[j][i]` is the coefficient of t^i of the piece that weighs c[k - 2 + j]
-/// between sample k (t = 0) and k + 1 (t = 1), times 120.
+/// Pieces of the quintic B-spline, times 120: between the samples k (t = 0) and k + 1 (t = 1) the spline coefficient
+/// c[k - 2 + j] has the weight sum over i of `BSPLINE[j][i]` t^i.
 pub(crate) const BSPLINE: [[f64; 6]; 6] = [
     [1.0, -5.0, 10.0, -10.0, 5.0, -1.0],
     [26.0, -50.0, 20.0, 20.0, -20.0, 5.0],

@@ -1,12 +1,12 @@
-//! Maximum and RMS of the displacement at each place.
+//! Maximum and RMS of the displacement at each position.
 
 use crate::frequency::peak::{self, Peak};
 use crate::spec::plate::Plate;
 
-/// Maximum and RMS displacement at each place since the last reset.
+/// Maximum and RMS displacement at each position since the last reset.
 ///
-/// Fed with the complex (analytic) displacement, whose magnitude is the amplitude at each moment: the maximum does
-/// not depend on where in a cycle a sample falls.
+/// It is computed from the complex (analytic) displacement, whose magnitude is the amplitude at each moment. So the
+/// maximum does not depend on the phase at which the field is sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     largest_square: Vec<f32>,
@@ -35,27 +35,28 @@ impl Envelope {
         self.samples += 1;
     }
 
-    /// How many moments were taken in since the last reset.
+    /// Number of fields recorded since the last reset.
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// Largest displacement at each place, metres; zeros before the first sample.
+    /// Largest displacement at each position, metres; zeros before the first sample.
     pub fn maximum_m(&self) -> Vec<f32> {
         self.largest_square.iter().map(|square| square.sqrt()).collect()
     }
 
-    /// RMS displacement at each place, metres; zeros before the first sample.
+    /// RMS displacement at each position, metres; zeros before the first sample.
     pub fn rms_m(&self) -> Vec<f32> {
         // Half of the squared magnitude is the mean square of the real displacement.
         let samples = self.samples.max(1) as f64;
         self.sum_of_squares.iter().map(|sum| (0.5 * sum / samples).sqrt() as f32).collect()
     }
 
-    /// The turning-point peak of the envelope for a tone that turns at `frequency_hz`'s turning point.
+    /// The peak of the envelope before the turning point of `frequency_hz` on `plate`, which must be the plate of the
+    /// envelope.
     ///
-    /// The amplitude is sqrt(2) times the RMS: for one settled tone, its amplitude. `None` as in
-    /// [`crate::Response::peak`]. `plate` must be the plate the envelope was taken on.
+    /// The peak's amplitude is sqrt(2) times the RMS, metres: for one settled tone, its amplitude. `None` if the
+    /// frequency does not enter or there is no peak, as in [`crate::Response::peak`].
     pub fn peak(&self, plate: &Plate, frequency_hz: f64) -> Option<Peak> {
         let turning_point_m = plate.turning_point_m(frequency_hz)?;
         let kappa = plate.kappa_per_m(frequency_hz)?;

@@ -1,31 +1,33 @@
-//! The plate's own oscillations, to spectral accuracy.
+//! The eigenfunctions of the plate, by a spectral Galerkin method.
 //!
-//! The operator A f = -(1/W) (W f')' + a (q/W)^2 f of the amplitude equation is projected on Legendre polynomials
-//! over the plate and as much of the continued taper as the tail needs. Its eigenfunctions with a free end
-//! (f'(0) = 0) answer to a force, those with a held end (f(0) = 0) to a displacement. Loss and frequency enter
-//! only through A's eigenvalues, so the functions are real and are computed once.
+//! The amplitude equation is A f = a K^2 (1 + j eta) f with the operator A f = -(1/W) (W f')' + a (q/W)^2 f. A is
+//! projected on Legendre polynomials over the plate and as much of the continued taper as the tail of the wave needs.
+//! Eigenfunctions with a free driven end (f'(0) = 0) describe the response to a force, those with a held end (f(0) = 0)
+//! the response to a displacement. A does not depend on loss or frequency, so the functions are real and are computed
+//! once.
 
 use crate::spec::plate::WidthMode;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Decay exponents kept beyond the plate's end (what comes back from there is squared: e^-14).
+/// Exponents of decay over which the taper is continued beyond the plate's end. A wave that returns from there has
+/// decayed twice, by e^-14.
 const BEYOND_EXPONENTS: f64 = 7.0;
 
-/// Eigenfunctions of the plate for one kind of driven end, as columns over the output places.
+/// Eigenfunctions of the plate for one kind of driven end, at the output positions.
 pub(crate) struct EigenFunctions {
     /// Eigenvalues lambda of A, 1/m^2, rising.
     pub(crate) eigenvalue: Vec<f64>,
-    /// How the drive excites each one: phi(0) for a force, see [`held`] for a displacement.
+    /// Excitation of each function by the drive: -phi(0) for a force, see [`held`] for a displacement.
     pub(crate) excitation: Vec<f64>,
     /// Value of each function at the driven end.
     pub(crate) at_drive: Vec<f64>,
-    /// Functions at the output places: one column each.
+    /// Values at the output positions: one row per position, one column per function.
     pub(crate) shape: DMatrix<f64>,
-    /// What follows the drive without delay (held end only): one entry per place.
+    /// The part of the field that follows the drive without delay, one entry per position; zero for a free end.
     pub(crate) direct: DVector<f64>,
 }
 
-/// Matrices of A and of the weight W on Legendre polynomials, and the polynomials at the output places.
+/// Matrices of A and of the weight W on Legendre polynomials, and the polynomials at the output positions.
 struct Projection {
     stiffness: DMatrix<f64>,
     mass: DMatrix<f64>,
@@ -33,7 +35,7 @@ struct Projection {
     at_drive: DVector<f64>,
 }
 
-/// How many polynomials carry waves up to `frequency_hz`, and how far the taper is continued.
+/// Number of polynomials for waves up to `frequency_hz`, and the length of the continued taper in metres.
 fn size(width_mode: &WidthMode<'_>, frequency_hz: f64) -> (usize, f64) {
     let plate = width_mode.plate;
     let length = plate.length_m();
@@ -45,8 +47,8 @@ fn size(width_mode: &WidthMode<'_>, frequency_hz: f64) -> (usize, f64) {
         reach += step;
         exponents += (width_mode.width_term(reach) - slowest).max(0.0).sqrt() * step;
     }
-    // A polynomial basis follows a wave once there are more than pi terms per wavelength, plus a margin that grows
-    // slowly; the barrier's own steepness asks for some as well.
+    // Legendre polynomials resolve a wave with more than pi terms per wavelength. The cube root and the constant are a
+    // margin for spectral convergence; the last term resolves the steepness of (q/W)^2.
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let waves = 0.5 * wavenumber * reach;
     let count = waves + 6.0 * waves.cbrt() + 16.0 + 2.0 * plate.narrowing_per_m(0.0).abs() * reach;
@@ -78,7 +80,7 @@ fn project(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> P
     Projection { stiffness, mass, at_places, at_drive }
 }
 
-/// EigenFunctions with a free driven end, excited by f'(0): f = -f'(0) sum phi(0) phi(x)/(lambda - a K^2).
+/// Eigenfunctions with a free driven end, excited by f'(0): f = -f'(0) sum phi(0) phi(x)/(lambda - a K^2).
 pub(crate) fn free(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> EigenFunctions {
     let projection = project(width_mode, frequency_hz, places_m);
     let (eigenvalue, vector) = eigen(&projection.stiffness, &projection.mass);
@@ -92,14 +94,14 @@ pub(crate) fn free(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f6
     }
 }
 
-/// EigenFunctions with a held driven end, excited by f(0) = s.
+/// Eigenfunctions with a held driven end, excited by f(0) = s.
 ///
 /// With f = s (1 + h), h(0) = 0: h = -sum phi (m + (k - lambda m)/(lambda - a K^2)), where k and m are the
-/// projections of A 1 and 1. The m part follows at once (`direct`), the rest rings.
+/// projections of A 1 and of 1. The part with m follows the drive without delay (`direct`); the rest oscillates.
 pub(crate) fn held(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> EigenFunctions {
     let projection = project(width_mode, frequency_hz, places_m);
     let count = projection.at_drive.len();
-    // Columns P[n]/P[n](0) - P[n-1]/P[n-1](0), each of which vanishes at the driven end.
+    // Columns P[n]/P[n](x = 0) - P[n-1]/P[n-1](x = 0): each vanishes at the driven end.
     let mut basis = DMatrix::zeros(count, count - 1);
     for n in 1..count {
         basis[(n, n - 1)] = 1.0 / projection.at_drive[n];
@@ -124,10 +126,10 @@ pub(crate) fn held(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f6
     }
 }
 
-/// Generalised symmetric eigenproblem: eigenvalues rising, vectors normalised to the mass.
+/// Solves the generalised symmetric eigenproblem: eigenvalues rising, vectors v normalised to v^T mass v = 1.
 fn eigen(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let count = mass.nrows();
-    // The weight is positive, so the mass matrix has a root; a failure would mean a width of zero.
+    // The mass matrix is positive definite because W is positive; the factorisation fails only for a width of zero.
     let Some(root) = mass.clone().cholesky() else {
         return (Vec::new(), DMatrix::zeros(count, 0));
     };
@@ -146,7 +148,8 @@ fn eigen(stiffness: &DMatrix<f64>, mass: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f6
     (order.iter().map(|&n| solved.eigenvalues[n]).collect(), vector)
 }
 
-/// Legendre polynomials of order 0..count at `xi`, normalised on an interval of length `reach`, and their x slopes.
+/// Legendre polynomials of order 0..count at `xi` in -1..1, normalised on an interval of length `reach` in x, and their
+/// derivatives with respect to x.
 fn legendre(xi: f64, count: usize, reach: f64) -> (DVector<f64>, DVector<f64>) {
     let mut value = DVector::zeros(count);
     let mut slope = DVector::zeros(count);
@@ -163,7 +166,7 @@ fn legendre(xi: f64, count: usize, reach: f64) -> (DVector<f64>, DVector<f64>) {
     (value, slope)
 }
 
-/// Nodes and weights of Gauss and Legendre's rule on -1..1.
+/// Nodes and weights of the Gauss-Legendre rule on -1..1; the roots by Newton's method.
 fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
     let n = count as f64;
     (0..count)

@@ -1,4 +1,4 @@
-//! The steps of the oscillators, integrated exactly for a drive that is a spline.
+//! The coefficients of the oscillators' time steps: exact integrals for a drive that is a spline.
 
 use super::analytic_signal::{BSPLINE, BandPlan};
 use super::kernel::ModalStates;
@@ -6,7 +6,7 @@ use super::modal::ModalBank;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The steps of every oscillator.
+/// The coefficients of a step for every oscillator of the bank, which starts at rest.
 pub(super) fn prepare(bank: &ModalBank, plan: &BandPlan) -> ModalStates {
     let mut oscillators = ModalStates {
         re: vec![0.0; bank.pole.len()],
@@ -25,7 +25,8 @@ pub(super) fn prepare(bank: &ModalBank, plan: &BandPlan) -> ModalStates {
     oscillators
 }
 
-/// Exact step of z' = -j (p - centre) z + j u with u the quintic spline of six coefficients.
+/// The exact step of z' = -j (p - centre) z + j u over `step_s`, where u is the quintic spline of six coefficients: the
+/// factor of z, and the factor of each coefficient.
 fn integrate(pole: Complex64, centre_hz: f64, step_s: f64) -> (Complex64, [Complex64; 6]) {
     let z = Complex64::new(0.0, -1.0) * (pole - TAU * centre_hz) * step_s;
     // moment[i] = integral over the step of e^(z (1 - t)) t^i, which is i! phi_{i+1}(z).
@@ -46,7 +47,7 @@ fn integrate(pole: Complex64, centre_hz: f64, step_s: f64) -> (Complex64, [Compl
     (phi[0], inject)
 }
 
-/// phi_0 = e^z, phi_{k+1} = (phi_k - 1/k!)/z.
+/// The phi functions of exponential integrators, 0 to 6: phi_0 = e^z, phi_{k+1} = (phi_k - 1/k!)/z.
 fn phi_functions(z: Complex64) -> [Complex64; 7] {
     let mut phi = [Complex64::ZERO; 7];
     if z.norm() > 4.0 {
@@ -60,7 +61,8 @@ fn phi_functions(z: Complex64) -> [Complex64; 7] {
         }
         return phi;
     }
-    // phi_6 by its series (1/(n + 6)!), the others upward from it, which is stable for small z.
+    // The recurrence above loses accuracy for small z. Instead: phi_6 by its series, sum of z^n/(n + 6)!, and the
+    // others from it by phi_k = z phi_{k+1} + 1/k!, which is stable here.
     let mut term = Complex64::from(1.0 / 720.0);
     let mut sum = term;
     for n in 1..40 {

@@ -1,11 +1,11 @@
-//! The three inner loops of the time-domain plate, compiled for the widest vectors the machine has.
+//! The three inner loops of the time-domain plate, compiled for the widest vectors of the machine.
 //!
-//! Only products and sums, each lane by itself, fused where the code says so: every machine gets the same bits, also
-//! where a sum runs over lanes (the filter's dot product adds eight partial sums in a fixed order).
+//! They consist of products and sums in a fixed order, fused where the code says `mul_add`; the filter's dot product
+//! adds eight partial sums in a fixed order. So every machine computes the same bits.
 
 use pulp::{Simd, WithSimd};
 
-/// Places that are summed together in registers.
+/// Positions whose sums are kept in registers together.
 pub(crate) const TILE: usize = 16;
 
 /// Dot products of a window with the real and the imaginary taps.
@@ -39,19 +39,19 @@ impl WithSimd for Filter<'_> {
     }
 }
 
-/// ModalStates as separate real and imaginary parts.
+/// State and step coefficients of all oscillators, as separate real and imaginary parts.
 #[derive(Default)]
 pub(crate) struct ModalStates {
     pub(crate) re: Vec<f64>,
     pub(crate) im: Vec<f64>,
     pub(crate) advance_re: Vec<f64>,
     pub(crate) advance_im: Vec<f64>,
-    /// What each of the six spline coefficients adds: six rows.
+    /// Factor of each of the six spline coefficients: one row per coefficient.
     pub(crate) inject_re: [Vec<f64>; 6],
     pub(crate) inject_im: [Vec<f64>; 6],
 }
 
-/// One step of all oscillators: z = z e^(..) + sum of inject times coefficient.
+/// One step of all oscillators: z = advance z + sum over k of inject[k] coefficient[k].
 pub(crate) struct Step<'a> {
     pub(crate) oscillators: &'a mut ModalStates,
     pub(crate) coefficient_re: [f64; 6],
@@ -82,7 +82,8 @@ impl WithSimd for Step<'_> {
     }
 }
 
-/// A SIMD sum: field[x] = sum over signals of shape[signal][x] signal; `shape` is stored tile by tile (see [`tiles`]).
+/// The field from the signals: field[x] = sum over signals of shape[signal][x] signal. `shape` is stored as [`tiles`]
+/// returns it.
 pub(crate) struct FieldSum<'a> {
     pub(crate) shape: &'a [f32],
     pub(crate) signal: &'a [[f32; 2]],
@@ -114,9 +115,8 @@ impl WithSimd for FieldSum<'_> {
     }
 }
 
-/// Lays a matrix out for [`FieldSum`]: for each tile of places, for each signal, TILE real and TILE imaginary parts.
-///
-/// Places beyond the last are filled with zeros; the result covers `places` rounded up to whole tiles.
+/// Stores a complex matrix for [`FieldSum`]: for each tile of positions, for each signal, TILE real parts and then TILE
+/// imaginary parts. The number of positions is rounded up to whole tiles; the additional ones are zero.
 pub(crate) fn tiles(places: usize, signals: usize, value: impl Fn(usize, usize) -> [f32; 2]) -> Vec<f32> {
     let mut shape = Vec::with_capacity(places.div_ceil(TILE) * signals * 2 * TILE);
     for tile in 0..places.div_ceil(TILE) {

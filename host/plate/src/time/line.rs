@@ -1,9 +1,10 @@
-//! The plate in time: one width mode, driven by DAC codes at the device's sample rate.
+//! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
 //!
 //! ```text
 //! codes -> band filter, decimation (analytic) -> oscillators, integrated exactly -> field over x -> envelope
 //! ```
-//! Frequencies far outside the plate's band (below 0.1 of its lowest, above about 1.3 of its highest) are left out.
+//! The filter removes frequencies outside the plate's band: below 0.1 of its lowest frequency, and above 1.2 times its
+//! highest plus half of its lowest.
 
 use super::analytic_signal::{AnalyticDrive, BandPlan};
 use super::envelope::Envelope;
@@ -18,9 +19,9 @@ use pulp::Arch;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Fewest and most places of a line.
+/// Fewest and most positions of a line.
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
-/// ModalStates further from the middle of the band than this many half bands follow the drive at once.
+/// Oscillators farther from the middle of the band than this many half bands are treated as quasi-static.
 const REACH: f64 = 3.5;
 /// Highest width mode of a line.
 pub const WIDTH_MODE_MAX: u32 = 9;
@@ -31,7 +32,7 @@ pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
-    /// The number of places or of the width mode is out of range.
+    /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
 }
@@ -54,25 +55,28 @@ pub struct TimeDomainLine {
     oscillators: ModalStates,
     /// The last six spline coefficients, oldest first.
     coefficient: [Complex64; 6],
-    /// Field in metres per signal (see [`kernel::tiles`]): the drive, its change, its bend, and each oscillator.
+    /// Field in metres per signal (see [`kernel::tiles`]): the drive, its first and second derivative, each oscillator.
     shape: Vec<f32>,
     signal: Vec<[f32; 2]>,
-    /// Field over whole tiles of places.
+    /// Field at the positions, rounded up to whole tiles.
     field_re: Vec<f32>,
     field_im: Vec<f32>,
     envelope: Envelope,
     steps: u64,
-    /// The field is evaluated at every `stride`-th step, still twice as often as the band can change it.
+    /// The field is evaluated at every `stride`-th step: at a rate of at least 2.5 half bands, above the Nyquist rate
+    /// of 2.
     stride: u64,
     field_step: u64,
     settle_s: f64,
 }
 
 impl TimeDomainLine {
-    /// Prepares `points` places (16 to 4096, uniform from 0 to the plate's end) of width mode `mode` (1 = the first).
+    /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, for width mode `mode` (1
+    /// to 9; 1 is the first). The sample rate must be one of [`crate::sample_rates`].
     ///
     /// # Errors
-    /// [`LineError`] names what is out of range.
+    /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
+    /// `mode`.
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         sample_rate::check(plate, sample_rate_hz)?;
         let (low_hz, high_hz) = plate.band_hz();
@@ -112,7 +116,8 @@ impl TimeDomainLine {
         })
     }
 
-    /// Takes DAC codes as parts of full scale (-1 to 1; not a number counts as 0) and moves the plate on.
+    /// Advances the plate by one sample per code. Codes are -1 to 1 of full scale; larger ones are not clamped, NaN and
+    /// infinity count as 0.
     pub fn push(&mut self, codes: &[f32]) {
         for code in codes {
             let code = if code.is_finite() { f64::from(*code) } else { 0.0 };
@@ -122,7 +127,8 @@ impl TimeDomainLine {
         }
     }
 
-    /// Takes raw codes of a DAC of `bits` bits (mid-scale = rest).
+    /// As [`TimeDomainLine::push`], for unsigned codes of a DAC of `bits` bits (1 to 16, else the nearer of the two);
+    /// mid-scale is zero displacement.
     pub fn push_codes(&mut self, codes: &[u16], bits: u32) {
         let half = f64::from(1_u32 << (bits.clamp(1, 16) - 1));
         for code in codes {
@@ -149,14 +155,14 @@ impl TimeDomainLine {
     }
 
     fn update_field(&mut self) {
-        // The drive at the step's end, where only five pieces are not zero, and its derivatives: what goes as
-        // e^(-j (omega - centre) t) turns (omega - centre) into j d/dt.
+        // The drive at the end of the step, where five of the spline's pieces are not zero, and its two derivatives.
+        // For a signal e^(-j (omega - centre) t) the factor (omega - centre) is the operator j d/dt.
         let c = &self.coefficient;
         let rate = self.plan.rate_hz();
         let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
         let slope = (c[5] - c[1] + (c[4] - c[2]) * 10.0) * (rate / 24.0);
-        let bend = (c[1] + c[5] + (c[2] + c[4]) * 2.0 - c[3] * 6.0) * (rate * rate / 6.0);
-        let quasi_static = [drive, slope * Complex64::I, -bend];
+        let curvature = (c[1] + c[5] + (c[2] + c[4]) * 2.0 - c[3] * 6.0) * (rate * rate / 6.0);
+        let quasi_static = [drive, slope * Complex64::I, -curvature];
         for (signal, value) in self.signal.iter_mut().zip(quasi_static) {
             *signal = [value.re as f32, value.im as f32];
         }
@@ -173,12 +179,12 @@ impl TimeDomainLine {
         self.field_step = self.steps;
     }
 
-    /// Places, metres.
+    /// Positions of the line, metres.
     pub fn positions_m(&self) -> &[f64] {
         &self.position_m
     }
 
-    /// Writes the displacement at the latest step of the field, metres, as far as `out` reaches.
+    /// Writes the displacement at the latest step of the field, metres, one number per position; `out` may be shorter.
     pub fn field_m(&self, out: &mut [f32]) {
         let carrier = self.carrier();
         let (re, im) = (carrier.re as f32, carrier.im as f32);
@@ -187,10 +193,11 @@ impl TimeDomainLine {
         }
     }
 
-    /// Writes the analytic displacement at the latest step of the field, metres, as far as `out` reaches: its real
-    /// part is [`TimeDomainLine::field_m`], and a tone of frequency f turns in it as e^(-j 2 pi f t), with nothing at -f.
+    /// Writes the analytic displacement at the latest step of the field, metres, one number per position; `out` may be
+    /// shorter. Its real part is [`TimeDomainLine::field_m`]. A tone of frequency f appears in it as e^(-j 2 pi f t)
+    /// only, without a part at -f.
     ///
-    /// A new field comes every `1/step_rate_hz()` seconds.
+    /// The field is updated every `1/step_rate_hz()` seconds.
     pub fn analytic_m(&self, out: &mut [Complex64]) {
         let carrier = self.carrier();
         for ((out, re), im) in out.iter_mut().zip(&self.field_re).zip(&self.field_im) {
@@ -198,7 +205,7 @@ impl TimeDomainLine {
         }
     }
 
-    /// What the band's middle has turned to at the latest step of the field.
+    /// e^(-j omega t) of the band's middle at the latest step of the field.
     fn carrier(&self) -> Complex64 {
         Complex64::cis(-TAU * (self.field_step as f64 * self.plan.centre_hz / self.plan.rate_hz()).fract())
     }
@@ -208,12 +215,12 @@ impl TimeDomainLine {
         &self.envelope
     }
 
-    /// Starts the envelope anew, for instance once the plate has settled.
+    /// Restarts the envelope, for instance when the plate has settled.
     pub fn reset_envelope(&mut self) {
         self.envelope.reset();
     }
 
-    /// Puts the plate to rest and starts the envelope anew.
+    /// Puts the plate to rest and restarts the envelope.
     pub fn rest(&mut self) {
         self.oscillators.re.fill(0.0);
         self.oscillators.im.fill(0.0);
@@ -224,12 +231,13 @@ impl TimeDomainLine {
         self.envelope.reset();
     }
 
-    /// Time after which a change has died down to a thousandth in the band, seconds (including the filter's delay).
+    /// Time after which the transient of a change has decayed to a thousandth in the band, seconds. It includes twice
+    /// the latency, and is at most ten seconds plus that.
     pub fn settle_time_s(&self) -> f64 {
         self.settle_s + 2.0 * self.latency_s()
     }
 
-    /// Time from a code to its effect in the field, seconds: the delay of the band filter.
+    /// Time from a code to its effect in the field, seconds: the delay of the band filter and of the spline.
     pub fn latency_s(&self) -> f64 {
         self.drive.delay_s() + 3.0 / self.plan.rate_hz()
     }
@@ -240,7 +248,8 @@ impl TimeDomainLine {
     }
 }
 
-/// ln(1000) over the slowest decay of an oscillator in the band; at most ten seconds for a plate without loss.
+/// ln(1000) over the slowest decay rate of an oscillator in the band, seconds; at least four periods of the lowest
+/// frequency, and at most ten seconds.
 fn settle_time(bank: &ModalBank, low_hz: f64, high_hz: f64) -> f64 {
     let slowest = bank
         .pole

@@ -1,4 +1,4 @@
-//! The plate in time: one width mode, driven by DAC codes at the device's sample rate.
+//! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
 
 mod analytic_signal;
 mod envelope;

@@ -3,10 +3,9 @@
 
 use super::App;
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
-use slipline_model::numbers::quantity::show_place;
-use slipline_model::numbers::ticks;
 use slipline_model::setup::Setup;
 use slipline_model::setup::edit::{self, Edit};
+use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
 impl App {

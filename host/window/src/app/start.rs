@@ -69,6 +69,13 @@ impl App {
                 return Some("The link itself has failed: close Slipline and start it again.".into());
             }
             LinkState::Lost(_) => return Some("The device is lost: press Reconnect first.".into()),
+            LinkState::Reconnecting(LinkError::NoSuchPort(port)) => {
+                let text = format!(
+                    "The port {port} is not there yet: plug the device in or choose another port, \
+                     and press Drive once it is connected."
+                );
+                return Some(Obstacle { text, page: None });
+            }
             LinkState::Reconnecting(_) => {
                 return Some("The device is lost and looked for: press Drive once it is back.".into());
             }
@@ -79,9 +86,8 @@ impl App {
         let Some(status) = snapshot.status else {
             return Some("The device has not told its state yet: press Drive once it has.".into());
         };
-        let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
         match status.state {
-            State::Idle if !is_simulated => {
+            State::Idle if !autopilot::drive_arms(snapshot) => {
                 let text = "The device is muted: arm it first, then press Drive.".to_owned();
                 return Some(Obstacle { text, page: Some(Dialog::Confirm(Confirm::Arm)) });
             }
@@ -92,7 +98,7 @@ impl App {
             State::SafeMode => return Some(crate::view::SAFE_MODE.into()),
             State::Idle | State::Armed | State::Driving | State::Stopping | State::Fault => {}
         }
-        self.obstacle_of_table(is_simulated)
+        self.obstacle_of_table(snapshot.is_simulated())
     }
 
     /// The obstacle of the table, if there is one. A simulated device gets its table automatically; a real one at

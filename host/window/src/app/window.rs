@@ -1,6 +1,6 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Parts, display, first_setup};
+use super::{App, Parts, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use eframe::egui;
@@ -50,18 +50,21 @@ impl eframe::App for Window {
 /// # Errors
 /// When there is no display, or the system cannot start a thread.
 pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> anyhow::Result<()> {
-    let viewport = egui::ViewportBuilder::default()
+    let mut options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
+    // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
+    options.glow_options.vsync = false;
+    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
+        .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
+}
+
+fn viewport() -> egui::ViewportBuilder {
+    egui::ViewportBuilder::default()
         .with_title("Slipline")
         .with_app_id("slipline")
         .with_inner_size([1280.0, 800.0])
         .with_min_inner_size(LEAST_SIZE)
         .with_clamp_size_to_monitor_size(true)
-        .with_drag_and_drop(true);
-    let mut options = eframe::NativeOptions { viewport, ..Default::default() };
-    // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
-    options.glow_options.vsync = false;
-    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
-        .map_err(|error| anyhow::anyhow!(display::explain(&error)))
+        .with_drag_and_drop(true)
 }
 
 /// Closes the window from any thread, as if the user had closed it.
@@ -114,6 +117,13 @@ fn open(
 mod tests {
     use super::*;
     use eframe::egui::{ViewportCommand, ViewportId};
+
+    #[test]
+    fn the_smallest_window_fits_a_screen_of_640_by_480_points_with_the_bars_of_the_system() {
+        // A title bar and a task bar take up to 40 points each.
+        let least = viewport().min_inner_size;
+        assert!(least.is_some_and(|size| size.x <= 640.0 && size.y <= 480.0 - 2.0 * 40.0), "{least:?}");
+    }
 
     /// What the window is told to do after one more frame.
     fn commands(ctx: &egui::Context) -> Vec<ViewportCommand> {

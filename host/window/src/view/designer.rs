@@ -9,8 +9,8 @@ use crate::intent::{Intent, Intents};
 use crate::scene::DesignState;
 use eframe::egui::{self, RichText};
 use form::Form;
-use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::design::Design;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let background = scene.background;

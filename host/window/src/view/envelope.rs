@@ -5,8 +5,8 @@ use super::{Scene, theme};
 use crate::axis::Axis;
 use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
 use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_top_m};
-use slipline_model::numbers::ticks::Ticks;
 use slipline_model::setup::BoundaryMode;
+use slipline_plate::quantity::ticks::Ticks;
 
 /// The transform from displacement to screen position; 0 is at the bottom.
 struct Height {

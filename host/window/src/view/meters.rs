@@ -3,7 +3,7 @@
 use super::field::{UNKNOWN, row};
 use super::{Scene, theme};
 use eframe::egui::{self, Color32, CornerRadius, Rect, RichText, Sense, vec2};
-use slipline_model::numbers::ticks;
+use slipline_plate::quantity::ticks;
 use theme::Palette;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {

@@ -3,17 +3,18 @@
 //!
 //! ```text
 //! top_bar ................................ STOP
-//! stage: plate | envelope | strip (one x axis)   side: boundary, tones, plate_panel, device
-//! bottom: waveform, spectrum, meters, log
+//! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device
+//! bottom_row: plots (waveform, spectrum), meters, log
 //! ```
 
 mod aligned;
-mod bottom;
-mod boundary;
+mod bottom_row;
+mod boundary_panel;
 mod designer;
-mod device;
+mod device_panel;
 mod dialogs;
 mod envelope;
+mod felt_strip;
 mod field;
 mod log;
 mod meters;
@@ -22,12 +23,11 @@ mod offers;
 mod plate;
 mod plate_panel;
 mod plots;
-mod side;
+mod side_panel;
 mod slider;
 mod stage;
-mod strip;
 pub mod theme;
-mod tones;
+mod tones_panel;
 mod top_bar;
 mod validity;
 
@@ -41,7 +41,7 @@ use eframe::egui;
 /// The state of the views themselves: typed texts, the open tab.
 #[derive(Default)]
 pub struct ViewState {
-    pub(crate) tab: side::Tab,
+    pub(crate) tab: side_panel::Tab,
     pub(crate) plate_page: plate_panel::Page,
     pub(crate) fields: field::Fields,
     pub(crate) log: log::LogView,
@@ -54,17 +54,17 @@ pub struct ViewState {
 impl ViewState {
     /// Opens a tab by its place, 0..4.
     pub(crate) fn open_tab(&mut self, index: usize) {
-        self.tab = side::Tab::by_index(index);
+        self.tab = side_panel::Tab::by_index(index);
     }
 
     /// Opens the device panel.
     pub(crate) fn open_device(&mut self) {
-        self.tab = side::Tab::Device;
+        self.tab = side_panel::Tab::Device;
     }
 
     /// Opens the validity lights.
     fn open_validity(&mut self) {
-        self.tab = side::Tab::Plate;
+        self.tab = side_panel::Tab::Plate;
         self.plate_page = plate_panel::Page::Validity;
     }
 
@@ -83,14 +83,14 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
         .frame(frame)
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
-    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom::height(ui)).resizable(false).show(
+    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom_row::height(ui)).resizable(false).show(
         ui,
         |ui| {
-            bottom::show(ui, scene, view, &mut intents);
+            bottom_row::show(ui, scene, view, &mut intents);
         },
     );
-    egui::Panel::right("side").frame(frame).exact_size(side::WIDTH).resizable(false).show(ui, |ui| {
-        side::show(ui, scene, view, &mut intents);
+    egui::Panel::right("side").frame(frame).exact_size(side_panel::WIDTH).resizable(false).show(ui, |ui| {
+        side_panel::show(ui, scene, view, &mut intents);
     });
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));

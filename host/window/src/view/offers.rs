@@ -36,6 +36,9 @@ pub(super) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
         LinkState::Lost(_) => {
             vec![offer("Reconnect", format!("Open {port} again"), Intent::Connect(port))]
         }
+        LinkState::Reconnecting(LinkError::NoSuchPort(_)) => {
+            vec![disconnect("Cancel", "Wait for this port no longer; another one can be chosen at any time")]
+        }
         LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Look for the device no longer")],
         LinkState::Connected => connected(scene),
     }
@@ -51,8 +54,7 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
         let close = Intent::Request(Request::Disconnect);
         return vec![offer("Disconnect", "Close the port", close)];
     };
-    let is_simulated = snapshot.identity.as_ref().is_some_and(|identity| identity.simulated);
-    let mut offers = of_state(scene, status.state, is_simulated);
+    let mut offers = of_state(scene, status.state, snapshot.is_simulated());
     if matches!(scene.table, TableState::Cancelled) && status.state != State::SafeMode {
         let help = "Make the table of this plate: without it the plate cannot be driven";
         offers.insert(0, offer("Make the table", help, Intent::MakeTable));
@@ -60,8 +62,8 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
     offers
 }
 
-/// The actions in a device state. Arming is explicit on a real device; Drive arms a simulated one, and clears its
-/// fault if that is harmless.
+/// The actions in a device state. Only the user arms a real device; Drive arms a simulated one
+/// ([`autopilot::drive_arms`]), and clears its fault if that is harmless.
 fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
     let drive = || offer("Drive", "Sound the tones of the setup (Ctrl+Enter)", Intent::Start);
     let disarm = || offer("Disarm", "Ramp to silence and mute the amplifier", Intent::Disarm);

@@ -11,7 +11,7 @@ use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave, slow_factor};
 use slipline_model::field::sheet::Source;
 use slipline_model::field::steady_field::full_colour_m;
-use slipline_model::numbers::quantity::show_length;
+use slipline_plate::quantity::show_length;
 use std::sync::Arc;
 use theme::GAP;
 

@@ -6,9 +6,9 @@ use super::field::row;
 use super::{Scene, ViewState, designer, theme, validity};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
-use slipline_model::numbers::quantity::{show_frequency, show_length, show_place};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::Plate;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use std::sync::Arc;
 
 /// The open page of the panel.

@@ -4,8 +4,10 @@ use super::{Scene, ViewState, aligned, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, FontId, Id, Rangef};
 use egui_plot::{AxisHints, GridInput, GridMark, Line, Plot, PlotPoints, VLine};
-use slipline_model::numbers::quantity::show_frequency;
-use slipline_model::numbers::ticks::{self, Ticks};
+use slipline_plate::quantity::{
+    show_frequency,
+    ticks::{self, Ticks},
+};
 use std::ops::RangeInclusive;
 
 /// The state of the plots.

@@ -6,10 +6,9 @@ use super::field::InputField;
 use super::theme;
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, Slider};
-use slipline_model::numbers::quantity::{self, QuantityError};
-use slipline_model::numbers::ticks;
 use slipline_model::setup::edit::{self, Edit};
 use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
+use slipline_plate::quantity::{self, NotAllowed, QuantityError, must_be, ticks};
 
 /// A value that a slider and a field show and change.
 pub(super) struct Quantity<'a> {
@@ -89,11 +88,14 @@ impl<'a> Quantity<'a> {
     /// The edit for a typed text, or the reason of the refusal: the problem and the allowed range.
     fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, String> {
         let Self { field, allowed, .. } = self;
-        let value = (self.read)(text).map_err(|error| format!("{field}: {error}; must be {allowed}"))?;
+        let value = (self.read)(text).map_err(|mistake| {
+            let refusal = NotAllowed { mistake: Some(mistake), allowed };
+            format!("{field}: {refusal}")
+        })?;
         let edit = (self.edit)(value);
         match edit::apply(setup, &edit) {
             Ok(_) => Ok(edit),
-            Err(_) => Err(format!("{field} {}: must be {allowed}", text.trim())),
+            Err(_) => Err(must_be(format_args!("{field} {}", text.trim()), allowed)),
         }
     }
 

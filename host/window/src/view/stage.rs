@@ -1,6 +1,6 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
-use super::{Scene, ViewState, envelope, plate, strip, theme};
+use super::{Scene, ViewState, envelope, felt_strip, plate, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Intent, Intents};
 use eframe::egui::{
@@ -8,8 +8,8 @@ use eframe::egui::{
     vec2,
 };
 use slipline_model::field::steady_field::drawn_boundary_m;
-use slipline_model::numbers::quantity::{show_frequency, show_place};
 use slipline_model::setup::edit::Edit;
+use slipline_plate::quantity::{show_frequency, show_place};
 use theme::HANDLE;
 
 /// Space left of the plate for the envelope's scale, and right of it for the last label, in points.
@@ -65,7 +65,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     grid(ui, scene, &layout);
     plate::show(ui, scene, &layout.axis, layout.plate);
     envelope::show(ui, scene, &layout.axis, layout.envelope);
-    strip::show(ui, scene, &layout.axis, layout.strip);
+    felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
     // The selected tone comes last, so that it is drawn on top and gets the pointer first.
     let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
@@ -114,7 +114,7 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
     painter.text(unit, Align2::RIGHT_TOP, "x, mm", font.clone(), palette.weak);
     let below = pos2(layout.axis.screen().max, layout.scale.bottom() + 2.0);
-    painter.text(below, Align2::RIGHT_BOTTOM, strip::words(scene), font, palette.weak);
+    painter.text(below, Align2::RIGHT_BOTTOM, felt_strip::words(scene), font, palette.weak);
 }
 
 /// The text of the hint, in the longest form that fits.

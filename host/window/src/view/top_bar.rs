@@ -37,6 +37,9 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
         }
         LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
         LinkState::Lost(trouble) => ("lost", palette.wrong, sentence(trouble)),
+        LinkState::Reconnecting(trouble @ LinkError::NoSuchPort(_)) => {
+            ("waiting for port", palette.warn, format!("{} Waiting for it.", sentence(trouble)))
+        }
         LinkState::Reconnecting(trouble) => {
             ("reconnecting", palette.warn, format!("{} Looking for it.", sentence(trouble)))
         }

@@ -4,8 +4,8 @@ use super::{Scene, theme};
 use eframe::egui::{
     self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
 };
-use slipline_model::numbers::quantity::{show_frequency, show_place};
 use slipline_plate::check::{Colour, Light};
+use slipline_plate::quantity::{show_frequency, show_place};
 use theme::Palette;
 
 /// Half the size of a light's symbol, in points.

@@ -12,7 +12,7 @@ mod port_help;
 mod reasons;
 mod sizes;
 mod sliders;
-mod small;
+mod small_screens;
 mod snapshots;
 mod sounding;
 mod stage;
@@ -20,7 +20,7 @@ mod states;
 mod stop;
 mod tab_order;
 mod test_app;
-mod unknown;
+mod unknown_values;
 
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -291,6 +291,37 @@ fn a_lost_link_is_shown_and_comes_back_by_itself() {
     app.window.get_by_role_and_label(Role::Button, "Drive").click();
     app.wait(300);
     assert!(app.is_driving());
+}
+
+#[test]
+fn a_port_that_is_missing_at_the_start_is_waited_for_and_connected_when_it_appears() {
+    let mut app = TestApp::unplugged();
+    app.wait(1500);
+    assert!(app.window.query_by_label("State: waiting for port").is_some());
+    let told = app.window.state().notice().cloned().unwrap();
+    assert!(told.is_error && told.text.contains("There is no port"), "{told:?}");
+    app.window.get_by_label("Device").click();
+    app.wait(50);
+    assert!(app.window.query_by_label_contains("Waiting for it.").is_some(), "the line under the state");
+    app.plug(true);
+    app.wait(1500);
+    assert!(app.snapshot().is_connected());
+    assert!(app.window.query_by_label_contains("There is no port").is_none(), "the message is obsolete");
+}
+
+#[test]
+fn a_port_that_is_waited_for_can_be_given_up() {
+    let mut app = TestApp::unplugged();
+    app.wait(500);
+    app.window.get_by_label("Cancel").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("State: disconnected").is_some());
+    app.plug(true);
+    app.wait(1500);
+    assert!(!app.snapshot().is_connected());
+    app.window.get_by_label("Connect").click();
+    app.wait(500);
+    assert!(app.snapshot().is_connected());
 }
 
 #[test]

@@ -106,6 +106,7 @@ fn cases() -> Vec<Case> {
     let mut without_table = real(State::Armed);
     without_table.table.active = None;
     without_table.confirmed_table = None;
+    let missing = Port::Serial("/dev/ttyACM0".to_owned());
     let mut no_status = real(State::Idle);
     no_status.status = None;
     let flash = Snapshot { compatibility: Some(Compatibility::FlashDevice), ..real(State::Idle) };
@@ -140,6 +141,15 @@ fn cases() -> Vec<Case> {
             no_device(LinkState::Reconnecting(LinkError::Silent)),
             &[("Stop looking", disconnects)],
             Err("press Drive once it is back"),
+        ),
+        case(
+            "missing",
+            Snapshot {
+                port: Some(missing.clone()),
+                ..no_device(LinkState::Reconnecting(LinkError::NoSuchPort(missing)))
+            },
+            &[("Cancel", disconnects)],
+            Err("choose another port"),
         ),
         case("no status", no_status, &[("Disconnect", disconnects)], Err("not told its state yet")),
         case("older firmware", flash, &[("What to do", shows_the_device)], Err("flash the firmware")),

@@ -244,22 +244,30 @@ impl TestApp {
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(ThemeChoice::Light, builder, tables)
+        Self::starting_with(ThemeChoice::Light, builder, tables, true)
+    }
+
+    /// The app at its first start, with the device's cable pulled.
+    pub(crate) fn unplugged() -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        Self::starting_with(ThemeChoice::Light, builder, JobQueue::inline(table::make), false)
     }
 
     fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::starting_with(theme, builder, JobQueue::inline(table::make))
+        Self::starting_with(theme, builder, JobQueue::inline(table::make), true)
     }
 
     fn starting_with(
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
+        is_plugged: bool,
     ) -> Self {
         let device = SimulatedDevice::new(Options::default());
         let port = Arc::new(Mutex::new(PluggablePort {
             device,
-            is_plugged: true,
+            is_plugged,
             refusal: None,
             from_host: Decoder::new(),
             refused: Vec::new(),
@@ -269,7 +277,8 @@ impl TestApp {
             nonce += 1;
             nonce.to_le_bytes()
         });
-        let connection = Connection::new(PluggableOpener(Arc::clone(&port)), Waker::new(|| {}), nonces);
+        let mut connection = Connection::new(PluggableOpener(Arc::clone(&port)), Waker::new(|| {}), nonces);
+        connection.keep_frames();
         let worker = SteppedWorker { connection, port, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
         let worker = Rc::new(RefCell::new(worker));
         let files = FakeFiles::default();

@@ -1,4 +1,4 @@
-//! spectra of a single tone, before the DAC and after its codes.
+//! spectra of a single tone, of the samples and of the DAC's codes.
 
 use super::super::code::{Dither, codes, dithered_codes};
 use super::super::{AMPLITUDE_ONE, BLOCK, Bank, FULL_SCALE, TONES, ToneBlock};
@@ -31,7 +31,7 @@ fn samples(frequency: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The codes of the same, around zero, by `convert`.
+/// The codes that `convert` makes of the same samples, minus mid-scale.
 fn converted(frequency: f64, mut convert: impl FnMut(&[i32; BLOCK], &mut [u16; BLOCK]) -> u32) -> Vec<f64> {
     let mut bank = Bank::new();
     let (mut out, mut block) = ([0; BLOCK], [0; BLOCK]);
@@ -45,7 +45,7 @@ fn converted(frequency: f64, mut convert: impl FnMut(&[i32; BLOCK], &mut [u16; B
         .collect()
 }
 
-/// What a 12-bit quantiser with nothing else wrong makes of the same tone.
+/// The same tone through an ideal 12-bit quantiser.
 fn ideal(frequency: f64) -> Vec<f64> {
     let turns = step(frequency / SAMPLE_RATE);
     (0..LENGTH as u64)

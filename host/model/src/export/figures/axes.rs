@@ -2,7 +2,7 @@
 
 use super::font;
 use super::page::{Anchor, BLACK, GRID, Page, Pen, Place};
-use crate::numbers::ticks::Ticks;
+use slipline_plate::quantity::ticks::Ticks;
 
 /// Least distance of two numbers on an axis, in multiples of the text size: along x and along y.
 const SPACING: Place = (4.5, 3.2);

@@ -4,8 +4,8 @@ use super::drawing::Drawing;
 use super::legend::Sample;
 use super::page::{HUES, Pen};
 use super::plot::{Curve, Plot, TEXT, Upright};
-use crate::numbers::quantity::{show_frequency, show_place};
 use slipline_plate::Response;
+use slipline_plate::quantity::{show_frequency, show_place};
 
 /// Most points of the curve: two per pixel of the figure's width.
 const MOST: usize = 4001;

@@ -1,4 +1,4 @@
-//! A complex matrix with a narrow band, solved by elimination with row exchanges.
+//! A complex band matrix, solved by Gaussian elimination with partial pivoting.
 
 use num_complex::Complex64;
 
@@ -7,8 +7,8 @@ use num_complex::Complex64;
 pub(super) struct BandMatrix {
     order: usize,
     half_band: usize,
-    /// Row by row, `3 half_band + 1` numbers each: column c of row r is at c - r + half_band. The last third is for
-    /// what row exchanges bring in.
+    /// Row by row, `3 half_band + 1` numbers each: column c of row r is at c - r + half_band. The last third holds the
+    /// fill-in of the row exchanges.
     rows: Vec<Complex64>,
 }
 
@@ -27,7 +27,7 @@ impl BandMatrix {
         self.rows[at] += value;
     }
 
-    /// Replaces the equation of `row` by "unknown = right-hand side".
+    /// Replaces the equation of `row` by "unknown = right-hand side": a prescribed value.
     pub(super) fn prescribe(&mut self, row: usize) {
         let width = 3 * self.half_band + 1;
         self.rows[row * width..(row + 1) * width].fill(Complex64::ZERO);
@@ -35,9 +35,9 @@ impl BandMatrix {
         self.rows[at] = Complex64::ONE;
     }
 
-    /// Solves for the right-hand side, which becomes the solution.
+    /// Solves the system; `right` is the right-hand side and becomes the solution.
     ///
-    /// A singular matrix (a resonance hit exactly, without loss) gives numbers that are not finite.
+    /// A singular matrix (exactly at a resonance without loss) gives numbers that are not finite.
     pub(super) fn solve(mut self, right: &mut [Complex64]) {
         let (order, band) = (self.order, self.half_band);
         for pivot in 0..order {

@@ -1,13 +1,14 @@
-//! A clamped plate in bending in two dimensions: no assumption about width modes, a check of the one that the
-//! one-dimensional model makes.
+//! A clamped plate in bending in two dimensions: a check of the one-dimensional model, without its assumption of one
+//! width mode.
 //!
-//! Kirchhoff's equation lap lap w = kb^4 w on the tapered plate with w = dw/dn = 0 at z = +-W(x), from
-//! integral of (lap w)(lap v) - kb^4 w v = 0 for every admissible v (for clamped edges the Gaussian curvature drops
-//! out). With b = z/W(x) and w = sum f_m(x) (1 - b^2)^2 P_2m(b) the clamped edges hold exactly, and
+//! Kirchhoff's equation lap lap w = kb^4 w on the tapered plate with w = dw/dn = 0 at z = +-W(x), in the weak form
+//! integral of (lap w)(lap v) - kb^4 w v = 0 for every admissible v. (With clamped edges the integral of the Gaussian
+//! curvature vanishes.) With b = z/W(x) and w = sum f_m(x) (1 - b^2)^2 P_2m(b) the clamped edges hold exactly, and
 //!
 //! lap w = f'' p - 2 s f' b p' + f ((b^2 s^2 + 1/W^2) p'' + (s^2 - s') b p'),  s = W'/W.
 //!
-//! f_m are Hermite cubics along x, so the system is a narrow band and takes a few milliseconds.
+//! The f_m are cubic Hermite elements along x, so the matrix has a narrow band and the solution takes a few
+//! milliseconds.
 
 mod band_matrix;
 mod shape;
@@ -22,11 +23,11 @@ use num_complex::Complex64;
 use shape::{Jet, across, along, gauss};
 use std::f64::consts::TAU;
 
-/// Elements per wavelength of the free plate; cubics then leave an error below 1e-5.
+/// Elements per wavelength of the free plate, for an error below 1e-5.
 const ELEMENTS_PER_WAVELENGTH: f64 = 12.0;
 /// Polynomials across the half-width.
 const ORDERS: usize = 5;
-/// Places on each element at which the centre line is reported.
+/// Positions per element at which the centre line is reported.
 const PLACES: usize = 8;
 /// Most elements, whatever the plate.
 const ELEMENTS_MAX: usize = 5000;
@@ -36,7 +37,7 @@ const ELEMENTS_MAX: usize = 5000;
 pub struct CentreLine {
     /// Uniform positions from 0 to the plate's end, metres.
     pub position_m: Vec<f64>,
-    /// Complex deflection there, relative to the deflection of the driven end's centre.
+    /// Complex deflection at each position, relative to the deflection of the centre of the driven end.
     pub deflection: Vec<Complex64>,
     /// The turning-point peak, if there is one.
     pub peak: Option<Peak>,
@@ -45,10 +46,11 @@ pub struct CentreLine {
 /// Solves the plate at `frequency_hz`: driven at x = 0 by the deflection (1 - (z/W0)^2)^2 with a free slope, clamped
 /// at the far end and at both edges.
 ///
-/// `None` when the plate is not one in bending with clamped edges.
+/// The plate's drive end and actuator are not used. `None` if the plate is not a plate in bending with clamped edges.
 ///
 /// # Errors
-/// [`RespondError`] when the frequency does not enter the plate or is above four times its highest.
+/// [`RespondError::CannotEnter`] below the cut-off; [`RespondError::Frequency`] for a frequency that is not above 0, or
+/// above four times the one that turns at the plate's end.
 pub fn respond(plate: &Plate, frequency_hz: f64) -> Option<Result<CentreLine, RespondError>> {
     let Model::BendingClamped(_) = plate.spec().model else { return None };
     Some(solve(plate, frequency_hz, ELEMENTS_PER_WAVELENGTH, ORDERS))
@@ -85,7 +87,7 @@ fn solve(
     }
     let mut right = vec![Complex64::ZERO; unknowns];
     for order in 0..orders {
-        // Deflection of the driven end: the first polynomial alone. Its slope stays free.
+        // The deflection of the driven end is the first polynomial alone; its slope is free.
         matrix.prescribe(2 * order);
         let end = elements * per_node + 2 * order;
         matrix.prescribe(end);
@@ -118,12 +120,12 @@ fn solve(
     })
 }
 
-/// Index of the unknown behind cubic `number` (value, slope at the start; value, slope at the end) of an element.
+/// Index of the unknown of the cubic `number` of an element: 0, 1 are value and slope at its start, 2, 3 at its end.
 fn unknown(element: usize, number: usize, order: usize, per_node: usize) -> usize {
     (element + number / 2) * per_node + 2 * order + number % 2
 }
 
-/// Adds the integrals over one element, by Gauss's rule in x and in b = z/W (one half of the width, by symmetry).
+/// Adds the integrals over one element by Gauss's rule in x and in b = z/W; by symmetry over one half of the width.
 fn add_element(
     matrix: &mut BandMatrix,
     plate: &Plate,
@@ -170,7 +172,7 @@ fn add_element(
     }
 }
 
-/// lap (f(x) p(b)) at b = z/W(x).
+/// lap (f(x) p(b)) at b = z/W(x), by the formula at the top of this file.
 fn laplacian_of(f: Jet, p: Jet, b: f64, law: LogWidth) -> f64 {
     let (width, s) = (law.value.exp(), law.slope);
     let constant = (b * b * s * s + width.powi(-2)) * p.bend + (s * s - law.curvature) * b * p.slope;

@@ -1,6 +1,6 @@
-//! The functions the deflection is made of: polynomials across the width, Hermite cubics along the plate.
+//! The basis functions of the deflection: polynomials across the width, cubic Hermite elements along the plate.
 
-/// A function with its first and second derivative at one place.
+/// Value, first and second derivative of a function at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Jet {
     pub(super) value: f64,
@@ -22,7 +22,7 @@ pub(super) fn across(order: usize, b: f64) -> Jet {
     }
 }
 
-/// Legendre polynomial by n P_n = (2n - 1) b P_(n-1) - (n - 1) P_(n-2), differentiated term by term.
+/// Legendre polynomial P_n with its derivatives, by n P_n = (2n - 1) b P_(n-1) - (n - 1) P_(n-2).
 fn legendre(degree: usize, b: f64) -> Jet {
     let mut before = Jet { value: 0.0, slope: 0.0, bend: 0.0 };
     let mut now = Jet { value: 1.0, slope: 0.0, bend: 0.0 };
@@ -49,7 +49,7 @@ pub(super) fn along(t: f64, h: f64) -> [Jet; 4] {
     [jet(1.0, 0.0, -3.0, 2.0), jet(0.0, h, -2.0 * h, h), jet(0.0, 0.0, 3.0, -2.0), jet(0.0, 0.0, -h, h)]
 }
 
-/// Places and weights of Gauss's rule with `count` places on 0..1 (Newton's method on the Legendre polynomial).
+/// Nodes and weights of the Gauss-Legendre rule with `count` nodes on 0..1; the roots by Newton's method.
 pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|i| {

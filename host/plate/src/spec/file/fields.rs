@@ -1,16 +1,17 @@
-//! The fields of a plate file: what each means, what it may be, and which kind of taper, model or drive end has it.
+//! The schema of a plate file: for each field its meaning, its type and range, and the kinds of taper, model or drive
+//! end that have it.
 
 use crate::quantity::{Count, Range};
 use crate::spec::limits;
 use std::borrow::Cow;
 
-/// What a field has to hold.
-pub(super) enum Due {
+/// Type and range of a field.
+pub(super) enum FieldType {
     /// A number in a range that is the same for every plate.
     Number(Range),
-    /// A number whose range depends on the other fields, in words.
+    /// A number whose range depends on other fields; the text describes the range.
     NumberThat(&'static str),
-    /// A text, by its length in characters.
+    /// A text with the given number of characters.
     Text(Count),
     /// true or false.
     Flag,
@@ -23,23 +24,23 @@ pub(super) enum Due {
 /// One field.
 pub(super) struct FieldSpec {
     pub(super) name: &'static str,
-    pub(super) due: Due,
+    pub(super) field_type: FieldType,
     pub(super) meaning: &'static str,
 }
 
-/// One section, or the plate itself (whose name is empty).
+/// A section of the file. The fields above the first section header form a section with an empty name.
 pub(super) struct Section {
     pub(super) name: &'static str,
     pub(super) meaning: &'static str,
-    /// The field that says which kind it is, and so which other fields it has.
+    /// The field that selects the kind; empty if the section has no kinds.
     pub(super) kind_field: &'static str,
-    /// Each kind with its fields.
+    /// Each kind with the names of its fields.
     pub(super) kinds: &'static [(&'static str, &'static [&'static str])],
     pub(super) fields: &'static [FieldSpec],
 }
 
-const fn field(name: &'static str, due: Due, meaning: &'static str) -> FieldSpec {
-    FieldSpec { name, due, meaning }
+const fn field(name: &'static str, field_type: FieldType, meaning: &'static str) -> FieldSpec {
+    FieldSpec { name, field_type, meaning }
 }
 
 pub(super) const PLATE: Section = Section {
@@ -48,30 +49,42 @@ pub(super) const PLATE: Section = Section {
     kind_field: "",
     kinds: &[],
     fields: &[
-        field("name", Due::Text(limits::NAME), "the plate's short name"),
-        field("description", Due::Text(limits::DESCRIPTION), "one line that says what the plate is"),
-        field("length_m", Due::Number(limits::LENGTH), "from the driven end to the narrow end"),
-        field("loss_factor", Due::Number(limits::LOSS_FACTOR), "loss factor of the modulus or the tension"),
+        field("name", FieldType::Text(limits::NAME), "the plate's short name"),
+        field("description", FieldType::Text(limits::DESCRIPTION), "one line that says what the plate is"),
+        field("length_m", FieldType::Number(limits::LENGTH), "from the driven end to the narrow end"),
+        field(
+            "loss_factor",
+            FieldType::Number(limits::LOSS_FACTOR),
+            "loss factor of the modulus or the tension",
+        ),
         field(
             "wave_speed_tolerance",
-            Due::Number(limits::WAVE_SPEED_TOLERANCE),
+            FieldType::Number(limits::WAVE_SPEED_TOLERANCE),
             "how well the wave speed is known",
         ),
-        field("full_scale_m", Due::Number(limits::FULL_SCALE), "the drive's displacement at DAC full scale"),
-        field("span_start_m", Due::NumberThat("above 0, in m"), "the nearest turning point that is offered"),
+        field(
+            "full_scale_m",
+            FieldType::Number(limits::FULL_SCALE),
+            "the drive's displacement at DAC full scale",
+        ),
+        field(
+            "span_start_m",
+            FieldType::NumberThat("above 0, in m"),
+            "the nearest turning point that is offered",
+        ),
         field(
             "span_end_m",
-            Due::NumberThat("up to length_m, in m"),
+            FieldType::NumberThat("up to length_m, in m"),
             "the farthest turning point that is offered",
         ),
         field(
             "band_start_hz",
-            Due::NumberThat("in Hz, so high that it enters the plate"),
+            FieldType::NumberThat("in Hz, so high that it enters the plate"),
             "the lowest frequency",
         ),
         field(
             "band_end_hz",
-            Due::NumberThat("in Hz, so low that it turns on the plate"),
+            FieldType::NumberThat("in Hz, so low that it turns on the plate"),
             "the highest frequency",
         ),
     ],
@@ -87,15 +100,15 @@ pub(super) const TAPER: Section = Section {
         ("sampled", &["points"]),
     ],
     fields: &[
-        field("kind", Due::Kind, "the law of the half-width"),
-        field("half_width_m", Due::Number(limits::HALF_WIDTH), "half-width at the driven end"),
-        field("rate_per_m", Due::Number(limits::TAPER_RATE), "how fast the half-width falls"),
+        field("kind", FieldType::Kind, "the law of the half-width"),
+        field("half_width_m", FieldType::Number(limits::HALF_WIDTH), "half-width at the driven end"),
+        field("rate_per_m", FieldType::Number(limits::TAPER_RATE), "how fast the half-width falls"),
         field(
             "end_half_width_m",
-            Due::NumberThat("1e-5 m to 0.999 half_width_m"),
+            FieldType::NumberThat("1e-5 m to 0.999 half_width_m"),
             "half-width at the narrow end",
         ),
-        field("points", Due::Points, "places with their half-widths"),
+        field("points", FieldType::Points, "places with their half-widths"),
     ],
 };
 
@@ -113,14 +126,14 @@ pub(super) const MODEL: Section = Section {
         ("bending-clamped", BENDING),
     ],
     fields: &[
-        field("kind", Due::Kind, "the wave and the edge"),
-        field("wave_speed_m_per_s", Due::Number(limits::WAVE_SPEED), "wave speed of the membrane"),
-        field("shear_modulus_pa", Due::Number(limits::SHEAR_MODULUS), "shear modulus"),
-        field("youngs_modulus_pa", Due::Number(limits::YOUNGS_MODULUS), "Young's modulus"),
-        field("poisson_ratio", Due::Number(limits::POISSON_RATIO), "Poisson's ratio"),
-        field("density_kg_per_m3", Due::Number(limits::DENSITY), "density"),
-        field("thickness_m", Due::Number(limits::THICKNESS), "thickness of the sheet"),
-        field("thick_plate", Due::Flag, "Mindlin's correction"),
+        field("kind", FieldType::Kind, "the wave and the edge"),
+        field("wave_speed_m_per_s", FieldType::Number(limits::WAVE_SPEED), "wave speed of the membrane"),
+        field("shear_modulus_pa", FieldType::Number(limits::SHEAR_MODULUS), "shear modulus"),
+        field("youngs_modulus_pa", FieldType::Number(limits::YOUNGS_MODULUS), "Young's modulus"),
+        field("poisson_ratio", FieldType::Number(limits::POISSON_RATIO), "Poisson's ratio"),
+        field("density_kg_per_m3", FieldType::Number(limits::DENSITY), "density"),
+        field("thickness_m", FieldType::Number(limits::THICKNESS), "thickness of the sheet"),
+        field("thick_plate", FieldType::Flag, "Mindlin's correction"),
     ],
 };
 
@@ -136,9 +149,9 @@ pub(super) const DRIVE: Section = Section {
         ("resistance", &["ratio", "at_frequency_hz"]),
     ],
     fields: &[
-        field("end", Due::Kind, "what is held at the driven end"),
-        field("ratio", Due::Number(limits::DRIVE_RATIO), "the resistance over the wave's own"),
-        field("at_frequency_hz", Due::NumberThat(AT_FREQUENCY), "the frequency it is told for"),
+        field("end", FieldType::Kind, "what is held at the driven end"),
+        field("ratio", FieldType::Number(limits::DRIVE_RATIO), "the resistance over the wave's own"),
+        field("at_frequency_hz", FieldType::NumberThat(AT_FREQUENCY), "the frequency it is told for"),
     ],
 };
 
@@ -148,12 +161,12 @@ pub(super) const ACTUATOR: Section = Section {
     kind_field: "",
     kinds: &[],
     fields: &[
-        field("resonance_hz", Due::Number(limits::RESONANCE), "resonance of the actuator"),
-        field("quality", Due::Number(limits::QUALITY), "quality factor of the resonance"),
+        field("resonance_hz", FieldType::Number(limits::RESONANCE), "resonance of the actuator"),
+        field("quality", FieldType::Number(limits::QUALITY), "quality factor of the resonance"),
     ],
 };
 
-/// All of them; the plate's own fields first.
+/// All sections; the plate's own fields come first.
 pub(super) const SECTIONS: [&Section; 5] = [&PLATE, &TAPER, &MODEL, &DRIVE, &ACTUATOR];
 
 impl Section {
@@ -162,23 +175,25 @@ impl Section {
         self.fields.iter().find(|field| field.name == name)
     }
 
-    /// The field as it is written in a message: `taper.kind`.
+    /// The field's name in a message: `taper.kind`.
     pub(super) fn path(&self, name: &str) -> String {
         if self.name.is_empty() { name.to_owned() } else { format!("{}.{name}", self.name) }
     }
 
-    /// What a field of it has to be, in words that follow "must be".
+    /// The allowed values of a field, as a phrase that follows "must be".
     pub(super) fn allowed(&self, field: &FieldSpec) -> Cow<'static, str> {
-        match &field.due {
-            Due::Number(range) => format!("a number, {range}").into(),
-            Due::NumberThat(words) => format!("a number, {words}").into(),
-            Due::Text(Count { least: 0, most, of }) => format!("a text in quotes, up to {most} {of}").into(),
-            Due::Text(count) => format!("a text in quotes, {count} {}", count.of).into(),
-            Due::Flag => "true or false".into(),
-            Due::Points => {
+        match &field.field_type {
+            FieldType::Number(range) => format!("a number, {range}").into(),
+            FieldType::NumberThat(words) => format!("a number, {words}").into(),
+            FieldType::Text(Count { least: 0, most, of }) => {
+                format!("a text in quotes, up to {most} {of}").into()
+            }
+            FieldType::Text(count) => format!("a text in quotes, {}", count.with_unit()).into(),
+            FieldType::Flag => "true or false".into(),
+            FieldType::Points => {
                 format!("{} pairs [place, half-width] of numbers, in m", limits::TAPER_POINTS).into()
             }
-            Due::Kind => self.one_of().into(),
+            FieldType::Kind => self.one_of().into(),
         }
     }
 
@@ -200,7 +215,7 @@ mod tests {
         for section in SECTIONS {
             for field in section.fields {
                 let name = format!("`{}`", field.name);
-                let Due::Number(range) = field.due else {
+                let FieldType::Number(range) = field.field_type else {
                     assert!(page.contains(&name), "{name}");
                     continue;
                 };

@@ -4,7 +4,7 @@ mod fields;
 mod text;
 mod written;
 
-use crate::quantity::Range;
+use crate::quantity::{Count, Counted, Range, WrongCount};
 use crate::spec::drive::{Actuator, DriveEnd};
 use crate::spec::error::{Origin, PlateError, PlateFileError};
 use crate::spec::limits;
@@ -20,12 +20,12 @@ impl Plate {
     /// Reads a plate from TOML text.
     ///
     /// # Errors
-    /// [`PlateFileError`]: too big, not TOML (with the line), or a field that is missing, unknown, of another type or
-    /// out of range (with the line where it stands, and what is allowed). Nothing outside panics this.
+    /// [`PlateFileError::TooBig`] above [`PLATE_FILE_BYTES_MAX`]; [`PlateFileError::Syntax`] with the line where the
+    /// text is not TOML; [`PlateFileError::Plate`] with the line of a field that is missing, unknown, of the wrong type
+    /// or out of range, and what is allowed. No text makes this function panic.
     pub fn from_toml(text: &str) -> Result<Self, PlateFileError> {
-        if text.len() > PLATE_FILE_BYTES_MAX {
-            return Err(PlateFileError::TooBig { bytes: text.len(), limit: PLATE_FILE_BYTES_MAX });
-        }
+        let allowed = Count::at_most(PLATE_FILE_BYTES_MAX, Counted::Bytes);
+        WrongCount::check("the plate file", text.len(), allowed)?;
         let text = Text::parse(text)?;
         read(&text).map_err(|error| {
             let line = text.line_of(error.field());
@@ -35,10 +35,10 @@ impl Plate {
 }
 
 fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
-    // The strangers first: a mistyped name is better told as such than as a field that is missing.
+    // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
     let given = text.section(&fields::PLATE)?;
-    let sections =
-        [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::ACTUATOR].map(|law| text.section(law));
+    let sections = [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::ACTUATOR]
+        .map(|schema| text.section(schema));
     let [taper, model, drive, actuator] = sections;
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
@@ -50,9 +50,9 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         name: plate.text("name")?.unwrap_or_default(),
         description: plate.text("description")?.unwrap_or_default(),
         taper: taper_of(&taper)?,
-        length_m: plate.need("length_m")?,
+        length_m: plate.required("length_m")?,
         model: model_of(&model)?,
-        loss_factor: plate.need("loss_factor")?,
+        loss_factor: plate.required("loss_factor")?,
         wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
         drive_end: drive_of(&drive)?,
         actuator: actuator?.as_ref().map(actuator_of).transpose()?,
@@ -81,7 +81,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
     }
 }
 
-/// The first that every plate needs and this one has not, and the names of the others.
+/// The error for the first required field or section that is absent; it also lists the other absent ones.
 fn first_missing(text: &Text<'_>) -> PlateError {
     const SPAN: &str = "span_start_m";
     let has = |name: &str| {
@@ -92,10 +92,10 @@ fn first_missing(text: &Text<'_>) -> PlateError {
         .into_iter()
         .filter(|name| !has(name));
     let first = absent.next().unwrap_or_default();
-    let section = fields::SECTIONS.iter().find(|law| law.name == first);
+    let section = fields::SECTIONS.iter().find(|schema| schema.name == first);
     let told = match (section, fields::PLATE.field(first)) {
-        (Some(law), _) if !first.is_empty() => {
-            format!("{}, a section [{first}] with its {}", law.meaning, law.kind_field)
+        (Some(schema), _) if !first.is_empty() => {
+            format!("{}, a section [{first}] with its {}", schema.meaning, schema.kind_field)
         }
         (_, Some(field)) if first == SPAN => {
             format!(
@@ -118,12 +118,13 @@ fn first_missing(text: &Text<'_>) -> PlateError {
     PlateError::Missing { field: first.to_owned(), needed: format!("{told}{others}") }
 }
 
-/// A plate whose span is given by the frequencies of its ends.
+/// Makes a plate whose span is given by the frequencies of its two ends.
 fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plate, PlateError> {
-    // A plate with its widest span answers where the two frequencies turn.
+    // A plate with a provisional span gives the turning points of the two frequencies. The band of that span is not the
+    // user's: if it were checked, a message would name fields that the file does not have.
     spec.span_start_m = limits::span_start(spec.length_m).low;
     spec.span_end_m = 3.0 * spec.span_start_m;
-    let probe = Plate::new(spec.clone())?;
+    let probe = Plate::with_any_band(spec.clone())?;
     let lowest = probe.frequency_for_boundary_hz(spec.span_start_m);
     let highest = probe.frequency_for_boundary_hz(spec.length_m);
     let check = |field: &str, value: f64, low: f64| {
@@ -134,6 +135,8 @@ fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plat
     };
     check("band_start_hz", low_hz, lowest)?;
     check("band_end_hz", high_hz, low_hz)?;
+    limits::FREQUENCY.check("band_start_hz", low_hz)?;
+    limits::FREQUENCY.check("band_end_hz", high_hz)?;
     spec.span_start_m = probe.turning_point_m(low_hz).unwrap_or(0.0);
     spec.span_end_m = probe.turning_point_m(high_hz).unwrap_or(0.0).min(spec.length_m);
     Plate::new(spec)
@@ -142,12 +145,12 @@ fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plat
 fn taper_of(given: &Given<'_>) -> Result<Taper, PlateError> {
     Ok(match given.kind {
         "exponential" => Taper::Exponential {
-            half_width_m: given.need("half_width_m")?,
-            rate_per_m: given.need("rate_per_m")?,
+            half_width_m: given.required("half_width_m")?,
+            rate_per_m: given.required("rate_per_m")?,
         },
         "linear" => Taper::Linear {
-            half_width_m: given.need("half_width_m")?,
-            end_half_width_m: given.need("end_half_width_m")?,
+            half_width_m: given.required("half_width_m")?,
+            end_half_width_m: given.required("end_half_width_m")?,
         },
         _ => Taper::Sampled { points: given.points("points")? },
     })
@@ -156,18 +159,18 @@ fn taper_of(given: &Given<'_>) -> Result<Taper, PlateError> {
 fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
     let bending = || {
         Ok(Bending {
-            youngs_modulus_pa: given.need("youngs_modulus_pa")?,
-            poisson_ratio: given.need("poisson_ratio")?,
-            density_kg_per_m3: given.need("density_kg_per_m3")?,
-            thickness_m: given.need("thickness_m")?,
+            youngs_modulus_pa: given.required("youngs_modulus_pa")?,
+            poisson_ratio: given.required("poisson_ratio")?,
+            density_kg_per_m3: given.required("density_kg_per_m3")?,
+            thickness_m: given.required("thickness_m")?,
             thick_plate: given.flag("thick_plate")?,
         })
     };
     Ok(match given.kind {
-        "membrane" => Model::Membrane { wave_speed_m_per_s: given.need("wave_speed_m_per_s")? },
+        "membrane" => Model::Membrane { wave_speed_m_per_s: given.required("wave_speed_m_per_s")? },
         "shear-horizontal" => Model::ShearHorizontal {
-            shear_modulus_pa: given.need("shear_modulus_pa")?,
-            density_kg_per_m3: given.need("density_kg_per_m3")?,
+            shear_modulus_pa: given.required("shear_modulus_pa")?,
+            density_kg_per_m3: given.required("density_kg_per_m3")?,
         },
         "bending-supported" => Model::BendingSupported(bending()?),
         _ => Model::BendingClamped(bending()?),
@@ -177,14 +180,14 @@ fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
 fn drive_of(given: &Given<'_>) -> Result<DriveEnd, PlateError> {
     Ok(match given.kind {
         "displacement" => DriveEnd::Displacement,
-        "force" => DriveEnd::Force { at_frequency_hz: given.need("at_frequency_hz")? },
+        "force" => DriveEnd::Force { at_frequency_hz: given.required("at_frequency_hz")? },
         _ => DriveEnd::Resistance {
-            ratio: given.need("ratio")?,
-            at_frequency_hz: given.need("at_frequency_hz")?,
+            ratio: given.required("ratio")?,
+            at_frequency_hz: given.required("at_frequency_hz")?,
         },
     })
 }
 
 fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {
-    Ok(Actuator { resonance_hz: given.need("resonance_hz")?, quality: given.need("quality")? })
+    Ok(Actuator { resonance_hz: given.required("resonance_hz")?, quality: given.required("quality")? })
 }

@@ -1,13 +1,13 @@
-//! A plate's TOML text, field by field, each with the line where it stands.
+//! Reads a plate's TOML text field by field and finds the line of each field for error messages.
 
-use super::fields::{Due, FieldSpec, SECTIONS, Section};
-use crate::quantity::{hint, nearest};
+use super::fields::{FieldSpec, FieldType, SECTIONS, Section};
+use crate::quantity::{hint, must_be, nearest};
 use crate::spec::error::{PlateError, PlateFileError};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The most characters of a file's own words that a message quotes: a hostile file may hold very long ones.
+/// Most characters that a message quotes from a file, because a hostile file may hold very long names and values.
 const QUOTED: usize = 40;
 
 /// The parsed text.
@@ -16,12 +16,12 @@ pub(super) struct Text<'t> {
     root: DeTable<'t>,
 }
 
-/// One section of it whose keys all belong there.
+/// One section of the text. All its keys are fields of the section's kind.
 pub(super) struct Given<'a> {
     text: &'a str,
-    law: &'static Section,
+    schema: &'static Section,
     table: &'a DeTable<'a>,
-    /// Which kind it is; empty where there are none.
+    /// The kind of the section; empty if it has no kinds.
     pub(super) kind: &'static str,
 }
 
@@ -39,7 +39,7 @@ impl<'t> Text<'t> {
         }
     }
 
-    /// Line of the field (or, if it is not there, of its section's header), from 1.
+    /// Line of the field, or of its section's header if the field is absent; counted from 1.
     pub(super) fn line_of(&self, field: &str) -> Option<usize> {
         // `taper.points[2][0]` is a field, `[tapper]` a section.
         let field = field.strip_prefix('[').map_or(field, |section| section.trim_end_matches(']'));
@@ -64,58 +64,58 @@ impl<'t> Text<'t> {
         found.map(|span| line_at(self.text, span.start))
     }
 
-    /// Whether there is anything of that name.
+    /// Whether the plate itself has a field or a section of that name.
     pub(super) fn has(&self, name: &str) -> bool {
         entry(&self.root, name).is_some()
     }
 
-    /// A section (or the plate's own fields) as it was given, or nothing. What does not belong there is refused.
-    pub(super) fn section(&self, law: &'static Section) -> Result<Option<Given<'_>>, PlateError> {
-        let table = if law.name.is_empty() {
+    /// The section as the file gives it; `None` if it is absent. Refuses unknown fields and fields of other kinds.
+    pub(super) fn section(&self, schema: &'static Section) -> Result<Option<Given<'_>>, PlateError> {
+        let table = if schema.name.is_empty() {
             &self.root
         } else {
-            let Some((_, value)) = entry(&self.root, law.name) else { return Ok(None) };
+            let Some((_, value)) = entry(&self.root, schema.name) else { return Ok(None) };
             let DeValue::Table(table) = value.get_ref() else {
-                return Err(mistaken(
-                    law.name,
+                return Err(wrong_type(
+                    schema.name,
                     quoted(self.text, value.span()),
-                    format!("a section [{}]", law.name),
+                    format!("a section [{}]", schema.name),
                 ));
             };
             table
         };
-        let mut given = Given { text: self.text, law, table, kind: "" };
-        given.refuse_strangers(|_| true)?;
+        let mut given = Given { text: self.text, schema, table, kind: "" };
+        given.refuse_unknown(|_| true)?;
         if let Some(&(kind, fields)) = given.find_kind()? {
             given.kind = kind;
-            given.refuse_strangers(|name| name == law.kind_field || fields.contains(&name))?;
+            given.refuse_unknown(|name| name == schema.kind_field || fields.contains(&name))?;
         }
         Ok(Some(given))
     }
 }
 
 impl<'a> Given<'a> {
-    /// Refuses the first key, from above, that is no field of this section or not of its kind.
-    fn refuse_strangers(&self, has: impl Fn(&str) -> bool) -> Result<(), PlateError> {
+    /// Refuses the first key in the text that is not a field of this section, or for which `has` is false.
+    fn refuse_unknown(&self, has: impl Fn(&str) -> bool) -> Result<(), PlateError> {
         let is_section = |name: &str| {
-            self.law.name.is_empty()
+            self.schema.name.is_empty()
                 && SECTIONS.iter().any(|section| section.name == name && !name.is_empty())
         };
-        let stranger = self
+        let unknown = self
             .table
             .iter()
             .filter(|(key, _)| {
                 let name = key.get_ref().as_ref();
-                !is_section(name) && (self.law.field(name).is_none() || !has(name))
+                !is_section(name) && (self.schema.field(name).is_none() || !has(name))
             })
             .min_by_key(|(key, _)| key.span().start);
-        let Some((key, value)) = stranger else { return Ok(()) };
+        let Some((key, value)) = unknown else { return Ok(()) };
         let name: String = key.get_ref().chars().take(QUOTED).collect();
-        if self.law.field(&name).is_some() {
+        if self.schema.field(&name).is_some() {
             let (kind, fields) = self.find_kind()?.copied().unwrap_or_default();
             let has = if fields.is_empty() { "no other field".to_owned() } else { fields.join(", ") };
             let reason = format!("\"{kind}\" has {has}");
-            return Err(PlateError::Unexpected { field: self.law.path(&name), reason });
+            return Err(PlateError::Unexpected { field: self.schema.path(&name), reason });
         }
         if value.get_ref().is_table() {
             let sections = || SECTIONS.iter().map(|section| section.name).filter(|name| !name.is_empty());
@@ -123,9 +123,9 @@ impl<'a> Given<'a> {
                 || "the sections of a plate are [taper], [model], [drive] and [actuator]".to_owned(),
                 |near| format!("did you mean [{near}]?"),
             );
-            return Err(PlateError::Unexpected { field: format!("[{}]", self.law.path(&name)), reason });
+            return Err(PlateError::Unexpected { field: format!("[{}]", self.schema.path(&name)), reason });
         }
-        let names = || self.law.fields.iter().map(|field| field.name);
+        let names = || self.schema.fields.iter().map(|field| field.name);
         let home = SECTIONS.iter().find(|section| section.field(&name).is_some());
         let reason = match (home, nearest(&name, names())) {
             (Some(home), _) if home.name.is_empty() => {
@@ -135,32 +135,35 @@ impl<'a> Given<'a> {
             (None, Some(near)) => format!("did you mean {near}?"),
             (None, None) => format!("the fields here are {}", names().collect::<Vec<_>>().join(", ")),
         };
-        Err(PlateError::Unexpected { field: self.law.path(&name), reason })
+        Err(PlateError::Unexpected { field: self.schema.path(&name), reason })
     }
 
-    /// The kind, with its fields; nothing where the section has no kinds.
+    /// The kind and the names of its fields; `None` if the section has no kinds.
     fn find_kind(&self) -> Result<Option<&'static (&'static str, &'static [&'static str])>, PlateError> {
-        let law = self.law;
-        if law.kinds.is_empty() {
+        let schema = self.schema;
+        if schema.kinds.is_empty() {
             return Ok(None);
         }
-        let field = law.path(law.kind_field);
-        let Some((_, value)) = entry(self.table, law.kind_field) else {
-            return Err(PlateError::Missing { field, needed: format!("{}, {}", law.meaning, law.one_of()) });
+        let field = schema.path(schema.kind_field);
+        let Some((_, value)) = entry(self.table, schema.kind_field) else {
+            return Err(PlateError::Missing {
+                field,
+                needed: format!("{}, {}", schema.meaning, schema.one_of()),
+            });
         };
         let word = value.get_ref().as_str().unwrap_or_default();
-        match law.kinds.iter().find(|(kind, _)| *kind == word) {
+        match schema.kinds.iter().find(|(kind, _)| *kind == word) {
             Some(found) => Ok(Some(found)),
             None => {
-                let meant = hint(word, law.kinds.iter().map(|(kind, _)| *kind));
-                let allowed = format!("{}{meant}", law.one_of());
-                Err(mistaken(&field, quoted(self.text, value.span()), allowed))
+                let meant = hint(word, schema.kinds.iter().map(|(kind, _)| *kind));
+                let allowed = format!("{}{meant}", schema.one_of());
+                Err(wrong_type(&field, quoted(self.text, value.span()), allowed))
             }
         }
     }
 
     fn value(&self, name: &str) -> Option<(&'static FieldSpec, &'a Spanned<DeValue<'a>>)> {
-        let field = self.law.field(name)?;
+        let field = self.schema.field(name)?;
         entry(self.table, name).map(|(_, value)| (field, value))
     }
 
@@ -169,14 +172,14 @@ impl<'a> Given<'a> {
         entry(self.table, name).is_some()
     }
 
-    /// A field that was not given.
+    /// The error for a field that is absent.
     pub(super) fn missing(&self, name: &str) -> PlateError {
         let told = self
-            .law
+            .schema
             .field(name)
-            .map_or_else(String::new, |field| format!("{}, {}", field.meaning, self.law.allowed(field)));
+            .map_or_else(String::new, |field| format!("{}, {}", field.meaning, self.schema.allowed(field)));
         let needed = if self.kind.is_empty() { told } else { format!("\"{}\" needs it: {told}", self.kind) };
-        PlateError::Missing { field: self.law.path(name), needed }
+        PlateError::Missing { field: self.schema.path(name), needed }
     }
 
     fn read<T>(
@@ -187,7 +190,7 @@ impl<'a> Given<'a> {
         let Some((field, value)) = self.value(name) else { return Ok(None) };
         take(value.get_ref()).map(Some).ok_or_else(|| {
             let found = quoted(self.text, value.span());
-            mistaken(&self.law.path(name), found, self.law.allowed(field).into_owned())
+            wrong_type(&self.schema.path(name), found, self.schema.allowed(field).into_owned())
         })
     }
 
@@ -197,7 +200,7 @@ impl<'a> Given<'a> {
     }
 
     /// A number.
-    pub(super) fn need(&self, name: &str) -> Result<f64, PlateError> {
+    pub(super) fn required(&self, name: &str) -> Result<f64, PlateError> {
         self.number(name)?.ok_or_else(|| self.missing(name))
     }
 
@@ -221,9 +224,9 @@ impl<'a> Given<'a> {
                 let numbers = point.get_ref().as_array().filter(|pair| pair.len() == 2);
                 let number = |place: usize| numbers.and_then(|pair| as_number(pair.get(place)?.get_ref()));
                 number(0).zip(number(1)).map(|(place, width)| [place, width]).ok_or_else(|| {
-                    let field = format!("{}[{index}]", self.law.path(name));
+                    let field = format!("{}[{index}]", self.schema.path(name));
                     let allowed = "a pair [place, half-width] of numbers, in m".to_owned();
-                    mistaken(&field, quoted(self.text, point.span()), allowed)
+                    wrong_type(&field, quoted(self.text, point.span()), allowed)
                 })
             })
             .collect()
@@ -237,7 +240,8 @@ fn entry<'m, 't>(
     table.iter().find(|(key, _)| key.get_ref() == name)
 }
 
-/// A number, whole or not; one too large to be told from infinity is none.
+/// A finite number from a float or an integer in any base; `inf` and `nan` pass, so that the range check names them.
+/// A literal too large for `f64` is `None`: as infinity it would be quoted wrongly.
 fn as_number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => {
@@ -254,7 +258,7 @@ fn as_number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// The beginning of what stands there, on one line.
+/// The text at `span` for a message: its first line, at most [`QUOTED`] characters, with `…` if something is cut off.
 fn quoted(text: &str, span: Range<usize>) -> String {
     let given = text.get(span).unwrap_or_default();
     let first = given.lines().next().unwrap_or_default();
@@ -262,7 +266,7 @@ fn quoted(text: &str, span: Range<usize>) -> String {
     if beginning.len() == given.len() { beginning } else { format!("{beginning}…") }
 }
 
-fn mistaken(field: &str, value: String, allowed: String) -> PlateError {
+fn wrong_type(field: &str, value: String, allowed: String) -> PlateError {
     PlateError::UnknownKind { field: field.to_owned(), value, allowed }
 }
 
@@ -271,29 +275,32 @@ fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
 }
 
-/// The parser's sentence, led by the field on the line it speaks of, and by what the field has to be where its value
-/// cannot be read.
+/// The parser's message, preceded by the name of the field on that line. If the value itself cannot be parsed, the
+/// message also says what the field must be.
 fn syntax_message(text: &str, line: usize, sentence: &str) -> String {
     let header = |line: &str| Some(line.trim().strip_prefix('[')?.split(']').next()?.trim().to_owned());
     let section = text.lines().take(line).filter_map(header).last().unwrap_or_default();
     let here = text.lines().nth(line - 1).unwrap_or_default();
     let known = here.split_once('=').and_then(|(key, _)| {
-        let law = *SECTIONS.iter().find(|law| law.name == section)?;
-        law.field(key.trim()).map(|field| (law, field))
+        let schema = *SECTIONS.iter().find(|schema| schema.name == section)?;
+        schema.field(key.trim()).map(|field| (schema, field))
     });
     match known {
-        Some((law, field)) if DeTable::parse(here).is_err() => {
+        Some((schema, field)) if DeTable::parse(here).is_err() => {
             let value = here.split_once('=').map_or("", |(_, value)| value).trim();
             let value = quoted(value, 0..value.len());
-            let point = if matches!(field.due, Due::Number(_) | Due::NumberThat(_)) {
+            let point = if matches!(field.field_type, FieldType::Number(_) | FieldType::NumberThat(_)) {
                 " with a decimal point and no unit"
             } else {
                 ""
             };
-            let allowed = law.allowed(field).replacen("a number", &format!("a number{point}"), 1);
-            format!("{} = {value}: must be {allowed} ({sentence})", law.path(field.name))
+            let allowed = schema.allowed(field).replacen("a number", &format!("a number{point}"), 1);
+            must_be(
+                format_args!("{} = {value}", schema.path(field.name)),
+                format_args!("{allowed} ({sentence})"),
+            )
         }
-        Some((law, field)) => format!("{}: {sentence}", law.path(field.name)),
+        Some((schema, field)) => format!("{}: {sentence}", schema.path(field.name)),
         None => sentence.to_owned(),
     }
 }

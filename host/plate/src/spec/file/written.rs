@@ -1,4 +1,4 @@
-//! A plate written as TOML text.
+//! Writes a plate as TOML text.
 
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::{Bending, Model};
@@ -91,7 +91,7 @@ impl Plate {
                 quality: actuator.quality,
             }),
         };
-        // Plain numbers, words and one list of pairs: the writer has nothing to refuse.
+        // `PlateText` holds only strings, numbers and one list of pairs, which TOML can always represent.
         toml::to_string(&text).unwrap_or_default()
     }
 }

@@ -1,4 +1,4 @@
-//! A bank of independent complex oscillators, one per mode of the plate: what is integrated in time.
+//! A bank of independent complex oscillators, one per pole of the plate, which are integrated in time.
 
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// The imaginary unit.
 pub(super) const J: Complex64 = Complex64::new(0.0, 1.0);
 
-/// What the oscillators are driven by.
+/// The input of the oscillators.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Input {
     /// The drive itself.
@@ -16,28 +16,30 @@ pub(crate) enum Input {
     DriveRate,
 }
 
-/// Independent oscillators and what they do to the plate.
+/// Independent oscillators and their effect on the field.
 pub(crate) struct ModalBank {
     pub(crate) input: Input,
-    /// Complex angular frequencies p, rad/s; the imaginary part is not positive.
+    /// Complex angular frequencies p, rad/s; the imaginary part is zero or negative, so that oscillations decay.
     pub(crate) pole: Vec<Complex64>,
-    /// Field per oscillator: places x poles, for z = u/(p - omega).
+    /// Field per unit of each oscillator's state z = u/(p - omega): one row per position, one column per pole.
     pub(crate) shape: DMatrix<Complex64>,
-    /// Field that follows the input at once: one entry per place.
+    /// Field per unit of input that follows the input without delay: one entry per position.
     pub(crate) direct: DVector<Complex64>,
 }
 
-/// ModalStates far from the band, summed up: their answer as a quadratic in omega about the band's middle.
+/// The sum of the oscillators far from the band: their response as a quadratic in omega about the band's middle.
 pub(crate) struct QuasiStatic {
-    /// Field per unit of the input, of (omega - centre) times it, and of its square: one column each.
+    /// Field per unit of the input, of (omega - centre) times the input, and of (omega - centre)^2 times the input: one
+    /// column each.
     pub(crate) shape: DMatrix<Complex64>,
 }
 
 impl ModalBank {
-    /// Takes out the oscillators further than `reach_hz` from `centre_hz`; what they did follows the input at once.
+    /// Removes the oscillators farther than `reach_hz` from `centre_hz` and returns their quasi-static response.
     ///
-    /// 1/(p - omega) = sum (omega - centre)^k/(p - centre)^(k + 1), cut after k = 2: with `reach_hz` 3.5 times the
-    /// half band that leaves (1/3.5)^3 of a small part, at the ends of the band.
+    /// 1/(p - omega) = sum over k of (omega - centre)^k/(p - centre)^(k + 1), truncated after k = 2. If `reach_hz` is
+    /// 3.5 times the half band, the relative error of such a term is at most (1/3.5)^3, at the ends of the band, and
+    /// these terms are a small part of the field.
     pub(crate) fn condense(self, centre_hz: f64, reach_hz: f64) -> (Self, QuasiStatic) {
         let centre = TAU * centre_hz;
         let (near, far): (Vec<usize>, Vec<usize>) =

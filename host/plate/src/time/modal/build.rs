@@ -1,4 +1,4 @@
-//! The bank of one width mode: the poles and residues of the plate, its driven end and its actuator.
+//! Builds the bank of one width mode: poles and residues of the plate, its driven end and its actuator.
 
 use super::bank::ModalBank;
 use super::coupling::{Uncoupled, couple};
@@ -10,14 +10,15 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue as residues c/(p - omega).
+/// Partial fractions of 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue lambda: a sum of c/(p - omega).
 struct Terms {
+    /// Pairs (p, c).
     own: Vec<(Complex64, Complex64)>,
-    /// Residue at the far pole that all eigenvalues share, for what `own` leaves over.
+    /// Residue at the far pole that all eigenvalues share; it corrects the remaining error in mid-band.
     shared: Complex64,
 }
 
-/// The far pole that carries what a thick plate's own poles leave over.
+/// The pole, far from the band, of the correction terms of a thick plate.
 fn shared_pole(centre: f64) -> Complex64 {
     Complex64::new(-2.0 * centre, -0.5 * centre)
 }
@@ -93,17 +94,19 @@ fn terms(width_mode: &WidthMode<'_>, eigenvalue: f64, centre: f64) -> Terms {
             let square = speed * speed / lossy;
             let p = (eigenvalue * square).sqrt();
             let c = square / (2.0 * p);
-            // The partner at -p would grow; its mirror image -p* does not, and agrees with it in mid-band.
+            // The second pole is -p, whose oscillation would grow. Replace it by its mirror image -p*, which decays,
+            // with a residue that makes both terms equal in mid-band.
             let mirror = -p.conj();
             alone(vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))])
         }
     }
 }
 
-/// Mindlin's dispersion: one pole, and a residue at the shared far pole for what the first leaves over in mid-band.
+/// Mindlin's dispersion: one pole of its own, and a residue at the shared far pole that corrects the error in mid-band.
 fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Terms {
     let wanted = eigenvalue / lossy;
-    // The branch is smooth and the loss small: the pole and its slope by differences along the real axis.
+    // The branch is smooth and the loss small, so finite differences along the real axis and a Taylor series in the
+    // imaginary part give the pole and the derivative.
     let h = 1e-4 * wanted.re;
     let real = |k2: f64| bending.angular_frequency(k2);
     let first = (real(wanted.re + h) - real(wanted.re - h)) / (2.0 * h);
@@ -114,7 +117,8 @@ fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> T
     let left_over = |omega: f64| {
         1.0 / (eigenvalue - lossy * bending.wavenumber_squared(omega)) - residue / (pole - omega)
     };
-    // Next to the pole the difference of two large numbers is lost: take the mean of two places beside it.
+    // Close to the pole this is a difference of two large numbers and loses its precision: take the mean of two
+    // frequencies 5 % below and above mid-band.
     let away = 0.05 * centre;
     let rest = 0.5 * (left_over(centre + away) + left_over(centre - away));
     Terms { own: vec![(pole, residue)], shared: rest * (shared_pole(centre) - centre) }

@@ -1,4 +1,4 @@
-//! The source's resistance and the actuator: what ties the oscillators together, and how they are separated again.
+//! The source's resistance and the actuator couple the oscillators; a diagonalisation makes them independent again.
 
 use super::bank::{Input, J, ModalBank};
 use crate::spec::drive::Actuator;
@@ -6,17 +6,18 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The oscillators of a plate whose end is held by nothing but the drive.
+/// The oscillators of a plate with an ideal force or displacement drive, without resistance and actuator.
 pub(super) struct Uncoupled {
     pub(super) pole: Vec<Complex64>,
     pub(super) shape: DMatrix<Complex64>,
     pub(super) direct: DVector<Complex64>,
-    /// f(0) per oscillator.
+    /// f(0) per unit of each oscillator's state.
     pub(super) at_drive: Vec<Complex64>,
+    /// Factor from the drive to the oscillators' input.
     pub(super) scale: f64,
 }
 
-/// Adds the source's resistance and the actuator, and separates the result into independent oscillators again.
+/// Adds the source's resistance (R/T, s/m) and the actuator, and returns the result as independent oscillators.
 pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Actuator>) -> ModalBank {
     let count = free.pole.len();
     if resistance.is_none() && actuator.is_none() {
@@ -40,7 +41,7 @@ pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option
         matrix[(count + i, count + i)] = -J * poles[i];
         drive[count + i] = J;
     }
-    // What F is made of: `own` per oscillator, and the source either directly or by its rate.
+    // F is a sum of the oscillators' states (`own`) and of the source or, with a resistance, of the source's rate.
     let (own, source_gain) = match resistance {
         Some(ratio) => {
             // F = (R/T) (f(0)' - 2 s') and f(0)' = sum g (-j p z + j F).
@@ -80,7 +81,8 @@ pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option
 /// Poles and residues of the actuator: H = sum r/(p - omega).
 fn actuator_poles(actuator: Actuator) -> ([Complex64; 2], [Complex64; 2]) {
     let omega = TAU * actuator.resonance_hz;
-    // At Q = 1/2 both poles fall together; a millionth aside changes nothing and keeps them apart.
+    // At Q = 1/2 both poles are equal, and the residues infinite. A change of Q by 1e-6 keeps them apart and has no
+    // visible effect.
     let quality = if (actuator.quality - 0.5).abs() < 1e-6 { 0.500_001 } else { actuator.quality };
     let half = Complex64::new(0.0, -0.5 / quality);
     let root = Complex64::from(1.0 - 0.25 / (quality * quality)).sqrt();
@@ -89,7 +91,7 @@ fn actuator_poles(actuator: Actuator) -> ([Complex64; 2], [Complex64; 2]) {
     ([first, second], [residue, -residue])
 }
 
-/// Diagonalises z' = M z + b u.
+/// Diagonalises z' = M z + b u with the field `output` z into independent oscillators.
 fn separate(
     matrix: &DMatrix<Complex64>,
     drive: &DVector<Complex64>,
@@ -97,7 +99,7 @@ fn separate(
     input: Input,
 ) -> ModalBank {
     let size = matrix.nrows();
-    // Scaled to order one; Schur's form is unitary, its eigenvectors follow by back-substitution.
+    // Schur's form of the matrix, scaled to order one; back-substitution in the triangle gives the eigenvectors.
     let scale = matrix.iter().map(|value| value.norm()).fold(0.0, f64::max).max(1e-300);
     let (unitary, triangle) = nalgebra::Schur::new(matrix / Complex64::from(scale)).unpack();
     let mut vector = DMatrix::<Complex64>::zeros(size, size);

@@ -1,17 +1,16 @@
 //! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. Fields and
 //! terms are those of `slipline design`.
 
-use crate::caption::{self, Caption, FIELD_DIGITS, Panel, Unit};
+use crate::caption::{self, Panel};
 use crate::view::field::{Fields, InputField, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_model::jobs::design::{Draft, Kind, Stretch};
-use slipline_model::numbers::quantity::{self, Measure, show_range};
 use slipline_plate::PlateError;
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;
 use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
-use slipline_plate::quantity::Range;
+use slipline_plate::quantity::{self, Caption, FIELD_DIGITS, Measure, Range, Unit, show_range};
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -263,7 +262,7 @@ impl<'a> Form<'a> {
         let name = Entry {
             caption: &caption::NAME,
             value: draft.name.clone(),
-            hint: format!("The plate's name, {} {}", limits::NAME, limits::NAME.of),
+            hint: format!("The plate's name, {}", limits::NAME.with_unit()),
         };
         self.entry(ui, &name, |draft, text| {
             draft.name = text.trim().to_owned();

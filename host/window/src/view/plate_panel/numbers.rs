@@ -1,11 +1,12 @@
 //! The numbers of the plate on the screen. A change of one field makes a new plate.
 
-use crate::caption::{self, Caption, FIELD_DIGITS, Panel};
+use crate::caption::{self, Panel};
 use crate::intent::{Intent, Intents};
 use crate::view::field::{InputField, labelled, row};
 use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
+use slipline_plate::quantity::{Caption, FIELD_DIGITS};
 use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, limits};
 use std::sync::Arc;
 

@@ -7,10 +7,10 @@ use super::super::plot::TEXT;
 use super::super::{PRINT_WIDTH, font};
 use super::Subject;
 use crate::field::steady_field::drawn_boundary_m;
-use crate::numbers::quantity::{show_frequency, show_length, show_place};
-use crate::numbers::ticks;
 use crate::setup::{BoundaryMode, Setup};
 use slipline_plate::Plate;
+use slipline_plate::quantity::ticks;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 
 /// Width left of the axis for its numbers and name, and right of it for half a number.
 const MARGIN: (f64, f64) = (50.0, 16.0);

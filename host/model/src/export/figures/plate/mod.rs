@@ -17,9 +17,9 @@ use crate::field::steady_field::{
 };
 use crate::field::time_domain::Measured;
 use crate::jobs::Task;
-use crate::numbers::quantity::{show_frequency, show_length, show_place};
 use crate::setup::{BoundaryMode, Setup};
 use layout::Layout;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 
 const WEAK: Ink = HUES[5];
 /// The fill under the predicted envelope.

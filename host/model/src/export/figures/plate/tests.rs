@@ -1,6 +1,6 @@
 use super::layout::Layout;
 use super::*;
-use crate::export::figures::tests::look_over;
+use crate::export::figures::tests::{decoded, look_over};
 use crate::field::steady_field::{SteadyTone, steady_tones};
 use std::sync::Arc;
 
@@ -23,15 +23,10 @@ fn png(subject: &Subject) -> Vec<u8> {
     plate_figure(subject).unwrap().file(Format::Png).unwrap()
 }
 
-/// The figure's pixels, as wide as high, and the dots per metre it names.
+/// The figure's width, height and pixels, and the dots per metre it names.
 fn drawn(subject: &Subject) -> (u32, u32, Vec<[u8; 3]>, u32) {
-    let file = png(subject);
-    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
-    let mut data = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut data).unwrap();
-    let dots = reader.info().pixel_dims.unwrap().xppu;
-    let pixels = data[..info.buffer_size()].chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
-    (info.width, info.height, pixels, dots)
+    let (width, height, pixels, dots) = decoded(&png(subject));
+    (width, height, pixels, dots.unwrap())
 }
 
 /// Points on the paper as pixels.

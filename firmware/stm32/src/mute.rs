@@ -1,0 +1,162 @@
+//! The amplifier's mute pin: a timer's output that falls by itself when no block has come for 4 ms.
+//!
+//! ```text
+//! counter, 1 MHz: 0 ---------------> 4000: the output goes low and stays low
+//!                 ^ each good block: 0 again
+//! pin = output, while MOE is set; low while it is not
+//! ```
+//! No program, interrupt or clock of the core takes part in muting. What it needs is the timer's own clock. If that
+//! fails, the clock security system's failure event is a break: it clears MOE in hardware.
+//!
+//! The channel is in the mode "inactive on match": a match takes the output low, and nothing in that mode takes it high.
+//! So the one write that a block does, 0 to the counter, cannot switch the amplifier on, whenever it comes. (A one-pulse
+//! timer in a PWM mode mutes too, but it is high whenever the counter stands on a pulse's value: a block that came in the
+//! moment of the counter's stop would leave it there for good.) The output is made high by "forced active" while MOE is
+//! still clear, so that a program that dies between the two modes leaves the pin low.
+//!
+//! Facts of the timer, the same in RM0090 17.3.8 to 17.3.12 and 17.4, RM0440 28.3 and 28.6, RM0433 38.3 and 38.4:
+//! * MOE = 0 with OSSI = 1: the pin is driven to OISx (OISxN for a complementary output), which is 0 after a reset.
+//! * CCxNE alone, without CCxE: the complementary output follows the channel's reference, not its complement.
+//! * BKE = 1 with BKP = 1 (active high): no pin is mapped to the break input, which reads 0 then, and the clock security
+//!   system's failure takes effect. AOE = 0: only the program sets MOE again.
+//! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
+
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
+use embassy_stm32::pac::timer::vals::{Bkp, Lock, Ossi};
+use embassy_stm32::{Peri, rcc};
+use slipline_app::ports::{HasMuted, Mute};
+
+use crate::board::{self, MUTE_CHANNEL as CHANNEL, MUTE_TIMER as TIMER};
+use crate::pin_lock;
+
+/// The amplifier is off so long after the last good block. A block lasts 0.32 ms, so twelve may be missing.
+const STAYS_ON_US: u16 = 4000;
+
+/// Output compare modes.
+const INACTIVE_ON_MATCH: u8 = 0b010;
+const FORCED_INACTIVE: u8 = 0b100;
+const FORCED_ACTIVE: u8 = 0b101;
+
+/// Good blocks until an amplifier that is held off comes on again; 0 while it is not held off.
+static HELD_OFF: AtomicU32 = AtomicU32::new(0);
+/// 51 ms. The DAC's triggers stand still while a word is written, 100 us at most, so that a block between the words may
+/// take 13 ms: the amplifier stays off until all words are written.
+const HELD_OFF_BLOCKS: u32 = 160;
+
+/// The amplifier's mute pin.
+pub(crate) struct MutePin {
+    is_on: bool,
+}
+
+impl MutePin {
+    /// Gives the pin, which is an output and low, to the timer, which keeps it low, and locks both.
+    #[allow(clippy::useless_conversion, reason = "these fields are wider on some chips")]
+    pub(crate) fn start(timer: Peri<'static, board::MuteTimer>, mut pin: Flex<'static>) -> Self {
+        // The board's file derives the clock tree by hand.
+        assert!(
+            rcc::frequency::<board::MuteTimer>().0 == board::MUTE_TIMER_HZ,
+            "the mute timer does not run at the board's rate"
+        );
+        // The timer is this file's from now on.
+        let _ = timer;
+        rcc::enable_and_reset::<board::MuteTimer>();
+        TIMER.psc().write_value((board::MUTE_TIMER_HZ / 1_000_000 - 1) as u16);
+        TIMER.arr().write(|w| w.set_arr(u16::MAX.into()));
+        TIMER.ccr(CHANNEL).write(|w| w.set_ccr(STAYS_ON_US.into()));
+        // Loads the prescaler.
+        TIMER.egr().write(|w| w.set_ug(true));
+        set_mode(FORCED_INACTIVE);
+        TIMER.bdtr().write(|w| {
+            w.set_ossi(Ossi::IDLE_LEVEL);
+            w.set_bke(0, true);
+            w.set_bkp(0, Bkp::ACTIVE_HIGH);
+            w.set_lock(Lock::LEVEL2);
+        });
+        TIMER.ccer().write(|w| {
+            w.set_cce(CHANNEL, !board::MUTE_IS_COMPLEMENTARY);
+            w.set_ccne(CHANNEL, board::MUTE_IS_COMPLEMENTARY);
+        });
+        TIMER.cr1().write(|w| w.set_cen(true));
+        pin.set_as_af_unchecked(board::MUTE_FUNCTION, AfType::output(OutputType::PushPull, Speed::Low));
+        // A `Flex` that is dropped makes its pin an input again.
+        core::mem::forget(pin);
+        let (port, number) = board::MUTE_PIN;
+        pin_lock::lock(port, number);
+        Self { is_on: false }
+    }
+}
+
+impl Mute for MutePin {
+    fn set_muted(&mut self, muted: bool) {
+        match (self.is_on, muted) {
+            (true, true) => {
+                HELD_OFF.store(0, Relaxed);
+                off();
+            }
+            (false, false) => {
+                HELD_OFF.store(0, Relaxed);
+                on();
+            }
+            _ => {}
+        }
+        self.is_on = !muted;
+    }
+
+    fn stay_on(&mut self) -> Result<(), HasMuted> {
+        // Only the thread sets it, which does not run meanwhile.
+        let held_off = HELD_OFF.load(Relaxed);
+        if held_off > 0 {
+            HELD_OFF.store(held_off - 1, Relaxed);
+            if held_off == 1 {
+                on();
+            }
+            return Ok(());
+        }
+        if !is_on() {
+            return Err(HasMuted);
+        }
+        TIMER.cnt().write(|w| w.set_cnt(0));
+        Ok(())
+    }
+}
+
+fn set_mode(mode: u8) {
+    TIMER.ccmr_output(CHANNEL / 2).modify(|w| w.set_ocm(CHANNEL % 2, mode.into()));
+}
+
+/// Unmutes, for the time of [`STAYS_ON_US`].
+fn on() {
+    TIMER.cnt().write(|w| w.set_cnt(0));
+    // Flags are cleared by writing 0, and kept by writing 1.
+    TIMER.sr().write(|w| {
+        w.0 = u32::MAX;
+        w.set_ccif(CHANNEL, false);
+    });
+    set_mode(FORCED_ACTIVE);
+    set_mode(INACTIVE_ON_MATCH);
+    TIMER.bdtr().modify(|w| w.set_moe(true));
+}
+
+/// Mutes at once, from any state of the program and until the renderer unmutes: one write. All of the register but MOE
+/// and the filters is locked.
+pub(crate) fn off() {
+    TIMER.bdtr().write(|_| {});
+}
+
+/// Mutes an amplifier that is on for as long as the flash is written, which stops the blocks, and a little longer. From the
+/// thread only, while the output is silent.
+pub(crate) fn hold_off() {
+    if HELD_OFF.load(Relaxed) > 0 || is_on() {
+        // First, so that the renderer does not take the amplifier for one that has muted itself.
+        HELD_OFF.store(HELD_OFF_BLOCKS, Relaxed);
+        off();
+    }
+}
+
+/// Whether the amplifier is on: the pin has been switched on, and neither has the counter reached its mark since, nor has
+/// a break come.
+pub(crate) fn is_on() -> bool {
+    TIMER.bdtr().read().moe() && !TIMER.sr().read().ccif(CHANNEL)
+}

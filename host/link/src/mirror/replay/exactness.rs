@@ -1,0 +1,67 @@
+//! From which index on the replayed codes are exactly those of the device.
+
+use slipline_app::bank::BLOCK;
+use slipline_protocol::units::SampleIndex;
+
+/// After a step of the thermal fold-back the renderer's amplitude reaches its new value within so many samples: from
+/// full scale to nothing it takes 65 blocks.
+pub(super) const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
+
+/// What is missing for exact codes, and from which index on they are exact once nothing is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exactness {
+    since: SampleIndex,
+    /// Something unknown sounds or has sounded: the codes are exact once the device is silent.
+    misses_sound: bool,
+    /// A step of the thermal fold-back is missing: the codes are exact once the present one is known.
+    misses_foldback: bool,
+}
+
+impl Exactness {
+    /// Nothing is known of the device.
+    pub(super) const fn unknown() -> Self {
+        Self { since: 0, misses_sound: true, misses_foldback: false }
+    }
+
+    /// The replay begins at `at`; a device that is silent there hides nothing from it.
+    pub(super) const fn beginning(at: SampleIndex, is_silent: bool) -> Self {
+        Self { since: at, misses_sound: !is_silent, misses_foldback: !is_silent }
+    }
+
+    /// The index from which the codes are exact; `None` while something is missing.
+    pub(super) const fn since(&self) -> Option<SampleIndex> {
+        if self.misses_sound || self.misses_foldback { None } else { Some(self.since) }
+    }
+
+    /// Whether something unknown may sound.
+    pub(super) const fn misses_sound(&self) -> bool {
+        self.misses_sound
+    }
+
+    /// Whether a step of the thermal fold-back is missing.
+    pub(super) const fn misses_foldback(&self) -> bool {
+        self.misses_foldback
+    }
+
+    /// Something unknown sounds.
+    pub(super) const fn miss_sound(&mut self) {
+        self.misses_sound = true;
+    }
+
+    /// A step of the thermal fold-back is missing.
+    pub(super) const fn miss_foldback(&mut self) {
+        self.misses_foldback = true;
+    }
+
+    /// The device is known to be silent at `at`.
+    pub(super) fn silent(&mut self, at: SampleIndex) {
+        self.misses_sound = false;
+        self.since = self.since.max(at);
+    }
+
+    /// The thermal fold-back is known from `at` on, and was not known before.
+    pub(super) fn foldback_known(&mut self, at: SampleIndex) {
+        self.misses_foldback = false;
+        self.since = self.since.max(at + FOLDBACK_SETTLES);
+    }
+}

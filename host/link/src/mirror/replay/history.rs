@@ -1,0 +1,38 @@
+//! What the link knows of a device's past: the input of a [`Replay`](super::Replay).
+
+use crate::journal::Acknowledged;
+use crate::snapshot::Snapshot;
+use crate::table::DeviceTable;
+use slipline_protocol::units::SampleIndex;
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// What the link knows of a device's past.
+#[derive(Clone, Debug)]
+pub struct DeviceHistory {
+    /// The device's samples per second, in Hz.
+    pub sample_rate_hz: u32,
+    /// What it has agreed to.
+    pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
+    /// The table that it is known to hold.
+    pub table: Option<Arc<DeviceTable>>,
+    /// The device has rendered up to here.
+    pub now: SampleIndex,
+    /// What the thermal fold-back leaves of every amplitude there, per mille.
+    pub foldback_per_mille: u16,
+}
+
+impl DeviceHistory {
+    /// The history of the device in a snapshot; `None` while no device has told its status.
+    #[must_use]
+    pub fn of(snapshot: &Snapshot) -> Option<Self> {
+        let status = snapshot.status?;
+        Some(Self {
+            sample_rate_hz: snapshot.identity.as_ref()?.sample_rate_hz,
+            journal: Arc::clone(&snapshot.journal),
+            table: snapshot.confirmed_table.clone(),
+            now: status.now,
+            foldback_per_mille: status.foldback_per_mille,
+        })
+    }
+}

@@ -1,0 +1,6 @@
+//! The lights, one file per subject.
+
+pub(super) mod drive;
+pub(super) mod shape;
+pub(super) mod sound;
+pub(super) mod wave;

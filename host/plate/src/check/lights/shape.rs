@@ -1,0 +1,174 @@
+//! Lights that depend only on the taper and the turning point.
+
+use crate::check::grading::{Finding, Site, pick};
+use crate::check::report::Colour;
+use crate::check::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
+use crate::quantity::number_format::with_decimals;
+use crate::spec::plate::Plate;
+use std::f64::consts::TAU;
+
+/// Number of positions between the driven end and the boundary at which the taper is evaluated.
+const TAPER_PLACES: usize = 201;
+/// Highest width mode that is checked for ghost boundaries.
+const MODES_MAX: u32 = 9;
+
+/// Largest |W'| between the driven end and `to_m` metres (clamped to the plate).
+///
+/// The paper's lemma requires |W'| << 1. For the exponential taper the result is d W0.
+pub fn edge_slope(plate: &Plate, to_m: f64) -> f64 {
+    largest(plate, to_m, |x| (plate.narrowing_per_m(x) * plate.half_width_m(x)).abs())
+}
+
+/// Largest W |W''| between the driven end and `to_m` metres (clamped to the plate); d^2 W0^2 for the exponential taper.
+pub fn edge_curvature(plate: &Plate, to_m: f64) -> f64 {
+    // W'' = ((ln W)'' + (ln W)'^2) W
+    largest(plate, to_m, |x| {
+        let width = plate.width.at(x);
+        let half_width_m = width.value.exp();
+        (half_width_m * half_width_m * (width.curvature + width.slope * width.slope)).abs()
+    })
+}
+
+/// Number of wavelengths from the driven end to the boundary at `boundary_m` metres, at the boundary's frequency.
+pub fn wavelengths(plate: &Plate, boundary_m: f64) -> f64 {
+    plate.width_mode(1).phase_to(boundary_m, plate.frequency_for_boundary_hz(boundary_m)) / TAU
+}
+
+fn largest(plate: &Plate, to_m: f64, value: impl Fn(f64) -> f64) -> f64 {
+    let to_m = to_m.clamp(0.0, plate.length_m());
+    (0..TAPER_PLACES)
+        .map(|i| value(to_m * i as f64 / (TAPER_PLACES - 1) as f64))
+        .fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
+}
+
+pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
+    let slope = edge_slope(site.plate, site.boundary_m);
+    // The neglected part of the width term is 0.435 W'^2 of it (see EDGE_SLOPE). The term goes with 1/W^2, so the
+    // turning width changes by half of that: 21.7 W'^2 percent.
+    let off = 21.7 * slope * slope;
+    site.graded(
+        "edge slope",
+        slope,
+        "",
+        EDGE_SLOPE,
+        [
+            format!(
+                "The edges converge slowly (|W'| up to {}): the amplitude equation holds to {} % of the width.",
+                with_decimals(slope, 2),
+                with_decimals(off, 1)
+            ),
+            format!(
+                "|W'| reaches {slope:.2}, which is not small: the turning width may be off by {off:.0} %, measure before you trust the boundary."
+            ),
+            format!(
+                "|W'| reaches {slope:.2}: the edges converge too fast for one width mode and the amplitude equation."
+            ),
+        ],
+    )
+}
+
+pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
+    let curvature = edge_curvature(site.plate, site.boundary_m);
+    site.graded(
+        "edge curvature",
+        curvature,
+        "",
+        EDGE_CURVATURE,
+        [
+            format!(
+                "The edges are nearly straight over their own width (W |W''| up to {}): the width changes gradually.",
+                with_decimals(curvature, 3)
+            ),
+            format!(
+                "W |W''| reaches {curvature:.2}: the edges bend within their own width, so the wave is no longer quite one mode."
+            ),
+            format!(
+                "W |W''| reaches {curvature:.2}: the edges bend too much for a wave that follows the local width."
+            ),
+        ],
+    )
+}
+
+pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
+    let count = wavelengths(site.plate, site.boundary_m);
+    let colour = if count >= WAVELENGTHS.green {
+        Colour::Green
+    } else if count >= WAVELENGTHS.amber {
+        Colour::Amber
+    } else {
+        Colour::Red
+    };
+    site.judged(
+        "wavelengths",
+        Some(count),
+        "",
+        colour,
+        -count,
+        pick(colour, [
+            format!(
+                "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
+            ),
+            format!(
+                "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it."
+            ),
+            format!("{} wavelengths: the boundary is so near the drive that the peak has no room.", with_decimals(count, 2)),
+        ]),
+    )
+}
+
+pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
+    let edge_m = site.plate.edge_width_m(site.frequency_hz).unwrap_or(f64::NAN);
+    let fingers = edge_m / FINGERTIP_M;
+    let edge_mm = edge_m * 1e3;
+    site.graded(
+        "edge width",
+        fingers,
+        "fingertips",
+        EDGE_WIDTH,
+        [
+            format!("From the peak to a tenth of it is {edge_mm:.0} mm: a short stroke crosses the edge."),
+            format!(
+                "From the peak to a tenth of it is {edge_mm:.0} mm, {fingers:.0} fingertips: the edge is soft."
+            ),
+            format!(
+                "From the peak to a tenth of it is {edge_mm:.0} mm, wider than a hand: it fades rather than ends."
+            ),
+        ],
+    )
+}
+
+pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
+    let off_centre = site.prepared.conditions.off_centre;
+    let (first, stride) = if off_centre { (2, 1) } else { (3, 2) };
+    let ghosts: Vec<(u32, f64)> = (first..=MODES_MAX)
+        .step_by(stride)
+        .filter_map(|mode| site.plate.ghost_boundary_m(site.frequency_hz, mode).map(|x| (mode, x)))
+        .collect();
+    let nearest = ghosts.first().map_or(f64::NAN, |ghost| ghost.1);
+    // A mode that enters is never green, because the shape of the drive over the width is not known: a point on the
+    // centre line drives all odd modes equally, and a uniform drive drives mode m with 1/m of the first.
+    let colour = match (ghosts.is_empty(), off_centre) {
+        (true, _) => Colour::Green,
+        (false, false) => Colour::Amber,
+        (false, true) => Colour::Red,
+    };
+    let listed: Vec<String> =
+        ghosts.iter().map(|(mode, x)| format!("{:.0} mm (mode {mode})", x * 1e3)).collect();
+    let listed = listed.join(", ");
+    site.judged(
+        "ghost boundaries",
+        ghosts.first().map(|ghost| ghost.1),
+        "m",
+        colour,
+        nearest.max(0.0),
+        pick(colour, [
+            "No higher width mode enters the plate: this boundary is the only one.".to_owned(),
+            format!(
+                "Higher width modes have boundaries of their own at {listed}: a drive spread over the width like the wave, most on the centre line and nothing at the edges, leaves them out; an even one gives mode 3 a third of the wanted mode."
+            ),
+            format!(
+                "A drive beside the centre line makes further boundaries at {listed}: move it to the centre line or use a shorter span."
+            ),
+        ]),
+    )
+}

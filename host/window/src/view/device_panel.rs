@@ -1,0 +1,220 @@
+//! The device panel: port, connection, table, counters.
+
+use super::field::row;
+use super::{Scene, ViewState, theme, top_bar};
+use crate::intent::{Confirm, Dialog, Intent, Intents};
+use eframe::egui::{self, RichText};
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkState, Port, Request};
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
+    ports(ui, scene, intents);
+    ui.separator();
+    connection(ui, scene, intents);
+    if scene.snapshot.is_connected() {
+        ui.separator();
+        identity(ui, scene, intents);
+        ui.separator();
+        table(ui, scene, intents);
+        ui.separator();
+        quality(ui, scene);
+        ui.separator();
+        service(ui, scene, intents);
+    }
+}
+
+fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        theme::heading(ui, "Ports");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.small_button("Look again").clicked() {
+                intents.push(Intent::RefreshPorts);
+            }
+        });
+    });
+    for info in scene.ports {
+        let is_current = scene.snapshot.port.as_ref() == Some(&info.port);
+        let badge = match info.port {
+            Port::Simulated => "simulated",
+            _ if info.is_ours => "Slipline",
+            _ => "",
+        };
+        let badge = RichText::new(badge).small().color(palette.accent);
+        let size = egui::vec2(ui.available_width(), 28.0);
+        let button =
+            egui::Button::selectable(is_current, &info.label).right_text(badge).truncate().min_size(size);
+        let is_open = is_current && scene.snapshot.is_connected();
+        if ui.add(button).on_hover_text(info.port.to_string()).clicked() && !is_open {
+            intents.push(Intent::Connect(info.port.clone()));
+        }
+    }
+    if scene.ports.len() <= 1 {
+        ui.label(RichText::new("No serial port found.").small().color(palette.weak));
+    }
+    if ui.link("My device is not listed, or may not be opened").clicked() {
+        intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
+    }
+}
+
+fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    let (word, colour, sentence) = top_bar::state_words(scene, palette);
+    row(ui, "State", RichText::new(word).color(colour));
+    ui.label(RichText::new(sentence).small().color(palette.weak));
+    ui.horizontal(|ui| {
+        let is_open = !matches!(snapshot.link, LinkState::Disconnected);
+        if matches!(snapshot.link, LinkState::Lost(_)) && ui.button("Reconnect").clicked() {
+            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+        }
+        if is_open {
+            if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
+                intents.push(Intent::Request(Request::Disconnect));
+            }
+        } else if ui.button("Connect").clicked() {
+            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+        }
+        let mut looks = snapshot.auto_reconnect;
+        let switch = ui.checkbox(&mut looks, "Reconnect by itself");
+        if switch
+            .on_hover_text("Look for a lost device, which comes back disarmed, and wait for a missing port")
+            .changed()
+        {
+            intents.push(Intent::Request(Request::AutoReconnect(looks)));
+        }
+    });
+}
+
+fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    let Some(identity) = &snapshot.identity else { return };
+    let (major, minor, patch) = identity.firmware;
+    row(ui, "Board", identity.board.as_str());
+    row(ui, "Firmware", format!("{major}.{minor}.{patch} ({})", identity.build));
+    row(ui, "Protocol", format!("{}.{}", identity.version.major, identity.version.minor));
+    if let Some(unit) = snapshot.unit() {
+        row(ui, "Unit", RichText::new(unit).monospace().small());
+    }
+    row(
+        ui,
+        "Rate",
+        format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
+    );
+    if let Some(compatibility) = snapshot.compatibility {
+        let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
+        ui.label(RichText::new(compatibility.sentence()).small().color(colour));
+    }
+    if !identity.crash.is_empty() {
+        let text = format!("It crashed before: {}", identity.crash);
+        ui.label(RichText::new(text).small().color(palette.warn));
+    }
+    if snapshot.status.is_some_and(|status| !status.faults.is_empty())
+        && ui.button("Clear faults").on_hover_text("Clear the latched faults whose cause is gone").clicked()
+    {
+        intents.push(Intent::Request(Request::ClearFaults));
+    }
+}
+
+fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    theme::heading(ui, "Turning-point table");
+    let on_device = snapshot
+        .table
+        .active
+        .map_or("none".to_owned(), |header| format!("{:08x}, {} knots", header.crc, header.knots));
+    row(ui, "On the device", RichText::new(on_device).monospace().small());
+    let on_screen = scene.table_crc().map_or("being made".to_owned(), |crc| format!("{crc:08x}"));
+    row(ui, "On the screen", RichText::new(on_screen).monospace().small());
+    let (text, colour) = match (snapshot.upload, scene.is_table_dirty(), snapshot.upload_verified) {
+        (Some(progress), ..) => (format!("sending {} of {}", progress.sent, progress.total), palette.weak),
+        (None, true, Some(false)) => ("the digest read back is not the one sent".to_owned(), palette.wrong),
+        (None, true, _) => ("they differ".to_owned(), palette.warn),
+        (None, false, Some(true)) => ("the same: verified by its digest".to_owned(), palette.good),
+        (None, false, _) => ("the same".to_owned(), palette.good),
+    };
+    row(ui, "Which are", RichText::new(text).color(colour));
+    ui.horizontal(|ui| {
+        if let Some(progress) = snapshot.upload {
+            let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
+            ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
+            if ui.button("Cancel upload").clicked() {
+                intents.push(Intent::Request(Request::CancelUpload));
+            }
+        } else {
+            if ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload")).clicked() {
+                intents.push(Intent::Upload);
+            }
+            if ui.button("Read back").on_hover_text("Ask the device which table it holds").clicked() {
+                intents.push(Intent::Request(Request::ReadBack));
+            }
+        }
+    });
+}
+
+fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    theme::heading(ui, "Link");
+    let snapshot = scene.snapshot;
+    let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
+    row(
+        ui,
+        "Round trip",
+        format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst)),
+    );
+    let link = snapshot.counters;
+    row(ui, "Commands", link.commands.to_string());
+    row(ui, "Retries / time-outs", format!("{} / {}", link.retries, link.timeouts));
+    row(ui, "Superseded drives", link.superseded.to_string());
+    row(ui, "CRC errors here", snapshot.decoder.damaged.to_string());
+    if let Some(status) = snapshot.status {
+        let device = status.counters;
+        row(ui, "CRC errors there", device.crc_errors.to_string());
+        row(ui, "Dropped there", device.dropped.to_string());
+        row(ui, "Repeats there", device.duplicates.to_string());
+        row(ui, "Underruns / clips", format!("{} / {}", device.underruns, device.clips));
+        if device.max_cycles > 0 {
+            row(ui, "Cycles a block, most", device.max_cycles.to_string());
+        }
+    }
+}
+
+/// Why the buttons that write to flash are disabled.
+const SOUNDS: &str = "Only while nothing sounds";
+
+fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    theme::heading(ui, "Service");
+    let state = scene.snapshot.status.map(|status| status.state);
+    let is_silent = matches!(state, Some(State::Idle | State::Armed));
+    // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.
+    let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, may, otherwise, confirm) in [
+            (
+                "Keep table…",
+                "Keep the device's table in its flash, used from the next start on",
+                is_silent,
+                SOUNDS,
+                Confirm::Store,
+            ),
+            ("Forget table…", "Erase the table kept in flash", is_silent, SOUNDS, Confirm::Forget),
+            (
+                "Bootloader…",
+                "Restart into the ROM bootloader to flash firmware",
+                is_muted,
+                "Only while it is disarmed",
+                Confirm::Bootloader,
+            ),
+        ] {
+            let button = ui.add_enabled(may, egui::Button::new(name));
+            if button.on_hover_text(help).on_disabled_hover_text(otherwise).clicked() {
+                intents.push(Intent::Dialog(Some(Dialog::Confirm(confirm))));
+            }
+        }
+    });
+    let emergency = ui.button("Emergency stop");
+    if emergency.on_hover_text("Silence within 2 ms, mute, latch a fault that must be cleared").clicked() {
+        intents.push(Intent::Request(Request::EmergencyStop));
+    }
+}

@@ -1,0 +1,60 @@
+//! The side panel at the right: shows one of boundary, tones, plate and device.
+
+use super::{Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, tones_panel};
+use crate::intent::Intents;
+use eframe::egui::{self, ScrollArea};
+
+/// Width of the panel, in points.
+pub(super) const WIDTH: f32 = 320.0;
+
+/// Which page is open.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Tab {
+    #[default]
+    Boundary,
+    Tones,
+    Plate,
+    Device,
+}
+
+impl Tab {
+    /// The tab at a place from the left.
+    pub(super) fn by_index(index: usize) -> Self {
+        TABS.get(index).map_or_else(Self::default, |(tab, ..)| *tab)
+    }
+}
+
+const TABS: [(Tab, &str, &str); 4] = [
+    (Tab::Boundary, "Boundary", "Where the boundary is, its frequency and level"),
+    (Tab::Tones, "Tones", "Up to 16 peaks: add, move, level, remove"),
+    (Tab::Plate, "Plate", "Which plate: preset or file, material, taper, loss"),
+    (Tab::Device, "Device", "Port, connection, arming, table, counters"),
+];
+
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    notices::show(ui, scene, view, intents);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.spacing_mut().button_padding.x = 2.0;
+        let width = ((ui.available_width() - 12.0) / 4.0).floor();
+        for (tab, name, help) in TABS {
+            let button = egui::Button::selectable(view.tab == tab, name).min_size(egui::vec2(width, 28.0));
+            if ui.add(button).on_hover_text(help).clicked() {
+                view.tab = tab;
+            }
+        }
+    });
+    ui.add_space(6.0);
+    ui.separator();
+    ui.add_space(4.0);
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        // The scroll bar floats over the content; this margin keeps the content free of it.
+        ui.set_max_width(ui.available_width() - 8.0);
+        match view.tab {
+            Tab::Boundary => boundary_panel::show(ui, scene, view, intents),
+            Tab::Tones => tones_panel::show(ui, scene, view, intents),
+            Tab::Plate => plate_panel::show(ui, scene, view, intents),
+            Tab::Device => device_panel::show(ui, scene, view, intents),
+        }
+    });
+}

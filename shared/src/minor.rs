@@ -1,0 +1,25 @@
+//! The minor version that two sides share.
+
+/// Rises when messages or variants are added.
+pub const MINOR: u8 = if cfg!(slipline_next) { 1 } else { 0 };
+
+/// A minor version that two sides share: neither sends the other anything newer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Minor(u8);
+
+impl Minor {
+    /// What every device and host of the major version knows, and all that may be said before the hello.
+    pub const FIRST: Self = Self(0);
+    /// All that this build knows.
+    pub const OURS: Self = Self(MINOR);
+
+    pub(crate) const fn new(minor: u8) -> Self {
+        Self(minor)
+    }
+
+    /// Whether what was added in a minor may be sent.
+    #[must_use]
+    pub const fn has(self, since: u8) -> bool {
+        since <= self.0
+    }
+}

@@ -1,0 +1,82 @@
+"""The boards, as far as a test's expectations differ: from firmware/stm32/src/board and the chips' reference manuals."""
+import re
+from typing import NamedTuple
+
+import pytest
+
+import stm32f407
+import stm32g474
+import stm32h743
+from core.uart import SerialHost
+from core.usb import UsbHost
+
+# An OUT packet of an endpoint that there is not (`UsbHost.push`).
+UNKNOWN_ENDPOINT = 2, 9, b"\0"
+
+
+class Facts(NamedTuple):
+    feature: str
+    # What the hello says.
+    name: str
+    chip: type
+    cable: type
+    unmute: str
+    lamp: str
+    # The watchdog's nominal period, the one around an erasure, and how slow its oscillator may be (nominally 32 kHz).
+    watchdog_seconds: float
+    erasure_watchdog_seconds: float
+    watchdog_slowest_hz: float
+    # The interrupts of the DAC's DMA and of the link, and the DMA's controller and stream.
+    dma_irq: int
+    link_irq: int
+    dma: tuple
+    # The ROM bootloader, and the register and value that map it to address 0, or None.
+    rom: int
+    rom_map: tuple
+    # The longest that storing may take: a slot's erasure, and the writing.
+    store_seconds: float
+    # What is erased and written, each one operation of the flash, to store a table of 33 knots.
+    erasures: int
+    word_bytes: int
+    # A crash's message if the program meets what it does not expect (`break_program`).
+    crash: str
+
+    def break_program(self, rig):
+        """Makes the program panic."""
+        if self.cable is UsbHost:
+            # A core that reports an endpoint that does not exist.
+            rig.cable.push(*UNKNOWN_ENDPOINT)
+        else:
+            # An NMI that no torn word of the flash explains (ICSR.NMIPENDSET).
+            rig.board.bus_write(0xE000ED04, 4, 1 << 31)
+
+
+F407 = Facts(
+    feature="board-f4discovery", name="STM32F4DISCOVERY", chip=stm32f407.Board, cable=UsbHost, unmute="PB1", lamp="PD12",
+    watchdog_seconds=0.3, erasure_watchdog_seconds=4.0, watchdog_slowest_hz=17e3,
+    dma_irq=16, link_irq=67, dma=(1, 5), rom=0x1FFF0000, rom_map=(0x40013800, 1),
+    store_seconds=1.5, erasures=1, word_bytes=4, crash="ep_num",
+)  # fmt: skip
+G474 = Facts(
+    feature="board-nucleo-g474re", name="NUCLEO-G474RE", chip=stm32g474.Board, cable=SerialHost, unmute="PB5", lamp="PA5",
+    watchdog_seconds=0.3, erasure_watchdog_seconds=2.0, watchdog_slowest_hz=29.5e3,
+    dma_irq=11, link_irq=38, dma=(1, 0), rom=0x1FFF0000, rom_map=(0x40010000, 1),
+    store_seconds=0.5, erasures=8, word_bytes=8, crash="NMI",
+)  # fmt: skip
+H743 = Facts(
+    feature="board-nucleo-h743zi2", name="NUCLEO-H743ZI2", chip=stm32h743.Board, cable=UsbHost, unmute="PE9", lamp="PB0",
+    watchdog_seconds=0.3, erasure_watchdog_seconds=10.0, watchdog_slowest_hz=29.8e3,
+    dma_irq=11, link_irq=101, dma=(1, 0), rom=0x1FF09800, rom_map=None,
+    store_seconds=4.5, erasures=1, word_bytes=32, crash="ep_num",
+)  # fmt: skip
+BOARDS = F407, G474, H743
+
+
+def on_f407(test):
+    """For what is said of the F407's image alone."""
+    return pytest.mark.parametrize("facts", [F407], ids=name, indirect=True)(test)
+
+
+def name(facts):
+    """A board's short name, for a test's."""
+    return re.sub(r"board-(nucleo-)?", "", facts.feature)

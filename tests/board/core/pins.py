@@ -1,0 +1,135 @@
+"""The GPIO ports: modes, levels, alternate functions, lock (RM0090 chapter 8, RM0440 chapter 9, RM0433 chapter 11).
+
+`Pins.level` is what the chip itself drives. A pin that it does not drive is None: there the wiring decides, and the mute
+pin's resistor pulls it low.
+"""
+
+MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFRL, AFRH, BRR = range(0x00, 0x2C, 4)
+INPUT, OUTPUT, ALTERNATE, ANALOGUE = range(4)
+LOCK_KEY = 1 << 16
+# What the lock freezes, by the bits that a pin has in the register.
+LOCKED = {MODER: 2, OTYPER: 1, OSPEEDR: 2, PUPDR: 2, AFRL: 4, AFRH: 4}
+
+
+class Port:
+    def __init__(self, pins, letter, reset):
+        self.pins, self.letter = pins, letter
+        self.reset_values = {MODER: 0, OSPEEDR: 0, PUPDR: 0} | reset
+        self.reset()
+
+    def reset(self):
+        self.registers = {offset: 0 for offset in (OTYPER, ODR, AFRL, AFRH)} | self.reset_values
+        self.locked, self.key = 0, []
+        self.pins.show(self.letter)
+
+    def read(self, offset):
+        if offset == IDR:
+            return sum((self.pins.level(f"P{self.letter}{number}") or 0) << number for number in range(16))
+        if offset == LCKR:
+            self.lock_read()
+            return self.locked | (LOCK_KEY if self.locked else 0)
+        assert offset in self.registers, f"GPIO{self.letter} has no register {offset:#x} that can be read"
+        return self.registers[offset]
+
+    def write(self, offset, value):
+        if offset in (BSRR, BRR):
+            output = self.registers[ODR]
+            value = output & ~(value >> 16) | value & 0xFFFF if offset == BSRR else output & ~value
+            offset = ODR
+        if offset == LCKR:
+            self.lock_write(value)
+            return
+        assert offset in self.registers, f"GPIO{self.letter} has no register {offset:#x} that can be written"
+        frozen = self.frozen(offset)
+        value = self.registers[offset] & frozen | value & ~frozen
+        if value != self.registers[offset]:
+            self.registers[offset] = value
+            self.pins.show(self.letter)
+
+    def frozen(self, offset):
+        """The bits of a register that the lock keeps."""
+        if not self.locked or offset not in LOCKED:
+            return 0
+        width, first = LOCKED[offset], 8 if offset == AFRH else 0
+        pins = range(8 if width == 4 else 16)
+        return sum(((1 << width) - 1) << width * pin for pin in pins if self.locked >> first + pin & 1)
+
+    # The sequence (RM0090 8.4.8): write 1 + pins, 0 + pins, 1 + pins with the same pins, then read.
+
+    def lock_write(self, value):
+        if self.locked:
+            return
+        self.key = (self.key + [value & 0x1FFFF])[-3:]
+
+    def lock_read(self):
+        if len(self.key) == 3:
+            pins = self.key[0] & 0xFFFF
+            if self.key == [LOCK_KEY | pins, pins, LOCK_KEY | pins]:
+                self.locked = pins
+        self.key = []
+
+
+class Pins:
+    """All ports. `alternates` says what a pin's alternate function is: (pin, number) -> (timer, output) or a text."""
+
+    def __init__(self, board, alternates, resets):
+        self.board, self.alternates = board, alternates
+        self.levels = {}
+        self.by_timer = {}
+        for (name, _), use in alternates.items():
+            if isinstance(use, tuple):
+                self.by_timer.setdefault(use[0], []).append(name)
+        self.ports = {}
+        self.ports = {letter: Port(self, letter, reset) for letter, reset in resets.items()}
+
+    def reset(self):
+        """The chip's reset: nothing is driven, and nobody watches that."""
+        self.levels.clear()
+        for port in self.ports.values():
+            port.reset()
+
+    def mode(self, name):
+        return self.ports[name[1]].registers[MODER] >> 2 * int(name[2:]) & 3
+
+    def alternate(self, name):
+        """What the pin is given to: (timer, output), a text, or None if it is no alternate function."""
+        number = int(name[2:])
+        if self.mode(name) != ALTERNATE:
+            return None
+        registers = self.ports[name[1]].registers
+        function = registers[AFRL if number < 8 else AFRH] >> 4 * (number % 8) & 15
+        known = (name, function) in self.alternates
+        assert known, f"alternate function {function} of {name} is not in the model's table"
+        return self.alternates[name, function]
+
+    def level(self, name):
+        """0, 1, or None while the chip drives nothing."""
+        registers, number = self.ports[name[1]].registers, int(name[2:])
+        mode = self.mode(name)
+        if mode == OUTPUT:
+            level = registers[ODR] >> number & 1
+        elif mode == ALTERNATE and isinstance(self.alternate(name), tuple):
+            timer, output = self.alternate(name)
+            level = self.board.timers[timer].outputs.level(output)
+        else:
+            return None
+        # An open drain drives its low level only.
+        is_open = registers[OTYPER] >> number & 1
+        return None if is_open and level == 1 else level
+
+    def show(self, letter):
+        """Notes what has changed on a port."""
+        if letter in self.ports:
+            for number in range(16):
+                self.show_pin(f"P{letter}{number}")
+
+    def show_timer(self, timer):
+        if timer in self.by_timer:
+            for name in self.by_timer[timer]:
+                self.show_pin(name)
+
+    def show_pin(self, name):
+        level = self.level(name)
+        if level != self.levels.get(name):
+            self.levels[name] = level
+            self.board.note(name, level)

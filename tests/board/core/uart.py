@@ -1,0 +1,195 @@
+"""USART with FIFOs (RM0440 chapter 37), and the host's end of the line: on the Nucleo the ST-LINK's serial port.
+
+Bytes take their time on the line, in both directions; whoever samples at another rate than it was sent at reads noise.
+"""
+
+CR1, CR2, CR3, BRR, RQR, ISR, ICR, RDR, TDR, PRESC = 0x00, 0x04, 0x08, 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C
+ENABLED, RECEIVES, TRANSMITS, FIFOS = 1 << 0, 1 << 2, 1 << 3, 1 << 29
+FRAMING, OVERRUN, IDLE, NOT_EMPTY, COMPLETE, NOT_FULL, ACKNOWLEDGED = 1 << 1, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7, 0b11 << 21
+# Flags whose interrupt is enabled by the same bit of CR1.
+OWN_ENABLES = IDLE | NOT_EMPTY | COMPLETE | NOT_FULL
+ERROR_INTERRUPT = 1 << 0
+# A start bit, eight data bits, a stop bit.
+FRAME_BITS, DEPTH = 10, 8
+# A receiver samples a frame's last bit in time if the rates differ by no more (RM0440 37.5.7, with some for the sender).
+TOLERANCE = 0.02
+
+
+class Uart:
+    """`transmit` and `receive` are its pins."""
+
+    def __init__(self, board, irq, bus, transmit, receive, function):
+        self.board, self.irq, self.bus = board, irq, bus
+        self.transmit, self.receive, self.function = transmit, receive, function
+        self.peer = None
+        board.add_line(irq, self.is_pending)
+        self.generation = 0
+        self.reset()
+
+    def reset(self):
+        self.generation += 1
+        self.registers = dict.fromkeys((CR1, CR2, CR3, BRR, PRESC), 0)
+        self.flags = COMPLETE
+        self.incoming, self.outgoing = [], []
+        self.is_sending = False
+        # When the last byte came: the line is idle one frame later, once.
+        self.last = None
+
+    def is_on(self, bit, pin):
+        return self.registers[CR1] & (ENABLED | bit) == ENABLED | bit and self.board.pins.alternate(pin) == self.function[pin]
+
+    def baud(self):
+        divider = self.registers[BRR]
+        return self.board.clocks.frequencies.apb[self.bus] / divider if divider else 0.0
+
+    def depth(self):
+        return DEPTH if self.registers[CR1] & FIFOS else 1
+
+    # --- the line
+
+    def hear(self, byte, baud):
+        """A byte has come in, sent at so many baud."""
+        if not self.is_on(RECEIVES, self.receive) or not self.baud():
+            return
+        if abs(self.baud() / baud - 1) > TOLERANCE:
+            byte, self.flags = byte * 0x55 + 0x2A & 0xFF, self.flags | FRAMING
+        if len(self.incoming) >= self.depth():
+            self.flags |= OVERRUN
+        else:
+            self.incoming.append(byte)
+        self.last = self.board.now
+        self.board.at(self.board.now + self.frame(), self.rest, self.generation, self.last)
+        self.raise_interrupt()
+
+    def frame(self):
+        return FRAME_BITS / self.baud() * self.board.CORE_HZ
+
+    def rest(self, generation, last):
+        # A byte whose start bit has come is not idleness.
+        if generation == self.generation and last == self.last and not (self.peer and self.peer.is_sending):
+            self.flags |= IDLE
+            self.raise_interrupt()
+
+    def send_next(self):
+        if self.outgoing and not self.is_sending and self.is_on(TRANSMITS, self.transmit):
+            self.is_sending = True
+            byte = self.outgoing.pop(0)
+            self.board.at(self.board.now + self.frame(), self.sent, self.generation, byte, self.baud())
+
+    def sent(self, generation, byte, baud):
+        if generation != self.generation:
+            return
+        self.is_sending = False
+        if self.peer:
+            self.peer.hear(byte, baud)
+        if not self.outgoing:
+            self.flags |= COMPLETE
+        self.send_next()
+        self.raise_interrupt()
+
+    # --- registers
+
+    def status(self):
+        value = self.flags | (NOT_EMPTY if self.incoming else 0)
+        value |= NOT_FULL if len(self.outgoing) < self.depth() else 0
+        return value | (ACKNOWLEDGED if self.registers[CR1] & ENABLED else 0)
+
+    def is_pending(self):
+        status, control = self.status(), self.registers[CR1]
+        errors = status & (FRAMING | OVERRUN) and self.registers[CR3] & ERROR_INTERRUPT
+        overrun = status & OVERRUN and control & NOT_EMPTY
+        return bool(control & ENABLED and (status & control & OWN_ENABLES or errors or overrun))
+
+    def raise_interrupt(self):
+        if self.is_pending():
+            self.board.pend(self.irq)
+
+    def read(self, offset):
+        if offset == ISR:
+            return self.status()
+        if offset == RDR:
+            return self.incoming.pop(0) if self.incoming else 0
+        if offset in (TDR, RQR, ICR):
+            return 0
+        assert offset in self.registers, f"the USART has no modelled register {offset:#x}"
+        return self.registers[offset]
+
+    def write(self, offset, value):
+        if offset == TDR:
+            assert len(self.outgoing) < self.depth(), "a byte is written into a full transmit FIFO"
+            self.flags &= ~COMPLETE
+            self.outgoing.append(value & 0xFF)
+            self.send_next()
+        elif offset == ICR:
+            self.flags &= ~value
+        elif offset == RQR:
+            assert not value & ~0b1000, "only flushing what was received is modelled"
+            self.incoming.clear()
+        else:
+            assert offset in self.registers, f"the USART has no modelled register {offset:#x}"
+            is_running = self.registers[CR1] & ENABLED
+            assert offset == CR1 or not is_running or value == self.registers[offset], (
+                "the format is changed while the USART runs (RM0440 37.8)"
+            )
+            self.registers[offset] = value
+            if offset == CR1:
+                self.send_next()
+        self.raise_interrupt()
+
+
+class SerialHost:
+    """The host's end. It may be unplugged, it may stop reading, it may have the wrong rate."""
+
+    BAUD = 921_600
+
+    def __init__(self, board):
+        self.board, self.uart = board, board.uart
+        self.uart.peer = board.cable = self
+        self.is_plugged = self.reads = True
+        self.baud = self.BAUD
+        self.to_device, self.from_device = [], bytearray()
+        self.is_sending = False
+
+    @property
+    def is_configured(self):
+        """A serial port is always there; the device listens once its receiver is on."""
+        return bool(self.uart.registers[CR1] & (ENABLED | RECEIVES) == ENABLED | RECEIVES)
+
+    def unplug(self):
+        self.is_plugged = False
+        self.to_device.clear()
+
+    def plug(self):
+        self.is_plugged = True
+
+    def send(self, data):
+        if self.is_plugged:
+            self.to_device += data
+            self.send_next()
+
+    def send_next(self):
+        if self.to_device and not self.is_sending:
+            self.is_sending = True
+            byte = self.to_device.pop(0)
+            self.board.at(self.board.now + FRAME_BITS / self.baud * self.board.CORE_HZ, self.sent, byte)
+
+    def sent(self, byte):
+        self.is_sending = False
+        self.uart.hear(byte, self.baud)
+        self.send_next()
+
+    def hear(self, byte, baud):
+        """A byte of the device's: lost while nobody reads, for a UART cannot wait."""
+        if self.is_plugged and self.reads:
+            is_true = abs(baud / self.baud - 1) <= TOLERANCE
+            self.from_device.append(byte if is_true else byte * 0x55 + 0x2A & 0xFF)
+
+    def receive(self):
+        data = bytes(self.from_device)
+        self.from_device.clear()
+        return data
+
+    def reset(self):
+        """The chip was reset: the events that moved the bytes are gone."""
+        self.is_sending = False
+        self.to_device.clear()

@@ -1,0 +1,44 @@
+//! Devices of another major version, R-23. Those of another minor stand in minor_versions.rs and transcripts.rs.
+
+use slipline_link::{LinkState, Outcome, Port, Refusal, Request};
+use slipline_protocol::version::{Compatibility, Version};
+use slipline_protocol::{Command, Event};
+use slipline_tests::faulty_ports::{Rewrite, as_real};
+use slipline_tests::link_rig::{LinkRig, drive};
+
+fn reversion(event: Event, change: fn(&mut Version)) -> Event {
+    match as_real(event) {
+        Event::Hello(mut identity) => {
+            change(&mut identity.version);
+            Event::Hello(identity)
+        }
+        event => event,
+    }
+}
+
+#[test]
+fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
+    //
+    let foreign: [(Rewrite, Compatibility); 3] = [
+        (|event| reversion(event, |v| v.major += 1), Compatibility::UpdateHost),
+        (|event| reversion(event, |v| v.major = 0), Compatibility::FlashDevice),
+        (|event| reversion(event, |v| v.schema[0] ^= 1), Compatibility::FlashDevice),
+    ];
+    for (rewrite, want) in foreign {
+        let mut rig = LinkRig::new();
+        rig.ports().rewrite = rewrite;
+        rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+        rig.pass_ms(2000);
+        assert_eq!(rig.view().link, LinkState::Connected);
+        assert_eq!(rig.view().compatibility, Some(want));
+        assert!(rig.view().identity.is_some(), "identified");
+        for request in [Request::Arm, drive(0.05), Request::Store, Request::ClearFaults] {
+            let ticket = rig.ask(request);
+            assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(Refusal::Incompatible(want))));
+        }
+        let stop = rig.ask(Request::Stop);
+        rig.pass_ms(50);
+        assert!(matches!(rig.outcome(stop), Some(Outcome::Done { .. })));
+        assert!(rig.ports().commands.iter().all(|(_, c)| matches!(c, Command::Hello(_) | Command::Stop)));
+    }
+}
