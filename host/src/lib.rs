@@ -5,6 +5,7 @@
 //!     \--> slipline_window (with the feature `gui`)
 //! ```
 
+#![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod cli;

@@ -1,5 +1,6 @@
 //! `slipline`: the app with no arguments, the command line with some.
 
+#![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
 
 use clap::Parser;

@@ -289,6 +289,18 @@ def test_a_stack_that_overflows_is_caught_and_told(armed):
     assert identity["reset"] == "hard fault" and "stack overflow" in identity["crash"], identity["crash"]
 
 
+def test_an_interrupt_without_a_handler_mutes_and_is_told(armed):
+    """The window watchdog's: nothing of the firmware enables it."""
+    start(armed)
+    armed.board.log.clear()
+    armed.board.enabled.add(0)
+    armed.board.pend(0)
+    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
+    assert any(entry[1:] == (armed.facts.unmute, 0) for entry in armed.board.log), "muted before the reset"
+    identity = armed.host.connect()
+    assert (identity["reset"], identity["crash"]) == ("hard fault", "unexpected exception 16")
+
+
 def test_three_crashes_in_a_row_end_in_safe_mode(rig):
     for _ in range(3):
         rig.host.connect()

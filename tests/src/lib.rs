@@ -10,6 +10,8 @@
 //! so a run can be repeated exactly. Each file under `tests/` holds the tests of one subject. A test that covers a row
 //! of the reliability table names the row (R-..).
 
+#![forbid(unsafe_code)]
+
 pub mod client;
 #[cfg(unix)]
 pub mod command_proxy;
@@ -19,6 +21,7 @@ pub mod faulty_ports;
 pub mod fuzz;
 pub mod link_rig;
 pub mod measure;
+pub mod named_tests;
 pub mod programs;
 pub mod qemu;
 pub mod random_actions;

@@ -57,7 +57,7 @@
 mod block;
 pub mod code;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
-#[expect(unsafe_code, reason = "assembly; the only unsafe code of the crate")]
+#[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
 // The formatter would put each operand of an instruction on a line of its own.
 #[rustfmt::skip]
 mod cortex_m4;

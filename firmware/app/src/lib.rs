@@ -11,7 +11,6 @@
 //! a command and take its time. The interrupt side may not fail, wait or branch on anything but the program and the
 //! sample index. One [`Mailbox`] stands between them. There is no clock: time is the sample index.
 #![no_std]
-#![deny(unsafe_code)]
 #![expect(
     async_fn_in_trait,
     reason = "the ports are used by generics in one task, whose executor sees the type"

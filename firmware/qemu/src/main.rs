@@ -9,8 +9,10 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod cmsdk;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod device;
 
 /// On the host there is nothing to run.

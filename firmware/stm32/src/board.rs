@@ -39,6 +39,7 @@ mod nucleo_g474re;
 pub(crate) use nucleo_g474re::*;
 
 #[cfg(feature = "board-nucleo-h743zi2")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod nucleo_h743zi2;
 #[cfg(feature = "board-nucleo-h743zi2")]
 pub(crate) use nucleo_h743zi2::*;

@@ -16,14 +16,19 @@
 #[cfg(target_arch = "arm")]
 mod board;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod bootloader;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod crash;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod dac;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod device;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod fast;
 #[cfg(any(target_arch = "arm", test))]
 mod lamp;
@@ -40,6 +45,7 @@ mod ring;
 #[cfg(target_arch = "arm")]
 mod store;
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod supply;
 #[cfg(all(target_arch = "arm", feature = "link-uart"))]
 mod uart_link;

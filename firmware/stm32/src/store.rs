@@ -12,6 +12,7 @@
 #[cfg_attr(feature = "flash-f4", path = "store/f4.rs")]
 #[cfg_attr(feature = "flash-g4", path = "store/g4.rs")]
 #[cfg_attr(feature = "flash-h7", path = "store/h7.rs")]
+#[cfg_attr(feature = "flash-h7", expect(unsafe_code, reason = "listed in firmware/UNSAFE.md"))]
 mod chip;
 
 use embassy_stm32::Peri;

@@ -13,6 +13,7 @@
 //! simulation and a browser can run them. With the feature `native`, a worker thread runs them on this computer's
 //! serial ports and sockets.
 
+#![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 

@@ -8,6 +8,7 @@
 //! ```
 //! It builds for a browser. The feature `native` adds what a browser lacks: files.
 
+#![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 

@@ -6,6 +6,7 @@
 //!   +---------- Scene --------------+  <--results-- model's jobs, files
 //! ```
 
+#![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
 
 pub mod app;

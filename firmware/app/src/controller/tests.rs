@@ -58,7 +58,7 @@ std::thread_local! {
 /// A mutex before which an interrupt may come.
 struct Interrupted;
 
-#[expect(unsafe_code, reason = "the trait is unsafe")]
+#[expect(unsafe_code, reason = "the trait is unsafe; listed in firmware/UNSAFE.md")]
 // SAFETY: a mailbox behind it is used by one thread only, and an interrupt is over before a lock is taken.
 unsafe impl RawMutex for Interrupted {
     const INIT: Self = Self;

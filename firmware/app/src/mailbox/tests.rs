@@ -162,7 +162,7 @@ fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
 /// A lock between true threads.
 struct BetweenThreads(std::sync::Mutex<()>);
 
-#[expect(unsafe_code, reason = "the trait is unsafe")]
+#[expect(unsafe_code, reason = "the trait is unsafe; listed in firmware/UNSAFE.md")]
 // SAFETY: the standard library's mutex lets one thread in at a time; no lock is taken within another.
 unsafe impl RawMutex for BetweenThreads {
     const INIT: Self = Self(std::sync::Mutex::new(()));

@@ -17,6 +17,7 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
 #[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod device {
     use core::{cell::UnsafeCell, hint::black_box};
 
