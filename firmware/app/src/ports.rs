@@ -7,7 +7,10 @@ use crate::bank::BLOCK;
 
 /// The DAC's stream of codes.
 pub trait DacStream {
-    /// Waits until there is room, then takes a block.
+    /// Waits until there is room for a block. The block is rendered after that, so that it follows the latest orders.
+    async fn room(&mut self);
+
+    /// Takes a block; waits until there is room if there is none.
     ///
     /// # Errors
     /// [`Underrun`] if the block comes too late to be whole. It is not played: in its place, and for as long as it takes,

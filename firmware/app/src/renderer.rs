@@ -117,6 +117,9 @@ impl Renderer {
     }
 
     /// Renders, mutes or unmutes, and hands over, for ever.
+    ///
+    /// A block is rendered when the DAC has room for it and not before: a block kept ready would bear a delay more, but
+    /// every command would be heard a block later.
     pub async fn run<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,
@@ -125,7 +128,9 @@ impl Renderer {
         mut cycles: impl CycleCounter,
     ) -> ! {
         let mut codes = [code::MID_SCALE; BLOCK];
+        self.begin(mailbox);
         loop {
+            dac.room().await;
             let before = cycles.cycles();
             self.render(mailbox, &mut codes);
             self.report.max_cycles = self.report.max_cycles.max(cycles.cycles().wrapping_sub(before));
@@ -138,12 +143,17 @@ impl Renderer {
         }
     }
 
-    /// Renders the next block.
-    pub fn render<M: RawMutex>(&mut self, mailbox: &Mailbox<M>, codes: &mut [u16; BLOCK]) {
+    /// Tells the thread side the first index, once.
+    fn begin<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if !self.begun {
             self.begun = true;
             mailbox.begin_at(self.index);
         }
+    }
+
+    /// Renders the next block.
+    pub fn render<M: RawMutex>(&mut self, mailbox: &Mailbox<M>, codes: &mut [u16; BLOCK]) {
+        self.begin(mailbox);
         let index = self.index;
         if self.stop_ends.is_some_and(|end| index >= end) {
             self.stop_ends = None;

@@ -10,8 +10,8 @@ pub const BLOCK_SAMPLES: u64 = BLOCK as u64;
 
 /// Mid-scale blocks between arming and the first drive, and between the end of a ramp and the mute.
 ///
-/// A board may hold up to three blocks between the renderer and the DAC's pin (two halves of a ring and one being
-/// written); the amplifier must not be switched before they are out.
+/// A board holds up to two blocks between the renderer and the DAC's pin, the halves of a ring; the amplifier must not be
+/// switched before they are out.
 pub const SETTLE_BLOCKS: u64 = 4;
 
 /// Blocks between two ticks of the thread side: 2.6 ms at 400 kS/s, well below the shortest of its time-outs.

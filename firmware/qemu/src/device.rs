@@ -167,12 +167,16 @@ struct ShownDac {
 }
 
 impl DacStream for ShownDac {
-    async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
+    async fn room(&mut self) {
         poll_fn(|context| {
             CLOCK.register(context.waker());
             if BLOCKS_DUE.load(Relaxed) > 0 { Poll::Ready(()) } else { Poll::Pending }
         })
         .await;
+    }
+
+    async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
+        self.room().await;
         // Never an underrun: if the host computer does not run the emulator for a while, no sample is missing.
         BLOCKS_DUE.fetch_sub(1, Relaxed);
         if SHOWN_BLOCKS.load(Relaxed) > 0 {

@@ -8,7 +8,8 @@
 //!  DacStream::write_block  +--> on_dma: the half left is filled with a line (see `ring`), the renderer is woken
 //! ```
 //! The timer alone sets the pace: one code every [`board::TIMER_PERIOD`] ticks of [`board::TIMER_HZ`], with no jitter
-//! from software. Latency: at most one block from `write_block` to the pin (128 codes = 320 us at 400 kS/s).
+//! from software. Latency: a block is rendered when a half becomes free, and sounds one block later (128 codes = 320 us
+//! at 400 kS/s).
 //!
 //! A missed deadline shows in two ways. Both are reported as [`Underrun`], the late block is not played, and what is heard
 //! is one line to mid-scale:
@@ -179,6 +180,10 @@ fn restart() {
 }
 
 impl DacStream for Dac {
+    async fn room(&mut self) {
+        wait().await;
+    }
+
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
         loop {
             if STARVED.load(Ordering::Relaxed) {

@@ -13,7 +13,8 @@
 //! line over as many of them as it needs; then blocks are taken again. So what is heard of a missed deadline is one line
 //! from the last good code to mid-scale, and [`Halves::offer`] reports it.
 //!
-//! Latency: a block is written while the other half plays, so it sounds after at most one block.
+//! Latency: a block is rendered and written while the other half plays, so the renderer has one block's time less
+//! [`MARGIN`], and what it renders sounds one block after it began.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 

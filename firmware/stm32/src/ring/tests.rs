@@ -50,13 +50,12 @@ impl Model {
 
     /// The renderer: waits for room, then takes so many samples to render, then hands its block over.
     fn hand_over(&self, codes: &[u16; BLOCK], rendering: usize) -> Result<(), Late> {
-        self.samples(rendering);
-        loop {
-            if self.halves.offer(self, codes)? {
-                return Ok(());
-            }
+        while self.halves.is_full() {
             self.sample();
         }
+        self.samples(rendering);
+        assert!(self.halves.offer(self, codes)?, "there was room");
+        Ok(())
     }
 }
 
@@ -139,8 +138,8 @@ fn a_renderer_that_is_late_by_any_number_of_samples_leaves_the_tone_by_one_line_
         assert!(is_one_line_after_the_tone(&played), "late by {delay}: not one line");
         let steepest = played.windows(2).map(|pair| pair[0].abs_diff(pair[1])).max();
         assert!(steepest <= Some(STEEPEST + FADE_STEP), "late by {delay}: {steepest:?}");
-        // Rendering begins when the block before has been copied, which took a sample of two blocks' time.
-        assert_eq!(late > 0, 1 + 40 + delay > 2 * BLOCK - MARGIN, "late by {delay}");
+        // Rendering begins when the DMA leaves a half.
+        assert_eq!(late > 0, 40 + delay > BLOCK - MARGIN, "late by {delay}");
         // The block after it comes into the same half, and may find too little of it left.
         assert!(late <= 2, "late by {delay}: {late}");
         assert!(late == 0 || played.ends_with(&[MID_SCALE; BLOCK]));
@@ -150,7 +149,7 @@ fn a_renderer_that_is_late_by_any_number_of_samples_leaves_the_tone_by_one_line_
 #[test]
 fn after_the_line_blocks_are_played_again_where_their_index_says() {
     let model = Model::silent();
-    let late = |block| if block == 3 { 2 * BLOCK } else { 0 };
+    let late = |block| if block == 3 { BLOCK } else { 0 };
     for block in 0..20 {
         let codes = match block {
             0..=3 | 12.. => tone(block),

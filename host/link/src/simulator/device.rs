@@ -187,10 +187,10 @@ impl SimulatedDevice {
     /// Lets so many blocks pass; `sink` sees each as it leaves for the DAC.
     pub fn advance(&mut self, blocks: u64, mut sink: impl FnMut(SentBlock<'_>)) {
         for _ in 0..blocks {
-            // The pin stands as it was set for the block that leaves now, until the next one is rendered.
-            let muted = self.is_muted();
             self.peripherals.lock().room = true;
             poll(&mut self.renderer);
+            // The pin stands as it was set for this block until the next one is rendered.
+            let muted = self.is_muted();
             if let Some(codes) = self.peripherals.lock().sent.take() {
                 sink(SentBlock { first: self.now, codes: &codes, muted });
             }

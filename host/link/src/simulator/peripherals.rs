@@ -119,17 +119,17 @@ impl embedded_io_async::Write for Peripherals {
 }
 
 impl DacStream for Peripherals {
+    async fn room(&mut self) {
+        poll_fn(|_| if self.lock().room { Poll::Ready(()) } else { Poll::Pending }).await;
+    }
+
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
-        poll_fn(|_| {
-            let mut state = self.lock();
-            if !std::mem::take(&mut state.room) {
-                return Poll::Pending;
-            }
-            let late = std::mem::take(&mut state.underrun);
-            state.play(codes, late);
-            Poll::Ready(if late { Err(Underrun) } else { Ok(()) })
-        })
-        .await
+        self.room().await;
+        let mut state = self.lock();
+        state.room = false;
+        let late = std::mem::take(&mut state.underrun);
+        state.play(codes, late);
+        if late { Err(Underrun) } else { Ok(()) }
     }
 }
 
