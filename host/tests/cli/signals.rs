@@ -2,7 +2,7 @@
 
 use super::file;
 use slipline_link::native::system_clock;
-use slipline_link::protocol::{Command as Message, Decoder};
+use slipline_link::protocol::{Command as Message, Decoder, Event};
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Transport, Waker};
@@ -13,33 +13,58 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// A simulated device behind a socket, for one host, and the commands it has received.
+/// A simulated device behind a socket, for one host, and what has gone past.
 struct Socket {
     path: PathBuf,
-    sent: Arc<Mutex<Vec<Message>>>,
+    line: Arc<Mutex<Line>>,
+}
+
+#[derive(Default)]
+struct Line {
+    /// The commands that the device has received.
+    sent: Vec<Message>,
+    /// The number of the last drive, and whether the device has answered it.
+    drive: Option<u16>,
+    is_answered: bool,
+}
+
+impl Line {
+    fn to_device(&mut self, command: Message, sequence: u16) {
+        if matches!(command, Message::Drive(_)) {
+            self.is_answered &= self.drive == Some(sequence);
+            self.drive = Some(sequence);
+        }
+        self.sent.push(command);
+    }
+
+    fn to_host(&mut self, event: &Event, sequence: u16) {
+        self.is_answered |= matches!(event, Event::Accepted(_)) && self.drive == Some(sequence);
+    }
 }
 
 impl Socket {
     fn serve(name: &str) -> Self {
         let path = file(name);
         let listener = UnixListener::bind(&path).unwrap();
-        let sent = Arc::<Mutex<Vec<Message>>>::default();
-        let seen = Arc::clone(&sent);
+        let line = Arc::<Mutex<Line>>::default();
+        let seen = Arc::clone(&line);
         std::thread::spawn(move || {
             let device = RealtimeDevice::new(SimulatedDevice::new(Options::default()), system_clock());
             let mut device = RealtimeLine::new(Arc::new(Mutex::new(device)), Waker::new(|| ()));
             let (mut host, _) = listener.accept().unwrap();
             host.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
-            let mut decoder = Decoder::new();
+            let (mut from_host, mut from_device) = (Decoder::new(), Decoder::new());
             let mut bytes = [0; 512];
             loop {
                 match host.read(&mut bytes) {
                     Ok(0) => return,
                     Ok(count) => {
                         for &byte in &bytes[..count] {
-                            let command =
-                                decoder.push(byte, |frame| Message::decode(frame.header.id, frame.body).ok());
-                            seen.lock().unwrap().extend(command.flatten());
+                            from_host.push(byte, |frame| {
+                                if let Ok(command) = Message::decode(frame.header.id, frame.body) {
+                                    seen.lock().unwrap().to_device(command, frame.header.sequence);
+                                }
+                            });
                         }
                         let mut rest = &bytes[..count];
                         while !rest.is_empty() {
@@ -52,10 +77,17 @@ impl Socket {
                     if host.write_all(&bytes[..count]).is_err() {
                         return;
                     }
+                    for &byte in &bytes[..count] {
+                        from_device.push(byte, |frame| {
+                            if let Ok(event) = Event::decode(frame.header.id, frame.body) {
+                                seen.lock().unwrap().to_host(&event, frame.header.sequence);
+                            }
+                        });
+                    }
                 }
             }
         });
-        Self { path, sent }
+        Self { path, line }
     }
 
     /// Runs a command on it, up to the answer to its first drive.
@@ -68,24 +100,14 @@ impl Socket {
             .spawn()
             .unwrap();
         let begun = Instant::now();
-        while self.last(|command| matches!(command, Message::Drive(_))).is_none() {
+        while !self.line.lock().unwrap().is_answered {
             assert!(begun.elapsed() < Duration::from_secs(60), "nothing is driven");
             assert!(child.try_wait().unwrap().is_none(), "it has ended");
             std::thread::sleep(Duration::from_millis(5));
         }
-        // The device's answer has to reach the command: until then a signal interrupts it, with another exit code.
-        let driven = self.last(|command| matches!(command, Message::Drive(_)));
-        while self.last(|command| matches!(command, Message::Status)) < driven {
-            assert!(begun.elapsed() < Duration::from_secs(60), "the drive is not answered");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        std::thread::sleep(Duration::from_millis(200));
+        // The answer has to reach the command: until then a signal interrupts it, with another exit code.
+        std::thread::sleep(Duration::from_millis(500));
         child
-    }
-
-    /// The index of the last such command among those received.
-    fn last(&self, is_it: impl Fn(&Message) -> bool) -> Option<usize> {
-        self.sent.lock().unwrap().iter().rposition(is_it)
     }
 }
 
@@ -112,13 +134,13 @@ fn a_signal_stops_and_disarms_the_device() {
                 begun.elapsed() < Duration::from_secs(4),
                 "{command} {told}: it was not waited for in vain"
             );
-            let driven = socket.last(|sent| matches!(sent, Message::Drive(_))).unwrap();
-            let sent = socket.sent.lock().unwrap();
-            let afterwards = &sent[driven + 1..];
+            let line = socket.line.lock().unwrap();
+            let driven = line.sent.iter().rposition(|sent| matches!(sent, Message::Drive(_))).unwrap();
+            let afterwards = &line.sent[driven + 1..];
             let stopped = afterwards.iter().rposition(|sent| matches!(sent, Message::Stop));
             let disarmed = afterwards.iter().rposition(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {told}: {afterwards:?}");
-            drop(sent);
+            drop(line);
             std::fs::remove_file(&socket.path).unwrap();
         }
     }
