@@ -12,8 +12,8 @@ from host import (
 
 MOST_KNOTS, PHASES, TONES = 1025, 8, 16
 MILLISECOND = RATE_HZ // 1000
-# What holds today; the goals are 4 for a drive and 2 for a stop. A commit plans the change of tables for all tones.
-DRIVE_BLOCKS, STOP_BLOCKS, STOP_BLOCKS_BEHIND_A_COMMIT = 4.5, 3.5, 4.5
+# The goals are 4 for a drive and 2 for a stop. A commit plans the change of tables for all tones.
+DRIVE_BLOCKS, STOP_BLOCKS, STOP_BLOCKS_BEHIND_A_COMMIT = 4, 2.25, 3.6
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF
 

@@ -200,11 +200,11 @@ impl Renderer {
     /// While nothing sounds, as during an erase of the flash, mid-scale is as good as the block that was late.
     pub fn underrun<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         self.report.underruns = self.report.underruns.saturating_add(1);
-        if self.outline.is_silent_from(self.index) {
-            return;
+        if !self.outline.is_silent_from(self.index) {
+            mailbox.disarm_now(Some((Fault::Underrun, self.index)));
+            self.fall_silent(mailbox);
         }
-        mailbox.disarm_now(Some((Fault::Underrun, self.index)));
-        self.fall_silent(mailbox);
+        mailbox.end_block(self.report);
     }
 
     /// The amplifier has gone off by itself: blocks were missing for too long, or the supervisor has muted it. A device
@@ -215,6 +215,7 @@ impl Renderer {
             self.report.underruns = self.report.underruns.saturating_add(1);
         }
         self.fall_silent(mailbox);
+        mailbox.end_block(self.report);
     }
 
     /// Is silent from the next block on, without a ramp.

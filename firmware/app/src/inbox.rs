@@ -1,0 +1,111 @@
+//! Received bytes become commands that wait to be done. A stop takes effect here, before anything that waits.
+
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use heapless::Deque;
+use slipline_protocol::event::{Counters, Fault};
+use slipline_protocol::units::SampleIndex;
+use slipline_protocol::{Command, Decoder, Direction, Header, Refusal};
+
+use crate::mailbox::{Mailbox, Stop};
+
+/// Most commands that are decoded and wait to be done. A host waits for each reply, so more than one is an exception.
+const QUEUE: usize = 8;
+
+/// A decoded command on its way to the controller.
+pub(crate) struct Incoming {
+    pub(crate) header: Header,
+    pub(crate) command: Result<Command, Refusal>,
+    /// Where a stop, which is done already, takes effect.
+    pub(crate) stopped_at: Option<SampleIndex>,
+}
+
+/// The decoder and the queue behind it.
+pub struct Inbox {
+    decoder: Decoder,
+    queue: Deque<Incoming, QUEUE>,
+    dropped: u32,
+    stops: u32,
+}
+
+impl Default for Inbox {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Inbox {
+    /// Before the first byte.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { decoder: Decoder::new(), queue: Deque::new(), dropped: 0, stops: 0 }
+    }
+
+    /// Decodes received bytes. A stop takes effect at once; other commands wait.
+    pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
+        for &byte in bytes {
+            let found = self.decoder.push(byte, |frame| {
+                // A frame to the host is an echo of one of ours.
+                (frame.header.direction == Direction::ToDevice)
+                    .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
+            });
+            if let Some(Some((header, command))) = found {
+                self.enqueue(header, command, mailbox);
+            }
+        }
+    }
+
+    fn enqueue<M: RawMutex>(
+        &mut self,
+        header: Header,
+        command: Result<Command, Refusal>,
+        mailbox: &Mailbox<M>,
+    ) {
+        let stopped_at = match command {
+            Ok(Command::Stop) => Some(mailbox.stop(Stop::Normal)),
+            Ok(Command::EmergencyStop) => Some(mailbox.fault(Fault::EmergencyStop, Stop::Emergency)),
+            _ => None,
+        };
+        if stopped_at.is_some() {
+            self.stops = self.stops.wrapping_add(1);
+            // A command that came before a stop must not start anything after it.
+            while self.queue.pop_front().is_some() {
+                self.dropped = self.dropped.saturating_add(1);
+            }
+        }
+        if self.queue.push_back(Incoming { header, command, stopped_at }).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
+    }
+
+    /// Whether a command waits.
+    #[must_use]
+    pub fn has_work(&self) -> bool {
+        !self.queue.is_empty()
+    }
+
+    /// The command that has waited longest.
+    pub(crate) fn next(&mut self) -> Option<Incoming> {
+        self.queue.pop_front()
+    }
+
+    /// How many stops have come: what is under way when this number changes must not start anything any more.
+    #[must_use]
+    pub const fn stops(&self) -> u32 {
+        self.stops
+    }
+
+    /// What the link has counted on this side.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        let decoder = self.decoder.counters();
+        Counters {
+            frames: decoder.frames,
+            crc_errors: decoder.damaged,
+            overlong: decoder.overlong,
+            dropped: self.dropped,
+            ..Counters::default()
+        }
+    }
+}
