@@ -29,7 +29,7 @@ struct Line {
 }
 
 impl Line {
-    fn to_device(&mut self, command: Message, sequence: u16) {
+    fn take_command(&mut self, command: Message, sequence: u16) {
         if matches!(command, Message::Drive(_)) {
             self.is_answered &= self.drive == Some(sequence);
             self.drive = Some(sequence);
@@ -37,7 +37,7 @@ impl Line {
         self.sent.push(command);
     }
 
-    fn to_host(&mut self, event: &Event, sequence: u16) {
+    fn take_event(&mut self, event: &Event, sequence: u16) {
         self.is_answered |= matches!(event, Event::Accepted(_)) && self.drive == Some(sequence);
     }
 }
@@ -62,7 +62,7 @@ impl Socket {
                         for &byte in &bytes[..count] {
                             from_host.push(byte, |frame| {
                                 if let Ok(command) = Message::decode(frame.header.id, frame.body) {
-                                    seen.lock().unwrap().to_device(command, frame.header.sequence);
+                                    seen.lock().unwrap().take_command(command, frame.header.sequence);
                                 }
                             });
                         }
@@ -80,7 +80,7 @@ impl Socket {
                     for &byte in &bytes[..count] {
                         from_device.push(byte, |frame| {
                             if let Ok(event) = Event::decode(frame.header.id, frame.body) {
-                                seen.lock().unwrap().to_host(&event, frame.header.sequence);
+                                seen.lock().unwrap().take_event(&event, frame.header.sequence);
                             }
                         });
                     }
