@@ -9,7 +9,7 @@ from core.pins import AFRL, BSRR, LCKR, MODER, ODR
 from stm32f407 import Board
 from stm32f407.clocks import BASE as RCC
 
-TIM1, TIM6, GPIOB, FLASH_ACR, DBGMCU_APB1, DBGMCU_APB2 = 0x40010000, 0x40001000, 0x40020400, 0x40023C00, 0xE0042008, 0xE004200C
+TIM1, TIM4, TIM8, TIM6, GPIOB, FLASH_ACR, DBGMCU_APB1, DBGMCU_APB2 = 0x40010000, 0x40000800, 0x40010400, 0x40001000, 0x40020400, 0x40023C00, 0xE0042008, 0xE004200C
 CFGR, PLLCFGR, CIR, AHB1ENR, APB1ENR, APB2ENR = RCC + 0x08, RCC + 0x04, RCC + 0x0C, RCC + 0x30, RCC + 0x40, RCC + 0x44
 PLLON, PLL_IN_USE = 1 << 24, 0b10
 # CCER: channel 3's outputs and their polarities. CCMR2: channel 3's modes, forced, and compare with the counter.
@@ -303,6 +303,45 @@ def test_another_sequence_locks_nothing(chip, values):
     assert lock(chip, *values) == 0
     chip.write(GPIOB + MODER, 0)
     assert chip.read(GPIOB + MODER) == 0
+
+
+# --- one timer clocked by another (RM0090 18.3.15, table 98)
+
+
+def block_timer(chip, source=3, mode=7, compare=3):
+    """TIM4 counts TIM8's updates, eight to a round; its channel 3 is high at first."""
+    chip.write(APB1ENR, 1 << 4 | 1 << 2)
+    chip.write(APB2ENR, 1 | 1 << 1 | 1 << 14)
+    chip.write(TIM8 + ARR, 419)
+    chip.write(TIM8 + CR2, 2 << 4)
+    chip.write(TIM4 + ARR, 7)
+    chip.write(TIM4 + CCMR2, PWM1 | 1 << 3)
+    chip.write(TIM4 + CCR3, compare)
+    chip.write(TIM4 + CCER, CC3E)
+    chip.write(TIM4 + 0x08, source << 4 | mode)
+    chip.write(TIM4 + CR1, CEN)
+    chip.write(TIM8 + CR1, CEN)
+
+
+def test_a_timer_counts_anothers_updates_and_takes_its_compare_value_over_at_its_own(chip):
+    block_timer(chip)
+    update = 420 / 168e6
+    levels = []
+    for _ in range(24):
+        chip.board.run(update)
+        levels.append(chip.board.timers[4].outputs.level("3"))
+    # The value is buffered: the first round, up to the eighth update, goes by the old one.
+    assert levels == [0] * 7 + [1, 1, 1, 0, 0, 0, 0, 0] * 2 + [1]
+    chip.write(TIM8 + CR1, 0)
+    before = chip.read(TIM4 + CNT)
+    chip.board.run(20 * update)
+    assert chip.read(TIM4 + CNT) == before, "it stands still with it"
+
+
+@pytest.mark.parametrize("source, mode, sentence", [(3, 4, "slave mode"), (7, 7, "internal trigger 7")])
+def test_another_slave_mode_or_source_is_a_failure(chip, source, mode, sentence):
+    with pytest.raises(AssertionError, match=sentence):
+        block_timer(chip, source, mode)
 
 
 # --- a debugger, and the clock security system

@@ -41,6 +41,18 @@ pub trait Mute {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HasMuted;
 
+/// The trigger output: a pin that tells other instruments when a program begins.
+pub trait Trigger {
+    /// The pin rises, by hardware, a constant number of samples before the first code of the block that the DAC has just
+    /// taken. Called right after [`DacStream::write_block`], only for a block in which a program begins.
+    fn rise(&mut self);
+}
+
+/// No trigger output.
+impl Trigger for () {
+    fn rise(&mut self) {}
+}
+
 /// A free-running processor cycle counter, for the worst block's cost.
 pub trait CycleCounter {
     /// Cycles, wrapping.

@@ -25,7 +25,7 @@ use crate::mailbox::Mailbox;
 use crate::mailbox::{Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
-use crate::ports::{CycleCounter, DacStream, Mute};
+use crate::ports::{CycleCounter, DacStream, Mute, Trigger};
 use crate::ramp::RampShape;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
@@ -61,6 +61,8 @@ pub struct Renderer {
     /// Blocks of mid-scale since the last that was not.
     quiet_blocks: u64,
     muted: bool,
+    /// Whether a program begins with the last rendered block: a drive, or a table that comes into force while armed.
+    begins: bool,
     digester: Digester,
     report: Report,
     begun: bool,
@@ -98,6 +100,7 @@ impl Renderer {
             limit_due,
             quiet_blocks: 0,
             muted: true,
+            begins: false,
             digester: Digester::new(),
             report: Report::SILENT,
             begun: false,
@@ -125,6 +128,7 @@ impl Renderer {
         mailbox: &Mailbox<M>,
         mut dac: impl DacStream,
         mut mute: impl Mute,
+        mut trigger: impl Trigger,
         mut cycles: impl CycleCounter,
     ) -> ! {
         let mut codes = [code::MID_SCALE; BLOCK];
@@ -137,7 +141,12 @@ impl Renderer {
             mute.set_muted(self.muted);
             if dac.write_block(&codes).await.is_err() {
                 self.underrun(mailbox);
-            } else if !self.muted && mute.stay_on().is_err() {
+                continue;
+            }
+            if self.begins {
+                trigger.rise();
+            }
+            if !self.muted && mute.stay_on().is_err() {
                 self.was_muted(mailbox);
             }
         }
@@ -253,6 +262,7 @@ impl Renderer {
     /// Follows the orders: first a stop, then the dead-man's switch, then the program.
     fn obey<M: RawMutex>(&mut self, orders: &Orders, mailbox: &Mailbox<M>) {
         let index = self.index;
+        self.begins = false;
         if let Some(stop) = orders.stop {
             self.fade(stop, mailbox);
         } else if !orders.armed && self.stop_ends.is_none() {
@@ -265,6 +275,7 @@ impl Renderer {
             mailbox.disarm_now(fault.then_some((Fault::HostLost, index)));
             self.fade(Stop::HostLost, mailbox);
         } else if orders.begins {
+            self.begins = orders.armed;
             self.outline = mailbox.outline();
             mailbox.onsets(|slot, onset| {
                 self.bank.set_phase(slot, onset.phase);

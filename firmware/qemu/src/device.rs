@@ -136,7 +136,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[embassy_executor::task]
 async fn run_renderer() {
     let mut renderer = Renderer::new(Timing::at(SAMPLE_RATE_HZ));
-    renderer.run(&MAILBOX, ShownDac { first: 0 }, NoAmplifier, ()).await;
+    renderer.run(&MAILBOX, ShownDac { first: 0 }, NoAmplifier, (), ()).await;
 }
 
 #[embassy_executor::task]

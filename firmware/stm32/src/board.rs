@@ -3,10 +3,13 @@
 //! | name | what it is |
 //! |---|---|
 //! | `NAME` | the name in the hello |
-//! | `CORE_HZ`, `TIMER_HZ`, `TIMER_PERIOD` | the processor's and TIM6's clocks in Hz; TIM6's ticks per DAC code |
+//! | `CORE_HZ`, `TIMER_HZ`, `TIMER_PERIOD` | the processor's and the sample timer's clocks in Hz; the timer's ticks per DAC code |
+//! | `SampleTimer`, `SAMPLE_TIMER` | the timer that triggers the DAC once per code |
 //! | `MuteTimer`, `MUTE_TIMER`, `MUTE_TIMER_HZ` | the timer of the mute pin, with a break input, and its clock in Hz |
 //! | `MUTE_CHANNEL`, `MUTE_IS_COMPLEMENTARY` | its channel, from 0, and whether the pin is the complementary output |
 //! | `MUTE_PIN`, `MUTE_FUNCTION` | the mute pin's port and number, and the alternate function that gives it to the timer |
+//! | `TriggerTimer`, `TRIGGER_TIMER`, `TRIGGER_SOURCE` | the block timer of the trigger output, and which of its inputs the sample timer is |
+//! | `TRIGGER_CHANNEL`, `TRIGGER_FUNCTION` | its channel, from 0, and the alternate function that gives it the pin |
 //! | `DAC_TRIGGER`, `DMA_STREAM`, `DacDma` | the DAC's wiring inside the chip |
 //! | `route_dma(..)` (`dma-streams`) or `DMA_REQUEST` (`dma-channels`) | the DMA request of the DAC, for `dac/` |
 //! | `FLASH_SLOTS`, `SLOT_BYTES` | the flash slots of the stored table |
@@ -55,9 +58,12 @@ pub(crate) struct Board {
     /// High: the amplifier is on. Low until the mute timer has it, and then too.
     pub(crate) unmute: Flex<'static>,
     pub(crate) mute_timer: Peri<'static, MuteTimer>,
+    /// Rises when a program begins; low until its timer has it, and then too.
+    pub(crate) trigger: Flex<'static>,
+    pub(crate) trigger_timer: Peri<'static, TriggerTimer>,
     pub(crate) lamp: Output<'static>,
     pub(crate) dac: Peri<'static, peripherals::DAC1>,
-    pub(crate) dac_timer: Peri<'static, peripherals::TIM6>,
+    pub(crate) sample_timer: Peri<'static, SampleTimer>,
     pub(crate) dac_stream: Peri<'static, DacDma>,
     pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
     pub(crate) flash: Peri<'static, peripherals::FLASH>,

@@ -1,8 +1,8 @@
 //! Blocks of codes onto the DAC: a timer, a circular DMA stream and one interrupt.
 //!
 //! ```text
-//! TIM6 update --TRGO--> DAC1 channel 1: DOR <- DHR, pin moves; then it asks the DMA for the next code
-//!                                        ^
+//! sample timer --TRGO--> DAC1 channel 1: DOR <- DHR, pin moves; then it asks the DMA for the next code
+//!                                                 ^
 //! ring of two blocks --DMA, circular, 32 bit--> DHR12R1
 //!        ^                 | half / whole ring played: interrupt
 //!  DacStream::write_block  +--> on_dma: the half left is filled with a line (see `ring`), the renderer is woken
@@ -24,9 +24,9 @@
 //! that is the mute pin's timer (`mute`).
 //!
 //! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its end
-//! and serves one flag per interrupt, so the stream is driven through the PAC. All code that touches TIM6, DAC1 or its
-//! DMA stream is in this file, in `stream` (one file for each kind of DMA: `dac/streams.rs`, `dac/channels.rs`), and in
-//! the board's `tune_dac`.
+//! and serves one flag per interrupt, so the stream is driven through the PAC. All code that touches the sample timer,
+//! DAC1 or its DMA stream is in this file, in `stream` (one file for each kind of DMA: `dac/streams.rs`,
+//! `dac/channels.rs`), and in the board's `tune_dac`.
 
 #[cfg_attr(feature = "dma-channels", path = "dac/channels.rs")]
 #[cfg_attr(feature = "dma-streams", path = "dac/streams.rs")]
@@ -45,8 +45,9 @@ use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::ports::{DacStream, Underrun};
 
-use crate::board;
+use crate::board::{self, SAMPLE_TIMER};
 use crate::ring::{Halves, Ring};
+use crate::trigger;
 
 /// The codes the DMA reads: two blocks, one word each (the DAC's registers are accessed by words only).
 struct Codes(UnsafeCell<[u32; 2 * BLOCK]>);
@@ -98,7 +99,7 @@ pub(crate) const PIN: usize = 4;
 /// The running DAC.
 pub(crate) struct Dac {
     _dac: Peri<'static, peripherals::DAC1>,
-    _timer: Peri<'static, peripherals::TIM6>,
+    _timer: Peri<'static, board::SampleTimer>,
     _stream: Peri<'static, board::DacDma>,
     _pin: Flex<'static>,
 }
@@ -109,14 +110,14 @@ impl Dac {
     /// The amplifier must be muted: the pin moves from floating to half the supply.
     pub(crate) fn start(
         dac: Peri<'static, peripherals::DAC1>,
-        timer: Peri<'static, peripherals::TIM6>,
+        timer: Peri<'static, board::SampleTimer>,
         stream: Peri<'static, board::DacDma>,
         pin: Peri<'static, peripherals::PA4>,
     ) -> Self {
         // The board's file derives the clock tree by hand: an error there would make every frequency wrong.
         assert!(
-            rcc::frequency::<peripherals::TIM6>().0 == board::TIMER_HZ,
-            "TIM6 does not run at the board's rate"
+            rcc::frequency::<board::SampleTimer>().0 == board::TIMER_HZ,
+            "the sample timer does not run at the board's rate"
         );
 
         // PA4 is channel 1's output on all three chips. Analogue mode before the channel is enabled, or the digital
@@ -125,7 +126,7 @@ impl Dac {
         pin.set_as_analog();
 
         rcc::enable_and_reset::<peripherals::DAC1>();
-        rcc::enable_and_reset::<peripherals::TIM6>();
+        rcc::enable_and_reset::<board::SampleTimer>();
         let regs = pac::DAC1;
         // DAC_MCR.MODE1, where there is one, stays 000: external pin, buffer on.
         board::tune_dac();
@@ -138,12 +139,11 @@ impl Dac {
         // tWAKEUP: at most 10 us on the F407 with the buffer on (7.5 us on the others); 20 us at the core's clock.
         cortex_m::asm::delay(board::CORE_HZ / 50_000);
 
-        // TIM6: prescaler 1, counts 0..=PERIOD-1, its update event is TRGO (MMS = 010). ARR is not buffered: it is
-        // set before the counter starts and never again.
-        let timer_regs = pac::TIM6;
-        timer_regs.psc().write_value(0);
-        timer_regs.arr().write(|w| w.set_arr(board::TIMER_PERIOD - 1));
-        timer_regs.cr2().modify(|w| w.set_mms(pac::timer::vals::Mms::UPDATE));
+        // Prescaler 1, counts 0..=PERIOD-1, its update event is TRGO (MMS = 010). ARR is not buffered: it is set before
+        // the counter starts and never again.
+        SAMPLE_TIMER.psc().write_value(0);
+        SAMPLE_TIMER.arr().write(|w| w.set_arr(board::TIMER_PERIOD - 1));
+        SAMPLE_TIMER.cr2().modify(|w| w.set_mms(pac::timer::vals::Mms::UPDATE));
 
         let started = Self { _dac: dac, _timer: timer, _stream: stream, _pin: pin };
         run(MID_SCALE);
@@ -155,18 +155,19 @@ impl Dac {
 /// this order: at the first trigger the DMA is ready.
 fn run(held: u16) {
     HALVES.refill(&RING, held);
+    trigger::restart();
     stream::start(RING.address(), pac::DAC1.dhr12r(0).as_ptr() as u32, 2 * BLOCK as u16);
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, true);
         w.set_dmaen(0, true);
         w.set_dmaudrie(0, true);
     });
-    pac::TIM6.cr1().modify(|w| w.set_cen(true));
+    SAMPLE_TIMER.cr1().modify(|w| w.set_cen(true));
 }
 
 /// Sets everything up again after the DAC or the DMA has stopped.
 fn restart() {
-    pac::TIM6.cr1().modify(|w| w.set_cen(false));
+    SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
     stream::stop();
     // The channel itself stays on: the pin keeps its voltage.
     pac::DAC1.cr().modify(|w| {
@@ -216,6 +217,8 @@ async fn wait() {
 /// The DMA's interrupt: a half has been played, or the stream has failed.
 pub(crate) fn on_dma() {
     let flags = stream::take_flags();
+    // Before the renderer is woken, which may set it for the block that it writes.
+    trigger::on_block();
     if flags.failed {
         STARVED.store(true, Ordering::Relaxed);
     }
@@ -243,15 +246,15 @@ fn TIM6_DAC() {
 /// Holds the DAC's code while `work` keeps the processor busy: without triggers there are no deadlines. The sample
 /// index stands still meanwhile.
 pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
-    pac::TIM6.cr1().modify(|w| w.set_cen(false));
+    SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
     let result = work();
-    pac::TIM6.cr1().modify(|w| w.set_cen(true));
+    SAMPLE_TIMER.cr1().modify(|w| w.set_cen(true));
     result
 }
 
 /// Sets the DAC to mid-scale at once and until the reset, from any state of the program: for the fault handlers.
 pub(crate) fn silence() {
-    pac::TIM6.cr1().modify(|w| w.set_cen(false));
+    SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
     // Without trigger the value goes through to the pin one APB cycle later.
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, false);

@@ -16,6 +16,7 @@ use crate::dac::{self, Dac};
 use crate::lamp::Lamp;
 use crate::mute::{self, MutePin};
 use crate::store::Store;
+use crate::trigger::TriggerPin;
 #[cfg(feature = "link-uart")]
 use crate::uart_link::{FromHost, ToHost, start as start_link};
 #[cfg(feature = "link-usb")]
@@ -58,14 +59,16 @@ fn main() -> ! {
     // SAFETY: embassy has enabled all DMA interrupts already; the underrun's handler needs nothing that is set up
     // later.
     unsafe { interrupt::TIM6_DAC.enable() };
-    let dac = Dac::start(board.dac, board.dac_timer, board.dac_stream, board.dac_pin);
+    // Counts from the first code on.
+    let trigger = TriggerPin::start(board.trigger_timer, board.trigger);
+    let dac = Dac::start(board.dac, board.sample_timer, board.dac_stream, board.dac_pin);
 
     pin_lock::lock(embassy_stm32::pac::GPIOA, dac::PIN);
     watchdog::start();
 
     interrupt::UART5.set_priority(priority::RENDERER);
     let above = RENDERER_EXECUTOR.start(interrupt::UART5);
-    if let Ok(task) = render(dac, mute) {
+    if let Ok(task) = render(dac, mute, trigger) {
         above.spawn(task);
     }
 
@@ -102,11 +105,11 @@ fn start_cycle_counter() {
 
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
-async fn render(dac: Dac, mute: MutePin) {
+async fn render(dac: Dac, mute: MutePin, trigger: TriggerPin) {
     // Built at compile time: built here, it would take 10 KiB of stack for a moment, more than all other code needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
-    RENDERER.take().run(&MAILBOX, dac, mute, Cycles).await;
+    RENDERER.take().run(&MAILBOX, dac, mute, trigger, Cycles).await;
 }
 
 #[embassy_executor::task]

@@ -47,6 +47,8 @@ mod store;
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod supply;
+#[cfg(target_arch = "arm")]
+mod trigger;
 #[cfg(all(target_arch = "arm", feature = "link-uart"))]
 mod uart_link;
 #[cfg(all(target_arch = "arm", feature = "link-usb"))]

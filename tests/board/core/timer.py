@@ -1,8 +1,8 @@
 """A timer: counts up, updates, compares, triggers others (RM0090 chapters 17 to 20, RM0440 chapters 28 to 31, RM0433
 chapters 38 to 43; the three chips have the same counter).
 
-What the counter does to pins, and the break, is in `outputs`. A mode that is not modelled (counting down, slave modes) is
-a failure when it is switched on.
+What the counter does to pins, and the break, is in `outputs`. Of the slave modes there is one: another timer's trigger
+output as the clock. What is not modelled (counting down, the other slave modes) is a failure when it is switched on.
 """
 from typing import NamedTuple
 
@@ -16,6 +16,8 @@ DIRECTION_AND_CENTRE = 0b111 << 4
 UPDATED, BROKEN, UPDATE_REQUESTS_DMA = 1 << 0, 1 << 7, 1 << 8
 COMPARED = 0b1111 << 1
 TRGO_ON_UPDATE = 0b010
+# SMCR: a slave's mode, and where it gets its clock.
+EXTERNAL_CLOCK, SLAVE_MODE, SOURCE = 0b111, 0b111, 0b111 << 4
 
 
 class Facts(NamedTuple):
@@ -29,6 +31,8 @@ class Facts(NamedTuple):
     channels: int = 4
     # Channels with a complementary output; a timer with one has the break, too.
     complementary: int = 0
+    # Internal triggers: SMCR.TS -> the timer whose trigger output it is.
+    masters: dict = {}
 
 
 class Timer:
@@ -36,6 +40,8 @@ class Timer:
         self.board, self.number, self.facts, self.base = board, number, facts, facts.base
         self.max = (1 << facts.bits) - 1
         self.generation = 0
+        # Timers that count this one's trigger outputs, and the one whose outputs this one counts.
+        self.slaves, self.master = [], None
         self.is_frozen = False
         update, compare, break_ = (facts.irqs * 3)[:3] if len(facts.irqs) == 1 else facts.irqs
         self.interrupts = {update: 0, compare: 0, break_: 0}
@@ -48,6 +54,7 @@ class Timer:
     def reset(self):
         """As the chip's reset leaves it, or the timer's own reset bit."""
         self.generation += 1
+        self.obey(0)
         # Update events that the next planned one stands for.
         self.periods = 1
         self.counted, self.since = 0, self.board.now
@@ -65,7 +72,9 @@ class Timer:
         return (self.prescaler + 1) * self.board.CORE_HZ / self.board.clocks.timer_hz(self.facts.bus)
 
     def is_counting(self):
-        return bool(self.control1 & ENABLED) and not self.is_frozen and self.board.clocks.timer_hz(self.facts.bus) > 0
+        """Whether it counts time."""
+        is_running = self.control1 & ENABLED and not self.is_frozen and self.master is None
+        return bool(is_running) and self.board.clocks.timer_hz(self.facts.bus) > 0
 
     def position(self):
         """The counter now, with its fraction."""
@@ -151,8 +160,38 @@ class Timer:
         if (self.control2 >> 4) & 7 == TRGO_ON_UPDATE:
             for _ in range(periods):
                 self.board.dac.trigger(self.number)
+            for slave in self.slaves:
+                slave.clock(periods)
             if self.board.is_hasty:
                 self.periods = self.board.dac.triggers_until_flag()
+
+    def obey(self, control):
+        """SMCR: counts another timer's trigger outputs, or time again."""
+        assert control & ~(SLAVE_MODE | SOURCE) == 0, "only the internal triggers 0 to 3 are modelled"
+        assert control & SLAVE_MODE in (0, EXTERNAL_CLOCK), "this slave mode is not modelled"
+        if self.master:
+            self.master.slaves.remove(self)
+        self.slave_control, self.master = control, None
+        if control & SLAVE_MODE:
+            number = self.facts.masters.get((control & SOURCE) >> 4)
+            assert number, f"TIM{self.number}'s internal trigger {(control & SOURCE) >> 4} is not in the model's table"
+            self.master = self.board.timers[number]
+            self.master.slaves.append(self)
+
+    def clock(self, edges):
+        """So many trigger outputs of the master."""
+        if not self.control1 & ENABLED or self.is_frozen:
+            return
+        assert not self.prescaler and not self.enabled, "neither prescaler nor interrupts of a slave are modelled"
+        for _ in range(edges):
+            self.counted += 1
+            if self.counted > self.reload:
+                self.status |= UPDATED
+                self.load()
+                self.counted = 0
+                self.update()
+            if self.counted == 0 or self.counted in self.compare:
+                self.outputs.show()
 
     def match(self, generation, channel):
         if generation != self.generation:
@@ -180,7 +219,7 @@ class Timer:
 
     def read(self, offset):
         known = {
-            CR1: self.control1, CR2: self.control2, SMCR: 0, DIER: self.enabled, SR: self.status, EGR: 0, CNT: self.count(),
+            CR1: self.control1, CR2: self.control2, SMCR: self.slave_control, DIER: self.enabled, SR: self.status, EGR: 0, CNT: self.count(),
             PSC: self.next_prescaler, ARR: self.next_reload, RCR: self.next_repetitions,
         }  # fmt: skip
         if CCR1 <= offset < CCR1 + 4 * self.facts.channels:
@@ -200,7 +239,7 @@ class Timer:
         elif offset == CR2:
             self.control2 = self.outputs.locked_control(self.control2, value)
         elif offset == SMCR:
-            assert value == 0, "slave modes are not modelled"
+            self.obey(value)
         elif offset == DIER:
             self.enabled = value
         elif offset == EGR:

@@ -9,10 +9,10 @@ from .clocks import F407Clocks
 
 CCM, SRAM = 0x10000000, 0x20000000
 IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 47], 2: [56, 57, 58, 59, 60, 68, 69, 70]}
-# Timers (RM0090 table 1, table 62): TIM1 and TIM8 have three complementary outputs.
+# Timers (RM0090 table 1, table 62): TIM1 and TIM8 have three complementary outputs. TIM4's internal triggers: table 98.
 TIMERS = {
     1: timer.Facts(0x40010000, (25, 27, 24), bus=2, complementary=3), 2: timer.Facts(0x40000000, (28,), 32),
-    3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,)), 5: timer.Facts(0x40000C00, (50,), 32),
+    3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,), masters={0: 1, 1: 2, 2: 3, 3: 8}), 5: timer.Facts(0x40000C00, (50,), 32),
     6: timer.Facts(0x40001000, (54,), channels=0), 7: timer.Facts(0x40001400, (55,), channels=0),
     8: timer.Facts(0x40010400, (44, 46, 43), bus=2, complementary=3), 12: timer.Facts(0x40001800, (43,), channels=2),
     14: timer.Facts(0x40002000, (45,), channels=1),
@@ -26,7 +26,7 @@ DMA_REQUESTS = {"DAC1": (1, 5, 7), "TIM6_UP": (1, 1, 7), "TIM1_UP": (2, 5, 6), "
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
     ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PB1", 1): (1, "3N"), ("PB1", 2): (3, "4"),
-    ("PB1", 3): (8, "3N"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
+    ("PB1", 3): (8, "3N"), ("PB8", 2): (4, "3"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
 }  # fmt: skip
 MODER, OSPEEDR, PUPDR = pins.MODER, pins.OSPEEDR, pins.PUPDR
 # The ports' registers after a reset (RM0090 8.4.1 to 8.4.4).

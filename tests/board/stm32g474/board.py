@@ -12,7 +12,7 @@ DMA_IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 96], 2: [56, 57, 58, 59, 60, 97, 98,
 # RM0440 table 97 (vectors), chapters 28 to 31.
 TIMERS = {
     1: timer.Facts(0x40012C00, (25, 27, 24), bus=2, complementary=4), 2: timer.Facts(0x40000000, (28,), 32),
-    3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,)), 5: timer.Facts(0x40000C00, (50,), 32),
+    3: timer.Facts(0x40000400, (29,), masters={0: 1, 1: 2, 3: 4}), 4: timer.Facts(0x40000800, (30,)), 5: timer.Facts(0x40000C00, (50,), 32),
     6: timer.Facts(0x40001000, (54,), channels=0), 7: timer.Facts(0x40001400, (55,), channels=0),
     8: timer.Facts(0x40013400, (44, 46, 43), bus=2, complementary=4),
     15: timer.Facts(0x40014000, (24,), bus=2, channels=2, complementary=1),
@@ -26,7 +26,7 @@ REQUESTS = {"DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 8
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
+    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
 }  # fmt: skip
 # RM0440 9.4.1 to 9.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFG"}

@@ -12,7 +12,7 @@ DMA_IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 47], 2: [56, 57, 58, 59, 60, 68, 69,
 # RM0433 table 140 (vectors), chapters 38 to 43.
 TIMERS = {
     1: timer.Facts(0x40010000, (25, 27, 24), bus=2, complementary=3), 2: timer.Facts(0x40000000, (28,), 32),
-    3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,)), 5: timer.Facts(0x40000C00, (50,), 32),
+    3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,), masters={0: 1, 1: 2, 2: 3, 3: 8}), 5: timer.Facts(0x40000C00, (50,), 32),
     6: timer.Facts(0x40001000, (54,), channels=0), 7: timer.Facts(0x40001400, (55,), channels=0),
     8: timer.Facts(0x40010400, (44, 46, 43), bus=2, complementary=3), 12: timer.Facts(0x40001800, (43,), channels=2),
     15: timer.Facts(0x40014000, (116,), bus=2, channels=2, complementary=1),
@@ -26,7 +26,7 @@ REQUESTS = {"DAC1": 67, "TIM6_UP": 69, "TIM1_UP": 15, "TIM8_UP": 51}
 # DS12110 tables 10 to 20.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
+    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PD15", 2): (4, "4"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
 }  # fmt: skip
 # RM0433 11.4.1 to 11.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFGHIJK"}

@@ -22,11 +22,16 @@ pub(crate) const NAME: &str = "STM32F4DISCOVERY";
 //   VCO in = 8 / 4 = 2 MHz (PLLM = 4; 2 MHz is the recommended value), VCO = 2 * 168 = 336 MHz (PLLN = 168),
 //   SYSCLK = 336 / 2 = 168 MHz (PLLP = 2), USB = 336 / 7 = 48 MHz exactly (PLLQ = 7).
 //   AHB = 168 MHz, APB1 = 168 / 4 = 42 MHz (its limit), APB2 = 168 / 2 = 84 MHz (its limit).
-//   TIM6 is on APB1; since APB1 is divided, its timers run at twice APB1 = 84 MHz.
-//   84 MHz / 210 = 400 kHz.
+//   TIM8, the sample timer, is on APB2; since APB2 is divided, its timers run at twice APB2 = 168 MHz.
+//   168 MHz / 420 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 168_000_000;
-pub(crate) const TIMER_HZ: u32 = 84_000_000;
-pub(crate) const TIMER_PERIOD: u16 = 210;
+pub(crate) const TIMER_HZ: u32 = 168_000_000;
+pub(crate) const TIMER_PERIOD: u16 = 420;
+
+// The sample timer is TIM8. Its trigger output reaches the DAC (RM0090 table 76) and, unlike TIM6's, the ADCs
+// (ADC_CR2.EXTSEL = 1110: TIM8 TRGO, RM0090 13.13.3), so that a later measurement can run with the samples.
+pub(crate) type SampleTimer = peripherals::TIM8;
+pub(crate) const SAMPLE_TIMER: pac::timer::TimAdv = pac::TIM8;
 
 // The mute pin is PB1: TIM1's channel 3, complementary output (alternate function 1, DS8626 table 9). TIM1 is on APB2;
 // since APB2 is divided, its timers run at twice APB2 = 168 MHz.
@@ -38,8 +43,16 @@ pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
 pub(crate) const MUTE_FUNCTION: u8 = 1;
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 1);
 
-/// DAC_CR.TSEL1: 000 is TIM6 TRGO (RM0090 chapter 14).
-pub(crate) const DAC_TRIGGER: u8 = 0b000;
+// The trigger output is PB8: TIM4's channel 3 (alternate function 2, DS8626 table 9). TIM4's internal trigger 3 is TIM8
+// (RM0090 table 98).
+pub(crate) type TriggerTimer = peripherals::TIM4;
+pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM4;
+pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
+pub(crate) const TRIGGER_CHANNEL: usize = 2;
+pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+
+/// DAC_CR.TSEL1: 001 is TIM8 TRGO (RM0090 table 76).
+pub(crate) const DAC_TRIGGER: u8 = 0b001;
 /// DAC1 is served by DMA1 stream 5 only (RM0090 table 43), whose flags are in HISR.
 pub(crate) const DMA_STREAM: usize = 5;
 pub(crate) type DacDma = peripherals::DMA1_CH5;
@@ -128,10 +141,13 @@ pub(crate) fn take(p: Peripherals) -> Board {
         // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
         unmute: low(p.PB1),
         mute_timer: p.TIM1,
+        // PB8 is free on this board's headers.
+        trigger: low(p.PB8),
+        trigger_timer: p.TIM4,
         // LD4, green.
         lamp: Output::new(p.PD12, Level::Low, Speed::Low),
         dac: p.DAC1,
-        dac_timer: p.TIM6,
+        sample_timer: p.TIM8,
         dac_stream: p.DMA1_CH5,
         dac_pin: p.PA4,
         flash: p.FLASH,
@@ -155,8 +171,10 @@ pub(crate) fn take_clock_failure() -> bool {
 /// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0090 38.16.4 and
 /// 38.16.5). These registers keep what a debugger has written through a reset, so both bits are written.
 pub(crate) fn set_debug_freezes() {
-    pac::DBGMCU.apb1fzr().modify(|w| w.set_tim6(true));
-    pac::DBGMCU.apb2fzr().modify(|w| w.set_tim1(false));
+    pac::DBGMCU.apb2fzr().modify(|w| {
+        w.set_tim8(true);
+        w.set_tim1(false);
+    });
 }
 
 /// RCC_CSR (RM0090 7.3.21): every reset sets PINRSTF too, and power-on sets BORRSTF with PORRSTF. Clears the flags.

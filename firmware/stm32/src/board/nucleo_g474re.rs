@@ -22,11 +22,17 @@ pub(crate) const NAME: &str = "NUCLEO-G474RE";
 //   SYSCLK = 340 / 2 = 170 MHz (PLLR = 2), which needs range 1 boost mode (RM0440 table 38).
 //   RM0440 6.1.5 wants the AHB at half of that for 1 us after the switch. embassy-stm32 0.6 waits before the switch
 //   instead, and the write that switches also ends the half rate. If a chip fails at the start, look here first.
-//   AHB = APB1 = APB2 = 170 MHz. TIM6 is on APB1; APB1 is not divided, so its timers run at 170 MHz.
+//   AHB = APB1 = APB2 = 170 MHz. TIM4, the sample timer, is on APB1, which is not divided: 170 MHz.
 //   170 MHz / 425 = 400 kHz.
 pub(crate) const CORE_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
+
+// The sample timer is TIM4; TIM8 has the mute pin. Its trigger output reaches the DAC, the ADCs (adc_ext_trg12 of ADC1 and
+// ADC2, RM0440, ADC external triggers), so that a later measurement can run with the samples, and other timers, which
+// TIM6's does not.
+pub(crate) type SampleTimer = peripherals::TIM4;
+pub(crate) const SAMPLE_TIMER: pac::timer::TimGp16 = pac::TIM4;
 
 // The mute pin is PB5: TIM8's channel 3, complementary output (alternate function 3, DS12288 table 13). TIM8 is on APB2,
 // which is not divided: 170 MHz.
@@ -38,8 +44,16 @@ pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
 pub(crate) const MUTE_FUNCTION: u8 = 3;
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 5);
 
-/// DAC_CR.TSEL1 of DAC1: 0111 is TIM6 TRGO (RM0440 table 186, dac_chx_trg7).
-pub(crate) const DAC_TRIGGER: u8 = 7;
+// The trigger output is PC7: TIM3's channel 2 (alternate function 2, DS12288 table 13). TIM3's internal trigger 3 is TIM4
+// (RM0440 30.4.2, tim_itr3).
+pub(crate) type TriggerTimer = peripherals::TIM3;
+pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM3;
+pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
+pub(crate) const TRIGGER_CHANNEL: usize = 1;
+pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+
+/// DAC_CR.TSEL1 of DAC1: 0101 is TIM4 TRGO (RM0440 table 186, dac_chx_trg5).
+pub(crate) const DAC_TRIGGER: u8 = 5;
 /// DMA1 channel 1; the register arrays count it as 0.
 pub(crate) const DMA_STREAM: usize = 0;
 /// DMAMUX input 6 is DAC1's channel 1 (RM0440 table 93).
@@ -150,10 +164,13 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
         // wiring has a resistor to ground on it (BOARDS.md).
         unmute: low(p.PB5),
         mute_timer: p.TIM8,
+        // PC7, D9 on the Arduino header.
+        trigger: low(p.PC7),
+        trigger_timer: p.TIM3,
         // LD2, green.
         lamp: Output::new(p.PA5, Level::Low, Speed::Low),
         dac: p.DAC1,
-        dac_timer: p.TIM6,
+        sample_timer: p.TIM4,
         dac_stream: p.DMA1_CH1,
         dac_pin: p.PA4,
         flash: p.FLASH,
@@ -194,7 +211,7 @@ pub(crate) fn take_clock_failure() -> bool {
 /// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0440, DBGMCU).
 /// These registers keep what a debugger has written through a reset, so both bits are written.
 pub(crate) fn set_debug_freezes() {
-    pac::DBGMCU.apb1lfzr().modify(|w| w.set_tim6(true));
+    pac::DBGMCU.apb1lfzr().modify(|w| w.set_tim4(true));
     pac::DBGMCU.apb2fzr().modify(|w| w.set_tim8(false));
 }
 

@@ -24,7 +24,8 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 //   VCO in = 8 / 1 = 8 MHz (DIVM1 = 1), VCO = 8 * 100 = 800 MHz (DIVN1 = 100; wide range, 192 to 836 MHz),
 //   SYSCLK = 800 / 2 = 400 MHz (DIVP1 = 2), the limit of voltage scale 1.
 //   HCLK = 400 / 2 = 200 MHz, APB1 to APB4 = 200 / 2 = 100 MHz.
-//   TIM6 is on APB1; with TIMPRE = 0 and APB1 divided by 2 its timers run at HCLK = 200 MHz (RM0433, RCC_CFGR).
+//   TIM8, the sample timer, is on APB2; with TIMPRE = 0 and APB2 divided by 2 its timers run at HCLK = 200 MHz (RM0433,
+//   RCC_CFGR).
 //   200 MHz / 500 = 400 kHz.
 //   USB: VCO = 8 * 60 = 480 MHz (DIVM3 = 1, DIVN3 = 60), 480 / 10 = 48 MHz (DIVQ3 = 10), as exact as the ST-LINK's
 //   clock. The VCO must be above 420 MHz: below, embassy-stm32 0.6 chooses the medium VCO range, which is for inputs of
@@ -34,6 +35,11 @@ pub(crate) const NAME: &str = "NUCLEO-H743ZI2";
 pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
+
+// The sample timer is TIM8. Its trigger output reaches the DAC and the ADCs (adc_ext_trg7, RM0433, ADC1/2/3 external
+// triggers), so that a later measurement can run with the samples.
+pub(crate) type SampleTimer = peripherals::TIM8;
+pub(crate) const SAMPLE_TIMER: pac::timer::TimAdv = pac::TIM8;
 
 // The mute pin is PE9: TIM1's channel 1 (alternate function 1, DS12110 table 13). TIM1 is on APB2; with TIMPRE = 0 and
 // APB2 divided by 2 its timers run at HCLK = 200 MHz.
@@ -45,8 +51,16 @@ pub(crate) const MUTE_IS_COMPLEMENTARY: bool = false;
 pub(crate) const MUTE_FUNCTION: u8 = 1;
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOE, 9);
 
-/// DAC_CR.TSEL1: 5 is TIM6 TRGO (RM0433, dac_ch1_trg5).
-pub(crate) const DAC_TRIGGER: u8 = 5;
+// The trigger output is PD15: TIM4's channel 4 (alternate function 2, DS12110 table 12). TIM4's internal trigger 3 is TIM8
+// (RM0433, TIMx internal trigger connection).
+pub(crate) type TriggerTimer = peripherals::TIM4;
+pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM4;
+pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
+pub(crate) const TRIGGER_CHANNEL: usize = 3;
+pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+
+/// DAC_CR.TSEL1: 7 is TIM8 TRGO (RM0433, dac_ch1_trg7).
+pub(crate) const DAC_TRIGGER: u8 = 7;
 /// DMA1 stream 0, whose flags are in LISR. DMAMUX1 channels 0 to 7 feed streams 0 to 7 of DMA1 (RM0433, DMAMUX1).
 pub(crate) const DMA_STREAM: usize = 0;
 /// DMAMUX1 input 67 is DAC1's channel 1 (RM0433, dac_ch1_dma).
@@ -149,10 +163,13 @@ pub(crate) fn take(p: Peripherals) -> Board {
         // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
         unmute: low(p.PE9),
         mute_timer: p.TIM1,
+        // PD15, D9 on the Arduino header.
+        trigger: low(p.PD15),
+        trigger_timer: p.TIM4,
         // LD1, green.
         lamp: Output::new(p.PB0, Level::Low, Speed::Low),
         dac: p.DAC1,
-        dac_timer: p.TIM6,
+        sample_timer: p.TIM8,
         dac_stream: p.DMA1_CH0,
         dac_pin: p.PA4,
         flash: p.FLASH,
@@ -176,8 +193,10 @@ pub(crate) fn take_clock_failure() -> bool {
 /// A debugger that halts the core stops the sample timer, but not the mute timer, which so runs out (RM0433, DBGMCU).
 /// These registers keep what a debugger has written through a reset, so both bits are written.
 pub(crate) fn set_debug_freezes() {
-    pac::DBGMCU.apb1lfzr1().modify(|w| w.set_tim6(true));
-    pac::DBGMCU.apb2fzr1().modify(|w| w.set_tim1(false));
+    pac::DBGMCU.apb2fzr1().modify(|w| {
+        w.set_tim8(true);
+        w.set_tim1(false);
+    });
 }
 
 /// RCC_RSR (RM0433 8.4.4): a power-on sets PORRSTF, BORRSTF and PINRSTF; a brown-out sets the last two; every other

@@ -67,6 +67,8 @@ pub struct SentBlock<'a> {
     pub codes: &'a [u16; BLOCK],
     /// Whether the amplifier is muted meanwhile.
     pub muted: bool,
+    /// Whether a program begins with the first code: a board's trigger output rises then.
+    pub begins: bool,
 }
 
 /// The device application in memory, in virtual time.
@@ -144,7 +146,9 @@ impl SimulatedDevice {
                 link.run(&link_mailbox, link_peripherals.clone(), link_peripherals).await;
             }),
             renderer: Box::pin(async move {
-                renderer.run(&renderer_mailbox, renderer_peripherals.clone(), renderer_peripherals, ()).await;
+                let (dac, mute, trigger) =
+                    (renderer_peripherals.clone(), renderer_peripherals.clone(), renderer_peripherals);
+                renderer.run(&renderer_mailbox, dac, mute, trigger, ()).await;
             }),
             link_frozen: false,
             kept,
@@ -191,8 +195,12 @@ impl SimulatedDevice {
             poll(&mut self.renderer);
             // The pin stands as it was set for this block until the next one is rendered.
             let muted = self.is_muted();
-            if let Some(codes) = self.peripherals.lock().sent.take() {
-                sink(SentBlock { first: self.now, codes: &codes, muted });
+            let (sent, begins) = {
+                let mut state = self.peripherals.lock();
+                (state.sent.take(), std::mem::take(&mut state.rises))
+            };
+            if let Some(codes) = sent {
+                sink(SentBlock { first: self.now, codes: &codes, muted, begins });
             }
             self.now = self.now.saturating_add(BLOCK as u64);
             self.poll_link();

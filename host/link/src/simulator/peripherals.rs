@@ -9,7 +9,7 @@ use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::fade::fade;
 use slipline_app::ports::{
-    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, Mute, System, Underrun,
+    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, Mute, System, Trigger, Underrun,
 };
 use slipline_app::store::SLOT_BYTES;
 
@@ -40,6 +40,8 @@ pub(super) struct PeripheralState {
     /// The DAC takes one more block.
     pub(super) room: bool,
     pub(super) sent: Option<[u16; BLOCK]>,
+    /// The trigger output rises with the block that was sent.
+    pub(super) rises: bool,
     pub(super) underrun: bool,
     /// The last code played, and whether the DAC is on its way to mid-scale by itself.
     last: u16,
@@ -64,6 +66,7 @@ impl Peripherals {
             transmit_stalled: false,
             room: false,
             sent: None,
+            rises: false,
             underrun: false,
             last: MID_SCALE,
             fading: false,
@@ -157,6 +160,12 @@ impl Mute for Peripherals {
 
     fn stay_on(&mut self) -> Result<(), HasMuted> {
         if self.lock().has_muted { Err(HasMuted) } else { Ok(()) }
+    }
+}
+
+impl Trigger for Peripherals {
+    fn rise(&mut self) {
+        self.lock().rises = true;
     }
 }
 

@@ -1,0 +1,88 @@
+//! The trigger output: a pin that rises when a program begins, by hardware alone.
+//!
+//! ```text
+//! sample timer's update --TRGO--> DAC: next code
+//!                       `-TRGO--> block timer: counts 0 ..= BLOCK - 1, one for each code that the DMA fetches
+//!                                   pin = count < compare value: PULSE or 0, taken over when the count begins at 0
+//! ```
+//! The block timer has no clock but the sample timer's updates, so it keeps in step with the DMA's ring for ever: it is 0
+//! whenever the DMA has fetched a block's last code. The renderer writes PULSE for the block that it has just written to
+//! the ring; the timer takes it over at that block's start, whenever the write was. When the DMA has left a block, its
+//! interrupt writes 0 for the block after. So no time of the program's can be seen at the pin.
+//!
+//! Delay: the DMA fetches a block's first code with the update after the one that raises the pin, and the DAC passes it on
+//! with the next. So the pin rises two samples, 5 us, before the DAC's pin begins the program, always.
+//!
+//! A block that is late is not played, and no edge tells of it. If the DMA's interrupt is lost, an edge may come again with
+//! each block, as the codes do; the amplifier is off then within 5 ms (`mute`).
+//!
+//! Facts of the timer, the same in RM0090 18.3 and 18.4, RM0440 30.4 and 30.5, RM0433 39.3 and 39.4:
+//! * SMS = 111 (external clock mode 1): rising edges of the chosen trigger clock the counter. TRGO comes from a timer with
+//!   a faster clock on the F407; ST's example TIM_Synchronization for it clocks TIM3 and TIM4 by TIM1's update likewise.
+//! * OCxPE = 1: a compare value is taken over at the update event, which comes with the count's step to 0.
+//! * PWM mode 1: the output is high while the count is below the compare value; with 0 never.
+
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
+use embassy_stm32::pac::timer::vals::Sms;
+use embassy_stm32::{Peri, rcc};
+use slipline_app::bank::BLOCK;
+use slipline_app::ports::Trigger;
+
+use crate::board::{self, TRIGGER_CHANNEL as CHANNEL, TRIGGER_TIMER as TIMER};
+
+/// The pin is high for so many samples: half a block, so that a program that begins a block later has an edge, too.
+const PULSE: u16 = BLOCK as u16 / 2;
+
+/// An output compare mode.
+const PWM_MODE_1: u8 = 0b110;
+
+/// The trigger output.
+pub(crate) struct TriggerPin;
+
+impl TriggerPin {
+    /// Gives the pin to the block timer, which keeps it low. Before the sample timer runs.
+    pub(crate) fn start(timer: Peri<'static, board::TriggerTimer>, mut pin: Flex<'static>) -> Self {
+        // The timer is this file's from now on.
+        let _ = timer;
+        rcc::enable_and_reset::<board::TriggerTimer>();
+        TIMER.arr().write(|w| w.set_arr(BLOCK as u16 - 1));
+        TIMER.ccmr_output(CHANNEL / 2).modify(|w| {
+            w.set_ocm(CHANNEL % 2, PWM_MODE_1.into());
+            w.set_ocpe(CHANNEL % 2, true);
+        });
+        restart();
+        TIMER.ccer().write(|w| w.set_cce(CHANNEL, true));
+        TIMER.smcr().write(|w| {
+            w.set_ts(board::TRIGGER_SOURCE);
+            w.set_sms(Sms::EXT_CLOCK_MODE);
+        });
+        TIMER.cr1().write(|w| w.set_cen(true));
+        pin.set_as_af_unchecked(board::TRIGGER_FUNCTION, AfType::output(OutputType::PushPull, Speed::High));
+        // A `Flex` that is dropped makes its pin an input again.
+        core::mem::forget(pin);
+        Self
+    }
+}
+
+impl Trigger for TriggerPin {
+    fn rise(&mut self) {
+        set(PULSE);
+    }
+}
+
+/// The compare value for the next block.
+fn set(samples: u16) {
+    TIMER.ccr(CHANNEL).write(|w| w.set_ccr(samples));
+}
+
+/// The DMA has left a block: the one that it reads now keeps its pulse, the one after it has none yet.
+pub(crate) fn on_block() {
+    set(0);
+}
+
+/// The ring begins anew, and so does the count; the pin is low. While the sample timer stands still.
+pub(crate) fn restart() {
+    set(0);
+    // An update event: the count is 0, and the compare value is taken over.
+    TIMER.egr().write(|w| w.set_ug(true));
+}

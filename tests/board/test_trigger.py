@@ -1,0 +1,134 @@
+"""The trigger output: its edges, against the index of the code that is at the DAC's pin in that moment."""
+import re
+
+import pytest
+
+from boards import BOARDS
+from conftest import ROOT
+from copies import on_copy
+from host import ARM, CLEAR_FAULTS, DISARM, DRIVE, RATE_HZ, STOP, STORE, drive
+
+TEXT = (ROOT / "firmware/BOARDS.md").read_text()
+# The pin rises so many samples before the program's first code is at the DAC's pin, and stays high for half a block.
+LEAD, PULSE = 2, 64
+RENDERER_IRQ = 53
+MILLISECOND = RATE_HZ // 1000
+TONE = [(2, 0.5, 0.1)]
+
+
+class Edges:
+    """The trigger pin's changes: (level, index of the code that the DAC passes on with the same update)."""
+
+    def __init__(self, rig):
+        self.seen = []
+        self.note, self.rig = rig.board.note, rig
+        rig.board.note = self.on_note
+
+    def on_note(self, *what):
+        if what[0] == self.rig.facts.trigger:
+            self.seen.append((what[1], self.rig.played() - 1))
+        self.note(*what)
+
+
+def pulse(at):
+    """The edges of a program that begins at an index."""
+    return [(1, at - LEAD), (0, at - LEAD + PULSE)]
+
+
+@pytest.mark.every_image
+def test_the_trigger_rises_two_samples_before_the_program_is_at_the_dac(sounding, mirror):
+    """Whether the program begins as soon as it can or at an index, and whatever the renderer has to do."""
+
+    def case(rig):
+        host, edges = rig.host, Edges(rig)
+        next_ = host.accept(DRIVE, drive(TONE, 5 * MILLISECOND))
+        host.live(0.004)
+        asked = host.status()["now"] + 3 * MILLISECOND + 5
+        later = host.accept(DRIVE, drive([(slot, (slot + 0.5) / 17, 0.02) for slot in range(16)], 8 * MILLISECOND, asked))
+        host.live(0.012)
+        host.accept(STOP)
+        host.live(0.02)
+        until = rig.played()
+        return edges.seen, next_, asked, later, host.accepted, until, rig.codes(rig.at, until)
+
+    seen, next_, asked, later, accepted, until, codes = on_copy(sounding, case)
+    assert asked <= later < asked + 128 and later % 128 == 0, "it begins at a block's first sample"
+    assert seen == pulse(next_) + pulse(later), "and nothing else raises it, not even a stop"
+    assert codes == mirror(accepted, sounding.at, until, sounding.limit), "the index is the codes' own"
+
+
+def test_a_program_that_is_not_played_raises_nothing(sounding):
+    """Its block comes too late; and arming, which follows, is no program."""
+
+    def case(rig):
+        board, host, edges = rig.board, rig.host, Edges(rig)
+        at = host.accept(DRIVE, drive(TONE, 5 * MILLISECOND, host.status()["now"] + 4 * MILLISECOND))
+        board.run_until(lambda: rig.played() > at - 128 - 20, 0.01, step=2e-6)
+        board.enabled.discard(RENDERER_IRQ)
+        board.run_until(lambda: rig.played() > at + 20, 0.01, step=2e-6)
+        board.enabled.add(RENDERER_IRQ)
+        host.live(0.005)
+        fault = host.status()["first_fault"]
+        host.accept(CLEAR_FAULTS)
+        host.accept(ARM)
+        host.live(0.01)
+        return edges.seen, fault
+
+    assert on_copy(sounding, case) == ([], "underrun")
+
+
+def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, mirror):
+    """The DMA does not deliver: the stream is set up again, and the block timer with it. The codes' places are no longer
+    the device's indices then, so the codes themselves tell where the program begins."""
+
+    def case(rig):
+        board, host = rig.board, rig.host
+        controller, stream = rig.facts.dma
+        board.run(37 / RATE_HZ)
+        board.dma[controller].blocked.add(stream)
+        board.run(0.00002)
+        board.dma[controller].blocked.clear()
+        host.live(0.03)
+        assert board.dac.underruns >= 1
+        host.accept(CLEAR_FAULTS)
+        host.accept(ARM)
+        host.live(0.01)
+        edges = Edges(rig)
+        at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        host.live(0.01)
+        rose = edges.seen[0][1]
+        return edges.seen, at, host.accepted, rig.codes(rose + LEAD, rose + LEAD + 8 * MILLISECOND)
+
+    seen, at, accepted, codes = on_copy(sounding, case)
+    assert seen == [(1, seen[0][1]), (0, seen[0][1] + PULSE)]
+    # The fault has ended the drive that had been sounding.
+    accepted = [each for each in accepted if each[0] != sounding.at]
+    assert codes == mirror(accepted, at, at + len(codes), sounding.limit)
+    assert max(codes) - min(codes) > 200, "it sounds"
+
+
+def test_a_store_does_not_part_the_pin_from_the_codes(sounding):
+    """While flash is written the sample timer stands still, and the block timer with it."""
+
+    def case(rig):
+        host = rig.host
+        host.accept(DISARM)
+        host.live(0.1)
+        host.accept(STORE, patience=6)
+        host.live(0.1)
+        host.accept(ARM)
+        host.live(0.01)
+        edges = Edges(rig)
+        at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        host.live(0.004)
+        return edges.seen, at
+
+    seen, at = on_copy(sounding, case)
+    assert seen == pulse(at)
+
+
+@pytest.mark.parametrize("facts", BOARDS, ids=lambda facts: facts.name, scope="function")
+def test_the_documents_name_the_pin_and_the_delay(facts):
+    row = re.search(rf"^\| {re.escape(facts.name)} .*$", TEXT, re.M)[0]
+    assert re.search(rf"\b{facts.trigger}\b", row), row
+    assert f"**{LEAD} samples**" in TEXT
