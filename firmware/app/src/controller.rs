@@ -155,19 +155,21 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
     }
 
-    /// Does a numbered command.
+    /// Does a numbered command. A drive and a commit of a table take long: they ask `is_stopped` now and then whether a
+    /// stop has come, and start nothing after one.
     ///
     /// # Errors
     /// The refusal; nothing has changed then.
     pub fn execute<M: RawMutex>(
         &mut self,
         command: &Command,
+        is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<Event, Refusal> {
         match command {
             Command::Arm => self.arm(mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
-            Command::Drive(drive) => self.drive(drive, mailbox).map(accepted),
+            Command::Drive(drive) => self.drive(drive, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
                 let standing =
                     if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };
@@ -188,7 +190,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                 self.upload.as_mut().ok_or(Refusal::NoUpload)?.take(chunk, mailbox, now)?;
                 Ok(accepted(now))
             }
-            Command::TableCommit => self.commit_table(mailbox).map(accepted),
+            Command::TableCommit => self.commit_table(is_stopped, mailbox).map(accepted),
             Command::TableAbort => {
                 self.upload = None;
                 Ok(accepted(mailbox.now()))

@@ -1,11 +1,11 @@
 //! The Slipline device application: bytes in, DAC codes out, no hardware.
 //!
 //! ```text
-//! thread side                                                     interrupt side
-//! bytes -> session -> controller -> plan ----> [ mailbox ] -> motion -> bank -> codes -> DacStream
-//!   ^         |           |  upload -> slots ------^              |
-//!   +-- replies           |  store -> FlashPages                  +-> Mute
-//!                         +- thermal, faults, supervisor
+//! thread side                                                    interrupt side
+//! bytes -> inbox -> session -> controller -> plan -> [ mailbox ] -> motion -> bank -> codes -> DacStream
+//!   ^                  |           |  upload -> slots ----^            |
+//!   +----- replies ----+           |  store -> FlashPages              +-> Mute
+//!                                  +- thermal, faults, supervisor
 //! ```
 //! Thin shells run it: the boards, an emulated Cortex-M4, and the host's simulated device. The thread side may refuse
 //! a command and take its time. The interrupt side may not fail, wait or branch on anything but the program and the
@@ -39,6 +39,7 @@ pub mod fade;
 pub mod faults;
 pub mod foldback;
 pub mod headroom;
+pub mod inbox;
 pub mod level;
 pub mod link;
 pub mod mailbox;

@@ -2,7 +2,9 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
-use core::future::{pending, ready};
+use core::future::{Future, pending, poll_fn, ready};
+use core::pin::pin;
+use core::task::{Context, Poll};
 
 use embassy_futures::select::{Either4, select4};
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -10,15 +12,17 @@ use embedded_io_async::{Read, Write};
 
 use crate::boot::Boot;
 use crate::controller::{Controller, Device};
+use crate::inbox::Inbox;
 use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
 use crate::session::Session;
 
 /// Bytes read at once: a full-speed USB packet.
-const INBOX: usize = 64;
+const PACKET: usize = 64;
 
 /// Session and controller together, on a stream of bytes.
 pub struct Link<F, S> {
+    inbox: Inbox,
     session: Session,
     controller: Controller<F, S>,
 }
@@ -27,7 +31,11 @@ impl<F: FlashPages, S: System> Link<F, S> {
     /// A link before the first byte.
     #[must_use]
     pub fn new(device: Device, boot: Boot, flash: F, system: S) -> Self {
-        Self { session: Session::new(), controller: Controller::new(device, boot, flash, system) }
+        Self {
+            inbox: Inbox::new(),
+            session: Session::new(),
+            controller: Controller::new(device, boot, flash, system),
+        }
     }
 
     /// Loads the stored table, then receives and answers for ever.
@@ -38,6 +46,8 @@ impl<F: FlashPages, S: System> Link<F, S> {
     /// 3. bytes to send;
     /// 4. the first command in the queue.
     ///
+    /// A command that takes long looks for received bytes meanwhile.
+    ///
     /// Nothing waits for the host to read. `read` and `write` must lose nothing when their futures are dropped. When
     /// `read` fails or ends, the port is gone: the loop tries it again at the next tick. When `write` fails, the reply
     /// is dropped.
@@ -47,20 +57,20 @@ impl<F: FlashPages, S: System> Link<F, S> {
         mut read: impl Read,
         mut write: impl Write,
     ) -> ! {
-        let Self { session, controller } = self;
+        let Self { inbox, session, controller } = self;
         controller.start(mailbox);
-        let mut inbox = [0; INBOX];
+        let mut packet = [0; PACKET];
         let mut gone = false;
         loop {
             mailbox.pulse_link();
-            let bytes = async { if gone { pending().await } else { read.read(&mut inbox).await } };
+            let bytes = async { if gone { pending().await } else { read.read(&mut packet).await } };
             let room = async {
                 match session.unsent() {
                     [] => pending().await,
                     unsent => write.write(unsent).await,
                 }
             };
-            let work = async { if session.has_work() { ready(()).await } else { pending().await } };
+            let work = async { if inbox.has_work() { ready(()).await } else { pending().await } };
             match select4(mailbox.tick(), bytes, room, work).await {
                 Either4::First(()) => {
                     gone = false;
@@ -68,14 +78,34 @@ impl<F: FlashPages, S: System> Link<F, S> {
                     session.expire(mailbox.now(), controller.timing().transmit);
                 }
                 Either4::Second(Ok(count)) if count > 0 => {
-                    session.receive(inbox.get(..count).unwrap_or_default(), mailbox);
+                    inbox.receive(packet.get(..count).unwrap_or_default(), mailbox);
                 }
                 Either4::Second(_) => gone = true,
                 Either4::Third(Ok(count)) if count > 0 => session.sent(count, mailbox.now()),
                 Either4::Third(_) => session.drop_first(mailbox.now()),
-                Either4::Fourth(()) => session.step(controller, mailbox),
+                Either4::Fourth(()) => {
+                    poll_fn(|context| {
+                        // A port that is gone is noticed by the loop.
+                        let receive = |inbox: &mut Inbox| {
+                            if let Some(count) = read_now(&mut read, &mut packet, context) {
+                                inbox.receive(packet.get(..count).unwrap_or_default(), mailbox);
+                            }
+                        };
+                        session.step(inbox, receive, controller, mailbox);
+                        Poll::Ready(())
+                    })
+                    .await;
+                }
             }
         }
+    }
+}
+
+/// Bytes that have come already, as a count; none if there are none or the port is gone.
+fn read_now(read: &mut impl Read, packet: &mut [u8], context: &mut Context<'_>) -> Option<usize> {
+    match pin!(read.read(packet)).poll(context) {
+        Poll::Ready(Ok(count @ 1..)) => Some(count),
+        _ => None,
     }
 }
 

@@ -1,11 +1,12 @@
 //! Planning: makes the motion of a drive or of a table swap, or refuses it.
 //!
-//! [`plan`] and [`plan_swap`] are pure functions. The controller calls them before it accepts a command. The host's
-//! mirror calls them with the index that the device has answered and gets the same motion.
+//! A motion follows from what is given to [`Planner::drive`] and [`Planner::swap`] and from the table slots, and from
+//! nothing else. The controller plans before it accepts a command. The host's mirror plans with the index that the device
+//! has answered and gets the same motion.
 
 use slipline_protocol::command::Drive;
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
-use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
@@ -21,102 +22,120 @@ const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
     Refusal::OutOfRange { field, min, max, got }
 }
 
-/// Makes the motion of a drive that begins at `at`, where the output moves as `motion` says.
-///
-/// The glide becomes longer than asked where the frequency would change faster than the bank's accuracy allows
-/// ([`MAX_STEP_CHANGE`] per block).
-///
-/// # Errors
-/// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for slot, master level or glide, [`Refusal::SlotTwice`],
-/// [`Refusal::Headroom`] if the worst-case sum exceeds full scale anywhere on the way.
-pub fn plan(
-    drive: &Drive,
-    at: SampleIndex,
-    table: TableRef,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-    timing: &Timing,
-) -> Result<Motion, Refusal> {
-    if table.knots == 0 {
-        return Err(Refusal::NoTable);
-    }
-    if !(MIN_MASTER_CDB..=0).contains(&drive.master.0) {
-        return Err(out_of_range(
-            Field::MasterLevel,
-            i64::from(MIN_MASTER_CDB),
-            0,
-            i64::from(drive.master.0),
-        ));
-    }
-    if !(timing.min_glide..=timing.max_glide).contains(&drive.glide) {
-        return Err(out_of_range(
-            Field::Glide,
-            i64::from(timing.min_glide),
-            i64::from(timing.max_glide),
-            i64::from(drive.glide),
-        ));
-    }
-    let master = master_gain(drive.master);
-    let mut targets = [None; MAX_TONES];
-    for tone in &drive.tones {
-        let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
-            return Err(out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, i64::from(tone.slot)));
-        };
-        if target.is_some() {
-            return Err(Refusal::SlotTwice { slot: tone.slot });
-        }
-        *target = Some(Target {
-            position: tone.position.fine(),
-            level: master.scaled(tone.level),
-            phase: u64::from(tone.phase.0) << 48,
-        });
-    }
-    complete(Program { at, glide: drive.glide, table, targets }, motion, slots, shape)
+/// Tones that are planned between two looks for a stop: together they take about a tenth of a block's time.
+const TONES_AT_ONCE: usize = 4;
+
+/// What planning goes by.
+pub struct Planner<'a> {
+    /// The tables.
+    pub slots: &'a TableSlots,
+    /// The ramps' shape.
+    pub shape: &'a RampShape,
+    /// The limits of times.
+    pub timing: &'a Timing,
+    /// Asked now and then, since planning may take the time of a block: whether a stop has come.
+    pub is_stopped: &'a mut dyn FnMut() -> bool,
 }
 
-/// Makes the motion of a table swap: every tone goes on to its place and level, in the time that it still has, and
-/// glides to the new table's values.
-///
-/// # Errors
-/// [`Refusal::Headroom`] if the sum would exceed full scale by the new table.
-pub fn plan_swap(
-    at: SampleIndex,
-    table: TableRef,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-    timing: &Timing,
-) -> Result<Motion, Refusal> {
-    let left = u32::try_from(motion.end().saturating_sub(at)).unwrap_or(u32::MAX);
-    let glide = timing.table_glide.max(left);
-    complete(Program { at, glide, table, targets: motion.goals() }, motion, slots, shape)
-}
+impl Planner<'_> {
+    /// Makes the motion of a drive that begins at `at`, where the output moves as `motion` says.
+    ///
+    /// The glide becomes longer than asked where the frequency would change faster than the bank's accuracy allows
+    /// ([`MAX_STEP_CHANGE`] per block).
+    ///
+    /// # Errors
+    /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for slot, master level or glide, [`Refusal::SlotTwice`],
+    /// [`Refusal::Headroom`] if the worst-case sum exceeds full scale anywhere on the way, [`Busy::DriveActive`] if a stop
+    /// has come.
+    pub fn drive(
+        &mut self,
+        drive: &Drive,
+        at: SampleIndex,
+        table: TableRef,
+        motion: &Motion,
+    ) -> Result<Motion, Refusal> {
+        let (glide, targets) = self.targets(drive, table)?;
+        self.complete(Program { at, glide, table, targets }, motion)
+    }
 
-/// Checks the headroom, stretches the glide, and goes on from where the tones are.
-fn complete(
-    mut program: Program,
-    motion: &Motion,
-    slots: &TableSlots,
-    shape: &RampShape,
-) -> Result<Motion, Refusal> {
-    let placements = motion.at(program.at, slots, shape);
-    let mut ways = [Extremes::default(); MAX_TONES];
-    for ((way, placement), target) in ways.iter_mut().zip(&placements).zip(&program.targets) {
-        // A tone that starts from silence starts at its target.
-        if let Some(target) = target.filter(|_| !placement.is_silent()) {
-            *way = slots.extremes(program.table, placement.position, target.position);
-        }
+    /// Makes the motion of a table swap: every tone goes on to its place and level, in the time that it still has, and
+    /// glides to the new table's values.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`] if the sum would exceed full scale by the new table, [`Busy::DriveActive`] if a stop has come.
+    pub fn swap(&mut self, at: SampleIndex, table: TableRef, motion: &Motion) -> Result<Motion, Refusal> {
+        let left = u32::try_from(motion.end().saturating_sub(at)).unwrap_or(u32::MAX);
+        let glide = self.timing.table_glide.max(left);
+        self.complete(Program { at, glide, table, targets: motion.goals() }, motion)
     }
-    headroom::check(&program, &placements, &ways, slots)?;
-    let mut needed = 0;
-    for ((placement, way), target) in placements.iter().zip(&ways).zip(&program.targets) {
-        if let Some(target) = target {
-            needed = needed.max(shortest_glide(&program, placement, target, way.steepest, slots));
+
+    /// Checks a drive's fields; returns its glide and where each tone shall go.
+    fn targets(&self, drive: &Drive, table: TableRef) -> Result<(u32, [Option<Target>; MAX_TONES]), Refusal> {
+        let timing = self.timing;
+        if table.knots == 0 {
+            return Err(Refusal::NoTable);
         }
+        if !(MIN_MASTER_CDB..=0).contains(&drive.master.0) {
+            return Err(out_of_range(
+                Field::MasterLevel,
+                i64::from(MIN_MASTER_CDB),
+                0,
+                i64::from(drive.master.0),
+            ));
+        }
+        if !(timing.min_glide..=timing.max_glide).contains(&drive.glide) {
+            return Err(out_of_range(
+                Field::Glide,
+                i64::from(timing.min_glide),
+                i64::from(timing.max_glide),
+                i64::from(drive.glide),
+            ));
+        }
+        let master = master_gain(drive.master);
+        let mut targets = [None; MAX_TONES];
+        for tone in &drive.tones {
+            let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
+                return Err(out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, i64::from(tone.slot)));
+            };
+            if target.is_some() {
+                return Err(Refusal::SlotTwice { slot: tone.slot });
+            }
+            *target = Some(Target {
+                position: tone.position.fine(),
+                level: master.scaled(tone.level),
+                phase: u64::from(tone.phase.0) << 48,
+            });
+        }
+        Ok((drive.glide, targets))
     }
-    program.glide = program.glide.max(needed);
-    Ok(motion.follow(&placements, &program, slots))
+
+    /// Checks the headroom, stretches the glide, and goes on from where the tones are.
+    fn complete(&mut self, mut program: Program, motion: &Motion) -> Result<Motion, Refusal> {
+        let slots = self.slots;
+        let placements = motion.at(program.at, slots, self.shape);
+        self.refuse_if_stopped()?;
+        let mut ways = [Extremes::default(); MAX_TONES];
+        let mut needed = 0;
+        let tones = ways.iter_mut().zip(&placements).zip(&program.targets);
+        for (number, ((way, placement), target)) in tones.enumerate() {
+            if number % TONES_AT_ONCE == TONES_AT_ONCE - 1 {
+                self.refuse_if_stopped()?;
+            }
+            // A tone that starts from silence starts at its target.
+            if let Some(target) = target.filter(|_| !placement.is_silent()) {
+                *way = slots.extremes(program.table, placement.position, target.position);
+                needed = needed.max(shortest_glide(&program, placement, &target, way.steepest, slots));
+            }
+        }
+        headroom::check(&program, &placements, &ways, slots)?;
+        self.refuse_if_stopped()?;
+        program.glide = program.glide.max(needed);
+        Ok(motion.follow(&placements, &program, slots))
+    }
+
+    fn refuse_if_stopped(&mut self) -> Result<(), Refusal> {
+        if (self.is_stopped)() { Err(Refusal::Busy(Busy::DriveActive)) } else { Ok(()) }
+    }
 }
 
 /// The shortest glide in samples in which no block changes a tone's step by more than [`MAX_STEP_CHANGE`].
@@ -130,9 +149,6 @@ fn shortest_glide(
     steepest: u32,
     slots: &TableSlots,
 ) -> u32 {
-    if placement.is_silent() {
-        return 0;
-    }
     let table = program.table;
     // Knots on the way in Q31, at most 2^41; times a step difference below 2^31: 72 bits.
     let way = u128::from(placement.position.raw().abs_diff(target.position.raw()))

@@ -1,9 +1,7 @@
 //! Sessions: which frames are valid, which are repeats, and what is answered.
 //!
 //! ```text
-//! bytes --receive--> frames --> queue --step--> Controller --> replies --> unsent() --> link
-//!            |
-//!            +-- Stop and EmergencyStop take effect here, before anything queued
+//! bytes --> Inbox --step--> Controller --> replies --> unsent() --> link
 //! ```
 //! A hello with a new nonce begins a session and ends the last one; its reply carries the session's number in its
 //! header. Numbered commands count from 1 and wrap. A repeat of the last number gets the cached reply; any other
@@ -14,34 +12,22 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Deque;
 use slipline_protocol::command::Hello;
-use slipline_protocol::event::{Accepted, Counters, Fault};
+use slipline_protocol::event::{Accepted, Counters};
 use slipline_protocol::frame::{CRC, Encoded};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::{Minor, Version};
-use slipline_protocol::{Command, Decoder, Direction, Event, Header, Refusal};
+use slipline_protocol::{Command, Event, Refusal};
 
 use crate::controller::Controller;
+use crate::inbox::{Inbox, Incoming};
 use crate::mailbox::Mailbox;
-use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 
-/// Most commands that are decoded and wait to be done. A host waits for each reply, so more than one is an exception.
-const QUEUE: usize = 8;
 /// Most replies that wait to be sent; one more drops the oldest.
 const OUTBOX: usize = 8;
 
-/// A decoded command on its way to the controller.
-struct Incoming {
-    header: Header,
-    command: Result<Command, Refusal>,
-    /// Where a stop, which is done already, takes effect.
-    stopped_at: Option<SampleIndex>,
-}
-
-/// The state of the session, its queue of commands and its outbox of replies.
+/// The state of the session, and its outbox of replies.
 pub struct Session {
-    decoder: Decoder,
-    queue: Deque<Incoming, QUEUE>,
     outbox: Deque<Encoded, OUTBOX>,
     /// Bytes of the outbox's first reply that have been sent.
     sent: usize,
@@ -74,8 +60,6 @@ impl Session {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            decoder: Decoder::new(),
-            queue: Deque::new(),
             outbox: Deque::new(),
             sent: 0,
             owes_delimiter: false,
@@ -92,56 +76,24 @@ impl Session {
         }
     }
 
-    /// Decodes received bytes. A stop takes effect at once; other commands wait for [`Session::step`].
-    pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
-        for &byte in bytes {
-            let found = self.decoder.push(byte, |frame| {
-                // A frame to the host is an echo of one of ours.
-                (frame.header.direction == Direction::ToDevice)
-                    .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
-            });
-            if let Some(Some((header, command))) = found {
-                self.enqueue(header, command, mailbox);
-            }
-        }
-    }
-
-    fn enqueue<M: RawMutex>(
-        &mut self,
-        header: Header,
-        command: Result<Command, Refusal>,
-        mailbox: &Mailbox<M>,
-    ) {
-        let stopped_at = match command {
-            Ok(Command::Stop) => Some(mailbox.stop(Stop::Normal)),
-            Ok(Command::EmergencyStop) => Some(mailbox.fault(Fault::EmergencyStop, Stop::Emergency)),
-            _ => None,
-        };
-        if stopped_at.is_some() {
-            // A command that came before a stop must not start anything after it.
-            while self.queue.pop_front().is_some() {
-                self.dropped = self.dropped.saturating_add(1);
-            }
-        }
-        if self.queue.push_back(Incoming { header, command, stopped_at }).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
-        }
-    }
-
-    /// Whether a command is in the queue.
-    #[must_use]
-    pub fn has_work(&self) -> bool {
-        !self.queue.is_empty()
-    }
-
-    /// Does the first command in the queue and puts its reply into the outbox.
+    /// Does the command that has waited longest and puts its reply into the outbox.
+    ///
+    /// What takes long calls `receive` now and then, which gives the inbox what has come meanwhile: a stop need not wait
+    /// until the command is done, and the command starts nothing after it.
     pub fn step<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
+        inbox: &mut Inbox,
+        mut receive: impl FnMut(&mut Inbox),
         controller: &mut Controller<F, S>,
         mailbox: &Mailbox<M>,
     ) {
-        let Some(incoming) = self.queue.pop_front() else { return };
-        let (session, event) = self.answer(&incoming, controller, mailbox);
+        let Some(incoming) = inbox.next() else { return };
+        let (stops, counters) = (inbox.stops(), self.counters(inbox));
+        let mut is_stopped = || {
+            receive(inbox);
+            inbox.stops() != stops
+        };
+        let (session, event) = self.answer(&incoming, counters, &mut is_stopped, controller, mailbox);
         // The host of another session may be older than this one's.
         let minor = if session == self.id { self.minor } else { Minor::FIRST };
         let sequence = incoming.header.sequence;
@@ -158,6 +110,8 @@ impl Session {
     fn answer<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
         incoming: &Incoming,
+        counters: Counters,
+        is_stopped: &mut dyn FnMut() -> bool,
         controller: &mut Controller<F, S>,
         mailbox: &Mailbox<M>,
     ) -> (u32, Event) {
@@ -181,10 +135,10 @@ impl Session {
         let event = match command {
             Ok(Command::KeepAlive(keep_alive)) => {
                 controller.keep_alive(*keep_alive, mailbox);
-                Event::Status(controller.status(mailbox, self.counters()))
+                Event::Status(controller.status(mailbox, counters))
             }
-            Ok(Command::Status) => Event::Status(controller.status(mailbox, self.counters())),
-            command => self.numbered(header.sequence, command, controller, mailbox),
+            Ok(Command::Status) => Event::Status(controller.status(mailbox, counters)),
+            command => self.numbered(header.sequence, command, is_stopped, controller, mailbox),
         };
         (self.id, event)
     }
@@ -221,6 +175,7 @@ impl Session {
         &mut self,
         sequence: u16,
         command: &Result<Command, Refusal>,
+        is_stopped: &mut dyn FnMut() -> bool,
         controller: &mut Controller<F, S>,
         mailbox: &Mailbox<M>,
     ) -> Event {
@@ -236,7 +191,7 @@ impl Session {
         let result = match command {
             Err(refusal) => Err(*refusal),
             Ok(command) if !self.may_drive && !is_harmless(command) => Err(Refusal::VersionMismatch),
-            Ok(command) => controller.execute(command, mailbox),
+            Ok(command) => controller.execute(command, is_stopped, mailbox),
         };
         let event = result.unwrap_or_else(Event::Refused);
         self.expected = self.expected.wrapping_add(1);
@@ -246,15 +201,12 @@ impl Session {
 
     /// The link's counters.
     #[must_use]
-    pub fn counters(&self) -> Counters {
-        let decoder = self.decoder.counters();
+    pub fn counters(&self, inbox: &Inbox) -> Counters {
+        let received = inbox.counters();
         Counters {
-            frames: decoder.frames,
-            crc_errors: decoder.damaged,
-            overlong: decoder.overlong,
             duplicates: self.duplicates,
-            dropped: self.dropped,
-            ..Counters::default()
+            dropped: received.dropped.saturating_add(self.dropped),
+            ..received
         }
     }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::mailbox::{Mailbox, Stop};
-use slipline_app::plan::{plan, plan_swap};
+use slipline_app::plan::Planner;
 use slipline_app::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
@@ -228,14 +228,18 @@ impl Mirror {
     fn apply(&mut self, change: Scheduled) {
         let at = self.now();
         let view = self.mailbox.view();
+        let mut planner = Planner {
+            slots: self.mailbox.slots(),
+            shape: &self.shape,
+            timing: &self.timing,
+            is_stopped: &mut || false,
+        };
         let planned = match change {
             Scheduled::Stop(stop) => {
                 self.mailbox.stop(stop);
                 return;
             }
-            Scheduled::Drive(drive) => {
-                plan(&drive, at, self.table, &view.motion, self.mailbox.slots(), &self.shape, &self.timing)
-            }
+            Scheduled::Drive(drive) => planner.drive(&drive, at, self.table, &view.motion),
             Scheduled::Table(knots) => {
                 let slot = self.table.slot.other();
                 let mut count = 0;
@@ -244,7 +248,7 @@ impl Mirror {
                     count += 1;
                 }
                 self.table = TableRef { slot, knots: count };
-                plan_swap(at, self.table, &view.motion, self.mailbox.slots(), &self.shape, &self.timing)
+                planner.swap(at, self.table, &view.motion)
             }
         };
         let published = planned.map(|program| self.mailbox.publish(program, &view));

@@ -13,7 +13,7 @@ use crate::faults::FaultLatch;
 use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
-use crate::plan::plan;
+use crate::plan::Planner;
 use crate::ports::{FlashPages, System};
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
@@ -54,9 +54,19 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
     }
 
+    /// What planning goes by on this device.
+    pub(super) fn planner<'a, M: RawMutex>(
+        &'a self,
+        mailbox: &'a Mailbox<M>,
+        is_stopped: &'a mut dyn FnMut() -> bool,
+    ) -> Planner<'a> {
+        Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped }
+    }
+
     pub(super) fn drive<M: RawMutex>(
         &mut self,
         drive: &Drive,
+        is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
@@ -73,7 +83,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     block_at_or_after(at)
                 }
             };
-            plan(drive, at, self.active, &view.motion, mailbox.slots(), &self.shape, &self.timing)
+            self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)
         })?;
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
@@ -87,7 +97,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
     is_outrun: &Cell<bool>,
-    make: impl Fn(&View, u64) -> Result<Motion, Refusal>,
+    mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
     for lead in LEADS.into_iter().skip(is_outrun.get().into()) {
         let view = mailbox.view();

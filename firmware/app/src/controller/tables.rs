@@ -8,12 +8,15 @@ use slipline_protocol::units::SampleIndex;
 use super::Controller;
 use super::drive::publish;
 use crate::mailbox::Mailbox;
-use crate::plan::plan_swap;
 use crate::ports::{FlashPages, System};
 use crate::store;
 
 impl<F: FlashPages, S: System> Controller<F, S> {
-    pub(super) fn commit_table<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+    pub(super) fn commit_table<M: RawMutex>(
+        &mut self,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
         let upload = self.upload.as_ref().ok_or(Refusal::NoUpload)?;
         let (table, header) = (upload.table(), *upload.header());
         if let Err(refusal) = upload.check() {
@@ -25,7 +28,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
         let at = publish(mailbox, &self.is_outrun, |view, lead| {
             let at = view.next.saturating_add(lead);
-            plan_swap(at, table, &view.motion, mailbox.slots(), &self.shape, &self.timing)
+            self.planner(mailbox, is_stopped).swap(at, table, &view.motion)
         })?;
         self.table = Some(header);
         self.active = table;

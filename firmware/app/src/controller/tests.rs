@@ -114,7 +114,7 @@ impl Rig {
     }
 
     fn execute(&mut self, command: &Command) -> Result<Event, Refusal> {
-        self.controller.execute(command, &self.mailbox)
+        self.controller.execute(command, &mut || false, &self.mailbox)
     }
 
     fn accepted(&mut self, command: &Command) {
@@ -287,5 +287,43 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let mailbox = Mailbox::<Interrupted>::new();
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
     controller.start(&mailbox);
-    assert_eq!(controller.execute(&Command::Arm, &mailbox), Err(Refusal::SafeMode));
+    assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
+}
+
+#[test]
+fn a_stop_that_comes_while_a_drive_or_a_change_of_tables_is_planned_keeps_it_from_starting() {
+    let drive = Drive {
+        tones: [Tone { slot: 0, position: Position(0), level: Level::FULL, phase: Phase(0) }]
+            .into_iter()
+            .collect(),
+        master: CentiDecibel(0),
+        glide: Timing::at(RATE).min_glide,
+        apply: Apply::Next,
+    };
+    let mut looks_at_most = 0;
+    for look in 0.. {
+        let mut rig = Rig::armed();
+        let mailbox = Rc::clone(&rig.mailbox);
+        let mut looks = 0;
+        let mut is_stopped = || {
+            looks += 1;
+            let is_due = looks > look;
+            if is_due {
+                mailbox.stop(Stop::Normal);
+            }
+            is_due
+        };
+        let answer = rig.controller.execute(&Command::Drive(drive.clone()), &mut is_stopped, &mailbox);
+        if answer.is_ok() {
+            assert_eq!(looks, look, "started after a stop");
+            looks_at_most = looks;
+            break;
+        }
+        assert_eq!(answer, Err(Refusal::Busy(Busy::DriveActive)), "at look {look}");
+        assert!(!rig.render(100), "at look {look}");
+        // The device is armed as before, and drives when it is told to.
+        rig.accepted(&Command::Drive(drive.clone()));
+        assert!(rig.render(100));
+    }
+    assert!(looks_at_most >= 6, "{looks_at_most} looks in planning sixteen tones");
 }

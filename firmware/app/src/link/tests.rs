@@ -10,9 +10,13 @@ use std::vec::Vec;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embedded_io_async::{ErrorKind, ErrorType};
-use slipline_protocol::command::Hello;
+use slipline_protocol::command::{Apply, Drive, Hello, TableChunk, TableHeader, Tone};
+use slipline_protocol::event::State;
+use slipline_protocol::refusal::{Busy, Refusal};
+use slipline_protocol::table::{self, Knot};
+use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 use slipline_protocol::version::{Minor, Version};
-use slipline_protocol::{Command, Decoder};
+use slipline_protocol::{Command, Decoder, Event};
 
 use super::*;
 use crate::bank::BLOCK;
@@ -43,6 +47,8 @@ enum Port {
 struct Wire {
     port: Port,
     to_device: Vec<u8>,
+    /// What comes after a read has found nothing: while a command is being done.
+    meanwhile: Vec<u8>,
     from_device: Vec<u8>,
     /// Bytes a write takes at most; 0 is an error of the port's.
     write_size: usize,
@@ -67,7 +73,10 @@ impl Read for End<'_> {
             match wire.port {
                 Port::Ended => Poll::Ready(Ok(0)),
                 Port::Broken => Poll::Ready(Err(ErrorKind::BrokenPipe)),
-                Port::Bytes if wire.to_device.is_empty() => Poll::Pending,
+                Port::Bytes if wire.to_device.is_empty() => {
+                    wire.to_device = core::mem::take(&mut wire.meanwhile);
+                    Poll::Pending
+                }
                 Port::Bytes => {
                     let count = buffer.len().min(wire.to_device.len());
                     for (to, from) in buffer.iter_mut().zip(wire.to_device.drain(..count)) {
@@ -128,6 +137,7 @@ fn wire() -> RefCell<Wire> {
     RefCell::new(Wire {
         port: Port::Bytes,
         to_device: Vec::new(),
+        meanwhile: Vec::new(),
         from_device: Vec::new(),
         write_size: 64,
         room: usize::MAX,
@@ -251,4 +261,75 @@ fn a_reply_that_was_cut_off_half_way_takes_no_other_ones_room() {
             assert_eq!(replies(&wire), hellos.min(8), "of {hellos}");
         });
     }
+}
+
+/// A host that waits for each answer.
+struct Host<'a> {
+    wire: &'a RefCell<Wire>,
+    session: u32,
+    sequence: u16,
+}
+
+impl Host<'_> {
+    fn frame(&mut self, command: &Command) -> Vec<u8> {
+        if command.is_sequenced() {
+            self.sequence += 1;
+        }
+        command.frame_for(Minor::OURS, self.session, self.sequence).unwrap().to_vec()
+    }
+
+    fn answers(&mut self) -> Vec<Event> {
+        let mut decoder = Decoder::new();
+        let bytes = core::mem::take(&mut self.wire.borrow_mut().from_device);
+        let take = |byte: &u8| {
+            decoder.push(*byte, |frame| {
+                self.session = frame.header.session;
+                Event::decode(frame.header.id, frame.body).unwrap()
+            })
+        };
+        bytes.iter().filter_map(take).collect()
+    }
+
+    fn send(&mut self, pass: &mut dyn FnMut(u64), command: &Command) -> Vec<Event> {
+        let frame = self.frame(command);
+        self.wire.borrow_mut().to_device.extend(frame);
+        pass(8);
+        self.answers()
+    }
+}
+
+#[test]
+fn a_stop_is_found_while_a_drive_is_planned() {
+    let knots = [200_000_000, 100_000_000].map(|step| Knot { step, gain: Gain::FULL });
+    let crc = table::digest(0, 300_000, RATE, 2, |index| knots[usize::from(index)]);
+    let header = TableHeader { knots: 2, span_start_um: 0, span_end_um: 300_000, sample_rate_hz: RATE, crc };
+    let drive = Command::Drive(Drive {
+        tones: [Tone { slot: 0, position: Position(0), level: Level::FULL, phase: Phase(0) }]
+            .into_iter()
+            .collect(),
+        master: CentiDecibel(0),
+        glide: Timing::at(RATE).min_glide,
+        apply: Apply::Next,
+    });
+    let wire = wire();
+    play(&wire, |pass| {
+        let mut host = Host { wire: &wire, session: 0, sequence: 0 };
+        host.send(pass, &Command::Hello(Hello { version: Version::OURS, nonce: [1; 4] }));
+        for command in [
+            Command::TableBegin(header),
+            Command::TableChunk(TableChunk { first: 0, knots: knots.into_iter().collect() }),
+            Command::TableCommit,
+            Command::Arm,
+        ] {
+            let answers = host.send(pass, &command);
+            assert!(matches!(answers[..], [Event::Accepted(_)]), "{command:?}: {answers:?}");
+        }
+        let stop = host.frame(&Command::Stop);
+        wire.borrow_mut().meanwhile = stop;
+        let answers = host.send(pass, &drive);
+        assert_eq!(answers[0], Event::Refused(Refusal::Busy(Busy::DriveActive)));
+        assert!(matches!(answers[1..], [Event::Accepted(_)]), "{answers:?}");
+        let status = host.send(pass, &Command::Status);
+        assert!(matches!(&status[..], [Event::Status(status)] if status.state == State::Armed), "{status:?}");
+    });
 }

@@ -72,11 +72,13 @@ proptest! {
         let (shape, timing) = (RampShape::new(), Timing::at(400_000));
         let (mut motion, mut at, mut active) = (Motion::silent(), 0, 0);
         for (drive, later, swap) in drives {
+            let mut never = || false;
+            let mut planner = Planner { slots: &slots, shape: &shape, timing: &timing, is_stopped: &mut never };
             let planned = if swap {
                 active = 1 - active;
-                plan_swap(at, tables[active], &motion, &slots, &shape, &timing)
+                planner.swap(at, tables[active], &motion)
             } else {
-                plan(&drive, at, tables[active], &motion, &slots, &shape, &timing)
+                planner.drive(&drive, at, tables[active], &motion)
             };
             match planned {
                 Ok(next) => motion = next,
@@ -123,8 +125,10 @@ fn a_table_swap_leaves_a_glide_its_time() {
     let glide = 100 * timing.table_glide;
     let drive =
         Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next };
-    let rise = plan(&drive, 0, table(SlotIndex::First), &Motion::silent(), &slots, &shape, &timing).unwrap();
-    let swapped = |at| plan_swap(at, table(SlotIndex::Second), &rise, &slots, &shape, &timing).unwrap();
+    let mut never = || false;
+    let mut planner = Planner { slots: &slots, shape: &shape, timing: &timing, is_stopped: &mut never };
+    let rise = planner.drive(&drive, 0, table(SlotIndex::First), &Motion::silent()).unwrap();
+    let mut swapped = |at| planner.swap(at, table(SlotIndex::Second), &rise).unwrap();
     let glide = u64::from(glide);
     assert_eq!(swapped(glide / 128 / 4 * 128).end(), glide);
     let after = glide.next_multiple_of(128);
