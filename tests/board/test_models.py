@@ -305,7 +305,7 @@ def test_another_sequence_locks_nothing(chip, values):
     assert chip.read(GPIOB + MODER) == 0
 
 
-# --- one timer clocked by another (RM0090 18.3.15, table 98)
+# --- one timer clocked by another (RM0090 18.3.15, 18.4.3)
 
 
 def block_timer(chip, source=3, mode=7, compare=3):

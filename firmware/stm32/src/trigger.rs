@@ -6,9 +6,9 @@
 //!                                   pin = count < compare value: PULSE or 0, taken over when the count begins at 0
 //! ```
 //! The block timer has no clock but the sample timer's updates, so it keeps in step with the DMA's ring for ever: it is 0
-//! whenever the DMA has fetched a block's last code. The renderer writes PULSE for the block that it has just written to
-//! the ring; the timer takes it over at that block's start, whenever the write was. When the DMA has left a block, its
-//! interrupt writes 0 for the block after. So no time of the program's can be seen at the pin.
+//! whenever the DMA has fetched a block's last code. The renderer writes PULSE for the block that it has just put into the
+//! ring; the timer takes it over at that block's start, whenever the write was. When the DMA has left a block, its
+//! interrupt writes 0 for the block after. So the time of a write never shows at the pin.
 //!
 //! Delay: the DMA fetches a block's first code with the update after the one that raises the pin, and the DAC passes it on
 //! with the next. So the pin rises two samples, 5 us, before the DAC's pin begins the program, always.
@@ -16,9 +16,10 @@
 //! A block that is late is not played, and no edge tells of it. If the DMA's interrupt is lost, an edge may come again with
 //! each block, as the codes do; the amplifier is off then within 5 ms (`mute`).
 //!
-//! Facts of the timer, the same in RM0090 18.3 and 18.4, RM0440 30.4 and 30.5, RM0433 39.3 and 39.4:
-//! * SMS = 111 (external clock mode 1): rising edges of the chosen trigger clock the counter. TRGO comes from a timer with
-//!   a faster clock on the F407; ST's example TIM_Synchronization for it clocks TIM3 and TIM4 by TIM1's update likewise.
+//! Facts of the timer, the same in RM0090 18.3 and 18.4, RM0433 39.3 and 39.4, and RM0440's chapter on TIM2 to TIM5:
+//! * SMS = 111 (external clock mode 1): rising edges of the chosen trigger clock the counter. On the F407 the sample timer
+//!   has twice the block timer's clock. The manual's only condition for two such timers is that the slave's clock is on
+//!   (RM0090 18.3.15); `firmware/BOARDS.md` asks for a look at it on the first board.
 //! * OCxPE = 1: a compare value is taken over at the update event, which comes with the count's step to 0.
 //! * PWM mode 1: the output is high while the count is below the compare value; with 0 never.
 

@@ -9,7 +9,7 @@ from .clocks import F407Clocks
 
 CCM, SRAM = 0x10000000, 0x20000000
 IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 47], 2: [56, 57, 58, 59, 60, 68, 69, 70]}
-# Timers (RM0090 table 1, table 62): TIM1 and TIM8 have three complementary outputs. TIM4's internal triggers: table 98.
+# Timers (RM0090 table 1, table 62): TIM1 and TIM8 have three complementary outputs. TIM4's internal triggers: 18.4.3.
 TIMERS = {
     1: timer.Facts(0x40010000, (25, 27, 24), bus=2, complementary=3), 2: timer.Facts(0x40000000, (28,), 32),
     3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,), masters={0: 1, 1: 2, 2: 3, 3: 8}), 5: timer.Facts(0x40000C00, (50,), 32),

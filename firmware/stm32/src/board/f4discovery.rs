@@ -44,7 +44,7 @@ pub(crate) const MUTE_FUNCTION: u8 = 1;
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 1);
 
 // The trigger output is PB8: TIM4's channel 3 (alternate function 2, DS8626 table 9). TIM4's internal trigger 3 is TIM8
-// (RM0090 table 98).
+// (RM0090 18.4.3).
 pub(crate) type TriggerTimer = peripherals::TIM4;
 pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM4;
 pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;

@@ -45,7 +45,7 @@ pub(crate) const MUTE_FUNCTION: u8 = 3;
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 5);
 
 // The trigger output is PC7: TIM3's channel 2 (alternate function 2, DS12288 table 13). TIM3's internal trigger 3 is TIM4
-// (RM0440 30.4.2, tim_itr3).
+// (RM0440, interconnection of TIM2 to TIM5, tim_itr3).
 pub(crate) type TriggerTimer = peripherals::TIM3;
 pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM3;
 pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
