@@ -40,6 +40,10 @@ class Facts(NamedTuple):
     # What is erased and written, each one operation of the flash, to store a table of 33 knots.
     erasures: int
     word_bytes: int
+    # The supply detector's threshold: register of PWR, lowest bit of its three, and value; and the brown-out level's bits of
+    # the option bytes, with the value that a chip has when it is delivered.
+    detector: tuple
+    brown_out: tuple
     # A crash's message if the program meets what it does not expect (`break_program`).
     crash: str
 
@@ -57,19 +61,22 @@ F407 = Facts(
     feature="board-f4discovery", name="STM32F4DISCOVERY", chip=stm32f407.Board, cable=UsbHost, unmute="PB1", trigger="PB8", lamp="PD12",
     watchdog_seconds=0.3, erasure_watchdog_seconds=4.0, watchdog_slowest_hz=17e3,
     dma_irq=16, link_irq=67, dma=(1, 5), rom=0x1FFF0000, rom_map=(0x40013800, 1),
-    store_seconds=1.5, erasures=1, word_bytes=4, crash="ep_num",
+    store_seconds=1.5, erasures=1, word_bytes=4, detector=(0x00, 5, 0b100),
+    brown_out=(0b11 << 2, 0b11 << 2), crash="ep_num",
 )  # fmt: skip
 G474 = Facts(
     feature="board-nucleo-g474re", name="NUCLEO-G474RE", chip=stm32g474.Board, cable=SerialHost, unmute="PB5", trigger="PC7", lamp="PA5",
     watchdog_seconds=0.3, erasure_watchdog_seconds=2.0, watchdog_slowest_hz=29.5e3,
     dma_irq=11, link_irq=38, dma=(1, 0), rom=0x1FFF0000, rom_map=(0x40010000, 1),
-    store_seconds=0.5, erasures=8, word_bytes=8, crash="NMI",
+    store_seconds=0.5, erasures=8, word_bytes=8, detector=(0x04, 1, 0b110), brown_out=(0b111 << 8, 0),
+    crash="NMI",
 )  # fmt: skip
 H743 = Facts(
     feature="board-nucleo-h743zi2", name="NUCLEO-H743ZI2", chip=stm32h743.Board, cable=UsbHost, unmute="PE9", trigger="PD15", lamp="PB0",
     watchdog_seconds=0.3, erasure_watchdog_seconds=10.0, watchdog_slowest_hz=29.8e3,
     dma_irq=11, link_irq=101, dma=(1, 0), rom=0x1FF09800, rom_map=None,
-    store_seconds=4.5, erasures=1, word_bytes=32, crash="ep_num",
+    store_seconds=4.5, erasures=1, word_bytes=32, detector=(0x00, 5, 0b110),
+    brown_out=(0b11 << 2, 0), crash="ep_num",
 )  # fmt: skip
 BOARDS = F407, G474, H743
 

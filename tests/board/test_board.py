@@ -28,6 +28,14 @@ def start(rig, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
     return at
 
 
+def at_each_reset(rig):
+    """A list that gets the mute pin's level and the DAC's code at each reset, as they are just before it: a reset lets the
+    pin float, so afterwards nobody can tell."""
+    seen, reset = [], rig.board.reset
+    rig.board.reset = lambda cause: (seen.append((rig.board.pin(rig.facts.unmute), rig.board.dac.output)), reset(cause))
+    return seen
+
+
 def is_silent(codes):
     return bool(codes) and set(codes) == {MID}
 
@@ -260,13 +268,10 @@ def test_a_panic_mutes_first_and_is_told_at_the_next_hello(armed):
 
 def test_mute_and_mid_scale_come_before_the_reset(armed):
     start(armed)
-    armed.board.log.clear()
-    reset = armed.board.reset
-    seen = []
-    armed.board.reset = lambda cause: (seen.append((armed.board.pin(armed.facts.unmute), armed.board.dac.output)), reset(cause))
+    seen = at_each_reset(armed)
     armed.facts.break_program(armed)
     armed.board.run_until(lambda: seen, 0.01, step=0.0001)
-    assert seen[0] == (0, MID)
+    assert seen == [(0, MID)]
 
 
 def test_a_wild_jump_is_a_hard_fault_that_is_told(armed):
@@ -292,11 +297,11 @@ def test_a_stack_that_overflows_is_caught_and_told(armed):
 def test_an_interrupt_without_a_handler_mutes_and_is_told(armed):
     """The window watchdog's: nothing of the firmware enables it."""
     start(armed)
-    armed.board.log.clear()
+    seen = at_each_reset(armed)
     armed.board.enabled.add(0)
     armed.board.pend(0)
-    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
-    assert any(entry[1:] == (armed.facts.unmute, 0) for entry in armed.board.log), "muted before the reset"
+    armed.board.run_until(lambda: seen, 0.01, step=0.0001)
+    assert seen == [(0, MID)], "muted before the reset"
     identity = armed.host.connect()
     assert (identity["reset"], identity["crash"]) == ("hard fault", "unexpected exception 16")
 
@@ -337,11 +342,14 @@ def test_a_frozen_task_is_reset_by_the_watchdog(armed, frozen):
 
 
 def test_a_dip_of_the_supply_mutes_and_is_told(armed):
-    """R-56."""
+    """R-56: at the threshold that the board's file derives."""
     start(armed)
+    register, shift, level = armed.facts.detector
+    assert armed.board.power.values[register] >> shift & 0b111 == level
+    seen = at_each_reset(armed)
     assert armed.board.dip_supply(), "the detector is watched"
-    armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
-    assert armed.board.log[-1][1:] == (armed.facts.unmute, 0) or armed.board.pin(armed.facts.unmute) is None
+    armed.board.run_until(lambda: seen, 0.01, step=0.0001)
+    assert seen == [(0, MID)], "muted before the reset"
     identity = armed.host.connect()
     assert identity["reset"] == "brown-out"
 
@@ -384,10 +392,11 @@ def operation_at(facts, words):
     return facts.erasures - 1 + -(-4 * words // facts.word_bytes) if words else 0
 
 
-@pytest.mark.parametrize("words", [0, 1, 2, 9, 40, pytest.param(75, marks=pytest.mark.every_image)])
+@pytest.mark.parametrize("words", [0, 1, 2, 9, 40, *(pytest.param(words, marks=pytest.mark.every_image) for words in (75, 82))])
 def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(rig, words):
-    """R-35: the cut comes before the first erasure is over, between words, and in the last words; what it tears is half
-    erased or half written, and cannot be corrected where the flash has error correction."""
+    """R-35, R-36: the cut comes before the first erasure is over, between words, and in the last words; what it tears is
+    half erased or half written, and cannot be corrected where the flash has error correction. The last eight of the 88
+    words are the record's header, which the next start reads: the G474 gets its NMI and the H743 its bus fault then."""
     rig.host.connect()
     old = keep(rig, 33)
     rig.board.flash.cut_at = rig.board.flash.operations + operation_at(rig.facts, words)
@@ -452,3 +461,15 @@ def test_the_lamp_tells_muted_from_sounding(armed):
     armed.host.accept(DISARM)
     armed.host.live(0.9)
     assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"
+
+
+def test_the_lamp_tells_that_the_brown_out_level_is_not_set(rig):
+    """R-56: as chips leave the factory. Nothing but the lamp tells it."""
+    mask, delivered = rig.facts.brown_out
+    rig.board.flash.options = rig.board.flash.options & ~mask | delivered
+    rig.board.reset("power")
+    rig.board.is_hasty = True
+    rig.board.run(0.15)
+    rig.board.log.clear()
+    rig.board.run(0.8)
+    assert sum(1 for entry in rig.board.log if entry[1:] == (rig.facts.lamp, 1)) == 2, "muted alone is one flash in 0.8 s"

@@ -65,6 +65,15 @@ proptest! {
 }
 
 #[test]
+fn the_dead_mans_times_are_those_of_the_safety_page() {
+    // the other tests follow the constants, whatever they are.
+    assert_eq!((KEEP_ALIVE_PERIOD_MS, DEAD_MAN_MS, DEAD_MAN_RAMP_MS), (200, 1000, 50));
+    let page =
+        std::fs::read_to_string(slipline_tests::source_tree::root().join("firmware/SAFETY.md")).unwrap();
+    assert!(page.contains("| 1.0 s and a ramp of 50 ms |"));
+}
+
+#[test]
 fn after_the_dead_man_nothing_sounds_until_the_fault_is_cleared_and_the_device_is_armed_again() {
     //
     let mut rig = driving();

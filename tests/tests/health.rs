@@ -3,7 +3,7 @@
 use slipline_app::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
 use slipline_link::simulator::{Options, WATCHDOG_MS};
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
-use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS};
+use slipline_protocol::limits::{DEAD_MAN_MS, EMERGENCY_RAMP_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
@@ -29,6 +29,27 @@ fn the_watchdog_starves_when_the_link_hangs_and_not_before() {
     let reply = rig.hello();
     assert!(matches!(reply.event, Event::Hello(identity) if identity.reset == ResetCause::Watchdog));
     assert_eq!(rig.status().first_fault, Some(Fault::Watchdog));
+}
+
+#[test]
+fn each_task_has_a_pulse_of_its_own() {
+    // a task whose count another one moves could hang unnoticed.
+    let mut rig = Rig::armed();
+    let before = rig.device.pulses();
+    for _ in 0..10 {
+        rig.device.feed(b"x");
+    }
+    let fed = rig.device.pulses();
+    assert_ne!(fed.link, before.link);
+    assert_eq!((fed.renderer, fed.safety), (before.renderer, before.safety), "no time has passed");
+    rig.device.freeze_link(true);
+    rig.silent_ms(100);
+    let frozen = rig.device.pulses();
+    assert_ne!(frozen.renderer, fed.renderer);
+    assert_eq!((frozen.link, frozen.safety), (fed.link, fed.safety), "the thread stands still");
+    rig.device.freeze_link(false);
+    rig.silent_ms(100);
+    assert_ne!(rig.device.pulses().safety, frozen.safety);
 }
 
 #[test]
@@ -285,7 +306,14 @@ fn both_stops_work_in_every_state() {
             assert!(at <= sent + BLOCK, "scene {number}");
             rig.live_ms(60);
             let end = rig.recording.end_of_sound().unwrap_or(sent);
-            assert!(end <= sent + rig.samples(50), "scene {number}");
+            let is_emergency = command == Command::EmergencyStop;
+            let ramp_ms = if is_emergency { EMERGENCY_RAMP_MS } else { STOP_RAMP_MS };
+            assert!(
+                end <= sent + rig.samples(ramp_ms) + 2 * BLOCK,
+                "scene {number}, {command:?}: {}",
+                end - sent
+            );
+            assert!(rig.device.is_muted() || !is_emergency, "scene {number}");
         }
     }
 }

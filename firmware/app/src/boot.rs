@@ -112,6 +112,17 @@ mod tests {
     }
 
     #[test]
+    fn after_every_reset_the_coil_may_be_hot() {
+        // or a reset would be a way around the thermal model.
+        use ResetCause::{BrownOut, HardFault, Panic, Pin, PowerOn, Software, Watchdog};
+        for cause in [PowerOn, Pin, Software, Watchdog, BrownOut, Panic, HardFault] {
+            for kept in [None, Some(crash(0)), Some(CrashRecord::default())] {
+                assert_eq!(decide(cause, kept).0.heat, Heat::AssumedHot, "{cause:?}");
+            }
+        }
+    }
+
+    #[test]
     fn memory_without_a_record_after_power_on_is_a_clean_start() {
         let (boot, kept) = decide(ResetCause::PowerOn, None);
         assert_eq!(

@@ -25,11 +25,13 @@ def sector(number):
 class Flash(flash.Flash):
     def __init__(self, board):
         self.torn = []
+        # The option bytes outlive every reset.
+        self.options = BROWN_OUT_LEVEL_3
         super().__init__(board)
 
     def reset(self):
         super().reset()
-        self.access, self.options = 0, BROWN_OUT_LEVEL_3
+        self.access = 0
 
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""

@@ -19,6 +19,8 @@ WORD = 8
 
 class Flash(EccFlash):
     WORD, START, SIZE = WORD, START, SIZE
+    # The option bytes, which outlive every reset.
+    options = OPTIONS
 
     def reset(self):
         super().reset()
@@ -49,7 +51,7 @@ class Flash(EccFlash):
         self.settle()
         if offset == SR:
             return self.status | (BUSY if self.is_busy() else 0)
-        known = {ACR: self.access, CR: self.control, ECCR: self.ecc, OPTR: OPTIONS}
+        known = {ACR: self.access, CR: self.control, ECCR: self.ecc, OPTR: self.options}
         assert offset in known, f"FLASH has no modelled register {offset:#x} that can be read"
         return known[offset]
 

@@ -21,6 +21,8 @@ WORD = 32
 
 class Flash(EccFlash):
     WORD, START, SIZE = WORD, START, SIZE
+    # The option bytes, which outlive every reset.
+    options = OPTIONS
 
     def reset(self):
         super().reset()
@@ -56,7 +58,7 @@ class Flash(EccFlash):
         if register == SR:
             busy = BUSY | QUEUED if self.is_busy() else 0
             return self.statuses[bank] | busy | (WAITS_FOR_MORE if self.first is not None else 0)
-        known = {CR: self.controls[bank]} | ({ACR: self.access, OPTSR: OPTIONS} if bank == 0 else {})
+        known = {CR: self.controls[bank]} | ({ACR: self.access, OPTSR: self.options} if bank == 0 else {})
         assert register in known, f"FLASH has no modelled register {offset:#x} that can be read"
         return known[register]
 

@@ -9,6 +9,7 @@ use slipline_protocol::units::{FinePosition, Gain};
 use super::*;
 use crate::bank::BLOCK;
 use crate::motion::Placement;
+use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, Underrun};
 use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
@@ -148,6 +149,63 @@ fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
         assert!(mailbox.view().report.sum <= u64::from(Gain::FULL.0) / 2);
     }
     assert_eq!(mailbox.view().report.sum, u64::from(Gain::FULL.0) / 2);
+}
+
+/// The counter's readings, before and after each block.
+struct Readings(std::vec::IntoIter<u32>);
+
+impl CycleCounter for Readings {
+    fn cycles(&mut self) -> u32 {
+        self.0.next().unwrap()
+    }
+}
+
+/// A DAC that has room for so many blocks.
+struct Takes(u32);
+
+impl DacStream for Takes {
+    async fn room(&mut self) {
+        if self.0 == 0 {
+            core::future::pending::<()>().await;
+        }
+        self.0 -= 1;
+    }
+
+    async fn write_block(&mut self, _: &[u16; BLOCK]) -> Result<(), Underrun> {
+        Ok(())
+    }
+}
+
+struct NoPin;
+
+impl Mute for NoPin {
+    fn set_muted(&mut self, _: bool) {}
+
+    fn stay_on(&mut self) -> Result<(), HasMuted> {
+        Ok(())
+    }
+}
+
+#[test]
+fn the_cost_that_is_told_is_that_of_the_dearest_block() {
+    // the last block's cost says nothing about the deadline. The counter wraps amid the second.
+    let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
+    let start = u32::MAX - 450;
+    let costs = [100, 900, 300, 5];
+    let readings: std::vec::Vec<u32> = costs
+        .iter()
+        .scan(start, |now, cost| {
+            let before = *now;
+            *now = now.wrapping_add(*cost);
+            Some([before, *now])
+        })
+        .flatten()
+        .collect();
+    let counter = Readings(readings.into_iter());
+    let mut running = core::pin::pin!(renderer.run(&mailbox, Takes(4), NoPin, (), counter));
+    let mut context = core::task::Context::from_waker(core::task::Waker::noop());
+    assert!(running.as_mut().poll(&mut context).is_pending());
+    assert_eq!(mailbox.view().report.max_cycles, 900);
 }
 
 #[test]

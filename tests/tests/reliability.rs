@@ -1,0 +1,37 @@
+//! tests/RELIABILITY.md is true to the tree: its rows are there, and each test that it names is a test.
+
+use slipline_tests::named_tests::{all_tests, quoted, rows};
+use slipline_tests::source_tree::root;
+use std::collections::BTreeSet;
+
+/// The rows that were found weak once; each must stay in the table.
+const ROWS: [&str; 13] =
+    ["R-20", "R-23", "R-36", "R-43", "R-44", "R-50", "R-53", "R-55", "R-56", "R-57", "R-60", "R-61", "R-64"];
+
+/// Row, requirement, test, mutation.
+fn table() -> Vec<Vec<String>> {
+    rows(&std::fs::read_to_string(root().join("tests/RELIABILITY.md")).expect("the page"), 4)
+}
+
+#[test]
+fn every_row_that_was_weak_has_a_test_that_was_seen_red() {
+    let table = table();
+    let told: BTreeSet<&str> = table.iter().map(|row| row[0].as_str()).collect();
+    assert_eq!(told, ROWS.into());
+    for row in &table {
+        assert!(row[1].len() > 10 && row[3].len() > 20, "{row:?}");
+        assert!(row[3].contains('`'), "the mutation names its file: {row:?}");
+    }
+}
+
+#[test]
+fn every_test_that_the_table_names_exists() {
+    let tests = all_tests();
+    for row in table() {
+        let named: Vec<&str> = quoted(&row[2]).collect();
+        assert!(!named.is_empty(), "no test: {row:?}");
+        for test in named {
+            assert!(tests.contains(test) || test.starts_with(".ci/run "), "{test} is no test");
+        }
+    }
+}
