@@ -206,10 +206,15 @@ impl DacStream for Dac {
 
 /// Waits until a half is free or the DAC has stopped.
 async fn wait() {
+    let is_over = || !HALVES.is_full() || STARVED.load(Ordering::Relaxed);
     poll_fn(|context| {
+        // To register takes time, and every other turn comes when the wait is over.
+        if is_over() {
+            return Poll::Ready(());
+        }
         WAKER.register(context.waker());
-        let waits = HALVES.is_full() && !STARVED.load(Ordering::Relaxed);
-        if waits { Poll::Pending } else { Poll::Ready(()) }
+        // Once more, for it may have been woken between the two.
+        if is_over() { Poll::Ready(()) } else { Poll::Pending }
     })
     .await;
 }
