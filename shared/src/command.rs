@@ -22,6 +22,9 @@ messages! {
         0x02 since 0 KeepAlive(KeepAlive) -> Status,
         /// Asks for the status. Not numbered. Does not feed the dead-man.
         0x03 since 0 Status -> Status,
+        /// Asks for what a person who looks after the device has to know: the wear of its flash, and whether its supply
+        /// is guarded.
+        0x04 since 1 Maintenance -> Maintenance,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults.
         0x10 since 0 Arm -> Accepted,
         /// Ramps to silence, mutes, and accepts no more drives.
@@ -50,11 +53,12 @@ messages! {
         0x30 since 0 DigestStart(DigestWindow) -> Accepted,
         /// Asks for that CRC-32.
         0x31 since 0 DigestRead -> Digest,
-        /// Keeps the table in force in flash. Only while nothing sounds; may take up to 5 s, in which the device does
-        /// not answer.
+        /// Keeps the table in force in flash. Only while the device is disarmed and nothing sounds, because it may take up
+        /// to 5 s, in which the device does not answer and takes no stop. A table that is kept already is not written
+        /// again; `Unchanged` says so.
         0x40 since 0 Store -> Accepted,
-        /// Erases what is kept in flash. Only while nothing sounds; may take up to 5 s, in which the device does not
-        /// answer.
+        /// Erases what is kept in flash. Only while the device is disarmed and nothing sounds; may take up to 5 s, in
+        /// which the device does not answer. Where nothing is kept nothing is written; `Unchanged` says so.
         0x41 since 0 Forget -> Accepted,
         /// First step into the ROM bootloader: asks for a token. Only while disarmed.
         0x50 since 0 BootloaderToken -> BootloaderToken,
@@ -62,8 +66,8 @@ messages! {
         /// restarts.
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
         #[cfg(slipline_next)]
-        /// Rehearsal of minor 1: asks for the coil's resistance.
-        0x60 since 1 MeasureCoil(CoilTest) -> CoilMeasured,
+        /// Rehearsal of the next minor: asks for the coil's resistance.
+        0x7f since 2 MeasureCoil(CoilTest) -> CoilMeasured,
     }
 }
 

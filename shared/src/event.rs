@@ -17,10 +17,14 @@ messages! {
         0x81 since 0 Hello(Identity),
         /// State, faults and counters.
         0x83 since 0 Status(Status),
+        /// What a person who looks after the device has to know.
+        0x84 since 1 Maintenance(Maintenance),
         /// Done, or will be done at this index.
         0x90 since 0 Accepted(Accepted),
         /// Not done; nothing has changed.
         0x91 since 0 Refused(Refusal),
+        /// Done without a write: the flash holds already what it was to hold. A host of 1.0 is told `Accepted`.
+        0x92 since 1 Unchanged(Accepted) or Accepted,
         /// The table in force.
         0xa4 since 0 Table(TableReport),
         /// The CRC-32 over a window of DAC codes.
@@ -28,8 +32,8 @@ messages! {
         /// The token that lets the next command enter the bootloader.
         0xd0 since 0 BootloaderToken(u32),
         #[cfg(slipline_next)]
-        /// Rehearsal of minor 1: the coil's resistance.
-        0xe0 since 1 CoilMeasured(CoilReport),
+        /// Rehearsal of the next minor: the coil's resistance.
+        0xff since 2 CoilMeasured(CoilReport),
     }
 }
 
@@ -87,6 +91,9 @@ choices! {
         2 since 0 WrongVersion,
         /// It is damaged; defaults are in use.
         3 since 0 Damaged,
+        /// One of its two places is torn or has decayed; the table in the other is in use, and may be an older one. A
+        /// host of 1.0 is told `Loaded`.
+        4 since 1 FellBack or Self::Loaded,
     }
 }
 
@@ -206,6 +213,21 @@ body! {
         pub table_crc: u32 [""],
         /// Counters since the reset.
         pub counters: Counters [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Maintenance`].
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Maintenance {
+        /// How often the two places of the kept table have been erased, both together. One that a power failure cut short
+        /// counts only if it left a trace. It counts anew when both places have become unreadable.
+        pub erasures: u32 [""],
+        /// The erasures that the chip's data sheet promises, both places together; 0 where the device keeps nothing.
+        pub erasures_promised: u32 [""],
+        /// Whether the brown-out reset level is set as the board needs it, so that a failing supply stops the chip before
+        /// it goes wrong; true where there is no such level.
+        pub brown_out_guarded: bool [""],
     }
 }
 

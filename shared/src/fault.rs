@@ -25,9 +25,12 @@ choices! {
         7 since 0 BrownOut,
         /// The stored configuration was damaged.
         8 since 0 StoreDamaged,
+        /// One of the two places of the kept table is torn or has decayed; the table in the other is in use, and may be
+        /// an older one. A host of 1.0 is told `StoreDamaged`.
+        9 since 1 StoreFellBack or Self::StoreDamaged,
         #[cfg(slipline_next)]
-        /// Rehearsal of minor 1: no current flows.
-        9 since 1 CoilOpen or Self::Overheat,
+        /// Rehearsal of the next minor: no current flows.
+        10 since 2 CoilOpen or Self::Overheat,
     }
 }
 
@@ -43,6 +46,7 @@ impl Fault {
         Self::Crash,
         Self::BrownOut,
         Self::StoreDamaged,
+        Self::StoreFellBack,
         #[cfg(slipline_next)]
         Self::CoilOpen,
     ];
@@ -60,6 +64,9 @@ impl Fault {
             Self::Crash => "the firmware crashed",
             Self::BrownOut => "the supply voltage dipped",
             Self::StoreDamaged => "the stored configuration was damaged",
+            Self::StoreFellBack => {
+                "one copy of the stored table was damaged, the other is in use and may be older; store the table anew"
+            }
             #[cfg(slipline_next)]
             Self::CoilOpen => "the coil is not connected",
         }

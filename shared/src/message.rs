@@ -1,7 +1,8 @@
 //! The macro that defines the messages of one direction from a table: ids, names, bodies and answers. An id is never
 //! used again for another message.
 
-/// Defines an enum of messages with an explicit id each, and its encoding and decoding.
+/// Defines an enum of messages with an explicit id each, and its encoding and decoding. A message of a later minor may
+/// name an older one with the same body (`or`), which takes its place for a side that does not know it.
 macro_rules! messages {
     (
         $(#[$enum_doc:meta])*
@@ -9,7 +10,7 @@ macro_rules! messages {
             $(
                 $(#[cfg($cfg:meta)])?
                 $(#[doc = $doc:literal])+
-                $id:literal since $since:literal $variant:ident $(($body:ty))? $(-> $answer:ident)?,
+                $id:literal since $since:literal $variant:ident $(($body:ty))? $(-> $answer:ident)? $(or $older:ident)?,
             )+
         }
     ) => {
@@ -51,15 +52,18 @@ macro_rules! messages {
                 }
             }
 
-            /// The same for a side that speaks an older minor; `None` if that side does not know the message.
+            /// The same for a side that speaks an older minor; `None` if that side knows neither the message nor one that
+            /// takes its place.
             pub(crate) fn lowered(&self, minor: $crate::minor::Minor) -> Option<Self> {
-                if !minor.has(self.since()) {
-                    return None;
-                }
                 Some(match self {
                     $(
                         $(#[cfg($cfg)])?
-                        messages!(@bind value $variant $(, $body)?) => messages!(@lower value minor $variant $(, $body)?),
+                        messages!(@bind value $variant $(, $body)?) => {
+                            if !minor.has($since) {
+                                return messages!(@older value minor $($older)?);
+                            }
+                            messages!(@lower value minor $variant $(, $body)?)
+                        }
                     )+
                 })
             }
@@ -96,6 +100,8 @@ macro_rules! messages {
     (@pattern $variant:ident, $body:ty) => { Self::$variant(_) };
     (@bind $value:ident $variant:ident) => { Self::$variant };
     (@bind $value:ident $variant:ident, $body:ty) => { Self::$variant($value) };
+    (@older $value:ident $minor:ident) => { None };
+    (@older $value:ident $minor:ident $older:ident) => { Self::$older(*$value).lowered($minor) };
     (@lower $value:ident $minor:ident $variant:ident) => { Self::$variant };
     (@lower $value:ident $minor:ident $variant:ident, $body:ty) => {
         Self::$variant($crate::schema::Wire::lowered($value, $minor))

@@ -155,9 +155,12 @@ choices! {
         21 since 0 SafeMode,
         /// No digest has been asked for.
         22 since 0 NoDigest,
+        /// The flash is only written while the device is disarmed: meanwhile it takes no stop. A host of 1.0 is told
+        /// `Armed`.
+        23 since 1 DisarmFirst or Self::Armed,
         #[cfg(slipline_next)]
-        /// Rehearsal of minor 1: no current flows.
-        23 since 1 CoilOpen or Self::NotSupported,
+        /// Rehearsal of the next minor: no current flows.
+        24 since 2 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -207,6 +210,9 @@ impl core::fmt::Display for Refusal {
             Self::Armed => f.write_str("only when the device is disarmed"),
             Self::SafeMode => f.write_str("the device is in safe mode after repeated crashes"),
             Self::NoDigest => f.write_str("no digest has been asked for"),
+            Self::DisarmFirst => f.write_str(
+                "disarm the device first: while it writes its flash, for up to 5 s, it can take no stop",
+            ),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),
         }

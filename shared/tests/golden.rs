@@ -1,22 +1,37 @@
 //! The frozen frames of every message.
 //!
 //! `wire/v1.snap` holds the frames of protocol 1.0 and is never edited: every device and every host of major 1 can
-//! read and write these very bytes. A later minor adds messages and variants, never changes one, and gets a file of
-//! its own beside it, which does not enter the fingerprint.
+//! read and write these very bytes. A later minor adds messages and variants, never changes one, and has a file of
+//! its own beside it, which does not enter the fingerprint. The first line of such a file says whether it is open, because
+//! the minor has not been released, or frozen like the first. An open one is renewed with `SLIPLINE_BLESS=1`.
 
 mod examples;
 
-use examples::{SEQUENCE, SESSION, VERSION, commands, events};
+use examples::{SEQUENCE, SESSION, VERSION, commands_of, events_of};
 use slipline_protocol::command::Hello;
 use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::frame::CRC;
 use slipline_protocol::schema::MessageRow;
-use slipline_protocol::version::{Minor, SCHEMA};
+use slipline_protocol::version::{MINOR, Minor, SCHEMA, Version};
 use slipline_protocol::{Command, Decoder, Event, Refusal};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// The file of minor 0.
 const FROZEN: &str = include_str!("../wire/v1.snap");
+/// How the file of a minor begins that is not released.
+const OPEN: &str = "# Open: ";
+
+/// The minor of this number, as it is shared with a host or a device that speaks it.
+fn minor(number: u8) -> Minor {
+    Version::OURS.shared_minor(Version { minor: number, ..Version::OURS })
+}
+
+/// Where the frames that a minor added are stored.
+fn file_of(minor: u8) -> PathBuf {
+    let name = if minor == 0 { "v1.snap".to_owned() } else { format!("v1_{minor}.snap") };
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("wire").join(name)
+}
 
 /// The lines of a file of frames: label and frame.
 fn frozen(text: &str) -> impl Iterator<Item = (&str, Vec<u8>)> {
@@ -33,13 +48,23 @@ fn body_of(frame: &[u8]) -> Vec<u8> {
     frame.iter().find_map(|&byte| decoder.push(byte, |frame| frame.body.to_vec())).expect("a whole frame")
 }
 
-/// Every example with its label and its frame.
-fn made() -> Vec<(String, Vec<u8>)> {
-    let commands = commands()
+/// Every command and every event that an example shows, of all minors.
+fn commands() -> impl Iterator<Item = Command> {
+    (0..=MINOR).flat_map(commands_of).map(|(_, command)| command)
+}
+
+fn events() -> impl Iterator<Item = Event> {
+    (0..=MINOR).flat_map(events_of).map(|(_, event)| event)
+}
+
+/// Every example of a minor with its label and its frame, as it goes to a side that speaks this minor.
+fn made(number: u8) -> Vec<(String, Vec<u8>)> {
+    let commands = commands_of(number)
         .into_iter()
-        .map(|(label, command)| (label, command.frame_for(Minor::FIRST, SESSION, SEQUENCE)));
-    let events =
-        events().into_iter().map(|(label, event)| (label, event.frame_for(Minor::FIRST, SESSION, SEQUENCE)));
+        .map(|(label, command)| (label, command.frame_for(minor(number), SESSION, SEQUENCE)));
+    let events = events_of(number)
+        .into_iter()
+        .map(|(label, event)| (label, event.frame_for(minor(number), SESSION, SEQUENCE)));
     commands
         .chain(events)
         .map(|(label, frame)| (label, frame.expect("every example fits a frame").to_vec()))
@@ -55,15 +80,46 @@ fn hex(bytes: &[u8]) -> String {
 
 #[test]
 fn golden_bytes_have_not_changed() {
-    let stored: Vec<(&str, Vec<u8>)> = frozen(FROZEN).collect();
-    for (label, frame) in &stored {
-        let made = made().into_iter().find(|(made, _)| made == label).map(|(_, frame)| hex(&frame));
-        assert_eq!(made, Some(hex(frame)), "{label}: the frames of 1.0 are frozen, no minor changes them");
+    if std::env::var_os("SLIPLINE_BLESS").is_some() {
+        renew_what_is_open();
     }
-    let is_stored = |label: &str| stored.iter().any(|(stored, _)| *stored == label);
-    let missing = made().into_iter().filter(|(label, _)| !is_stored(label));
-    let missing: Vec<String> = missing.map(|(label, frame)| format!("{label} {}", hex(&frame))).collect();
-    assert!(missing.is_empty(), "not stored:\n{}", missing.join("\n"));
+    for number in 0..=MINOR {
+        let text = std::fs::read_to_string(file_of(number)).unwrap_or_default();
+        let stored: Vec<(&str, Vec<u8>)> = frozen(&text).collect();
+        for (label, frame) in &stored {
+            let made = made(number).into_iter().find(|(made, _)| made == label).map(|(_, frame)| hex(&frame));
+            assert_eq!(
+                made,
+                Some(hex(frame)),
+                "{label}: no minor changes the frames that 1.{number} brought"
+            );
+        }
+        let is_stored = |label: &str| stored.iter().any(|(stored, _)| *stored == label);
+        let missing = made(number).into_iter().filter(|(label, _)| !is_stored(label));
+        let missing: Vec<String> = missing.map(|(label, frame)| format!("{label} {}", hex(&frame))).collect();
+        assert!(missing.is_empty(), "not in {}:\n{}", file_of(number).display(), missing.join("\n"));
+    }
+}
+
+/// Writes the files that are open anew.
+fn renew_what_is_open() {
+    for number in 1..=MINOR {
+        let text = std::fs::read_to_string(file_of(number)).unwrap_or_default();
+        if text.starts_with(OPEN) {
+            let head = text.lines().next().unwrap_or_default();
+            let lines = made(number).into_iter().map(|(label, frame)| format!("{label} {}\n", hex(&frame)));
+            std::fs::write(file_of(number), format!("{head}\n{}", lines.collect::<String>())).unwrap();
+        }
+    }
+}
+
+#[test]
+fn only_the_latest_minor_may_be_open() {
+    for number in 0..=MINOR {
+        let text = std::fs::read_to_string(file_of(number)).unwrap();
+        let may_be_open = number == MINOR && number > 0;
+        assert!(text.starts_with("# Frames of ") || (may_be_open && text.starts_with(OPEN)), "1.{number}");
+    }
 }
 
 #[test]
@@ -77,17 +133,17 @@ fn the_fingerprint_is_that_of_the_frozen_frames() {
 
 #[test]
 fn every_message_is_among_the_golden_ones() {
-    for MessageRow { id, name, .. } in Command::TABLE {
-        assert!(commands().iter().any(|(_, c)| c.id() == *id), "{name} has no golden bytes");
+    for MessageRow { id, name, since, .. } in Command::TABLE {
+        assert!(commands_of(*since).iter().any(|(_, c)| c.id() == *id), "{name} has no golden bytes");
     }
-    for MessageRow { id, name, .. } in Event::TABLE {
-        assert!(events().iter().any(|(_, e)| e.id() == *id), "{name} has no golden bytes");
+    for MessageRow { id, name, since, .. } in Event::TABLE {
+        assert!(events_of(*since).iter().any(|(_, e)| e.id() == *id), "{name} has no golden bytes");
     }
 }
 
 #[test]
 fn every_message_comes_back_as_it_was_and_tolerates_no_other_length() {
-    for (_, command) in commands() {
+    for command in commands() {
         let mut body = body_of(&command.frame_for(Minor::OURS, SESSION, SEQUENCE).unwrap());
         assert_eq!(Command::decode(command.id(), &body).as_ref(), Ok(&command));
         for short in 0..body.len() {
@@ -96,7 +152,7 @@ fn every_message_comes_back_as_it_was_and_tolerates_no_other_length() {
         body.push(0);
         assert_eq!(Command::decode(command.id(), &body), Err(Refusal::Malformed));
     }
-    for (_, event) in events() {
+    for event in events() {
         let mut body = body_of(&event.frame_for(Minor::OURS, SESSION, SEQUENCE).unwrap());
         assert_eq!(Event::decode(event.id(), &body).as_ref(), Ok(&event));
         body.push(0);
@@ -119,11 +175,48 @@ fn ids_rise_and_the_two_directions_share_none() {
     assert!(ids.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
+/// What a side of 1.0 gets in the place of each addition of 1.1.
+#[test]
+fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
+    let old = |event: &Event| {
+        let frame = event.frame_for(Minor::FIRST, SESSION, SEQUENCE).ok()?;
+        let mut decoder = Decoder::new();
+        frame.iter().find_map(|&byte| decoder.push(byte, |it| Event::decode(it.header.id, it.body).unwrap()))
+    };
+    let mut seen = Vec::new();
+    for (label, event) in events_of(1) {
+        let told = match (label.as_str(), old(&event)) {
+            ("maintenance-reply" | "maintenance-reply-largest", None) => "nothing".to_owned(),
+            (_, Some(Event::Hello(identity))) => format!("{:?}", identity.stored),
+            (_, Some(Event::Status(status))) => format!("{} {:?}", status.faults, status.first_fault),
+            (_, Some(other)) => format!("{other:?}"),
+            (label, None) => panic!("{label} does not reach a host of 1.0"),
+        };
+        seen.push((label, told));
+    }
+    let damaged = format!("{} {:?}", Fault::StoreDamaged.text(), Some(Fault::StoreDamaged));
+    let expected = [
+        ("maintenance-reply", "nothing"),
+        ("maintenance-reply-largest", "nothing"),
+        ("unchanged", "Accepted(Accepted { at: 128000 })"),
+        ("refused-disarm-first", "Refused(Armed)"),
+        ("hello-reply-stored-4", "Loaded"),
+        ("status-reply-fault-9", damaged.as_str()),
+    ];
+    assert_eq!(seen, expected.map(|(label, told)| (label.to_owned(), told.to_owned())));
+    for (label, command) in commands_of(1) {
+        assert!(
+            command.frame_for(Minor::FIRST, SESSION, SEQUENCE).is_err(),
+            "{label} goes to no device of 1.0"
+        );
+    }
+}
+
 #[test]
 fn the_frozen_part_of_the_hello_stands_where_it_always_stood() {
     let hello = Command::Hello(Hello { version: VERSION, nonce: [9, 8, 7, 6] });
     assert_eq!(body_of(&hello.frame_for(Minor::OURS, 0, 1).unwrap()), [1, 0, 1, 2, 3, 4, 9, 8, 7, 6]);
-    let (_, identity) = &events()[0];
+    let (_, identity) = &events_of(0)[0];
     assert_eq!(body_of(&identity.frame_for(Minor::FIRST, 1, 1).unwrap())[..6], [1, 0, 1, 2, 3, 4]);
 }
 

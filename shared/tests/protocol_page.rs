@@ -2,7 +2,7 @@
 
 mod examples;
 
-use examples::{SEQUENCE, SESSION, commands, events};
+use examples::{SEQUENCE, SESSION, commands_of, events_of};
 use slipline_protocol::event::Fault;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::refusal::Refusal;
@@ -17,12 +17,12 @@ const PROSE: &str = include_str!("protocol_page/prose.md");
 
 /// Every example: its label, the message's id and name, and the frame.
 fn frames() -> Vec<(String, u8, Vec<u8>)> {
-    let minor = Minor::FIRST;
-    let commands = commands()
-        .into_iter()
+    let minor = Minor::OURS;
+    let commands = (0..=MINOR)
+        .flat_map(commands_of)
         .map(|(label, it)| (label, it.id(), it.frame_for(minor, SESSION, SEQUENCE).unwrap().to_vec()));
-    let events = events()
-        .into_iter()
+    let events = (0..=MINOR)
+        .flat_map(events_of)
         .map(|(label, it)| (label, it.id(), it.frame_for(minor, SESSION, SEQUENCE).unwrap().to_vec()));
     commands.chain(events).collect()
 }
@@ -147,12 +147,12 @@ fn every_frozen_frame_can_be_read_by_the_tables_of_the_page() {
         assert_eq!(reader.body.next(), None, "{label}: nothing is left");
         seen.extend(reader.variants);
     }
-    // So each variant of the first minor has its bytes in the frozen file, and one added without `since` is noticed.
+    // So each variant has its bytes in the file of its minor, and one added without `since` is noticed.
     for (name, variants) in types().into_values().filter_map(|shape| match shape {
         Shape::Enum(name, variants) => Some((*name, *variants)),
         _ => None,
     }) {
-        for variant in variants.iter().filter(|variant| variant.since == 0) {
+        for variant in variants {
             assert!(seen.contains(&(name, variant.number)), "{name}::{} has no frozen bytes", variant.name);
         }
     }
@@ -339,7 +339,36 @@ fn page() -> String {
     for &fault in Fault::ALL {
         writeln!(page, "| {} | `{fault:?}` | {} |", fault as u8, fault.text()).unwrap();
     }
+    writeln!(page, "\n## What each minor added").unwrap();
+    (1..=MINOR).for_each(|minor| additions(&mut page, minor));
     page
+}
+
+/// What a minor added, a line each.
+fn additions(page: &mut String, minor: u8) {
+    writeln!(page, "\n### {MAJOR}.{minor}\n").unwrap();
+    for (kind, table) in [("command", Command::TABLE), ("event", Event::TABLE)] {
+        for MessageRow { id, name, doc, .. } in table.iter().filter(|row| row.since == minor) {
+            writeln!(page, "- the {kind} `{id:02x}` `{name}`: {}", plain(doc)).unwrap();
+        }
+    }
+    for (name, variants) in types().into_values().filter_map(|shape| match shape {
+        Shape::Enum(name, variants) => Some((*name, *variants)),
+        _ => None,
+    }) {
+        for VariantRow { number, name: variant, doc, .. } in variants.iter().filter(|it| it.since == minor) {
+            writeln!(page, "- {name} {number} `{variant}`: {}", plain(doc)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn each_minor_has_added_something() {
+    for minor in 1..=MINOR {
+        let mut text = String::new();
+        additions(&mut text, minor);
+        assert!(text.contains("- "), "{MAJOR}.{minor} adds nothing");
+    }
 }
 
 #[test]
@@ -354,5 +383,6 @@ fn the_reference_page_is_up_to_date() {
 
 #[test]
 fn every_refusal_has_a_row() {
-    assert_eq!(Refusal::ROWS.len(), 23, "a new one says since which minor it stands");
+    let of_minor_0 = Refusal::ROWS.iter().filter(|row| row.since == 0);
+    assert_eq!(of_minor_0.count(), 23, "a new one says since which minor it stands");
 }

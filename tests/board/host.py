@@ -6,20 +6,24 @@ from pathlib import Path
 GOLDEN = (Path(__file__).parents[2] / "shared/wire/v1.snap").read_text().splitlines()
 SCHEMA = zlib.crc32(b"".join(bytes.fromhex(line.split()[1]) for line in GOLDEN if not line.startswith("#")))
 TO_DEVICE, TO_HOST = 0xA5, 0x5A
-HELLO, KEEP_ALIVE, STATUS, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
-    0x01, 0x02, 0x03, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
+HELLO, KEEP_ALIVE, STATUS, MAINTENANCE, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
+    0x01, 0x02, 0x03, 0x04, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
 )  # fmt: skip
 TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, TABLE_DIGEST, DIGEST_START, STORE, BOOTLOADER_TOKEN, BOOTLOADER_ENTER = (
     0x20, 0x21, 0x22, 0x24, 0x30, 0x40, 0x50, 0x51,
 )  # fmt: skip
 UNSEQUENCED = (HELLO, KEEP_ALIVE, STATUS, STOP, EMERGENCY_STOP)
-HELLO_REPLY, STATUS_REPLY, ACCEPTED, REFUSED, TABLE_REPLY, TOKEN_REPLY = 0x81, 0x83, 0x90, 0x91, 0xA4, 0xD0
+HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABLE_REPLY, TOKEN_REPLY = (
+    0x81, 0x83, 0x84, 0x90, 0x91, 0x92, 0xA4, 0xD0,
+)  # fmt: skip
+# Refusals without a field are their number.
+DISARM_FIRST = b"\x17"
 STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode")
 RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard fault")
-STORED = ("empty", "loaded", "wrong version", "damaged")
+STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
 FAULTS = (
     "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
-    "store damaged",
+    "store damaged", "store fell back",
 )  # fmt: skip
 RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD, CHUNK_KNOTS = 400_000, 128, 0.2, 22
 
@@ -67,7 +71,7 @@ def unframe(coded):
 
 
 def hello_body(nonce):
-    return bytes([1, 0]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
+    return bytes([1, 1]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
 
 
 class Reader:
@@ -208,6 +212,13 @@ class Host:
         _, reply, body = self.exchange(STATUS)
         assert reply == STATUS_REPLY, f"{reply:#x} {body.hex()}"
         return status(body)
+
+    def maintenance(self):
+        """Erasures, those that the data sheet promises, and whether the brown-out level is set."""
+        _, reply, body = self.exchange(MAINTENANCE)
+        assert reply == MAINTENANCE_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        return r.number(), r.number(), bool(r.byte())
 
     def upload(self, count=33):
         """Uploads a table and makes it the one in force; returns its CRC."""

@@ -10,7 +10,7 @@ from conftest import RATE_HZ
 from copies import on_copy
 from core.pins import BSRR, MODER
 from core.usb import UsbHost
-from host import CLEAR_FAULTS, DISARM, STOP, STORE
+from host import CLEAR_FAULTS, DISARM, DISARM_FIRST, REFUSED, STOP, STORE, UNCHANGED
 
 MID = 2048
 RENDERER_IRQ, DAC_PIN = 53, "PA4"
@@ -272,19 +272,37 @@ def test_the_watchdog_is_short_and_grows_for_an_erasure_only(sounding):
     assert short == pytest.approx(expected[0])
 
 
-def test_an_armed_amplifier_is_off_while_the_flash_is_written_and_comes_on_again(sounding):
-    """Storing stops the blocks for longer than the mute timer runs; that is no fault."""
+@pytest.mark.every_image
+def test_the_flash_is_written_only_with_the_amplifier_off_and_only_when_it_changes(sounding):
+    """An armed device refuses to store: while the flash is erased it takes no stop."""
 
     def case(rig):
         board, host = rig.board, rig.host
+
+        def erasures():
+            return [entry for entry in board.log if entry[1] == "erase"]
+
         host.accept(STOP)
         host.live(0.1)
         assert host.status()["state"] == "armed" and not is_off(rig)
         board.log.clear()
-        host.accept(STORE, patience=STORE_PATIENCE)
-        off = [entry[2] for entry in board.log if entry[1] == rig.facts.unmute]
-        host.live(0.1)
-        status = host.status()
-        return off, board.pin(rig.facts.unmute), status["state"], status["first_fault"]
+        _, reply, body = host.exchange(STORE, patience=STORE_PATIENCE)
+        assert (reply, body) == (REFUSED, DISARM_FIRST)
+        assert not erasures() and not is_off(rig), "nothing has changed"
 
-    assert on_copy(sounding, case) == ([0], 1, "armed", None)
+        host.accept(DISARM)
+        host.live(0.05)
+        assert is_off(rig)
+        board.log.clear()
+        host.accept(STORE, patience=STORE_PATIENCE)
+        assert erasures() and not [entry for entry in board.log if entry[1] == rig.facts.unmute]
+        worn = host.maintenance()[0]
+
+        board.log.clear()
+        _, reply, _ = host.exchange(STORE, patience=STORE_PATIENCE)
+        assert reply == UNCHANGED and not erasures(), "the same table is not written again"
+        assert host.maintenance()[0] == worn == 1
+        host.arm()
+        return host.status()["state"], is_off(rig)
+
+    assert on_copy(sounding, case) == ("armed", False)

@@ -28,8 +28,8 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    EVENTS, NEXT_BLOCK, VERSION_1_0, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive, StatusEvent,
-    TableEvent, Tone, Version, at, fault_names,
+    COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_1, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive,
+    MaintenanceEvent, StatusEvent, TableEvent, Tone, Version, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
@@ -50,6 +50,8 @@ class Client:
         self.channel = Channel(stream)
         self.keeps_alive = True
         """Whether keep-alives are sent, every 200 ms. Without them an armed device stops after a second."""
+        self.minor = 0
+        """The minor version that the two sides share."""
         self.keep_alive_error: Optional[Exception] = None
         """Why the last keep-alive failed, if it did."""
         self._beat = 0
@@ -81,13 +83,17 @@ class Client:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def hello(self, version: Version = VERSION_1_0, nonce: Optional[bytes] = None) -> HelloEvent:
-        """Begins a new session, which ends the one before, and returns who the device is."""
+    def hello(self, version: Version = VERSION_1_1, nonce: Optional[bytes] = None) -> HelloEvent:
+        """Begins a new session, which ends the one before, and returns who the device is.
+
+        From then on both speak the lower of the two minors: `minor`.
+        """
         nonce = os.urandom(4) if nonce is None else nonce
         frame, device = self._request("Hello", "Hello", Hello(version, nonce), session=_FIRST_SESSION)
         with self._beating:
             self.channel.begin(frame.session)
             self._beat = 0
+        self.minor = min(version.minor, device.version.minor)
         return device
 
     def keep_alive(self) -> StatusEvent:
@@ -160,13 +166,19 @@ class Client:
             time.sleep(0.01)
         raise NoAnswer(f"the codes {start} to {start + count} have not been played in time")
 
-    def store(self) -> int:
-        """Keeps the table in force in flash."""
-        return self._accepted("Store")
+    def store(self) -> bool:
+        """Keeps the table in force in flash; the device must be disarmed. Returns whether the device says that it has
+        written: one of 1.1 does not write again what it keeps already, one of 1.0 does not tell."""
+        return self._written("Store")
 
-    def forget(self) -> int:
-        """Erases what is kept in flash."""
-        return self._accepted("Forget")
+    def forget(self) -> bool:
+        """Erases what is kept in flash; the device must be disarmed. Returns whether the device says that it has
+        written."""
+        return self._written("Forget")
+
+    def maintenance(self) -> MaintenanceEvent:
+        """The wear of the flash, and whether the supply is guarded. Raises `SliplineError` with a device of 1.0."""
+        return self._request("Maintenance", "Maintenance")[1]
 
     def close(self) -> None:
         """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man."""
@@ -180,6 +192,8 @@ class Client:
         self.channel.close()
 
     def _request(self, command: str, answer: str, value: Any = None, **options: Any) -> tuple[Any, Any]:
+        if COMMANDS[command].since > self.minor:
+            raise SliplineError(f"{command} needs protocol 1.{COMMANDS[command].since}, the device has 1.{self.minor}")
         frame, event = self.channel.request(command, value, **options)
         if frame.id != EVENTS[answer].id:
             raise SliplineError(f"{command} was answered by the message {frame.id:#04x}, not by {answer}")
@@ -189,7 +203,14 @@ class Client:
         accepted: Accepted = self._request(command, "Accepted", value)[1]
         return accepted.at
 
-    def _patiently(self, busy: str, pause_s: float, act: Callable[[], int]) -> int:
+    def _written(self, command: str) -> bool:
+        """Has the flash written, once the amplifier is off: that takes some milliseconds after `disarm`."""
+        frame, _ = self._patiently("DriveActive", 0.01, lambda: self.channel.request(command))
+        if frame.id not in (EVENTS["Accepted"].id, EVENTS["Unchanged"].id):
+            raise SliplineError(f"{command} was answered by the message {frame.id:#04x}")
+        return frame.id == EVENTS["Accepted"].id
+
+    def _patiently(self, busy: str, pause_s: float, act: Callable[[], Any]) -> Any:
         """Acts again, as a new command, while the device is busy with this; at most for 2 s."""
         until = time.monotonic() + 2
         while True:

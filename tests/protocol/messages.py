@@ -1,4 +1,7 @@
-"""The messages of protocol 1.0, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges."""
+"""The messages of protocol 1.1, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges.
+
+What stands since 1.1 is named so: it goes to no device of 1.0, and none sends it.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,6 +18,7 @@ BUSY = Enumeration("Busy", "CommitPending", "DriveActive", "TableInUse", "Digest
 FAULT = Enumeration(
     "Fault", "HostLost", "EmergencyStop", "Underrun", "Overheat", "DriveTime", "Watchdog", "Crash", "BrownOut",
     "StoreDamaged",
+    "StoreFellBack",  # since 1.1
 )  # fmt: skip
 FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
@@ -45,10 +49,11 @@ REFUSAL = Enumeration(
     "Armed",
     "SafeMode",
     "NoDigest",
+    "DisarmFirst",  # since 1.1
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration("State", "Idle", "Armed", "Driving", "Stopping", "Fault", "SafeMode")
-STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged")
+STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged", "FellBack")
 
 NEXT_BLOCK = Choice("Next")
 
@@ -76,6 +81,7 @@ class Version(Record):
 
 
 VERSION_1_0 = Version(1, 0, bytes.fromhex("e7457e07"))
+VERSION_1_1 = Version(1, 1, VERSION_1_0.schema)
 
 
 @dataclass(frozen=True)
@@ -214,6 +220,15 @@ class Accepted(Record):
 
 
 @dataclass(frozen=True)
+class MaintenanceEvent(Record):
+    """The wear of the flash, and whether the supply is guarded. Since 1.1."""
+
+    erasures: int = field(U32)
+    erasures_promised: int = field(U32)
+    brown_out_guarded: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
 class TableEvent(Record):
     """The table in force."""
 
@@ -235,12 +250,14 @@ class DigestEvent(Record):
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of message: its id, its name, the type of its body (none: no body), and whether it takes a number."""
+    """A kind of message: its id, its name, the type of its body (none: no body), whether it takes a number, and the
+    minor version that brought it."""
 
     id: int
     name: str
     body: Any = None
     numbered: bool = True
+    since: int = 0
 
     def encode(self, value: Any = None) -> bytes:
         """The body of a message."""
@@ -268,6 +285,7 @@ COMMANDS = {
         Kind(0x01, "Hello", Fields(Hello), numbered=False),
         Kind(0x02, "KeepAlive", Fields(KeepAlive), numbered=False),
         Kind(0x03, "Status", numbered=False),
+        Kind(0x04, "Maintenance", since=1),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),
@@ -293,8 +311,10 @@ EVENTS = {
     for kind in (
         Kind(0x81, "Hello", Fields(HelloEvent)),
         Kind(0x83, "Status", Fields(StatusEvent)),
+        Kind(0x84, "Maintenance", Fields(MaintenanceEvent), since=1),
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
+        Kind(0x92, "Unchanged", Fields(Accepted), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
         Kind(0xD0, "BootloaderToken", U32),
@@ -305,7 +325,7 @@ _BY_ID = {kind.id: kind for kind in (*COMMANDS.values(), *EVENTS.values())}
 
 
 def kind_of(id: int) -> Kind:
-    """The kind with this id. Raises `DecodeError` if protocol 1.0 has none."""
+    """The kind with this id. Raises `DecodeError` if protocol 1.1 has none."""
     if id not in _BY_ID:
-        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.0")
+        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.1")
     return _BY_ID[id]

@@ -65,9 +65,12 @@ def examples() -> Iterator[Example]:
         yield Example(section, bytes.fromhex(wire[1]), *content)
 
 
-def frozen_frames() -> Iterator[tuple[str, bytes]]:
-    """The label and the bytes of every frame of version 1.0."""
-    for line in (SHARED / "wire" / "v1.snap").read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#"):
-            label, encoded = line.split()
-            yield label, bytes.fromhex(encoded)
+def frozen_frames(minor: Optional[int] = None) -> Iterator[tuple[str, bytes]]:
+    """The label and the bytes of every frame that a minor version has brought; without a minor, that any has."""
+    for number, name in enumerate(("v1.snap", "v1_1.snap")):
+        if minor not in (None, number):
+            continue
+        for line in (SHARED / "wire" / name).read_text(encoding="utf-8").splitlines():
+            if not line.startswith("#"):
+                label, encoded = line.split()
+                yield label, bytes.fromhex(encoded)

@@ -10,8 +10,8 @@ import zlib
 from pathlib import Path
 
 from device_case import DeviceCase
-from errors import Closed, FieldError
-from messages import NEXT_BLOCK, Drive, Tone, at, fault_names
+from errors import Closed, FieldError, SliplineError
+from messages import NEXT_BLOCK, VERSION_1_0, Drive, Tone, at, fault_names
 from records import Choice
 from server import Server
 from table import Table
@@ -106,6 +106,31 @@ class AtSocket(DriveCase):
             self.assertAlmostEqual((refusal.max - refusal.min) / client.device.sample_rate_hz, 60, delta=0.01)
         # None of them has changed anything.
         self.assertEqual(client.status().state.name, "Armed")
+
+    def test_the_kept_table(self) -> None:
+        client = self.client
+        self.make_ready()
+        self.assert_refused(Choice("DisarmFirst"), client.store)
+        client.disarm()
+        self.assertTrue(client.store())
+        self.assertFalse(client.store(), "it is kept already")
+        kept = client.maintenance()
+        self.assertEqual((kept.erasures, kept.erasures_promised, kept.brown_out_guarded), (1, 20_000, True))
+        self.assertTrue(client.forget())
+        self.assertFalse(client.forget())
+        self.assertEqual(client.maintenance().erasures, 2)
+
+    def test_the_kept_table_in_the_words_of_1_0(self) -> None:
+        client = self.client
+        client.hello(VERSION_1_0)
+        self.make_ready()
+        self.assert_refused(Choice("Armed"), client.store)
+        client.disarm()
+        for _ in range(2):
+            self.assertTrue(client.store(), "1.0 has no word for what is kept already")
+        with self.assertRaisesRegex(SliplineError, "Maintenance needs protocol 1.1, the device has 1.0"):
+            client.maintenance()
+        self.assert_refused(Choice("UnknownMessage", id=4), lambda: client.channel.request("Maintenance"))
 
     def test_table_with_a_wrong_crc(self) -> None:
         client, table = self.client, self.make_table()

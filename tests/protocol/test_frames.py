@@ -95,9 +95,16 @@ class Examples(unittest.TestCase):
         self.assertEqual(held, {kind.id for kind in (*COMMANDS.values(), *EVENTS.values())})
 
     def test_fingerprint_is_the_crc_of_the_frozen_frames(self) -> None:
-        crc = zlib.crc32(b"".join(wire for _, wire in page.frozen_frames()))
+        crc = zlib.crc32(b"".join(wire for _, wire in page.frozen_frames(minor=0)))
         self.assertEqual(VERSION_1_0.schema, crc.to_bytes(4, "little"))
         self.assertIn(f"`{VERSION_1_0.schema.hex()}`", page.PAGE)
+
+
+    def test_a_message_stands_among_the_frames_of_its_minor(self) -> None:
+        for kind in (*COMMANDS.values(), *EVENTS.values()):
+            with self.subTest(message=kind.name):
+                held = {only_frame(wire).id for _, wire in page.frozen_frames(kind.since)}
+                self.assertIn(kind.id, held)
 
 
 class Tables(unittest.TestCase):
@@ -111,6 +118,7 @@ class Tables(unittest.TestCase):
             for section in found:
                 with self.subTest(message=f"{chapter}, {section.name}"):
                     kind = kinds[section.name]
+                    self.assertIn(f"Since 1.{kind.since}.", section.text)
                     if isinstance(kind.body, Fields):
                         self.compare_fields(section, kind.body.record)
                     elif kind.body == U32:

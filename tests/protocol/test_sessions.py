@@ -6,7 +6,7 @@ import unittest
 
 from device_case import DeviceCase
 from frame import TO_DEVICE, Frame
-from messages import COMMANDS, VERSION_1_0, Hello, KeepAlive, Kind, Tone, Version, fault_names
+from messages import COMMANDS, VERSION_1_0, VERSION_1_1, Hello, KeepAlive, Kind, Tone, Version, fault_names
 from postcard import U8
 from records import Choice
 
@@ -65,7 +65,7 @@ class Sessions(DeviceCase):
         session = client.channel.session
         self.assertNotEqual(session, old)
         self.wait_for(lambda status: status.state.name == "Idle" and status.sum_per_mille == 0)
-        frame, _ = client.channel.request("Hello", Hello(VERSION_1_0, nonce), session=0)
+        frame, _ = client.channel.request("Hello", Hello(VERSION_1_1, nonce), session=0)
         self.assertEqual(frame.session, session)
         self.assert_refused(Choice("StaleSession"), lambda: client.channel.request("Arm", session=old))
         # The number of the refused command is still the next one.
@@ -109,6 +109,7 @@ class Sessions(DeviceCase):
         client = self.client
         for version, driven in (
             (VERSION_1_0, True),
+            (VERSION_1_1, True),
             (Version(1, 9, VERSION_1_0.schema), True),
             (Version(2, 0, VERSION_1_0.schema), False),
             (Version(1, 0, bytes(4)), False),

@@ -21,6 +21,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Hello(Hello { version: Version::OURS, nonce: *b"else" }),
         Command::KeepAlive(KeepAlive { beat: 1_000_000 }),
         Command::Status,
+        Command::Maintenance,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),

@@ -229,6 +229,12 @@ impl Rig {
         self.hello_as(Version::OURS)
     }
 
+    /// Begins a new session as a host of this minor version.
+    pub fn hello_of_minor(&mut self, minor: u8) -> Reply {
+        self.nonce += 1;
+        self.hello_as(Version { minor, ..Version::OURS })
+    }
+
     /// Says hello as a host of some version, with the nonce of the last hello.
     pub fn hello_as(&mut self, version: Version) -> Reply {
         let hello = Command::Hello(Hello { version, nonce: self.nonce.to_le_bytes() });

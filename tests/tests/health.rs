@@ -361,7 +361,8 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             | Command::TableAbort
             | Command::DigestStart(_)
             | Command::Store
-            | Command::Forget => matches!(event, Event::Accepted(_)),
+            | Command::Forget => matches!(event, Event::Accepted(_) | Event::Unchanged(_)),
+            Command::Maintenance => matches!(event, Event::Maintenance(_)),
         };
         assert!(expected, "{command:?}: {event:?}");
         rig.live_ms(20);

@@ -18,6 +18,7 @@ fn table() -> Arc<DeviceTable> {
 fn restarted_with_the_stored_table() -> Loopback {
     let mut before = Loopback::connect(RATE_HZ).unwrap();
     before.perform(Request::Upload(table()), |_| ()).unwrap();
+    before.perform(Request::Disarm, |_| ()).unwrap();
     before.perform(Request::Store, |_| ()).unwrap();
     let options = Options { flash: before.flash(), ..Options::default() };
     Loopback::connect_to(SimulatedDevice::new(options)).unwrap()

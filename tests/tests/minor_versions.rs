@@ -1,6 +1,6 @@
-//! Host and device of different minors, R-23: 1.0 is the product, 1.1 the same sources with a rehearsal of the next
-//! minor (`tests/next`). It adds a command and its event, a refusal, and a fault; real hosts and real devices of both
-//! talk to each other here.
+//! Host and device of different minors, R-23: the old one is the product, the new one the same sources with a rehearsal of
+//! the next minor (`tests/next`). It adds a command and its event, a refusal, and a fault; real hosts and real devices
+//! of both talk to each other here. Hosts and devices of released minors talk to the product in transcripts.rs.
 
 /// A host's link and a simulated device, each of one of the two crates, in virtual time.
 macro_rules! pair {
@@ -168,12 +168,29 @@ fn refusals(sent: &[(u8, Vec<u8>)]) -> Vec<u8> {
 const SOUND: &[u8; 12] = b"sound-coil--";
 const OPEN: &[u8; 12] = b"open-coil---";
 
-/// Ids and numbers that 1.1 adds.
-const MEASURE_COIL: u8 = 0x60;
-const COIL_OPEN_REFUSAL: u8 = 23;
+/// Ids and numbers that the new minor adds, and what stands in for them. They move when the product's minor grows.
+const MEASURE_COIL: u8 = 0x7f;
+const COIL_OPEN_REFUSAL: u8 = last(slipline_protocol_next::Refusal::ROWS);
 const NOT_SUPPORTED: u8 = 18;
-const COIL_OPEN_FAULT: u8 = 9;
+const COIL_OPEN_FAULT: u8 = last(slipline_protocol_next::event::Fault::ROWS);
 const OVERHEAT: u8 = 3;
+
+/// The number of the variant that was added last.
+const fn last(rows: &[slipline_protocol_next::schema::VariantRow]) -> u8 {
+    rows[rows.len() - 1].number
+}
+
+#[test]
+fn the_rehearsal_is_one_minor_ahead_of_the_product() {
+    let next = slipline_protocol_next::version::MINOR;
+    assert_eq!(next, slipline_protocol::version::MINOR + 1);
+    let added = |since: u8| since == next;
+    assert!(
+        slipline_protocol_next::Command::TABLE.iter().any(|row| added(row.since) && row.id == MEASURE_COIL)
+    );
+    assert!(slipline_protocol_next::Refusal::ROWS.iter().any(|row| added(row.since)));
+    assert!(slipline_protocol_next::event::Fault::ROWS.iter().any(|row| added(row.since)));
+}
 
 #[test]
 fn two_sides_of_the_new_minor_use_what_it_added() {
@@ -233,12 +250,15 @@ fn a_newer_device_does_not_know_a_new_command_from_an_older_host() {
     let mut line = pair.line.lock().unwrap();
     let (mut decoder, mut bytes) = (Decoder::new(), Vec::new());
     // A repeat of the hello tells the session.
-    let hello = Command::Hello(Hello { version: Version { minor: 0, ..Version::OURS }, nonce: *b"once" });
+    let hello = Command::Hello(Hello {
+        version: Version { minor: slipline_protocol::version::MINOR, ..Version::OURS },
+        nonce: *b"once",
+    });
     line.device.feed(&hello.frame_for(Minor::OURS, 0, 9).unwrap());
     line.device.take(&mut bytes);
     let session = bytes.iter().find_map(|&byte| decoder.push(byte, |frame| frame.header.session)).unwrap();
-    // Numbers 1 and 2 were the host's: to look at the table, and to arm a device that is simulated.
-    let ask = Command::MeasureCoil(CoilTest { current_ma: 5 }).frame_for(Minor::OURS, session, 3).unwrap();
+    // Numbers 1 to 3 were the host's: to ask for the upkeep, to look at the table, and to arm a device that is simulated.
+    let ask = Command::MeasureCoil(CoilTest { current_ma: 5 }).frame_for(Minor::OURS, session, 4).unwrap();
     line.device.feed(&ask);
     line.device.take(&mut bytes);
     let answers: Vec<(u8, Vec<u8>)> = bytes

@@ -1,8 +1,9 @@
-//! Flash storage: written only while nothing sounds, read at the next start, dropped with a report when damaged.
+//! Flash storage: written only by a disarmed, silent device, and only what is new; read at the next start, with a fault
+//! when anything of it was lost.
 
 use proptest::prelude::*;
 use slipline_link::simulator::{MemoryFlash, Options};
-use slipline_protocol::event::{Event, Fault, ResetCause, State, StoredConfig};
+use slipline_protocol::event::{Event, Fault, Maintenance, ResetCause, State, StoredConfig};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
@@ -15,11 +16,36 @@ fn stored(rig: &mut Rig) -> StoredConfig {
     }
 }
 
+/// A device that holds the usual table and is disarmed and muted.
+fn disarmed() -> Rig {
+    let mut rig = Rig::armed();
+    disarm(&mut rig);
+    rig
+}
+
+/// Disarms and waits until the amplifier is off.
+fn disarm(rig: &mut Rig) {
+    rig.accepted(&Command::Disarm);
+    rig.live_ms(5);
+}
+
 /// A device's flash after the usual table was stored.
 fn kept() -> MemoryFlash {
-    let mut rig = Rig::armed();
+    let mut rig = disarmed();
     rig.accepted(&Command::Store);
     rig.device.flash()
+}
+
+/// Another table than the usual one.
+fn other(first_hz: f64) -> Table {
+    Table::line(33, first_hz, 20_000.0, |_| 0.5)
+}
+
+fn maintenance(rig: &mut Rig) -> Maintenance {
+    match rig.send(&Command::Maintenance) {
+        Event::Maintenance(told) => told,
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]
@@ -38,14 +64,152 @@ fn the_flash_is_written_only_while_nothing_sounds() {
     assert_eq!(rig.refused(&Command::Store), Refusal::Busy(Busy::DriveActive), "ramping");
     assert_eq!(rig.device.flash(), blank);
     rig.live_ms(40);
+    assert_eq!(rig.status().state, State::Armed);
+    for command in [Command::Store, Command::Forget] {
+        assert_eq!(rig.refused(&command), Refusal::DisarmFirst, "armed and silent");
+    }
+    rig.accepted(&Command::Disarm);
+    assert!(!rig.device.is_muted());
+    assert_eq!(rig.refused(&Command::Store), Refusal::Busy(Busy::DriveActive), "not muted yet");
+    assert_eq!(rig.device.flash(), blank);
+    rig.live_ms(5);
+    assert!(rig.device.is_muted());
     rig.accepted(&Command::Store);
     assert_ne!(rig.device.flash(), blank);
 }
 
 #[test]
+fn what_the_flash_holds_already_is_not_written_again_and_the_reply_tells_it() {
+    let mut rig = disarmed();
+    assert!(matches!(rig.send(&Command::Forget), Event::Unchanged(_)), "nothing is kept");
+    assert_eq!(maintenance(&mut rig).erasures, 0);
+    rig.accepted(&Command::Store);
+    assert_eq!(maintenance(&mut rig).erasures, 1);
+    let kept = rig.device.flash();
+    for _ in 0..3 {
+        assert!(matches!(rig.send(&Command::Store), Event::Unchanged(_)), "the same table");
+    }
+    assert_eq!(rig.device.flash(), kept);
+    assert_eq!(maintenance(&mut rig).erasures, 1);
+
+    // A table that differs in one knot is another one.
+    rig.upload(&other(60_001.0));
+    rig.live_ms(50);
+    rig.accepted(&Command::Store);
+    rig.upload(&Table::usual());
+    rig.live_ms(50);
+    rig.accepted(&Command::Store);
+    assert_eq!(maintenance(&mut rig).erasures, 3);
+    rig.accepted(&Command::Forget);
+    assert!(matches!(rig.send(&Command::Forget), Event::Unchanged(_)));
+    assert_eq!(maintenance(&mut rig).erasures, 4);
+}
+
+#[test]
+fn a_host_of_1_0_hears_of_a_refused_or_needless_store_in_the_words_of_1_0() {
+    let mut rig = Rig::armed();
+    rig.hello_of_minor(0);
+    rig.arm();
+    assert_eq!(rig.refused(&Command::Store), Refusal::Armed);
+    disarm(&mut rig);
+    rig.accepted(&Command::Store);
+    let kept = rig.device.flash();
+    rig.accepted(&Command::Store);
+    assert_eq!(rig.device.flash(), kept, "not written again");
+    assert_eq!(rig.refused(&Command::Maintenance), Refusal::UnknownMessage { id: 0x04 });
+}
+
+#[test]
+fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises() {
+    let mut flash = MemoryFlash::default();
+    for start in 0..5 {
+        let mut rig = Rig::new(Options { flash, ..Options::default() });
+        rig.hello();
+        assert_eq!(maintenance(&mut rig).erasures, 2 * start);
+        for which in 0..2 {
+            rig.upload(&other(50_000.0 + f64::from(2 * start + which)));
+            rig.live_ms(50);
+            rig.accepted(&Command::Store);
+        }
+        let told = maintenance(&mut rig);
+        assert_eq!((told.erasures, told.erasures_promised), (2 * start + 2, 20_000));
+        flash = rig.device.flash();
+    }
+}
+
+#[test]
+fn a_device_tells_whether_its_brown_out_level_is_set() {
+    for brown_out_guarded in [false, true] {
+        let mut rig = Rig::new(Options { brown_out_guarded, ..Options::default() });
+        rig.hello();
+        assert_eq!(maintenance(&mut rig).brown_out_guarded, brown_out_guarded);
+    }
+}
+
+/// A device whose flash holds an older and a newer table, the newer one with a header that has decayed.
+fn decayed() -> Rig {
+    let mut rig = disarmed();
+    rig.accepted(&Command::Store);
+    rig.upload(&other(60_000.0));
+    rig.live_ms(50);
+    rig.accepted(&Command::Store);
+    let mut flash = rig.device.flash();
+    // In the sequence number of the newer record, which stands in the second slot.
+    flash.slots[1][9] ^= 0x10;
+    Rig::new(Options { flash, ..Options::default() })
+}
+
+#[test]
+fn an_older_table_is_not_used_in_silence_when_the_newer_one_has_decayed() {
+    let mut rig = decayed();
+    assert_eq!(stored(&mut rig), StoredConfig::FellBack);
+    let status = rig.status();
+    assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::StoreFellBack)));
+    assert_eq!(status.table_crc, Table::usual().header.crc, "the older one is in use");
+    assert_eq!(rig.refused(&Command::Arm), Refusal::Faulted { faults: status.faults });
+
+    // Whoever knows it may drive; the next start tells it again.
+    rig.accepted(&Command::ClearFaults);
+    rig.arm();
+    rig.device.restart(ResetCause::Pin);
+    assert_eq!(stored(&mut rig), StoredConfig::FellBack);
+
+    // The older table is whole, but to store it mends the other place, so it is no needless write.
+    rig.accepted(&Command::Store);
+    rig.device.restart(ResetCause::Pin);
+    assert_eq!(stored(&mut rig), StoredConfig::Loaded);
+    assert_eq!(rig.status().first_fault, None);
+    assert_eq!(maintenance(&mut rig).erasures, 3, "two records and the one that was lost");
+}
+
+#[test]
+fn a_host_of_1_0_hears_of_a_decayed_store_as_of_a_damaged_one() {
+    let mut rig = decayed();
+    let hello = rig.hello_of_minor(0);
+    assert!(matches!(hello.event, Event::Hello(identity) if identity.stored == StoredConfig::Loaded));
+    assert_eq!(rig.status().first_fault, Some(Fault::StoreDamaged));
+    rig.accepted(&Command::ClearFaults);
+    rig.arm();
+}
+
+#[test]
+fn a_table_that_was_forgotten_does_not_hide_one_that_has_decayed() {
+    let mut rig = disarmed();
+    rig.accepted(&Command::Store);
+    rig.accepted(&Command::Forget);
+    rig.accepted(&Command::Store);
+    let mut flash = rig.device.flash();
+    // The first slot holds the newest record, a table; the second one says that there is none.
+    flash.slots[0][0] ^= 1;
+    let mut rig = Rig::new(Options { flash, ..Options::default() });
+    assert_eq!(stored(&mut rig), StoredConfig::Damaged);
+    assert_eq!((rig.status().first_fault, rig.status().table_crc), (Some(Fault::StoreDamaged), 0));
+}
+
+#[test]
 fn an_erase_that_stalls_the_processor_is_no_fault_and_no_sound() {
     // the DAC runs dry for as long as the erase takes; it repeats mid-scale.
-    let mut rig = Rig::armed();
+    let mut rig = disarmed();
     rig.record();
     rig.accepted(&Command::Store);
     for _ in 0..10 {
@@ -53,7 +217,7 @@ fn an_erase_that_stalls_the_processor_is_no_fault_and_no_sound() {
         rig.live_blocks(1);
     }
     let status = rig.status();
-    assert_eq!((status.state, status.first_fault, status.counters.underruns), (State::Armed, None, 10));
+    assert_eq!((status.state, status.first_fault, status.counters.underruns), (State::Idle, None, 10));
     assert!(rig.recording.codes.iter().all(|&code| code == MID));
 }
 
@@ -71,6 +235,7 @@ fn what_was_stored_is_there_after_a_reset_and_what_was_forgotten_is_not() {
 
     rig.accepted(&Command::Stop);
     rig.live_ms(50);
+    disarm(&mut rig);
     rig.accepted(&Command::Forget);
     rig.device.restart(ResetCause::Pin);
     assert_eq!(stored(&mut rig), StoredConfig::Empty);
@@ -100,6 +265,7 @@ proptest! {
         rig.accepted(&Command::ClearFaults);
         rig.upload(&Table::usual());
         rig.arm();
+        disarm(&mut rig);
         rig.accepted(&Command::Store);
         rig.device.restart(ResetCause::Pin);
         prop_assert_eq!(stored(&mut rig), StoredConfig::Loaded);

@@ -34,7 +34,6 @@ use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 use crate::ramp::RampShape;
 use crate::slots::TableRef;
-use crate::store;
 use crate::thermal::Thermal;
 use crate::timing::Timing;
 use crate::upload::{self, Upload};
@@ -65,6 +64,8 @@ pub struct Controller<F, S> {
     flash: F,
     system: S,
     stored: StoredConfig,
+    /// How often the two slots have been erased; 0 in safe mode, which has not looked.
+    erasures: u32,
     thermal: Thermal,
     /// The active table; its slot holds the knots.
     table: Option<TableHeader>,
@@ -90,6 +91,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             flash,
             system,
             stored: StoredConfig::Empty,
+            erasures: 0,
             table: None,
             active: TableRef::default(),
             upload: None,
@@ -117,25 +119,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             // The stored table may be what crashed the last runs.
             return;
         }
-        let slot = self.active.slot.other();
-        let knot = |index| mailbox.slots().knot(slot, index);
-        let loaded = store::load(&mut self.flash, self.timing.sample_rate_hz, |index, knot| {
-            mailbox.write_knot(slot, index, knot);
-        })
-        .and_then(|header| {
-            if store::is_sound(&header, knot) { Ok(header) } else { Err(StoredConfig::Damaged) }
-        });
-        self.stored = match loaded {
-            Ok(header) => {
-                self.table = Some(header);
-                self.active = TableRef { slot, knots: header.knots };
-                StoredConfig::Loaded
-            }
-            Err(other) => other,
-        };
-        if self.stored == StoredConfig::Damaged {
-            mailbox.latch(Fault::StoreDamaged);
-        }
+        self.load(mailbox);
     }
 
     /// Begins a session: ramps to silence, disarms, and drops what the last session had begun.
@@ -212,8 +196,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     Ok(Event::Digest(Digest { from, count, crc: Some(crc) }))
                 }
             },
-            Command::Store => self.store(mailbox).map(accepted),
-            Command::Forget => self.forget(mailbox).map(accepted),
+            Command::Store => self.store(mailbox),
+            Command::Forget => self.forget(mailbox),
+            Command::Maintenance => Ok(Event::Maintenance(self.maintenance())),
             Command::BootloaderToken => {
                 self.refuse_unless_leavable(mailbox)?;
                 Ok(Event::BootloaderToken(self.bootloader.give_token(&self.device.unit, mailbox.now())))

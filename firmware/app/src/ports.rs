@@ -95,10 +95,13 @@ pub struct FlashError;
 
 /// Two slots of flash that can be erased one by one.
 ///
-/// Erasing may stall the processor for seconds: the application calls it only when the output is silent.
+/// Erasing may stall the processor for seconds: the application calls it only when the amplifier is muted.
 pub trait FlashPages {
     /// Bytes in each slot; 0 where there is no store.
     fn slot_len(&self) -> usize;
+
+    /// How often the chip's data sheet promises that each slot can be erased; 0 where there is no store.
+    fn endurance(&self) -> u32;
 
     /// Erases a slot.
     ///
@@ -129,6 +132,10 @@ impl FlashPages for NoFlash {
         0
     }
 
+    fn endurance(&self) -> u32 {
+        0
+    }
+
     fn erase(&mut self, _: FlashSlot) -> Result<(), FlashError> {
         Err(FlashError)
     }
@@ -146,6 +153,9 @@ impl FlashPages for NoFlash {
 pub trait System {
     /// Whether there is a ROM bootloader to enter.
     fn has_bootloader(&self) -> bool;
+
+    /// Whether the brown-out reset level is set as the board needs it; true where there is no such level.
+    fn is_brown_out_guarded(&self) -> bool;
 
     /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
     fn enter_bootloader(&mut self);

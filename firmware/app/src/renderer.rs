@@ -192,6 +192,7 @@ impl Renderer {
         self.switch_mute(&orders);
         self.report.silent = self.outline.is_silent_from(next);
         self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
+        self.report.muted = self.muted;
         self.report.clips = self.report.clips.saturating_add(clipped);
         if !self.is_quiet {
             self.report.energy = self.report.energy.wrapping_add(u64::from(code::energy(codes)));

@@ -10,7 +10,11 @@
 //! A record is written into the slot that does not hold the newest record: erase, payload, header last. So whenever the
 //! power fails, the newest record with a valid header is the complete old or the complete new one. The record with the
 //! higher sequence number is the newer; the number wraps. If a payload is damaged later, the store reports damage and
-//! does not use the older table, which the user had replaced.
+//! does not use the older table, which the user had replaced. If a header is damaged later, the older record becomes
+//! the newest: [`has_lost_a_copy`] tells that, so that it is not used in silence.
+//!
+//! Flash wears with each erasure, so what is stored already is not written again ([`holds`]), and the sequence number
+//! counts the erasures ([`erasures`]).
 
 use slipline_protocol::command::TableHeader;
 use slipline_protocol::event::StoredConfig;
@@ -19,8 +23,13 @@ use slipline_protocol::limits::MAX_KNOTS;
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::Gain;
 
+mod slots;
+
+use self::slots::{is_whole_beside, newest, wipe};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 use crate::upload::check_header;
+
+pub use self::slots::{erasures, has_lost_a_copy};
 
 type Word = [u8; FLASH_WORD];
 
@@ -79,43 +88,6 @@ fn put(word: &mut Word, at: usize, bytes: &[u8]) {
 
 fn number(word: &Word, at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(*word.get(at..)?.first_chunk::<4>()?))
-}
-
-/// What a slot holds.
-enum Content {
-    Blank,
-    Broken,
-    Record(RecordHeader),
-}
-
-fn content(flash: &mut impl FlashPages, slot: FlashSlot) -> Content {
-    let mut word = [0; FLASH_WORD];
-    if flash.read(slot, 0, &mut word).is_err() {
-        return Content::Broken;
-    }
-    match RecordHeader::decode(&word) {
-        Some(header) => Content::Record(header),
-        None if word.iter().all(|&byte| byte == 0xff) => Content::Blank,
-        None => Content::Broken,
-    }
-}
-
-/// The newest record and its slot.
-///
-/// # Errors
-/// [`StoredConfig::Empty`] if both slots are blank, else [`StoredConfig::Damaged`].
-fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
-    match (content(flash, FlashSlot::A), content(flash, FlashSlot::B)) {
-        (Content::Record(a), Content::Record(b)) => {
-            // Serial-number arithmetic: the sign of the difference is right even when the number has wrapped.
-            let b_is_newer = b.sequence.wrapping_sub(a.sequence).cast_signed() > 0;
-            Ok(if b_is_newer { (FlashSlot::B, b) } else { (FlashSlot::A, a) })
-        }
-        (Content::Record(a), _) => Ok((FlashSlot::A, a)),
-        (_, Content::Record(b)) => Ok((FlashSlot::B, b)),
-        (Content::Blank, Content::Blank) => Err(StoredConfig::Empty),
-        _ => Err(StoredConfig::Damaged),
-    }
 }
 
 /// Reads the stored table. Checks the CRC of the record and the table's header, then passes index and value of each
@@ -236,6 +208,34 @@ pub fn forget(flash: &mut impl FlashPages) -> Result<(), FlashError> {
     write_record(flash, FORGOTTEN, 0, |_| [0; FLASH_WORD])
 }
 
+/// Whether this very table is stored, and the other slot is whole: to store it would change nothing.
+pub fn holds(flash: &mut impl FlashPages, header: &TableHeader, knot: impl Fn(u16) -> Knot) -> bool {
+    let Ok((slot, record)) = newest(flash) else { return false };
+    let Some(words) = payload_words(header) else { return false };
+    if (record.layout, record.kind) != (LAYOUT, TABLE) || !is_whole_beside(flash, slot, &record) {
+        return false;
+    }
+    let mut crc = CRC.digest();
+    for index in 0..words {
+        let (wanted, mut word) = (payload_word(header, &knot, index), [0; FLASH_WORD]);
+        if flash.read(slot, (index + 1) * FLASH_WORD, &mut word).is_err() || word != wanted {
+            return false;
+        }
+        crc.update(&word);
+    }
+    crc.finalize() == record.crc
+}
+
+/// Whether it is stored that there is no table, or nothing is: to forget would change nothing.
+pub fn holds_nothing(flash: &mut impl FlashPages) -> bool {
+    match newest(flash) {
+        Ok((slot, record)) => {
+            (record.layout, record.kind) == (LAYOUT, FORGOTTEN) && is_whole_beside(flash, slot, &record)
+        }
+        Err(state) => state == StoredConfig::Empty,
+    }
+}
+
 fn write_record(
     flash: &mut impl FlashPages,
     kind: u8,
@@ -246,8 +246,16 @@ fn write_record(
         return Err(FlashError);
     }
     let (slot, sequence) = match newest(flash) {
-        Ok((slot, newest)) => (slot.other(), newest.sequence.wrapping_add(1)),
-        Err(_) => (FlashSlot::A, 1),
+        Ok((slot, newest)) => {
+            // A slot that is not as a store leaves it was erased once more than the records tell.
+            let erasures = if is_whole_beside(flash, slot, &newest) { 1 } else { 2 };
+            (slot.other(), newest.sequence.wrapping_add(erasures))
+        }
+        Err(_) => {
+            // There is no record that could be lost. What is left of one in the other slot would look like a loss.
+            wipe(flash, FlashSlot::B)?;
+            (FlashSlot::A, 1)
+        }
     };
     flash.erase(slot)?;
     let mut crc = CRC.digest();

@@ -202,12 +202,16 @@ impl Mute for NoAmplifier {
     }
 }
 
-/// This board has no ROM bootloader.
+/// This board has no ROM bootloader and no brown-out level.
 struct NoBootloader;
 
 impl System for NoBootloader {
     fn has_bootloader(&self) -> bool {
         false
+    }
+
+    fn is_brown_out_guarded(&self) -> bool {
+        true
     }
 
     fn enter_bootloader(&mut self) {}

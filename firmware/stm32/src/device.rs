@@ -163,12 +163,16 @@ impl CycleCounter for Cycles {
     }
 }
 
-/// The chip's ROM bootloader.
+/// The chip's ROM bootloader, and what its option bytes say.
 struct Rom;
 
 impl System for Rom {
     fn has_bootloader(&self) -> bool {
         true
+    }
+
+    fn is_brown_out_guarded(&self) -> bool {
+        board::is_brown_out_guarded()
     }
 
     fn enter_bootloader(&mut self) {

@@ -21,8 +21,6 @@
 //!   system's failure takes effect. AOE = 0: only the program sets MOE again.
 //! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
 
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
-
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
 use embassy_stm32::pac::timer::vals::{Bkp, Lock, Ossi};
 use embassy_stm32::{Peri, rcc};
@@ -38,12 +36,6 @@ const STAYS_ON_US: u16 = 4000;
 const INACTIVE_ON_MATCH: u8 = 0b010;
 const FORCED_INACTIVE: u8 = 0b100;
 const FORCED_ACTIVE: u8 = 0b101;
-
-/// Good blocks until an amplifier that is held off comes on again; 0 while it is not held off.
-static HELD_OFF: AtomicU32 = AtomicU32::new(0);
-/// 51 ms. The DAC's triggers stand still while a word is written, 100 us at most, so that a block between the words may
-/// take 13 ms: the amplifier stays off until all words are written.
-const HELD_OFF_BLOCKS: u32 = 160;
 
 /// The amplifier's mute pin.
 pub(crate) struct MutePin {
@@ -91,29 +83,14 @@ impl MutePin {
 impl Mute for MutePin {
     fn set_muted(&mut self, muted: bool) {
         match (self.is_on, muted) {
-            (true, true) => {
-                HELD_OFF.store(0, Relaxed);
-                off();
-            }
-            (false, false) => {
-                HELD_OFF.store(0, Relaxed);
-                on();
-            }
+            (true, true) => off(),
+            (false, false) => on(),
             _ => {}
         }
         self.is_on = !muted;
     }
 
     fn stay_on(&mut self) -> Result<(), HasMuted> {
-        // Only the thread sets it, which does not run meanwhile.
-        let held_off = HELD_OFF.load(Relaxed);
-        if held_off > 0 {
-            HELD_OFF.store(held_off - 1, Relaxed);
-            if held_off == 1 {
-                on();
-            }
-            return Ok(());
-        }
         if !is_on() {
             return Err(HasMuted);
         }
@@ -143,16 +120,6 @@ fn on() {
 /// and the filters is locked.
 pub(crate) fn off() {
     TIMER.bdtr().write(|_| {});
-}
-
-/// Mutes an amplifier that is on for as long as the flash is written, which stops the blocks, and a little longer. From the
-/// thread only, while the output is silent.
-pub(crate) fn hold_off() {
-    if HELD_OFF.load(Relaxed) > 0 || is_on() {
-        // First, so that the renderer does not take the amplifier for one that has muted itself.
-        HELD_OFF.store(HELD_OFF_BLOCKS, Relaxed);
-        off();
-    }
 }
 
 /// Whether the amplifier is on: the pin has been switched on, and neither has the counter reached its mark since, nor has

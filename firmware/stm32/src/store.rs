@@ -1,9 +1,9 @@
 //! The two flash slots of the stored table.
 //!
-//! The application writes only when it is silent. This file still stops the DAC's triggers around every erasure and
-//! write: the F407 has one bank, so the processor stops until the flash is ready again and serves no interrupt. The
-//! sample index stands still meanwhile, and nothing is counted as an underrun. An amplifier that is on
-//! is off meanwhile.
+//! The application writes only when the device is disarmed and the renderer has muted the amplifier. This file still
+//! stops the DAC's triggers around every erasure and write: the F407 has one bank, so the processor stops until the
+//! flash is ready again and serves no interrupt. The sample index stands still meanwhile, and nothing is counted as an
+//! underrun.
 //!
 //! A word is torn when the power fails while it is written. A torn word reads as anything on the F407, which has no
 //! error correction: the application's CRC finds it. On the G474 it raises an NMI and on the H743 a bus fault (RM0440
@@ -21,7 +21,11 @@ use embassy_stm32::peripherals::FLASH;
 use slipline_app::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
 pub(crate) use self::chip::on_nmi;
-use crate::{board, dac, mute, watchdog};
+use crate::{board, dac, watchdog};
+
+/// Erasures of each sector or page that the data sheets promise over the whole range of temperature: the least in the
+/// tables "Flash memory endurance and data retention" of DS8626 (F407), DS12288 (G474) and DS12110 (H743).
+const ENDURANCE: u32 = 10_000;
 
 /// The two slots in the chip's flash.
 pub(crate) struct Store(Flash<'static, Blocking>);
@@ -53,11 +57,14 @@ impl FlashPages for Store {
         board::SLOT_BYTES
     }
 
+    fn endurance(&self) -> u32 {
+        ENDURANCE
+    }
+
     fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
         let from = Self::place(slot, 0, board::SLOT_BYTES)?;
         let to = from + board::SLOT_BYTES as u32;
         chip::forget_old_errors();
-        mute::hold_off();
         watchdog::lengthen();
         let erased = dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError);
         chip::forget_cached();
@@ -67,7 +74,6 @@ impl FlashPages for Store {
     fn write(&mut self, slot: FlashSlot, offset: usize, word: &[u8; FLASH_WORD]) -> Result<(), FlashError> {
         let at = Self::place(slot, offset, FLASH_WORD)?;
         chip::forget_old_errors();
-        mute::hold_off();
         dac::paused(|| self.0.blocking_write(at, word)).map_err(|_| FlashError)
     }
 

@@ -43,6 +43,7 @@ mod snapshot;
 pub mod table;
 mod trace;
 pub mod transport;
+pub mod upkeep;
 
 pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use error::LinkError;

@@ -8,7 +8,8 @@ use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
 use crate::trace::FRAMES_KEPT;
-use slipline_protocol::event::{Status, TableReport};
+use crate::upkeep;
+use slipline_protocol::event::{Maintenance, Status, TableReport};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
@@ -121,6 +122,22 @@ impl Recorder {
         }
     }
 
+    /// Takes what the device tells of its upkeep, with a line in the log for each thing that a person should mend.
+    pub(crate) fn maintenance(&mut self, told: Maintenance) {
+        let before = self.view.maintenance.replace(told);
+        if before.is_none()
+            && let Some(warning) = upkeep::before_arming(&told)
+        {
+            self.log(Severity::Warning, warning);
+        }
+        if let Some(warning) = upkeep::worn(&told)
+            && before.is_none_or(|before| before.erasures != told.erasures)
+        {
+            self.log(Severity::Warning, warning);
+        }
+        self.touch();
+    }
+
     /// Takes a status that came from the device.
     pub(crate) fn status(&mut self, status: Status) {
         let seen = |status: &Status| {
@@ -199,6 +216,7 @@ impl Recorder {
     pub(crate) fn forget_device(&mut self, error: Option<LinkError>) {
         let view = &mut self.view;
         view.identity = None;
+        view.maintenance = None;
         view.compatibility = None;
         view.status = None;
         view.table = TableReport::default();

@@ -8,7 +8,7 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
-use slipline_protocol::event::{Identity, Status, TableReport};
+use slipline_protocol::event::{Identity, Maintenance, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
@@ -109,7 +109,10 @@ pub struct Snapshot {
     pub compatibility: Option<Compatibility>,
     /// Its status, while connected; asked for every fifth of a second.
     pub status: Option<Status>,
-    /// When that status came, since the worker was started. With the sample rate it gives the present sample index.
+    /// The wear of its flash and how its supply is guarded, while connected; `None` with a device of protocol 1.0, which
+    /// does not tell it. Told at the start, and anew after each write to the flash.
+    pub maintenance: Option<Maintenance>,
+    /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
     pub status_time: Duration,
     /// The device's table, as it was last read back.
     pub table: TableReport,

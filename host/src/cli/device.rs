@@ -1,12 +1,12 @@
 //! A device for one command: blocking calls to the link worker.
 
-use super::{Failure, progress};
+use super::{ArmingArgument, Failure, progress};
 use crate::signals::{self, Ending};
 use slipline_link::native::{Handle, Worker};
 use slipline_link::protocol::event::Identity;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Outcome, Port, Request, Snapshot};
+use slipline_link::{Outcome, Port, Request, Snapshot, upkeep};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
@@ -53,6 +53,18 @@ impl Device {
             (Some(identity), Some(compatibility)) if compatibility.may_drive() => Ok(identity.clone()),
             (_, Some(compatibility)) => Err(Failure::Failed(compatibility.sentence().to_owned())),
             (_, None) => Err(Failure::Failed("the device went away".to_owned())),
+        }
+    }
+
+    /// Makes sure that the device may be armed: its brown-out level is set, or the user knows that it is not.
+    pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {
+        let warning = self.snapshot().maintenance.as_ref().and_then(upkeep::before_arming);
+        match warning {
+            Some(warning) if !arming.despite_brown_out_level => {
+                let text = format!("{warning} To arm it all the same, add --despite-brown-out-level.");
+                Err(Failure::Failed(text))
+            }
+            _ => Ok(()),
         }
     }
 

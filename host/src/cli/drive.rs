@@ -20,6 +20,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let port = &arguments.port.port;
 
     let device = Device::connect(port)?;
+    device.may_be_armed(&arguments.arming)?;
     if arguments.clear_faults {
         device.perform(Request::ClearFaults)?;
     }

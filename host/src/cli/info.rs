@@ -3,8 +3,8 @@
 use super::device::Device;
 use super::{Failure, output};
 use serde_json::json;
-use slipline_link::Port;
 use slipline_link::native::list_ports;
+use slipline_link::{Port, upkeep};
 use slipline_plate::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
@@ -34,6 +34,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
     let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
     let identity = snapshot.identity.as_deref();
     let status = snapshot.status;
+    let maintenance = snapshot.maintenance.as_ref();
     let table = snapshot.table.active;
     let faults: Vec<&str> = status.iter().flat_map(|s| s.faults.iter().map(|fault| fault.text())).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
@@ -55,6 +56,9 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         "dead_man_s": identity.map(|it| f64::from(it.dead_man_ms) / 1e3),
         "reset": identity.map(|it| format!("{:?}", it.reset)),
         "stored": identity.map(|it| format!("{:?}", it.stored)),
+        "flash_erasures": maintenance.map(|it| it.erasures),
+        "flash_erasures_promised": maintenance.map(|it| it.erasures_promised),
+        "brown_out_guarded": maintenance.map(|it| it.brown_out_guarded),
         "crash": identity.map(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
         "state": status.map(|it| format!("{:?}", it.state)),
         "faults": faults,
@@ -91,6 +95,12 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
             lines.push(("Tones", format!("{}", it.tones)));
             lines.push(("Last reset", format!("{:?}", it.reset)));
             lines.push(("Kept in flash", format!("{:?}", it.stored)));
+        }
+        if let Some(it) = maintenance {
+            lines.push(("Flash erased", upkeep::wear(it)));
+            lines.push(("Brown-out level", upkeep::brown_out_level(it).to_owned()));
+            lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
+            lines.extend(upkeep::worn(it).map(|warning| ("Warning", warning)));
         }
         lines.push(("Versions", compatibility.to_owned()));
         if let Some(it) = status {

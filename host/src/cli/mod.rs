@@ -108,6 +108,14 @@ pub struct PortArgument {
     port: Port,
 }
 
+/// What is armed all the same.
+#[derive(Debug, Args)]
+pub struct ArmingArgument {
+    /// Arm a board although it says that its brown-out level is not set.
+    #[arg(long)]
+    despite_brown_out_level: bool,
+}
+
 /// Which plate.
 #[derive(Debug, Args)]
 pub struct PlateArgument {
@@ -155,6 +163,8 @@ pub struct DriveArguments {
     /// Clear the device's latched faults first.
     #[arg(long)]
     clear_faults: bool,
+    #[command(flatten)]
+    arming: ArmingArgument,
 }
 
 /// `respond`.
@@ -253,6 +263,8 @@ pub struct VerifyArguments {
     /// The longest stretch of codes per digest.
     #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
     window: Typed<f64>,
+    #[command(flatten)]
+    arming: ArmingArgument,
 }
 
 /// `serve`.

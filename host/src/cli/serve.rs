@@ -45,6 +45,8 @@ fn options(plate: Option<&str>) -> Result<slipline_link::simulator::Options, Fai
     let (_, table) = progress::table_for(&argument::plate(plate)?, rate_hz)?;
     let mut loopback = Loopback::connect(rate_hz).map_err(Failure::failed)?;
     loopback.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
+    // An armed device does not write its flash.
+    loopback.perform(Request::Disarm, |_| ()).map_err(Failure::failed)?;
     loopback.perform(Request::Store, |_| ()).map_err(Failure::failed)?;
     Ok(Options { flash: loopback.flash(), ..Options::default() })
 }

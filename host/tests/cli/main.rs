@@ -11,6 +11,8 @@ mod serve;
 #[cfg(unix)]
 mod signals;
 mod trace;
+#[cfg(unix)]
+mod upkeep;
 
 use serde_json::Value;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
-use slipline_link::{PortInfo, Snapshot};
+use slipline_link::{PortInfo, Snapshot, upkeep};
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
@@ -67,6 +67,14 @@ impl Scene<'_> {
     pub(crate) fn is_table_dirty(&self) -> bool {
         let on_device = self.snapshot.table.active.map(|header| header.crc);
         self.snapshot.is_connected() && self.table_crc().is_some_and(|crc| on_device != Some(crc))
+    }
+
+    /// What the user has to know before this board is armed for the first time, if there is anything.
+    pub(crate) fn asks_before_arming(&self) -> Option<&'static str> {
+        let sentence = upkeep::before_arming(self.snapshot.maintenance.as_ref()?)?;
+        let is_known =
+            self.snapshot.unit().is_some_and(|unit| self.settings.unguarded_boards.contains(&unit));
+        (!is_known).then_some(sentence)
     }
 
     /// The largest possible sum of all tones, as a share of the DAC's full scale.

@@ -33,6 +33,8 @@ impl ThemeChoice {
 
 /// Most files in the list of recent files.
 const RECENT: usize = 8;
+/// Most boards in the list of those that are armed without a brown-out level.
+const UNGUARDED: usize = 64;
 
 /// The settings that the app keeps between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,6 +54,8 @@ pub struct Settings {
     pub auto_upload: bool,
     /// Files opened or saved, newest first.
     pub recent: Vec<PathBuf>,
+    /// The unique ids of the boards that the user arms although their brown-out level is not set, newest first.
+    pub unguarded_boards: Vec<String>,
     /// Whether the user has dragged the boundary once, so that the hint is no longer needed.
     pub has_dragged: bool,
     /// Whether the wave is animated; not kept between runs, so that every start shows it moving.
@@ -73,6 +77,7 @@ impl Default for Settings {
             auto_reconnect: true,
             auto_upload: false,
             recent: Vec::new(),
+            unguarded_boards: Vec::new(),
             has_dragged: false,
             animate: true,
         }
@@ -108,6 +113,13 @@ impl Settings {
         self.recent.insert(0, path.to_owned());
         self.recent.truncate(RECENT);
     }
+
+    /// Remembers that the user has armed a board knowing that its brown-out level is not set.
+    pub(crate) fn arms_unguarded(&mut self, unit: String) {
+        self.unguarded_boards.retain(|other| *other != unit);
+        self.unguarded_boards.insert(0, unit);
+        self.unguarded_boards.truncate(UNGUARDED);
+    }
 }
 
 #[cfg(test)]
@@ -123,6 +135,7 @@ mod tests {
             auto_reconnect: false,
             auto_upload: true,
             recent: vec!["/a/b.toml".into(), "c.toml".into()],
+            unguarded_boards: vec!["00ff".to_owned()],
             has_dragged: true,
             animate: true,
         }
@@ -148,6 +161,19 @@ mod tests {
             assert!(text.contains(from), "{text}");
             assert_eq!(Settings::read(&text.replacen(from, to, 1)), wanted, "{to}");
         }
+    }
+
+    #[test]
+    fn boards_that_are_armed_unguarded_are_few_and_named_once() {
+        let mut settings = Settings::default();
+        for i in 0..200 {
+            settings.arms_unguarded(format!("{:02x}", i % 100));
+        }
+        assert_eq!(settings.unguarded_boards.len(), UNGUARDED);
+        assert_eq!(settings.unguarded_boards[0], "63");
+        settings.arms_unguarded("62".to_owned());
+        assert_eq!(settings.unguarded_boards[..2], ["62", "63"]);
+        assert_eq!(settings.unguarded_boards.len(), UNGUARDED);
     }
 
     #[cfg(unix)]

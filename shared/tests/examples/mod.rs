@@ -1,6 +1,9 @@
 //! Example messages: each has a label, and its frame stands under this label in a file of `wire/`.
 //!
-//! Together they hold every message, and every variant of every enumeration that a message carries.
+//! Together they hold every message, and every variant of every enumeration that a message carries. Those of minor 0
+//! stand here, those of a later minor in a file of its own.
+
+mod v1_1;
 
 use heapless::{String, Vec};
 use slipline_protocol::command::*;
@@ -20,11 +23,35 @@ pub(crate) const SEQUENCE: u16 = 0x0605;
 /// Not `Version::OURS`: the fingerprint is made from these very frames.
 pub(crate) const VERSION: Version = Version { major: 1, minor: 0, schema: [1, 2, 3, 4] };
 
-/// A command with its label.
+/// A command or an event with its label.
 pub(crate) type Example<T> = (std::string::String, T);
 
+/// The commands that a minor added.
+///
+/// # Panics
+/// If it has no examples.
+pub(crate) fn commands_of(minor: u8) -> std::vec::Vec<Example<Command>> {
+    match minor {
+        0 => commands(),
+        1 => v1_1::commands(),
+        _ => panic!("minor {minor} needs a file of examples here"),
+    }
+}
+
+/// The events that a minor added, or that carry a variant that it added.
+///
+/// # Panics
+/// If it has no examples.
+pub(crate) fn events_of(minor: u8) -> std::vec::Vec<Example<Event>> {
+    match minor {
+        0 => events(),
+        1 => v1_1::events(),
+        _ => panic!("minor {minor} needs a file of examples here"),
+    }
+}
+
 /// The commands of minor 0.
-pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
+fn commands() -> std::vec::Vec<Example<Command>> {
     let tone =
         Tone { slot: 15, position: Position(u16::MAX), level: Level(u16::MAX), phase: Phase(u16::MAX) };
     let one_tone = Tone { slot: 0, position: Position(32_768), level: Level(52_428), phase: Phase(16_384) };
@@ -306,7 +333,7 @@ fn refusals() -> impl Iterator<Item = Example<Event>> {
 }
 
 /// The events of minor 0.
-pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
+fn events() -> std::vec::Vec<Example<Event>> {
     let header = TableHeader {
         knots: 513,
         span_start_um: 80_000,

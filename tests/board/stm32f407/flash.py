@@ -33,6 +33,10 @@ class Flash(flash.Flash):
         super().reset()
         self.access = 0
 
+    def take_brown_out_level(self):
+        """BOR_LEV = 11: off, as delivered."""
+        self.options |= 0b11 << 2
+
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
         assert self.control & PROGRAM and not self.control & LOCK, f"a store into locked flash at {address:#x}"

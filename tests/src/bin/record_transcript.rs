@@ -1,13 +1,14 @@
 //! Records a session of this build's host with this build's device, to standard output: once for each minor version,
 //! when it is released. The files in `transcripts/` are never made anew.
 
+use slipline_protocol::version::{MAJOR, MINOR};
 use slipline_tests::transcript::{Line, Recorder, play};
 use std::sync::{Arc, Mutex};
 
 fn main() {
     let recorder = Arc::new(Mutex::new(Recorder::default()));
     play(&recorder, Recorder::pass);
-    println!("# A host and a device of protocol 1.0. Frozen: never edit this file.");
+    println!("# A host and a device of protocol {MAJOR}.{MINOR}. Frozen: never edit this file.");
     for line in &recorder.lock().expect("nobody else holds it").lines {
         let hex = |frame: &[u8]| frame.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
         match line {

@@ -2,7 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
-use slipline_protocol::event::{Counters, Identity, State, Status};
+use slipline_protocol::event::{Counters, Identity, Maintenance, State, Status};
 use slipline_protocol::limits;
 use slipline_protocol::units::per_mille;
 use slipline_protocol::version::Version;
@@ -66,6 +66,16 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                 max_cycles: view.report.max_cycles,
                 ..counters
             },
+        }
+    }
+
+    /// What a person who looks after the device has to know.
+    pub(super) fn maintenance(&self) -> Maintenance {
+        Maintenance {
+            erasures: self.erasures,
+            // There are two slots.
+            erasures_promised: self.flash.endurance().saturating_mul(2),
+            brown_out_guarded: self.system.is_brown_out_guarded(),
         }
     }
 

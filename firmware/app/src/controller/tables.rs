@@ -1,14 +1,15 @@
 //! Tables: an uploaded table comes into force; the table in force is stored in flash or removed from it.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::event::StoredConfig;
+use slipline_protocol::event::{Accepted, Event, Fault, StoredConfig};
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use super::Controller;
 use super::drive::publish;
+use super::{Controller, accepted};
 use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
+use crate::slots::TableRef;
 use crate::store;
 
 impl<F: FlashPages, S: System> Controller<F, S> {
@@ -36,28 +37,86 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(at)
     }
 
-    pub(super) fn store<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(mailbox)?;
+    /// Loads the stored table, and latches a fault if something of the store was lost.
+    pub(super) fn load<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        let slot = self.active.slot.other();
+        let knot = |index| mailbox.slots().knot(slot, index);
+        let loaded = store::load(&mut self.flash, self.timing.sample_rate_hz, |index, knot| {
+            mailbox.write_knot(slot, index, knot);
+        })
+        .and_then(|header| {
+            if store::is_sound(&header, knot) { Ok(header) } else { Err(StoredConfig::Damaged) }
+        });
+        let has_lost_a_copy = store::has_lost_a_copy(&mut self.flash);
+        self.erasures = store::erasures(&mut self.flash);
+        self.stored = match loaded {
+            Ok(header) => {
+                self.table = Some(header);
+                self.active = TableRef { slot, knots: header.knots };
+                if has_lost_a_copy { StoredConfig::FellBack } else { StoredConfig::Loaded }
+            }
+            // What was lost may have been a table.
+            Err(StoredConfig::Empty) if has_lost_a_copy => StoredConfig::Damaged,
+            Err(other) => other,
+        };
+        match self.stored {
+            StoredConfig::Damaged => mailbox.latch(Fault::StoreDamaged),
+            StoredConfig::FellBack => mailbox.latch(Fault::StoreFellBack),
+            StoredConfig::Empty | StoredConfig::Loaded | StoredConfig::WrongVersion => {}
+        }
+    }
+
+    pub(super) fn store<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
+        self.refuse_unless_silent(mailbox)?;
         let header = self.table.ok_or(Refusal::NoTable)?;
+        refuse_unless_muted(mailbox)?;
         let slot = self.active.slot;
-        store::save(&mut self.flash, &header, |index| mailbox.slots().knot(slot, index))
-            .map_err(|_| Refusal::StoreFailed)?;
+        let knot = |index| mailbox.slots().knot(slot, index);
+        if store::holds(&mut self.flash, &header, knot) {
+            return Ok(unchanged(mailbox.now()));
+        }
+        let saved = store::save(&mut self.flash, &header, knot);
+        self.erasures = store::erasures(&mut self.flash);
+        saved.map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Loaded;
-        Ok(mailbox.now())
+        Ok(accepted(mailbox.now()))
     }
 
-    pub(super) fn forget<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
-        self.refuse_unless_storable(mailbox)?;
-        store::forget(&mut self.flash).map_err(|_| Refusal::StoreFailed)?;
+    pub(super) fn forget<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
+        self.refuse_unless_silent(mailbox)?;
+        refuse_unless_muted(mailbox)?;
+        if store::holds_nothing(&mut self.flash) {
+            return Ok(unchanged(mailbox.now()));
+        }
+        let forgotten = store::forget(&mut self.flash);
+        self.erasures = store::erasures(&mut self.flash);
+        forgotten.map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Empty;
-        Ok(mailbox.now())
+        Ok(accepted(mailbox.now()))
     }
 
-    /// Erasing flash stalls the processor: only when a repeated mid-scale does no harm.
-    fn refuse_unless_storable<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+    fn refuse_unless_silent<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         if self.flash.slot_len() < store::SLOT_BYTES {
             return Err(Refusal::NotSupported);
         }
         if mailbox.view().is_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
     }
+}
+
+/// Erasing flash stalls the processor for seconds, in which no stop is served: only with the amplifier off, where a
+/// repeated mid-scale is not felt.
+fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+    let view = mailbox.view();
+    if view.armed {
+        Err(Refusal::DisarmFirst)
+    } else if !view.report.muted {
+        // Some blocks of mid-scale are on their way before it is switched off.
+        Err(Refusal::Busy(Busy::DriveActive))
+    } else {
+        Ok(())
+    }
+}
+
+const fn unchanged(at: SampleIndex) -> Event {
+    Event::Unchanged(Accepted { at })
 }

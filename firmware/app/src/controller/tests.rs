@@ -43,6 +43,10 @@ impl System for Rom {
         true
     }
 
+    fn is_brown_out_guarded(&self) -> bool {
+        true
+    }
+
     fn enter_bootloader(&mut self) {
         *self.0.borrow_mut() = true;
     }
@@ -264,7 +268,11 @@ struct Deadly;
 
 impl FlashPages for Deadly {
     fn slot_len(&self) -> usize {
-        store::SLOT_BYTES
+        crate::store::SLOT_BYTES
+    }
+
+    fn endurance(&self) -> u32 {
+        10_000
     }
 
     fn erase(&mut self, _: FlashSlot) -> Result<(), FlashError> {
@@ -288,6 +296,8 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
+    let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox) else { panic!() };
+    assert_eq!((told.erasures, told.erasures_promised), (0, 20_000));
 }
 
 #[test]

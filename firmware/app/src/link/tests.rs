@@ -33,6 +33,10 @@ impl System for Nothing {
         false
     }
 
+    fn is_brown_out_guarded(&self) -> bool {
+        true
+    }
+
     fn enter_bootloader(&mut self) {}
 }
 

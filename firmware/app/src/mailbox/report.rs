@@ -9,6 +9,8 @@ pub struct Report {
     pub silent: bool,
     /// A stop is ramping.
     pub stopping: bool,
+    /// The amplifier is off while the block sounds.
+    pub muted: bool,
     /// The sum of the amplitudes at the block's end, Q1.31.
     pub sum: u64,
     /// The sum of the squares of all codes' distances from mid-scale since reset; wraps.
@@ -29,6 +31,7 @@ impl Report {
     pub(crate) const SILENT: Self = Self {
         silent: true,
         stopping: false,
+        muted: true,
         sum: 0,
         energy: 0,
         clips: 0,

@@ -1,6 +1,8 @@
 //! the power fails at every write and erase, twice in a row and in several ways, in flash with and without
 //! error correction; what is read back is always a whole record.
 
+mod copies;
+
 use std::vec;
 use std::vec::Vec;
 
@@ -85,6 +87,10 @@ impl Flash {
 impl FlashPages for Flash {
     fn slot_len(&self) -> usize {
         SLOT_BYTES
+    }
+
+    fn endurance(&self) -> u32 {
+        10_000
     }
 
     fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {

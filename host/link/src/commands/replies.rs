@@ -97,6 +97,9 @@ impl CommandQueue {
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
             self.tasks.push_front(Task::new(None, Job::FirstReadBack));
+            if self.channel.is_known(&Command::Maintenance) {
+                self.tasks.push_front(Task::new(None, Job::Send(Command::Maintenance)));
+            }
         } else {
             self.stage = Stage::Limited;
             recorder.log(Severity::Warning, compatibility.sentence());
@@ -140,6 +143,8 @@ impl CommandQueue {
             Event::Refused(refusal) => Outcome::Refused(Refusal::Device(*refusal)),
             Event::Hello(_)
             | Event::Status(_)
+            | Event::Maintenance(_)
+            | Event::Unchanged(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
@@ -164,6 +169,8 @@ impl CommandQueue {
             // The next keep-alive asks again.
             Event::Hello(_)
             | Event::Accepted(_)
+            | Event::Maintenance(_)
+            | Event::Unchanged(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => {}
@@ -208,6 +215,11 @@ impl CommandQueue {
     ) -> Next {
         match event {
             Event::Accepted(accepted) => return self.accepted(task, command, accepted.at, recorder, now),
+            Event::Unchanged(accepted) => {
+                recorder
+                    .log(Severity::Info, "The device's flash holds this already: it was not written again.");
+                return self.accepted(task, command, accepted.at, recorder, now);
+            }
             Event::Refused(_) | Event::Table(_) if task.is_overtaken => {
                 // Refused, or lost and something harmless took its place: the stop is what counts.
                 recorder.finish(task.ticket, Outcome::Superseded);
@@ -223,8 +235,20 @@ impl CommandQueue {
             {
                 self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
             }
+            // A device that was just disarmed takes some milliseconds until its amplifier is off, and a ramp some more.
+            Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
+                if matches!(command, Command::Store | Command::Forget)
+                    && task.tries < BUSY_TRIES
+                    && recorder.view.status.is_some_and(|status| status.state != State::Driving) =>
+            {
+                self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
+            }
             Event::Refused(refusal) => {
                 return self.refused(&task, &command, Refusal::Device(refusal), recorder);
+            }
+            Event::Maintenance(told) => {
+                recorder.maintenance(told);
+                recorder.finish(task.ticket, Outcome::Done { at: 0 });
             }
             Event::Table(report) => {
                 recorder.table(report);
@@ -308,9 +332,13 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at });
                 return Next::Close;
             }
+            Command::Store | Command::Forget => {
+                if self.channel.is_known(&Command::Maintenance) {
+                    self.tasks.push_back(Task::new(None, Job::Send(Command::Maintenance)));
+                }
+            }
             // They change nothing that is in the journal, or are not sent as tasks.
-            Command::Store
-            | Command::Forget
+            Command::Maintenance
             | Command::TableBegin(_)
             | Command::TableChunk(_)
             | Command::TableCommit

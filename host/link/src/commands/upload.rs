@@ -164,7 +164,15 @@ impl Uploads {
             }
             (Event::Accepted(_), Step::Verify)
             | (Event::Table(_), Step::Begin | Step::Chunk { .. } | Step::Commit)
-            | (Event::Hello(_) | Event::Status(_) | Event::Digest(_) | Event::BootloaderToken(_), _) => {
+            | (
+                Event::Hello(_)
+                | Event::Status(_)
+                | Event::Maintenance(_)
+                | Event::Unchanged(_)
+                | Event::Digest(_)
+                | Event::BootloaderToken(_),
+                _,
+            ) => {
                 self.fail(Refusal::UnexpectedReply, recorder);
             }
             #[cfg(slipline_next)]

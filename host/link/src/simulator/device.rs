@@ -44,6 +44,8 @@ pub struct Options {
     pub flash: MemoryFlash,
     /// The chip's unique id.
     pub unit: [u8; 12],
+    /// Whether it says that its brown-out reset level is set.
+    pub brown_out_guarded: bool,
 }
 
 impl Default for Options {
@@ -54,6 +56,7 @@ impl Default for Options {
             heat: Heat::Cold,
             flash: MemoryFlash::default(),
             unit: *b"simulated-00",
+            brown_out_guarded: true,
         }
     }
 }
@@ -123,7 +126,7 @@ impl SimulatedDevice {
     }
 
     fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
-        let peripherals = Peripherals::new(options.flash.clone());
+        let peripherals = Peripherals::new(options.flash.clone(), options.brown_out_guarded);
         let mailbox = Shared::default();
         let device = Device {
             board: "simulated",

@@ -13,6 +13,9 @@ use slipline_app::ports::{
 };
 use slipline_app::store::SLOT_BYTES;
 
+/// What the data sheets of the boards' chips promise for each slot.
+const ENDURANCE: u32 = 10_000;
+
 /// Two slots of flash in memory; erased bytes are `0xff`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryFlash {
@@ -50,6 +53,7 @@ pub(super) struct PeripheralState {
     /// The amplifier's pin has gone low by itself.
     pub(super) has_muted: bool,
     pub(super) flash: MemoryFlash,
+    pub(super) brown_out_guarded: bool,
     pub(super) in_bootloader: bool,
 }
 
@@ -59,7 +63,7 @@ pub(super) struct Peripherals(Arc<Mutex<PeripheralState>>);
 
 impl Peripherals {
     /// The state after power came on, over a flash that holds what it held.
-    pub(super) fn new(flash: MemoryFlash) -> Self {
+    pub(super) fn new(flash: MemoryFlash, brown_out_guarded: bool) -> Self {
         Self(Arc::new(Mutex::new(PeripheralState {
             to_device: VecDeque::new(),
             from_device: Vec::new(),
@@ -73,6 +77,7 @@ impl Peripherals {
             muted: true,
             has_muted: false,
             flash,
+            brown_out_guarded,
             in_bootloader: false,
         })))
     }
@@ -174,6 +179,10 @@ impl FlashPages for Peripherals {
         self.lock().flash.slots[0].len()
     }
 
+    fn endurance(&self) -> u32 {
+        ENDURANCE
+    }
+
     fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
         self.lock().flash.slots[slot as usize].fill(0xff);
         Ok(())
@@ -201,6 +210,10 @@ impl FlashPages for Peripherals {
 impl System for Peripherals {
     fn has_bootloader(&self) -> bool {
         true
+    }
+
+    fn is_brown_out_guarded(&self) -> bool {
+        self.lock().brown_out_guarded
     }
 
     fn enter_bootloader(&mut self) {

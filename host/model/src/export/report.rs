@@ -7,7 +7,7 @@ use crate::setup::file as setup_file;
 use slipline_link::protocol::command::TableHeader;
 use slipline_link::protocol::event::{Counters, Identity, ResetCause, State, Status, StoredConfig};
 use slipline_link::protocol::frame::DecoderCounters;
-use slipline_link::{LinkCounters, LinkError, LinkState, Port, RoundTrip, Snapshot};
+use slipline_link::{LinkCounters, LinkError, LinkState, Port, RoundTrip, Snapshot, upkeep};
 use std::fmt::{Display, Write as _};
 use std::time::Duration;
 
@@ -203,8 +203,13 @@ fn device(page: &mut Page, snapshot: &Snapshot, identity: &Identity) {
             StoredConfig::Loaded => "in use",
             StoredConfig::WrongVersion => "of another version, not used",
             StoredConfig::Damaged => "damaged, not used",
+            StoredConfig::FellBack => "one copy damaged, the other in use",
         },
     );
+    if let Some(told) = &snapshot.maintenance {
+        page.line("Flash erased", upkeep::wear(told));
+        page.line("Brown-out level", upkeep::brown_out_level(told));
+    }
     page.line("Last crash", if crash.is_empty() { "none" } else { crash.as_str() });
 }
 

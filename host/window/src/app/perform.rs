@@ -5,6 +5,7 @@ use crate::files::{FileEvent, FileJob, Save};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
 use eframe::egui;
+use slipline_link::protocol::event::State;
 use slipline_link::{Request, Severity};
 use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
@@ -104,12 +105,7 @@ impl App {
                 Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
                 Intent::Confirmed(confirm) => {
                     self.dialog = None;
-                    self.parts.link.send(match confirm {
-                        Confirm::Arm => Request::Arm,
-                        Confirm::Store => Request::Store,
-                        Confirm::Forget => Request::Forget,
-                        Confirm::Bootloader => Request::Bootloader,
-                    });
+                    self.confirmed(confirm);
                 }
                 Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
@@ -125,6 +121,28 @@ impl App {
             }
             ctx.request_repaint();
         }
+    }
+
+    fn confirmed(&mut self, confirm: Confirm) {
+        let snapshot = &self.snapshot;
+        let request = match confirm {
+            Confirm::Arm => Request::Arm,
+            Confirm::Store => Request::Store,
+            Confirm::Forget => Request::Forget,
+            Confirm::Bootloader => Request::Bootloader,
+        };
+        if confirm == Confirm::Arm
+            && snapshot.maintenance.is_some_and(|told| !told.brown_out_guarded)
+            && let Some(unit) = snapshot.unit()
+        {
+            self.settings.arms_unguarded(unit);
+        }
+        let is_armed = snapshot.status.is_some_and(|status| status.state == State::Armed);
+        if is_armed && matches!(confirm, Confirm::Store | Confirm::Forget) {
+            // An armed device does not write its flash.
+            self.parts.link.send(Request::Disarm);
+        }
+        self.parts.link.send(request);
     }
 
     /// The plate that was designed from the present draft.

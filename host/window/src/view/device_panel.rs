@@ -5,7 +5,7 @@ use super::{Scene, ViewState, theme, top_bar};
 use crate::intent::{Confirm, Dialog, Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Port, Request};
+use slipline_link::{LinkState, Port, Request, upkeep};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
     ports(ui, scene, intents);
@@ -102,6 +102,17 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         "Rate",
         format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
     );
+    if let Some(told) = &snapshot.maintenance {
+        let colour = |is_good: bool| if is_good { palette.text } else { palette.warn };
+        let wear = RichText::new(upkeep::wear(told)).color(colour(upkeep::worn(told).is_none()));
+        row(ui, "Flash erased", wear);
+        let level = RichText::new(upkeep::brown_out_level(told)).color(colour(told.brown_out_guarded));
+        row(ui, "Brown-out level", level);
+        let warnings = upkeep::before_arming(told).map(str::to_owned).into_iter().chain(upkeep::worn(told));
+        for warning in warnings {
+            ui.label(RichText::new(warning).small().color(palette.warn));
+        }
+    }
     if let Some(compatibility) = snapshot.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
@@ -186,7 +197,8 @@ const SOUNDS: &str = "Only while nothing sounds";
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
     let state = scene.snapshot.status.map(|status| status.state);
-    let is_silent = matches!(state, Some(State::Idle | State::Armed));
+    // With a fault it is disarmed, and storing anew is the remedy for some.
+    let is_silent = matches!(state, Some(State::Idle | State::Armed | State::Fault));
     // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.
     let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));
     ui.horizontal_wrapped(|ui| {

@@ -5,7 +5,7 @@ mod path;
 pub(crate) use path::TypedPath;
 
 use super::theme::GAP;
-use super::{Scene, ViewState, top_bar};
+use super::{Scene, ViewState, theme, top_bar};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::export::report;
@@ -63,7 +63,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Dialog::About => about(ui),
                 Dialog::Diagnostics => diagnostics(ui, scene, intents),
                 Dialog::Path(question) => return path::show(ui, question, view, intents),
-                Dialog::Confirm(confirm) => return confirmation(ui, *confirm, intents),
+                Dialog::Confirm(confirm) => return confirmation(ui, *confirm, scene, intents),
             }
             false
         });
@@ -172,12 +172,12 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
         ),
         Confirm::Store => (
             "Overwrite what the device keeps?",
-            "The device's present table replaces the one in its flash and is used from the next start on.",
+            "The device's present table replaces the one in its flash and is used from the next start on. An armed device is disarmed first: for up to 5 s it takes no stop.",
             "Overwrite",
         ),
         Confirm::Forget => (
             "Erase what the device keeps?",
-            "The table in the device's flash is erased. The one in use stays.",
+            "The table in the device's flash is erased. The one in use stays. An armed device is disarmed first: for up to 5 s it takes no stop.",
             "Erase",
         ),
         Confirm::Bootloader => (
@@ -188,11 +188,20 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-fn confirmation(ui: &mut egui::Ui, confirm: Confirm, intents: &mut Intents) -> bool {
-    let (title, text, verb) = words(confirm);
+fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents: &mut Intents) -> bool {
+    let (title, text, mut verb) = words(confirm);
     ui.heading(title);
     ui.add_space(6.0);
     ui.add(egui::Label::new(text).wrap());
+    if confirm == Confirm::Arm
+        && let Some(sentence) = scene.asks_before_arming()
+    {
+        ui.add_space(6.0);
+        let warning = RichText::new(sentence).color(theme::palette(ui).warn);
+        ui.add(egui::Label::new(warning).wrap());
+        ui.add(egui::Label::new("Slipline asks this once for each board.").wrap());
+        verb = "Arm all the same";
+    }
     ui.add_space(10.0);
     ui.horizontal(|ui| {
         let is_cancelled = ui.button("Cancel").clicked();

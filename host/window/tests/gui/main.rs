@@ -21,6 +21,7 @@ mod stop;
 mod tab_order;
 mod test_app;
 mod unknown_values;
+mod upkeep;
 
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};

@@ -1,0 +1,90 @@
+//! What the two slots say of themselves: which record is the newest, whether the other slot is as a store leaves it, and
+//! how often they have been erased.
+
+use slipline_protocol::event::StoredConfig;
+
+use super::{RecordHeader, SLOT_BYTES};
+use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
+
+/// What the header of a slot says.
+enum Content {
+    Blank,
+    Broken,
+    Record(RecordHeader),
+}
+
+fn content(flash: &mut impl FlashPages, slot: FlashSlot) -> Content {
+    let mut word = [0; FLASH_WORD];
+    if flash.read(slot, 0, &mut word).is_err() {
+        return Content::Broken;
+    }
+    match RecordHeader::decode(&word) {
+        Some(header) => Content::Record(header),
+        None if word.iter().all(|&byte| byte == 0xff) => Content::Blank,
+        None => Content::Broken,
+    }
+}
+
+/// Whether nothing has been written to a slot since it was erased.
+fn is_blank(flash: &mut impl FlashPages, slot: FlashSlot) -> bool {
+    let mut word = [0; FLASH_WORD];
+    (0..SLOT_BYTES)
+        .step_by(FLASH_WORD)
+        .all(|offset| flash.read(slot, offset, &mut word).is_ok() && word.iter().all(|&byte| byte == 0xff))
+}
+
+/// The newest record and its slot.
+///
+/// # Errors
+/// [`StoredConfig::Empty`] if both slots are blank, else [`StoredConfig::Damaged`].
+pub(super) fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHeader), StoredConfig> {
+    match (content(flash, FlashSlot::A), content(flash, FlashSlot::B)) {
+        (Content::Record(a), Content::Record(b)) => {
+            // Serial-number arithmetic: the sign of the difference is right even when the number has wrapped.
+            let b_is_newer = b.sequence.wrapping_sub(a.sequence).cast_signed() > 0;
+            Ok(if b_is_newer { (FlashSlot::B, b) } else { (FlashSlot::A, a) })
+        }
+        (Content::Record(a), _) => Ok((FlashSlot::A, a)),
+        (_, Content::Record(b)) => Ok((FlashSlot::B, b)),
+        (Content::Blank, Content::Blank) => Err(StoredConfig::Empty),
+        _ => Err(StoredConfig::Damaged),
+    }
+}
+
+/// Whether the slot beside the newest record is as a store leaves it: it holds the record before, or the newest record
+/// is the first one and nothing was ever written there. Anything else is a store that the power cut short, or a header
+/// that has decayed and may have been the newest.
+pub(super) fn is_whole_beside(flash: &mut impl FlashPages, slot: FlashSlot, newest: &RecordHeader) -> bool {
+    match content(flash, slot.other()) {
+        Content::Record(_) => true,
+        Content::Blank => newest.sequence == 1 && is_blank(flash, slot.other()),
+        Content::Broken => false,
+    }
+}
+
+/// Whether one of the two slots has lost what it held, so that the newest record may be an older one. False where there
+/// is no record at all, which [`load`](super::load) tells.
+pub fn has_lost_a_copy(flash: &mut impl FlashPages) -> bool {
+    if flash.slot_len() < SLOT_BYTES {
+        return false;
+    }
+    newest(flash).is_ok_and(|(slot, record)| !is_whole_beside(flash, slot, &record))
+}
+
+/// How often the two slots have been erased, both together, as far as their records tell: the newest one's sequence
+/// number. An erasure that a power failure cut short is counted by the next record, if it left a trace; of several in
+/// a row, one is. It counts anew when both records are lost.
+pub fn erasures(flash: &mut impl FlashPages) -> u32 {
+    if flash.slot_len() < SLOT_BYTES {
+        return 0;
+    }
+    newest(flash).map_or(0, |(_, record)| record.sequence)
+}
+
+/// Erases a slot if anything is in it.
+///
+/// # Errors
+/// [`FlashError`] if the chip reports one.
+pub(super) fn wipe(flash: &mut impl FlashPages, slot: FlashSlot) -> Result<(), FlashError> {
+    if is_blank(flash, slot) { Ok(()) } else { flash.erase(slot) }
+}

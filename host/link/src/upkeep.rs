@@ -1,0 +1,74 @@
+//! What a device's [`Maintenance`] means for the person who looks after it, in sentences.
+
+use slipline_protocol::event::Maintenance;
+
+/// How often the flash was erased, of how often it may be.
+///
+/// ```
+/// use slipline_link::protocol::event::Maintenance;
+/// use slipline_link::upkeep;
+///
+/// let told = Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
+/// assert_eq!(upkeep::wear(&told), "3 of 20000 times");
+/// assert_eq!(upkeep::brown_out_level(&told), "not set");
+/// assert!(upkeep::before_arming(&told).is_some());
+/// ```
+#[must_use]
+pub fn wear(told: &Maintenance) -> String {
+    match told.erasures_promised {
+        0 => "it keeps nothing".to_owned(),
+        promised => format!("{} of {promised} times", told.erasures),
+    }
+}
+
+/// Whether the brown-out level is set, in a word or two.
+#[must_use]
+pub const fn brown_out_level(told: &Maintenance) -> &'static str {
+    if told.brown_out_guarded { "set" } else { "not set" }
+}
+
+/// What a person should know before the device is armed, if there is anything.
+#[must_use]
+pub const fn before_arming(told: &Maintenance) -> Option<&'static str> {
+    if told.brown_out_guarded {
+        return None;
+    }
+    Some(
+        "The brown-out level of this board is not set: when its supply fails, its processor may go wrong before it \
+         is stopped, with a finger on the plate. Set the level once per board, as firmware/BOARDS.md says.",
+    )
+}
+
+/// The warning that the flash is worn, if it is: it may lose what it keeps.
+#[must_use]
+pub fn worn(told: &Maintenance) -> Option<String> {
+    let Maintenance { erasures, erasures_promised, .. } = *told;
+    (erasures_promised > 0 && erasures > erasures_promised).then(|| {
+        format!(
+            "The device's flash has been erased {erasures} times; its data sheet promises {erasures_promised}. \
+             It may lose the table that it keeps."
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flash_counts_as_worn_above_what_its_data_sheet_promises_and_not_before() {
+        let told = |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: true };
+        assert_eq!((worn(&told(0)), worn(&told(20_000))), (None, None));
+        let warning = worn(&told(20_001)).unwrap();
+        assert!(warning.contains("20001 times") && warning.contains("promises 20000"), "{warning}");
+        let keeps_nothing = Maintenance { erasures_promised: 0, ..told(1) };
+        assert_eq!((worn(&keeps_nothing), wear(&keeps_nothing)), (None, "it keeps nothing".to_owned()));
+    }
+
+    #[test]
+    fn only_a_board_without_a_brown_out_level_asks_before_it_is_armed() {
+        let told = |brown_out_guarded| Maintenance { brown_out_guarded, ..Maintenance::default() };
+        assert_eq!(before_arming(&told(true)), None);
+        assert!(before_arming(&told(false)).unwrap().contains("brown-out level"));
+    }
+}

@@ -1,0 +1,70 @@
+//! A board whose brown-out level is not set, and the wear of its flash.
+
+use super::{failure, file, json, slipline};
+use slipline_link::native::{Server, system_clock};
+use slipline_link::simulator::realtime::RealtimeDevice;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+/// A simulated device behind a socket, until it is dropped.
+struct Served {
+    port: String,
+    ended: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Served {
+    fn new(name: &str, options: Options) -> Self {
+        let path = file(name);
+        let mut server = Server::at_socket(&path).unwrap();
+        let ended = Arc::new(AtomicBool::new(false));
+        let is_ended = Arc::clone(&ended);
+        let thread = std::thread::spawn(move || {
+            let device = RealtimeDevice::new(SimulatedDevice::new(options), system_clock());
+            server.serve(device, &is_ended).unwrap();
+        });
+        Self { port: format!("unix:{}", path.display()), ended, thread: Some(thread) }
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn a_board_without_a_brown_out_level_is_armed_only_if_the_user_says_that_he_knows_it() {
+    let served = Served::new("unguarded.sock", Options { brown_out_guarded: false, ..Options::default() });
+    let drive =
+        ["drive", "--port", &served.port, "--plate", "membrane", "--boundary", "40mm", "--for", "50ms"];
+    let verify = ["verify", "--port", &served.port];
+    for command in [&drive[..], &verify[..]] {
+        let message = failure(command, 1);
+        assert!(message.contains("brown-out level of this board is not set"), "{message}");
+        assert!(message.contains("add --despite-brown-out-level"), "{message}");
+    }
+    let driven = json(&[&drive[..], &["--despite-brown-out-level"]].concat());
+    assert!(driven["driven_s"].as_f64().unwrap() > 0.0, "{driven}");
+
+    assert_eq!(json(&["info", "--port", &served.port])["brown_out_guarded"], false);
+    let output = slipline(&["info", "--port", &served.port]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("Warning") && text.contains("firmware/BOARDS.md"), "{text}");
+}
+
+#[test]
+fn info_tells_the_wear_of_the_flash() {
+    let served = Served::new("wear.sock", Options::default());
+    let told = json(&["info", "--port", &served.port]);
+    assert_eq!((&told["flash_erasures"], &told["flash_erasures_promised"]), (&0.into(), &20_000.into()));
+    assert_eq!(told["brown_out_guarded"], true);
+    let output = slipline(&["info", "--port", &served.port]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("0 of 20000 times") && !text.contains("Warning"), "{text}");
+}

@@ -1,0 +1,113 @@
+//! What a board says of its brown-out level and its flash: asked before the first arming, shown in the device panel.
+
+use crate::real_device;
+use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::Request;
+use slipline_link::protocol::event::{Maintenance, State};
+use slipline_window::settings::ThemeChoice;
+use std::sync::Arc;
+
+/// A real device in this state that tells this of itself.
+fn telling(state: State, told: Option<Maintenance>) -> FixedLink {
+    let mut link = real_device(state);
+    Arc::make_mut(&mut link.snapshot).maintenance = told;
+    link
+}
+
+const UNGUARDED: Maintenance =
+    Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
+
+fn arms(link: &FixedLink) -> usize {
+    link.sent.borrow().iter().filter(|request| matches!(request, Request::Arm)).count()
+}
+
+#[test]
+fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
+    let link = telling(State::Idle, Some(UNGUARDED));
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    assert!(window.query_by_label_contains("brown-out level of this board is not set").is_some());
+    assert!(window.query_by_label("Arm").is_none(), "the button says what it does");
+    window.get_by_label("Cancel").click();
+    window.run_steps(5);
+    assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (0, 0));
+
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    window.get_by_label("Arm all the same").click();
+    window.run_steps(5);
+    assert_eq!(arms(&link), 1);
+    assert_eq!(window.state().settings().unguarded_boards, [link.snapshot.unit().unwrap()]);
+
+    // From then on it is armed as any other board.
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    assert!(window.query_by_label_contains("brown-out level of this board is not set").is_none());
+    window.get_by_label("Arm").click();
+    window.run_steps(5);
+    assert_eq!(arms(&link), 2);
+}
+
+#[test]
+fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more() {
+    for told in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
+        let link = telling(State::Idle, told);
+        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+        let mut window =
+            open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.get_by_label("Arm…").click();
+        window.run_steps(5);
+        assert!(window.query_by_label_contains("brown-out level").is_none());
+        window.get_by_label("Arm").click();
+        window.run_steps(5);
+        assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (1, 0));
+    }
+}
+
+#[test]
+fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
+    let worn = Maintenance { erasures: 20_001, ..UNGUARDED };
+    let link = telling(State::Idle, Some(worn));
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    window.get_by_label("Device").click();
+    window.run_steps(5);
+    for text in ["20001 of 20000 times", "not set"] {
+        assert!(window.query_by_label(text).is_some(), "{text}");
+    }
+    for text in ["flash has been erased 20001 times", "brown-out level of this board is not set"] {
+        assert!(window.query_by_label_contains(text).is_some(), "{text}");
+    }
+}
+
+#[test]
+fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
+    let mut app = TestApp::driving();
+    app.window.key_press(eframe::egui::Key::Space);
+    app.wait(500);
+    app.window.get_by_label("Device").click();
+    app.wait(100);
+    for written in [true, false] {
+        app.take_sent();
+        app.window.get_by_label("Keep table…").click();
+        app.wait(100);
+        app.window.get_by_label("Overwrite").click();
+        app.wait(500);
+        let sent = app.take_sent();
+        let is_asked = |want: fn(&Request) -> bool| sent.iter().any(want);
+        assert!(is_asked(|request| matches!(request, Request::Store)), "{sent:?}");
+        assert_eq!(is_asked(|request| matches!(request, Request::Disarm)), written, "{sent:?}");
+        let snapshot = app.snapshot();
+        assert_eq!(snapshot.last_refusal, None);
+        assert_eq!(snapshot.maintenance.map(|told| told.erasures), Some(1));
+        let is_told = snapshot.log.iter().any(|line| line.text.contains("was not written again"));
+        assert_eq!(is_told, !written, "{:?}", snapshot.log);
+    }
+}
