@@ -12,6 +12,7 @@ use crate::ports::{FlashPages, System};
 use crate::slots::TableRef;
 use crate::store;
 
+// What reads and writes the flash is never inlined: its buffers would lie on the stack under every other command.
 impl<F: FlashPages, S: System> Controller<F, S> {
     pub(super) fn commit_table<M: RawMutex>(
         &mut self,
@@ -38,6 +39,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
     }
 
     /// Loads the stored table, and latches a fault if something of the store was lost.
+    #[inline(never)]
     pub(super) fn load<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         let slot = self.active.slot.other();
         let knot = |index| mailbox.slots().knot(slot, index);
@@ -66,6 +68,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
     }
 
+    #[inline(never)]
     pub(super) fn store<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
         self.refuse_unless_silent(mailbox)?;
         let header = self.table.ok_or(Refusal::NoTable)?;
@@ -82,6 +85,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         Ok(accepted(mailbox.now()))
     }
 
+    #[inline(never)]
     pub(super) fn forget<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
         self.refuse_unless_silent(mailbox)?;
         refuse_unless_muted(mailbox)?;

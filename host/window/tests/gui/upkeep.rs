@@ -89,7 +89,10 @@ fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
 
 #[test]
 fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
-    let mut app = TestApp::driving();
+    // High enough for the whole panel.
+    let builder =
+        HarnessBuilder::default().with_size([1280.0, 1400.0]).with_theme(eframe::egui::Theme::Light);
+    let mut app = TestApp::driving_with(ThemeChoice::Light, builder);
     app.window.key_press(eframe::egui::Key::Space);
     app.wait(500);
     app.window.get_by_label("Device").click();
@@ -97,7 +100,7 @@ fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
     for written in [true, false] {
         app.take_sent();
         app.window.get_by_label("Keep table…").click();
-        app.wait(100);
+        app.wait(300);
         app.window.get_by_label("Overwrite").click();
         app.wait(500);
         let sent = app.take_sent();
