@@ -296,7 +296,10 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
-    let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox) else { panic!() };
+    let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox)
+    else {
+        panic!()
+    };
     assert_eq!((told.erasures, told.erasures_promised), (0, 20_000));
 }
 
