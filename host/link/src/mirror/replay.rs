@@ -260,8 +260,7 @@ impl Replay {
             mirror.silence(target);
             let skipped = (mirror.now() - rendered).min(self.keep as u64) as usize;
             self.codes.extend(std::iter::repeat_n(MID_SCALE, skipped));
-            // The table is taken up before the change.
-            self.render(at);
+            // Nothing is rendered yet: a step of the fold-back in this silence may be told only after the change.
         }
         true
     }

@@ -88,6 +88,26 @@ fn dropped_steps_of_the_fold_back_cost_only_the_codes_before_the_next_one() {
 }
 
 #[test]
+fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_drive_that_ends_it() {
+    let entries = [
+        (1, 0, Change::Limit(500)),
+        (2, 12_800, Change::Session),
+        (3, 144_128, drive(20_000)),
+        (4, 128_000, Change::Limit(551)),
+    ];
+    let replay = followed(&entries, 182_400);
+    let mut mirror = Mirror::new(RATE_HZ, 12_800);
+    mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
+    mirror.acknowledge_limit(551, 0).unwrap();
+    let Change::Drive(drive) = &entries[2].2 else { panic!() };
+    mirror.acknowledge_drive(drive, 144_128).unwrap();
+    let mut rendered = Vec::new();
+    mirror.render(182_400, |_, codes| rendered.extend_from_slice(codes));
+    let codes = replay.exact_codes(144_128, 38_272).expect("exact");
+    assert!(codes.eq(rendered[rendered.len() - 38_272..].iter().copied()));
+}
+
+#[test]
 fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
     let entries = [
         (1, 12_800, Change::Session),
