@@ -6,10 +6,13 @@
 //! host has not taken it in time: a host that has stopped reading must not stop the program.
 
 use embassy_executor::Spawner;
+use embassy_futures::select::select;
 use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_stm32::peripherals::{PA11, PA12, USB_OTG_FS};
 use embassy_stm32::usb::{self, Driver};
 use embassy_stm32::{Peri, bind_interrupts, pac};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::driver::EndpointError;
 use embassy_usb::{Builder, Handler, UsbDevice};
@@ -29,7 +32,7 @@ const PACKET: usize = 64;
 const OUT_BUFFERS: usize = 4 * PACKET;
 
 bind_interrupts!(struct Irqs {
-    OTG_FS => usb::InterruptHandler<USB_OTG_FS>;
+    OTG_FS => NewBeginning, usb::InterruptHandler<USB_OTG_FS>;
 });
 
 /// The OTG core that has its own full-speed PHY, on its pins.
@@ -82,24 +85,66 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
 /// IN endpoints that every core has, the control endpoint included (F407: four, RM0090 34.3; H743: nine).
 const IN_ENDPOINTS: usize = 4;
 
-/// Withdraws the packet that the host had not fetched when it reset the bus.
+/// Withdraws a packet that the host has not fetched and never will.
 ///
 /// The driver flushes the endpoint's FIFO but leaves EPENA set (embassy-usb-synopsys-otg 0.3), and its `write` waits
 /// until the core clears EPENA. The core clears it when the packet has been sent. A flushed packet is never sent, so
 /// the device would not answer until the power is switched off and on.
+fn withdraw(endpoint: usize) {
+    let control = pac::USB_OTG_FS.diepctl(endpoint);
+    if control.read().epena() {
+        // RM0090, 34.17.6: an IN endpoint is disabled by EPDIS, with NAK set.
+        control.modify(|w| {
+            w.set_snak(true);
+            w.set_epdis(true);
+        });
+    }
+}
+
+/// Withdraws every packet that the host had not fetched when it reset the bus.
 struct BusReset;
 
 impl Handler for BusReset {
     fn reset(&mut self) {
-        for endpoint in 0..IN_ENDPOINTS {
-            let control = pac::USB_OTG_FS.diepctl(endpoint);
-            if control.read().epena() {
-                // RM0090, 34.17.6: an IN endpoint is disabled by EPDIS, with NAK set.
-                control.modify(|w| {
-                    w.set_snak(true);
-                    w.set_epdis(true);
-                });
-            }
+        (0..IN_ENDPOINTS).for_each(withdraw);
+    }
+}
+
+/// A bus reset or the first packet of a control transfer has come.
+static BEGINS: Signal<CriticalSectionRawMutex, ()> = Signal::new();
+
+/// Raises [`BEGINS`], and withdraws the end of the transfer before if the host has not fetched that. It must run before the
+/// driver's handler, which lets the next transfer begin.
+struct NewBeginning;
+
+impl interrupt::typelevel::Handler<interrupt::typelevel::OTG_FS> for NewBeginning {
+    unsafe fn on_interrupt() {
+        let core = pac::USB_OTG_FS;
+        let is_setup = core.doepint(0).read().stup();
+        if is_setup {
+            withdraw(0);
+        }
+        if is_setup || core.gintsts().read().usbrst() {
+            BEGINS.signal(());
+        }
+    }
+}
+
+/// First packets of control transfers that the core can keep. It counts down with each that comes, and the driver sets it to
+/// this when it takes one (RM0090, 34.17.5).
+const SETUPS: u8 = 3;
+
+/// Waits until the host has given a control transfer up: it begins anew, and the driver does not see it.
+///
+/// In a control transfer the driver waits for the host's next step and for nothing else (embassy-usb 0.6). A host that gives
+/// one up, by a new one (USB 2.0, 8.5.3) or by a reset of the bus, would get no answer until the power is switched off and
+/// on.
+async fn given_up() {
+    loop {
+        BEGINS.wait().await;
+        let core = pac::USB_OTG_FS;
+        if core.gintsts().read().usbrst() || core.doeptsiz(0).read().rxdpid_stupcnt() < SETUPS {
+            return;
         }
     }
 }
@@ -107,7 +152,12 @@ impl Handler for BusReset {
 /// Runs the USB device; never ends.
 #[embassy_executor::task]
 async fn run(mut device: UsbDevice<'static, Driver<'static, USB_OTG_FS>>) {
-    device.run().await;
+    loop {
+        // `select` asks the device first: it takes all that it can take. What it has left then, it would leave for ever. A bus
+        // reset and a first packet stay where they are for the next run.
+        select(device.run(), given_up()).await;
+        withdraw(0);
+    }
 }
 
 /// There is no host.
