@@ -10,6 +10,8 @@ import stm32h743
 from core.uart import SerialHost
 from core.usb import UsbHost
 
+# On all three chips: UART5, whose vector the renderer has, the DAC's underrun, and the time's timer.
+RENDERER_IRQ, DAC_IRQ, TIME_IRQ = 53, 54, 50
 # An OUT packet of an endpoint that there is not (`UsbHost.push`).
 UNKNOWN_ENDPOINT = 2, 9, b"\0"
 
@@ -83,7 +85,22 @@ BOARDS = F407, G474, H743
 
 def on_f407(test):
     """For what is said of the F407's image alone."""
-    return pytest.mark.parametrize("facts", [F407], ids=name, indirect=True)(test)
+    return on(F407)(test)
+
+
+def on(*boards):
+    """For what concerns these boards' images."""
+    return pytest.mark.parametrize("facts", boards, ids=name, indirect=True)
+
+
+def on_usb(test):
+    """For the images whose link is a USB core."""
+    return on(*(facts for facts in BOARDS if facts.cable is UsbHost))(test)
+
+
+def on_serial(test):
+    """For the images whose link is a serial line."""
+    return on(*(facts for facts in BOARDS if facts.cable is SerialHost))(test)
 
 
 def name(facts):

@@ -1,31 +1,24 @@
-"""The image under test, built once, and boards that run it."""
-import json
-import os
-import shutil
+"""Which tests run when, and the states from which they begin: each is reached once, and each test gets a copy."""
 import subprocess
-from pathlib import Path
 
 import pytest
 
+from bare_chip import Registers
 from boards import BOARDS, F407, name
-from host import DRIVE, RATE_HZ, Host, drive
+from copies import in_copy
+from images import firmware, mirror_codes
+from rig import Kept, Rig, Sounding
 
-ROOT = Path(__file__).parents[2]
-TARGET = "thumbv7em-none-eabihf"
-
-
-def cargo(*arguments):
-    """Builds with cargo and returns the executable's path."""
-    command = [os.environ.get("CARGO", "cargo"), "build", "--message-format", "json", *arguments]
-    output = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout
-    messages = [json.loads(line) for line in output.splitlines()]
-    return [message["executable"] for message in messages if message.get("executable")][-1]
+# The fixtures that are boards, shared by all tests of the session.
+SHARED = {"rig", "armed", "sounding", "cool", "kept"}
 
 
-def firmware(board):
-    """Builds a board's image by the documented command and returns its path."""
-    features = ["--no-default-features", "--features", board]
-    return cargo("--release", "-p", "slipline-stm32", "--target", TARGET, *features)
+# These need nothing of what the others share, so the second process runs them on the first one's image, too.
+APART = {"test_documents", "test_latency", "test_speed"}
+
+
+def pytest_addoption(parser):
+    parser.addoption("--share", choices=["1/2", "2/2"], help="of two processes, one for each core: which one this is")
 
 
 def pytest_configure(config):
@@ -33,14 +26,31 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "every_image: the gate runs it on every board's image, not on the F407's alone")
 
 
+def share(item):
+    """The first process has the F407's image, the second one the others'."""
+    is_f407 = hasattr(item, "callspec") and item.callspec.params.get("facts") == F407
+    return "1/2" if is_f407 and item.module.__name__ not in APART else "2/2"
+
+
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """What the gate does not run on the other boards' images is for the night; so is a fault's second phase in a block."""
+    items[:] = [item for item in items if config.option.share in (None, share(item))]
     for item in items:
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         is_chosen = item.get_closest_marker("every_image") and not parameters.get("phase")
         if parameters.get("facts") not in (None, F407) and not is_chosen:
             item.add_marker(pytest.mark.nightly)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem):
+    """A test that has a board gets a copy of it: it runs in a copy of this process."""
+    if SHARED.isdisjoint(pyfuncitem.fixturenames):
+        return None
+    arguments = {name: pyfuncitem.funcargs[name] for name in pyfuncitem._fixtureinfo.argnames}
+    in_copy(lambda: pyfuncitem.obj(**arguments) and None)
+    return True
 
 
 @pytest.fixture(scope="session", params=BOARDS, ids=name)
@@ -50,86 +60,46 @@ def facts(request):
 
 
 @pytest.fixture(scope="session")
-def image(facts, tmp_path_factory):
-    """The very image that is flashed; a copy, for other boards' images go to the same place."""
-    copy = tmp_path_factory.mktemp("image") / "slipline-stm32.elf"
-    return shutil.copy(firmware(facts.feature), copy)
+def image(facts):
+    """The very image that is flashed."""
+    return firmware(facts.feature)
 
 
 @pytest.fixture(scope="session")
 def mirror():
     """Replays accepted commands and returns the codes from..until."""
-    program = cargo("-p", "slipline-tests", "--bin", "mirror_codes")
+    program = mirror_codes()
 
-    def play(accepted, start, until, limit=None):
-        """`limit`: what the thermal model leaves, per mille, if that is less than all; it must not change meanwhile."""
+    def play(accepted, start, until, limit=None, begin=0):
+        """`limit`: what the thermal model leaves, per mille, if that is less than all; it must not change meanwhile.
+        `begin`: an index at which the device was silent."""
         lines = "".join(f"{index} {frame.hex()}\n" for index, frame in accepted) + f"play {start} {until}\n"
-        lines = lines if limit is None else f"limit 0 {limit}\n" + lines
+        lines = lines if limit is None else f"limit {begin} {limit}\n" + lines
+        lines = f"begin {begin}\n" + lines if begin else lines
         output = subprocess.run([program], input=lines.encode(), stdout=subprocess.PIPE, check=True).stdout
         return [int.from_bytes(output[i : i + 2], "little") for i in range(0, len(output), 2)]
 
     return play
 
 
-class Rig:
-    """A board with a host on its cable."""
-
-    def __init__(self, facts, image):
-        self.facts = facts
-        self.board = facts.chip(image)
-        self.cable = facts.cable(self.board)
-        self.host = Host(self.board, self.cable)
-
-    def codes(self, start, until):
-        """The codes the DAC has played for the samples start..until."""
-        # The value DAC and ring start with: one in the holding register, two blocks in the ring.
-        first = 1 + 2 * 128
-        return self.board.dac.codes[first + start : first + until]
-
-    def played(self):
-        """The index of the next sample to be played."""
-        return len(self.board.dac.codes) - (1 + 2 * 128)
-
-
-@pytest.fixture
+@pytest.fixture(scope="session")
 def rig(facts, image):
+    """Switched off so far."""
     return Rig(facts, image)
 
 
-# The thermal limit changes at multiples of this many samples only (limits::FOLDBACK_PERIOD_MS, in whole blocks).
-LIMIT_PERIOD = 320 * RATE_HZ // 1000
-
-
-class Sounding(Rig):
-    """Connected, armed, and just at the beginning of a drive: the thermal limit stays as it is for long enough."""
-
-    def __init__(self, facts, image, mirror):
-        super().__init__(facts, image)
-        self.host.connect()
-        self.host.upload()
-        while self.host.status()["now"] % LIMIT_PERIOD > LIMIT_PERIOD // 8:
-            self.board.is_hasty = True
-            self.host.live(0.02)
-        self.board.is_hasty = False
-        self.host.live(0.002)
-        self.host.arm()
-        self.limit = self.host.status()["foldback"]
-        # 32 kHz as loud as it may be, and a lower tone that glides.
-        self.at = self.host.accept(DRIVE, drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * RATE_HZ // 1000))
-        self.host.live(0.02)
-        until = self.at + 60 * RATE_HZ // 1000
-        self.expected = mirror(self.host.accepted, self.at, until, self.limit)
-
-    def leaves_the_mirror(self):
-        """The index of the first code that is not the mirror's."""
-        codes = self.codes(self.at, self.played())
-        assert len(codes) <= len(self.expected)
-        return self.at + next((i for i, (a, b) in enumerate(zip(codes, self.expected)) if a != b), len(codes))
+@pytest.fixture(scope="session")
+def armed(facts, image):
+    """Connected, with a table, armed."""
+    rig = Rig(facts, image)
+    rig.host.connect()
+    rig.host.upload()
+    rig.host.arm()
+    return rig
 
 
 @pytest.fixture(scope="session")
 def sounding(facts, image, mirror):
-    """Never changed: cases run on copies of it (`copies.on_copy`)."""
     rig = Sounding(facts, image, mirror)
     assert rig.leaves_the_mirror() == rig.played(), "up to here it plays what the mirror plays"
     return rig
@@ -138,7 +108,7 @@ def sounding(facts, image, mirror):
 @pytest.fixture(scope="session")
 def cool(facts, image):
     """Connected, with a table, armed, and so long after the start that the thermal model lets the full level pass:
-    after a reset it takes the coil for hot, and `mirror_codes` is not told the limit. Shared, for it takes a while."""
+    after a reset it takes the coil for hot, and `mirror_codes` is not told the limit."""
     rig = Rig(facts, image)
     rig.host.connect()
     rig.host.upload()
@@ -154,10 +124,14 @@ def cool(facts, image):
     return rig
 
 
+@pytest.fixture(scope="session")
+def kept(facts, image):
+    return Kept(facts, image)
+
+
 @pytest.fixture
-def armed(rig):
-    """Connected, with a table, armed."""
-    rig.host.connect()
-    rig.host.upload()
-    rig.host.arm()
-    return rig
+def chip():
+    """An F407 without a program, at full speed."""
+    registers = Registers()
+    registers.run_at_full_speed()
+    return registers

@@ -5,26 +5,41 @@ happens to them in the copy stays there.
 """
 import os
 import pickle
+import sys
 import traceback
 
+import pytest
 
-def on_copy(rig, case):
-    """Calls `case(rig)` in a copy and returns its result; what it raises is raised here, as an AssertionError."""
+
+def in_copy(case):
+    """Calls `case()` in a copy and returns its result; what it raises is raised here, as an AssertionError."""
+    sys.stdout.flush()
     read, write = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(read)
         try:
-            result = True, case(rig)
+            answer = "result", case()
+        except pytest.skip.Exception as reason:
+            answer = "skipped", str(reason)
         except BaseException:
-            result = False, traceback.format_exc()
+            answer = "failed", traceback.format_exc()
         with os.fdopen(write, "wb") as pipe:
-            pickle.dump(result, pipe)
+            pickle.dump(answer, pipe)
+        sys.stdout.flush()
         os._exit(0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:
         answer = pipe.read()
     os.waitpid(child, 0)
-    is_well, result = pickle.loads(answer)
-    assert is_well, f"in a copy of the rig:\n{result}"
+    assert answer, "the copy's process has died"
+    kind, result = pickle.loads(answer)
+    if kind == "skipped":
+        pytest.skip(result)
+    assert kind == "result", f"in a copy of the rig:\n{result}"
     return result
+
+
+def on_copy(rig, case):
+    """As `in_copy`, for a case that takes the rig."""
+    return in_copy(lambda: case(rig))

@@ -41,8 +41,8 @@ def zigzag(value):
     return varint(value << 1 if value >= 0 else (-value << 1) - 1)
 
 
-def frame(session, sequence, message, body):
-    raw = struct.pack("<BIHB", TO_DEVICE, session, sequence, message) + body
+def frame(session, sequence, message, body, direction=TO_DEVICE):
+    raw = struct.pack("<BIHB", direction, session, sequence, message) + body
     raw += struct.pack("<I", zlib.crc32(raw))
     coded, block = bytearray(), bytearray()
     for byte in raw:
@@ -179,7 +179,7 @@ class Host:
     def exchange(self, message, body=b"", patience=0.6):
         """Sends a command and waits for its answer: session, message and body."""
         if message not in UNSEQUENCED:
-            self.sequence = self.sequence % 0xFFFF + 1
+            self.sequence = self.sequence + 1 & 0xFFFF
         sent = frame(self.session, self.sequence, message, body)
         self.cable.send(sent)
         end = self.board.seconds + patience

@@ -4,8 +4,8 @@ import re
 import pytest
 from elftools.elf.elffile import ELFFile
 
-from boards import on_f407
-from conftest import ROOT, firmware
+from boards import RENDERER_IRQ, on_f407
+from images import ROOT, firmware
 from host import DIGEST_START, DISARM, DRIVE, STORE, TABLE_COMMIT, drive, varint
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
@@ -14,7 +14,6 @@ BOARDS = re.findall(r"^(board-[\w-]+) = ", (ROOT / "firmware/stm32/Cargo.toml").
 ALLOCATED, NO_BITS = 2, "SHT_NOBITS"
 # A table in the documents may lag a little behind the code; the stack's by some words only.
 TOLERANCE, STACK_TOLERANCE = 0.10, 64
-RENDERER_IRQ = 53
 FLASH = range(0x08000000, 0x08200000)
 
 

@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 import pytest
 from elftools.elf.elffile import ELFFile
 
-from conftest import ROOT, firmware
+from images import ROOT, firmware
 
 MEMORY = ROOT / "firmware/stm32/memory"
 PATTERNS = re.findall(r"^\s*\*\(\.(?:text|rodata)\.(\S+)\);", (MEMORY / "fast.x").read_text(), re.M)

@@ -10,8 +10,8 @@ import pytest
 import m4_cycles
 import wait_states
 from boards import on_f407
-from conftest import ROOT, TARGET, cargo
 from host import DIGEST_START, DRIVE, STOP, TABLE_COMMIT, drive, varint
+from images import ROOT, bench
 from instruction_trace import Recorder
 
 TONES, BLOCK = 16, 128
@@ -34,11 +34,6 @@ CHIPS = (
 MILLISECOND = 400
 
 
-@pytest.fixture(scope="session")
-def bench_image():
-    return cargo("--release", "-p", "slipline-qemu", "--target", TARGET, "--bin", "slipline-bench")
-
-
 def worst_cycles(image, call):
     board = m4_cycles.Board(image)
     board.call("bench_setup", [TONES], trace=False)
@@ -46,8 +41,8 @@ def worst_cycles(image, call):
 
 
 @pytest.mark.parametrize("call", GOALS)
-def test_a_block_takes_no_more_cycles_than_its_goal_and_what_the_readme_says(bench_image, call):
-    cycles = worst_cycles(bench_image, call)
+def test_a_block_takes_no_more_cycles_than_its_goal_and_what_the_readme_says(call):
+    cycles = worst_cycles(bench(), call)
     each = cycles / (TONES * BLOCK)
     share = 100 * cycles / BLOCK_PERIOD_CYCLES
     print(f"\n{ROWS[call]}: {each:.2f} cycles per tone and sample (goal {GOALS[call]}), {share:.1f} % of a block's time")

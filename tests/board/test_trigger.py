@@ -3,16 +3,15 @@ import re
 
 import pytest
 
-from boards import BOARDS
-from conftest import ROOT
+from boards import BOARDS, RENDERER_IRQ
 from copies import on_copy
 from host import ARM, CLEAR_FAULTS, DISARM, DRIVE, RATE_HZ, STOP, STORE, drive
+from images import ROOT
+from rig import MILLISECOND
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 # The pin rises so many samples before the program's first code is at the DAC's pin, and stays high for half a block.
 LEAD, PULSE = 2, 64
-RENDERER_IRQ = 53
-MILLISECOND = RATE_HZ // 1000
 TONE = [(2, 0.5, 0.1)]
 
 

@@ -76,7 +76,7 @@ class Board(Processor):
                 self.cpu.mem_write(start, content)
                 if start == self.STACK[0]:
                     self.stack.noise = content[: self.STACK[1]]
-            self.flash.cut_at = None
+            self.flash.cut_at, self.flash.is_cut_clean = None, False
             self.debug.power_on()
         self.flash.settle()
         lines = self.nvic.lines

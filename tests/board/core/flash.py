@@ -1,7 +1,8 @@
 """Flash: what the chips' have in common, and error correction over whole words, as the G4 and the H7 have it.
 
-A word is programmed once, as a whole; the power may go in the middle of any operation, and what is torn then cannot be
-corrected when it is read. `operations` counts erasures and words; `cut_at` orders the cut.
+A word is programmed once, as a whole; the power may go before any operation or in the middle of it, and what is torn then
+cannot be corrected when it is read. `operations` counts erasures and words; `cut_at` orders the cut in one, `is_cut_clean`
+has it come just before.
 """
 from unicorn import UC_HOOK_CODE, UC_HOOK_MEM_READ
 
@@ -18,6 +19,9 @@ class Flash:
         self.board = board
         self.operations = 0
         self.cut_at = None
+        self.is_cut_clean = False
+        # The bits that a torn word has not got yet.
+        self.missing = 0xA5A5A5A5
         self.reset()
 
     def reset(self):
@@ -90,9 +94,11 @@ class EccFlash(Flash):
         if any(byte != 0xFF for byte in old) and any(data):
             self.erased_first()
             data = bytes(old)
+        elif is_cut and self.is_cut_clean:
+            data = bytes(old)
         elif is_cut:
-            # Some of its bits are programmed.
-            data = bytes(a & (b | 0xA5) for a, b in zip(old, data))
+            missing = self.missing.to_bytes(4, "little") * (self.WORD // 4)
+            data = bytes(a & (b | m) for a, b, m in zip(old, data, missing))
             self.tear(address)
         self.changed.append((address, data))
         self.busy_until = self.board.now + seconds * self.board.CORE_HZ
@@ -104,10 +110,11 @@ class EccFlash(Flash):
         self.board.note("erase", start)
         cpu = self.board.cpu
         if is_cut:
-            # Half of the words are erased, and those in the middle of it are neither.
-            cpu.mem_write(start, b"\xff" * (size // 2))
-            for address in range(start, start + size // 2, 8 * self.WORD):
-                self.tear(address)
+            if not self.is_cut_clean:
+                # Half of the words are erased, and those in the middle of it are neither.
+                cpu.mem_write(start, b"\xff" * (size // 2))
+                for address in range(start, start + size // 2, 8 * self.WORD):
+                    self.tear(address)
             self.board.cut_power()
         else:
             cpu.mem_write(start, b"\xff" * size)

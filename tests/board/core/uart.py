@@ -5,7 +5,9 @@ Bytes take their time on the line, in both directions; whoever samples at anothe
 
 CR1, CR2, CR3, BRR, RQR, ISR, ICR, RDR, TDR, PRESC = 0x00, 0x04, 0x08, 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C
 ENABLED, RECEIVES, TRANSMITS, FIFOS = 1 << 0, 1 << 2, 1 << 3, 1 << 29
-FRAMING, OVERRUN, IDLE, NOT_EMPTY, COMPLETE, NOT_FULL, ACKNOWLEDGED = 1 << 1, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7, 0b11 << 21
+FRAMING, NOISE, OVERRUN, IDLE, NOT_EMPTY, COMPLETE, NOT_FULL, ACKNOWLEDGED = (
+    1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7, 0b11 << 21,
+)  # fmt: skip
 # Flags whose interrupt is enabled by the same bit of CR1.
 OWN_ENABLES = IDLE | NOT_EMPTY | COMPLETE | NOT_FULL
 ERROR_INTERRUPT = 1 << 0
@@ -49,10 +51,16 @@ class Uart:
 
     def hear(self, byte, baud):
         """A byte has come in, sent at so many baud."""
+        if self.baud() and abs(self.baud() / baud - 1) > TOLERANCE:
+            self.take(byte * 0x55 + 0x2A & 0xFF, FRAMING)
+        else:
+            self.take(byte)
+
+    def take(self, byte, flags=0):
+        """A frame has been sampled; its errors come with it."""
         if not self.is_on(RECEIVES, self.receive) or not self.baud():
             return
-        if abs(self.baud() / baud - 1) > TOLERANCE:
-            byte, self.flags = byte * 0x55 + 0x2A & 0xFF, self.flags | FRAMING
+        self.flags |= flags
         if len(self.incoming) >= self.depth():
             self.flags |= OVERRUN
         else:
@@ -96,7 +104,7 @@ class Uart:
 
     def is_pending(self):
         status, control = self.status(), self.registers[CR1]
-        errors = status & (FRAMING | OVERRUN) and self.registers[CR3] & ERROR_INTERRUPT
+        errors = status & (FRAMING | NOISE | OVERRUN) and self.registers[CR3] & ERROR_INTERRUPT
         overrun = status & OVERRUN and control & NOT_EMPTY
         return bool(control & ENABLED and (status & control & OWN_ENABLES or errors or overrun))
 
@@ -137,8 +145,44 @@ class Uart:
         self.raise_interrupt()
 
 
+def levels(data):
+    """The line's levels, one a bit, while bytes are sent without a pause."""
+    return [level for byte in data for level in (0, *(byte >> bit & 1 for bit in range(8)), 1)]
+
+
+def sampled(line, sent_baud, baud):
+    """What a receiver at `baud` makes of a line whose levels change at `sent_baud`, and which rests before and after: of
+    each frame when it is over, in seconds, its byte and its errors.
+
+    It begins at a falling edge and samples each bit three times around its middle (RM0440 37.5.6): if they differ, it is
+    noise, and two of three count."""
+
+    def level(seconds):
+        return line[int(seconds * sent_baud)] if 0 <= seconds * sent_baud < len(line) else 1
+
+    frames, edge = [], 0
+    while True:
+        edge = next((i for i in range(edge, len(line)) if not line[i] and (i == 0 or line[i - 1])), None)
+        if edge is None:
+            return frames
+        samples = [
+            sum(level(edge / sent_baud + (bit + 0.5 + third / 16) / baud) for third in (-1, 0, 1))
+            for bit in range(FRAME_BITS)
+        ]
+        bits = [sample >= 2 for sample in samples]
+        if bits[0]:
+            # A spike, and no start bit.
+            edge += 1
+            continue
+        noise = NOISE if any(sample in (1, 2) for sample in samples) else 0
+        byte = sum(bit << i for i, bit in enumerate(bits[1:9]))
+        frames.append((edge / sent_baud + FRAME_BITS / baud, byte, noise | (0 if bits[9] else FRAMING)))
+        # The next edge after the stop bit's middle.
+        edge = int(edge + (FRAME_BITS - 0.5) * sent_baud / baud) + 1
+
+
 class SerialHost:
-    """The host's end. It may be unplugged, it may stop reading, it may have the wrong rate."""
+    """The host's end. It may be unplugged, it may stop reading, it may have the wrong rate, or noise on its line."""
 
     BAUD = 921_600
 
@@ -177,6 +221,11 @@ class SerialHost:
         self.is_sending = False
         self.uart.hear(byte, self.baud)
         self.send_next()
+
+    def move_line(self, line, baud):
+        """Moves the line as it likes, a level a bit, instead of sending bytes."""
+        for seconds, byte, errors in sampled(line, baud, self.uart.baud()):
+            self.board.at(self.board.now + seconds * self.board.CORE_HZ, self.uart.take, byte, errors)
 
     def hear(self, byte, baud):
         """A byte of the device's: lost while nobody reads, for a UART cannot wait."""

@@ -1,12 +1,13 @@
 """The OTG_FS core in device mode (RM0090 chapter 34) and a small full-speed host on the other end of the cable.
 
 The host resets the bus, enumerates, sets line coding and DTR, and then moves bulk packets, every `POLL` seconds of the
-board's time. It may be unplugged, it may stop reading, and it may reset the bus without enumerating.
+board's time. It may be unplugged, it may stop reading, it may reset the bus at any moment, with or without enumerating,
+let it fall asleep, and begin a control transfer that it does not end.
 """
 import struct
 
 OUT_DATA, OUT_DONE, SETUP_DONE, SETUP_DATA = 2, 3, 4, 6
-USBSUSP, USBRST, ENUMDNE, RXFLVL, IEPINT, OEPINT = 1 << 11, 1 << 12, 1 << 13, 1 << 4, 1 << 18, 1 << 19
+USBSUSP, USBRST, ENUMDNE, RXFLVL, IEPINT, OEPINT, WKUPINT = 1 << 11, 1 << 12, 1 << 13, 1 << 4, 1 << 18, 1 << 19, 1 << 31
 GAHBCFG, GRSTCTL, GINTSTS, GINTMSK, GRXSTSR, GRXSTSP, CID = 0x08, 0x10, 0x14, 0x18, 0x1C, 0x20, 0x3C
 DIEPTXF0, DIEPTXF1, DCTL, DSTS, DIEPMSK, DOEPMSK, DAINT, DAINTMSK, DIEPEMPMSK = (
     0x28, 0x104, 0x804, 0x808, 0x810, 0x814, 0x818, 0x81C, 0x834,
@@ -20,6 +21,8 @@ ENABLE, DISABLE, SNAK, CNAK, STALL, ACTIVE = 1 << 31, 1 << 30, 1 << 27, 1 << 26,
 # What a write of a control register starts, and reading does not show.
 COMMANDS = 0b11111 << 26
 FULL_SPEED = 3 << 1
+# DOEPTSIZ0.STUPCNT counts in these.
+SETUP_COUNT = 1 << 29
 CORE_ID = 0x1200
 
 
@@ -33,6 +36,8 @@ class UsbHost:
         board.usb = self
         board.add_line(board.USB_IRQ, self.is_line_high)
         self.is_plugged = self.reads = self.enumerates = True
+        # Bytes in each packet to the device, if there are so many; an endpoint takes 64 at most.
+        self.packet = 64
         # The transmit FIFOs whose flush never ends; 16 stands for all at once.
         self.stuck_fifos = set()
         self.sessions = 0
@@ -54,9 +59,9 @@ class UsbHost:
         self.transfer = None
         self.to_device, self.from_device = bytearray(), bytearray()
         self.packets = []
-        self.is_configured = False
+        self.is_configured, self.is_awake = False, True
         self.bulk_in = self.bulk_out = None
-        self.descriptor, self.configuration, self.strings = None, None, {}
+        self.descriptor, self.configuration, self.strings, self.takes_data = None, None, {}, None
         self.generation = getattr(self, "generation", 0) + 1
 
     # --- registers
@@ -195,6 +200,11 @@ class UsbHost:
         self.board.at(self.board.now + seconds * self.board.CORE_HZ, run)
 
     def bus_reset(self):
+        """The host knows nothing of the device any more, and the core takes the endpoints but 0 out of use (RM0090
+        34.16.4, USBAEP)."""
+        self.forget()
+        for control in (self.in_control, self.out_control):
+            control[1:] = [value & ~ACTIVE for value in control[1:]]
         self.status |= USBRST
         self.raise_interrupt()
         self.plan(2e-4, self.speed_known)
@@ -213,6 +223,16 @@ class UsbHost:
 
     def suspend(self):
         self.status |= USBSUSP
+        self.raise_interrupt()
+
+    def fall_asleep(self):
+        """The host sends nothing any more, not even the start of a frame: a laptop whose lid is closed."""
+        self.is_awake = False
+        self.plan(self.SUSPEND, lambda: None if self.is_awake else self.suspend())
+
+    def wake_up(self):
+        self.is_awake = True
+        self.status |= WKUPINT
         self.raise_interrupt()
 
     def plug(self):
@@ -242,12 +262,12 @@ class UsbHost:
         return data
 
     def poll(self):
-        if self.transfer:
+        if self.transfer and self.is_awake:
             try:
                 next(self.transfer)
             except StopIteration:
                 self.transfer = None
-        if self.is_configured:
+        if self.is_configured and self.is_awake:
             self.move_bulk()
         self.plan(self.POLL, self.poll)
 
@@ -259,20 +279,26 @@ class UsbHost:
             self.packets.append(len(packet))
             self.from_device += packet
         if self.to_device and not self.out_refuses[self.bulk_out] and len(self.received) < 2:
-            packet = bytes(self.to_device[:64])
-            del self.to_device[:64]
+            packet = bytes(self.to_device[: self.packet])
+            del self.to_device[: self.packet]
             self.out_refuses[self.bulk_out] = True
             self.push(OUT_DATA, self.bulk_out, packet)
             self.push(OUT_DONE, self.bulk_out)
 
-    def control(self, kind, request, value, index, length=0, data=b""):
-        """A control transfer, as a generator that waits by yielding; returns what was read, or None for a stall."""
-        length = length or len(data)
+    def setup(self, kind, request, value, index, length):
+        """The first packet of a control transfer, which every device must take at any time (USB 2.0, 8.5.3)."""
         self.in_control[0] &= ~STALL
         self.out_control[0] &= ~STALL
         self.out_refuses[0] = True
+        # The core counts down how many more it can keep (RM0090 34.17.5).
+        self.out_size[0] -= SETUP_COUNT if self.out_size[0] >= SETUP_COUNT else 0
         self.push(SETUP_DATA, 0, struct.pack("<BBHHH", kind, request, value, index, length))
         self.push(SETUP_DONE, 0)
+
+    def control(self, kind, request, value, index, length=0, data=b""):
+        """A control transfer, as a generator that waits by yielding; returns what was read, or None for a stall."""
+        length = length or len(data)
+        self.setup(kind, request, value, index, length)
         yield
         if not kind & 0x80:
             for i in range(0, len(data), 64):
@@ -322,7 +348,7 @@ class UsbHost:
                     self.bulk_out = address
             i += length
         yield from self.control(0x00, 9, 1, 0)
-        yield from self.control(0x21, 0x20, 0, 0, data=struct.pack("<IBBB", 115200, 0, 0, 8))
+        self.takes_data = (yield from self.control(0x21, 0x20, 0, 0, data=struct.pack("<IBBB", 115200, 0, 0, 8))) == b""
         yield from self.control(0x21, 0x22, 3, 0)
         self.is_configured = True
         self.sessions += 1

@@ -44,8 +44,8 @@ class Flash(flash.Flash):
         assert not self.is_cache_stale, "the data cache holds what was erased (RM0090 3.6.4)"
         old = int.from_bytes(self.board.cpu.mem_read(address, 4), "little")
         is_cut = self.cut()
-        # A torn word has some of its bits programmed.
-        self.torn.append((address, old & (value | 0x0F0FF0F0) if is_cut else old & value))
+        missing = 0xFFFFFFFF if self.is_cut_clean else self.missing
+        self.torn.append((address, old & (value | missing) if is_cut else old & value))
         self.board.stall(PROGRAM_SECONDS)
         if is_cut:
             self.settle()
@@ -79,7 +79,8 @@ class Flash(flash.Flash):
         start, size = sector(number)
         is_cut = self.cut()
         # A torn erasure leaves half of the sector as it was.
-        self.board.cpu.mem_write(start, b"\xff" * (size // 2 if is_cut else size))
+        erased = size if not is_cut else 0 if self.is_cut_clean else size // 2
+        self.board.cpu.mem_write(start, b"\xff" * erased)
         self.board.note("erase", number)
         self.is_cache_stale = bool(self.access & CACHES_DATA)
         self.board.stall(size * ERASE_SECONDS_PER_BYTE[self.control >> 8 & 3])

@@ -26,7 +26,6 @@ class Flash(EccFlash):
         super().reset()
         self.access, self.control, self.status, self.ecc = 0x00040600, LOCK | OPTIONS_LOCK, 0, 0
         self.half = None
-        self.options = OPTIONS
 
     def take_brown_out_level(self):
         """BOR_LEV = 000: 1.7 V, as delivered."""

@@ -30,7 +30,6 @@ class Flash(EccFlash):
         self.access = 0x37
         self.controls, self.statuses, self.all_keys = [LOCK | 0b11 << 4] * 2, [0, 0], [[], []]
         self.first, self.words = None, []
-        self.options = OPTIONS
 
     def take_brown_out_level(self):
         """BOR_LEV = 00: off, as delivered."""

@@ -1,9 +1,12 @@
-//! The codes a device must send, by the mirror: for tests that are not written in Rust.
+//! The codes a device at 400 kS/s must send, by the mirror: for tests that are not written in Rust.
 //!
-//! Standard input, one line each: `<index> <frame>` for a command the device has accepted, where the frame is the
-//! command's bytes on the link in hexadecimal and the index the one the device named (upload commands before the
-//! commit have none: any number); `limit <index> <per mille>` for the thermal limit that a status tells; last,
-//! `play <from> <until>`. Standard output: the codes from..until, two bytes each, little-endian.
+//! `cargo run -p slipline-link --example mirror_codes`
+//!
+//! Standard input, one line each: first `begin <index>` for a device that is silent there, else at 0; `<index> <frame>`
+//! for a command the device has accepted, where the frame is the command's bytes on the link in hexadecimal and the index
+//! the one the device named (upload commands before the commit have none: any number); `limit <index> <per mille>` for
+//! the thermal limit that a status tells; last, `play <from> <until>`. Standard output: the codes from..until, two bytes
+//! each, little-endian.
 
 use std::io::{self, BufRead, Write};
 use std::sync::Arc;
@@ -12,7 +15,8 @@ use slipline_app::Stop;
 use slipline_link::mirror::Mirror;
 use slipline_protocol::table::Knot;
 use slipline_protocol::{Command, Decoder};
-use slipline_tests::rig::RATE_HZ;
+
+const RATE_HZ: u32 = 400_000;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut mirror = Mirror::new(RATE_HZ, 0);
@@ -21,6 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let line = line?;
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
+            ["begin", index] => mirror = Mirror::new(RATE_HZ, index.parse()?),
             ["play", from, until] => return play(&mut mirror, from.parse()?, until.parse()?),
             ["limit", index, per_mille] => mirror.acknowledge_limit(per_mille.parse()?, index.parse()?)?,
             [index, frame] => {

@@ -1,0 +1,46 @@
+"""What the tests run, built by cargo: the boards' images, and programs of the test crate."""
+import fcntl
+import functools
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+TARGET = "thumbv7em-none-eabihf"
+
+
+def cargo(*arguments):
+    """Builds with cargo and returns the executables' paths by their names."""
+    command = [os.environ.get("CARGO", "cargo"), *arguments, "--message-format", "json"]
+    output = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout
+    messages = [json.loads(line) for line in output.splitlines()]
+    return {message["target"]["name"]: Path(message["executable"]) for message in messages if message.get("executable")}
+
+
+@functools.cache
+def mirror_codes():
+    """The example of that name. Without `-p`, so that it is built of what `cargo test` builds, too."""
+    return cargo("build", "--example", "mirror_codes")["mirror_codes"]
+
+
+@functools.cache
+def bench():
+    """The benchmark for the emulator."""
+    return cargo("build", "--release", "-p", "slipline-qemu", "--target", TARGET, "--bin", "slipline-bench")["slipline-bench"]
+
+
+@functools.cache
+def firmware(board):
+    """Builds a board's image by the documented command and returns the path of a copy, which is the board's own: cargo
+    puts every board's image into the same place. The gate runs two processes of tests at once, so one at a time."""
+    features = ["--no-default-features", "--features", board]
+    with open(Path(__file__).parent / "images.py") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        built = cargo("build", "--release", "-p", "slipline-stm32", "--target", TARGET, *features)["slipline-stm32"]
+        copy = built.with_name(f"tested-{board}.elf")
+        shutil.copy(built, copy.with_suffix(".new"))
+        # Whoever reads the old copy goes on reading it.
+        copy.with_suffix(".new").replace(copy)
+    return copy

@@ -1,0 +1,123 @@
+"""A board with a host on its cable, and what a test asks of the codes that it plays."""
+from host import BLOCK, DISARM, DRIVE, RATE_HZ, STORE, TABLE_DIGEST, TABLE_REPLY, Host, Reader, drive
+
+MID = 2048
+MILLISECOND = RATE_HZ // 1000
+# The thermal limit changes at multiples of this many samples only (limits::FOLDBACK_PERIOD_MS, in whole blocks).
+LIMIT_PERIOD = 320 * MILLISECOND
+# What is played before sample 0: one code from the holding register, two blocks from the ring.
+BEFORE_FIRST = 1 + 2 * BLOCK
+
+
+class Rig:
+    """`initial`: what the image's memory holds from the first instruction on, instead of what the linker has put there,
+    by the address in the flash."""
+
+    def __init__(self, facts, image, initial=None):
+        self.facts = facts
+        self.board = facts.chip(image)
+        for address, data in (initial or {}).items():
+            self.board.cpu.mem_write(address, data)
+        self.cable = facts.cable(self.board)
+        self.host = Host(self.board, self.cable)
+
+    def codes(self, start, until):
+        """The codes the DAC has played for the samples start..until."""
+        return self.board.dac.codes[BEFORE_FIRST + start : BEFORE_FIRST + until]
+
+    def played(self):
+        """The index of the next sample to be played."""
+        return len(self.board.dac.codes) - BEFORE_FIRST
+
+    def pulses(self):
+        """The address of the mailbox's three counts: of the renderer's, the link's and the safety checks' turns."""
+        board = self.board
+        (start,) = (address for name, address in board.symbols.items() if "MAILBOX" in name)
+        blocks = self.played() // BLOCK
+        seen = []
+        for _ in range(2):
+            memory = board.cpu.mem_read(start, 1 << 15)
+            seen.append([int.from_bytes(memory[i : i + 4], "little") for i in range(0, len(memory), 4)])
+            self.host.live(0.01)
+        steps = [b - a for a, b in zip(*seen)]
+        found = [
+            i for i in range(len(steps) - 2)
+            if 0 < seen[0][i] - blocks < 8 and 25 < steps[i] < 45 and 0 < steps[i + 1] < 40 and 0 < steps[i + 2] < 10
+        ]  # fmt: skip
+        assert len(found) == 1, found
+        return start + 4 * found[0]
+
+    def upload_to_keep(self, count):
+        """Uploads a table that may be stored then; returns its CRC."""
+        was_hasty, self.board.is_hasty = self.board.is_hasty, True
+        self.host.accept(DISARM)
+        self.host.live(0.1)
+        crc = self.host.upload(count)
+        self.host.live(0.05)
+        self.board.is_hasty = was_hasty
+        return crc
+
+    def keep(self, count):
+        """Uploads a table and stores it; returns its CRC."""
+        crc = self.upload_to_keep(count)
+        self.host.accept(STORE, patience=self.facts.store_seconds)
+        return crc
+
+    def stored_crc(self):
+        """The CRC of the table in force after a start; None if there is none."""
+        _, reply, body = self.host.exchange(TABLE_DIGEST)
+        assert reply == TABLE_REPLY
+        reader = Reader(body)
+        if not reader.byte():
+            return None
+        for _ in range(4):
+            reader.number()
+        return reader.number()
+
+
+class Kept(Rig):
+    """A table is stored, and another one is about to be."""
+
+    def __init__(self, facts, image):
+        super().__init__(facts, image)
+        self.host.connect()
+        self.old = self.keep(33)
+        self.new = self.upload_to_keep(34)
+
+
+class Sounding(Rig):
+    """Connected, armed, and just at the beginning of a drive: the thermal limit stays as it is for long enough."""
+
+    def __init__(self, facts, image, mirror):
+        super().__init__(facts, image)
+        self.host.connect()
+        self.host.upload()
+        while self.host.status()["now"] % LIMIT_PERIOD > LIMIT_PERIOD // 8:
+            self.board.is_hasty = True
+            self.host.live(0.02)
+        self.board.is_hasty = False
+        self.host.live(0.002)
+        self.host.arm()
+        self.limit = self.host.status()["foldback"]
+        # 32 kHz as loud as it may be, and a lower tone that glides.
+        self.at = self.host.accept(DRIVE, drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * MILLISECOND))
+        self.host.live(0.02)
+        until = self.at + 60 * MILLISECOND
+        self.expected = mirror(self.host.accepted, self.at, until, self.limit)
+
+    def leaves_the_mirror(self):
+        """The index of the first code that is not the mirror's."""
+        codes = self.codes(self.at, self.played())
+        assert len(codes) <= len(self.expected)
+        return self.at + next((i for i, (a, b) in enumerate(zip(codes, self.expected)) if a != b), len(codes))
+
+
+def start(rig, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
+    """Drives, and returns the index from which on it sounds."""
+    at = rig.host.accept(DRIVE, drive(list(tones), glide))
+    rig.host.live(0.02)
+    return at
+
+
+def is_silent(codes):
+    return bool(codes) and set(codes) == {MID}

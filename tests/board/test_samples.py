@@ -1,0 +1,109 @@
+"""Every code is the mirror's, whatever else happens; and where a code is missing, a line to silence takes its place."""
+from boards import RENDERER_IRQ
+from copies import on_copy
+from host import DRIVE, KEEP_ALIVE, RATE_HZ, STOP, drive, frame, varint
+from rig import MID, MILLISECOND, is_silent, start
+
+
+def sixteen(shift=0.0):
+    return [(slot, (slot + shift) / 17, 0.06) for slot in range(16)]
+
+
+def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(cool, mirror):
+    armed = cool
+    first = armed.host.status()["now"] + 5 * MILLISECOND
+    first = armed.host.accept(DRIVE, drive(sixteen(), 10 * MILLISECOND, first))
+    armed.host.live(0.03)
+    drag = armed.host.accept(DRIVE, drive(sixteen(0.9), 40 * MILLISECOND))
+    armed.host.live(0.08)
+    stop = armed.host.accept(STOP)
+    armed.host.live(0.04)
+    until = armed.played()
+    assert first < drag < stop and until - first > 100 * MILLISECOND
+    codes = armed.codes(first, until)
+    expected = mirror(armed.host.accepted, first, until)
+    wrong = [i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
+    assert not wrong, f"{len(wrong)} codes differ, the first at {wrong[0]}, drive {first}, drag {drag}, stop {stop}"
+    assert max(codes) - min(codes) > 2000, "it sounds"
+    assert is_silent(codes[-MILLISECOND:]), "and stops"
+    status = armed.host.status()
+    assert (status["state"], status["underruns"], armed.board.dac.underruns) == ("armed", 0, 0)
+    # The deadline is a block (R-44), and the link wants the other half.
+    print(f"worst block: {status['max_cycles']} cycles of {armed.board.CORE_HZ * 128 / RATE_HZ:.0f}")
+    assert 0 < status["max_cycles"] < 0.5 * 128 / RATE_HZ * armed.board.CORE_HZ
+
+
+def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):
+    """R-11."""
+    armed = cool
+    at = start(armed)
+    armed.cable.reads = False
+    for count in range(100, 112):
+        body = varint(count)
+        armed.cable.send(frame(armed.host.session, armed.host.sequence, KEEP_ALIVE, body))
+        armed.board.run(0.01)
+    until = armed.played()
+    assert armed.codes(at, until) == mirror(armed.host.accepted, at, until)
+    armed.cable.reads = True
+    armed.board.run(0.05)
+    # What was cut off in the middle is over with the next delimiter.
+    armed.host.inbox.clear()
+    armed.cable.receive()
+    armed.host.keep_alives = 200
+    status = armed.host.status()
+    armed.host.accept(STOP)
+    assert status["dropped"] > 0 and status["state"] == "driving" and status["underruns"] == 0
+
+
+def test_a_dma_that_does_not_deliver_is_counted_and_fades_out(armed):
+    """R-43: the DAC's own underrun flag."""
+    start(armed)
+    controller, stream = armed.facts.dma
+    armed.board.dma[controller].blocked.add(stream)
+    armed.board.run(0.00002)
+    armed.board.dma[controller].blocked.clear()
+    before = len(armed.board.dac.codes)
+    armed.board.run(0.1)
+    codes = armed.board.dac.codes[before:]
+    assert armed.board.dac.underruns >= 1
+    assert len(codes) > 35_000 and is_silent(codes[-MILLISECOND:]), "the stream runs again"
+    assert max(abs(a - b) for a, b in zip(codes, codes[1:])) < 700, "and nothing jumps"
+    status = armed.host.status()
+    assert status["first_fault"] == "underrun"
+    assert status["underruns"] == 1, "one event, counted once"
+    assert armed.board.pin(armed.facts.unmute) == 0
+
+
+def line(code, length):
+    """The codes from `code`, which is not one of them, to mid-scale: four codes a sample (firmware/app/src/fade.rs)."""
+    codes = []
+    for _ in range(length):
+        code = max(code - 4, MID) if code > MID else min(code + 4, MID)
+        codes.append(code)
+    return codes
+
+
+def test_a_renderer_that_is_late_leaves_the_tone_by_one_line_and_never_comes_back_to_it(sounding):
+    """R-43. The delay is held at each of the 128 phases by a model of the ring (firmware/stm32/src/ring/tests.rs)."""
+
+    def late(rig, samples):
+        board = rig.board
+        board.enabled.discard(RENDERER_IRQ)
+        board.run(samples / RATE_HZ)
+        board.enabled.add(RENDERER_IRQ)
+        board.run(0.004)
+        left = rig.leaves_the_mirror()
+        after = rig.codes(left, rig.played())
+        is_late = bool(after)
+        if is_late:
+            assert len(after) > 1000 and after == line(rig.codes(left - 1, left)[0], len(after)), f"left at {left - rig.at}"
+            assert (left - rig.at) % 128 == 0, "a block is played whole or not at all"
+            assert board.pin(rig.facts.unmute) == 0, "no ramp comes after the fault"
+            assert board.dac.underruns == 0, "the DMA itself was on time"
+        status = rig.host.status()
+        assert (status["first_fault"] == "underrun") == is_late == (status["underruns"] > 0)
+        return is_late
+
+    held = [10, *range(100, 230, 13), 400]
+    were_late = [on_copy(sounding, lambda rig, samples=samples: late(rig, samples)) for samples in held]
+    assert were_late == sorted(were_late) and not were_late[0] and were_late[-1], dict(zip(held, were_late))

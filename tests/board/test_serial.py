@@ -1,0 +1,114 @@
+"""A serial line at its worst: what comes at the wrong rate, and noise, changes no sample and gets no answer."""
+import random
+
+import pytest
+
+from boards import on_serial
+from core.uart import FRAMING, NOISE, levels, sampled
+from host import DISARM, EMERGENCY_STOP, STATUS, STOP, frame
+from rig import MILLISECOND, is_silent, start
+
+# Of the rates that a host's program may have been set to, those that the gate tries.
+SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
+RATES = [pytest.param(rate, marks=pytest.mark.every_image) for rate in SOME] + OTHERS
+TRIES = 0.012
+
+
+def commands(host):
+    """What would end the drive, or be answered, if it were understood."""
+    return b"".join(
+        frame(host.session, sequence, message, b"")
+        for sequence, message in ((host.sequence + 1, DISARM), (9, STOP), (9, EMERGENCY_STOP), (9, STATUS))
+    )
+
+
+def is_undisturbed(rig):
+    """It has answered nothing, played what the mirror plays, and goes on doing so in the same session."""
+    assert rig.cable.receive() == b""
+    # Ends whatever has been begun on the link.
+    rig.cable.send(b"\0")
+    status = rig.host.status()
+    assert rig.leaves_the_mirror() == rig.played()
+    assert (status["state"], status["faults"], rig.board.resets) == ("driving", set(), [])
+    return status
+
+
+def test_a_receiver_at_the_senders_rate_hears_its_bytes():
+    data = bytes(range(256))
+    for rate in (0.98, 1.0, 1.02):
+        heard = sampled(levels(data), 921_600, 921_600 * rate)
+        assert bytes(byte for _, byte, _ in heard) == data
+        assert not any(errors & FRAMING for *_, errors in heard)
+    assert not any(errors for *_, errors in sampled(levels(data), 921_600, 921_600))
+
+
+def test_a_receiver_at_another_rate_hears_errors_and_a_line_that_is_low_is_one_frame():
+    # At twice the rate each bit counts twice: after the start bit 0, 1 1, 0 0, 1 1, 0, and the stop bit is low.
+    (_, byte, errors), *_ = sampled(levels(b"\x55"), 921_600, 1_843_200)
+    assert (byte, errors) == (0b0110_0110, FRAMING)
+    # At half the rate the edges lie in the bits' middles.
+    ((_, _, errors),) = sampled(levels(b"\xaa"), 921_600, 460_800)
+    assert errors == NOISE
+    ((seconds, byte, errors),) = sampled([0] * 500, 921_600, 921_600)
+    assert (byte, errors) == (0, FRAMING) and seconds == pytest.approx(10 / 921_600), "a break"
+    assert sampled([0], 921_600 * 4, 921_600) == [], "a spike is no start bit"
+
+
+@on_serial
+@pytest.mark.parametrize("rate", RATES)
+def test_a_host_at_the_wrong_rate_is_not_answered_and_does_not_touch_the_samples(sounding, rate):
+    data = commands(sounding.host)
+    repeated = data * (1 + int(TRIES * rate / 10 / len(data)))
+    sounding.cable.move_line(levels(repeated)[: int(TRIES * rate)], rate)
+    sounding.board.run(TRIES + 1e-3)
+    is_undisturbed(sounding)
+
+
+@on_serial
+@pytest.mark.every_image
+@pytest.mark.parametrize("kind", ["a break", "breaks", "spikes", "noise"])
+def test_noise_on_the_line_is_not_answered_and_does_not_touch_the_samples(sounding, kind):
+    chance, rate = random.Random(kind), 3_000_000
+    count = int(TRIES * rate)
+    line = {
+        "a break": [0] * count,
+        "breaks": ([0] * 100 + [1] * 20) * (count // 120),
+        "spikes": [int(chance.random() > 0.02) for _ in range(count)],
+        "noise": [chance.getrandbits(1) for _ in range(count)],
+    }[kind]
+    sounding.cable.move_line(line, rate)
+    sounding.board.run(TRIES + 1e-3)
+    is_undisturbed(sounding)
+
+
+@on_serial
+@pytest.mark.every_image
+def test_a_byte_with_a_noisy_bit_counts_as_it_was_voted(sounding):
+    """The frame's own CRC decides, not the flag."""
+    uart, host = sounding.board.uart, sounding.host
+    for i, byte in enumerate(frame(host.session, 9, STATUS, b"")):
+        sounding.board.at(sounding.board.now + (i + 1) * 11e-6 * sounding.board.CORE_HZ, uart.take, byte, NOISE)
+    sounding.board.run(5e-3)
+    assert len(list(host.replies())) == 1
+    is_undisturbed(sounding)
+
+
+@on_serial
+@pytest.mark.nightly
+@pytest.mark.parametrize("rate", [115_200, 1_000_000, 3_000_000])
+def test_noise_without_end_is_a_silent_host(armed, rate):
+    """R-20: the dead-man holds, and the link recovers."""
+    start(armed)
+    last = armed.played()
+    chance, seconds = random.Random(rate), 1.3
+    armed.cable.move_line([chance.getrandbits(1) for _ in range(int(seconds * rate))], rate)
+    armed.board.is_hasty = True
+    armed.board.run(0.95)
+    assert not is_silent(armed.codes(armed.played() - MILLISECOND, armed.played())), "not before its time"
+    armed.board.run(seconds - 0.95)
+    assert is_silent(armed.codes(last + 1060 * MILLISECOND, armed.played()))
+    assert armed.board.pin(armed.facts.unmute) == 0 and armed.board.resets == []
+    assert armed.cable.receive() == b""
+    armed.cable.send(b"\0")
+    armed.host.hello()
+    assert armed.host.status()["first_fault"] == "host lost"

@@ -1,0 +1,119 @@
+"""From the reset on: what is muted and when, who interrupts whom, and the way into the ROM bootloader and back."""
+import struct
+
+import pytest
+
+from boards import DAC_IRQ, RENDERER_IRQ, TIME_IRQ
+from core.usb import UsbHost
+from host import BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, RATE_HZ, TOKEN_REPLY, Reader, varint
+from rig import MID, is_silent
+
+
+@pytest.mark.every_image
+def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(rig):
+    rig.board.run(0.02)
+    unmute = rig.facts.unmute
+    pins = [entry for entry in rig.board.log if entry[1] == unmute]
+    driven = [entry for entry in rig.board.log if entry[1] == "dac drives"]
+    assert [entry[2] for entry in pins] == [0], "the mute pin goes low and stays"
+    assert [entry[2] for entry in driven] == [MID], "the first voltage is mid-scale"
+    rig.host.connect()
+    rig.host.upload()
+    rig.host.arm()
+    unmuted = next(entry for entry in rig.board.log if entry[1] == unmute and entry[2] == 1)
+    assert unmuted[0] > driven[0][0]
+    assert is_silent(rig.board.dac.codes)
+
+
+@pytest.mark.every_image
+def test_it_plays_400_000_codes_a_second(rig):
+    rig.board.run(0.01)
+    before = len(rig.board.dac.codes)
+    rig.board.run(0.05)
+    assert abs(len(rig.board.dac.codes) - before - 20_000) <= 1
+    assert rig.board.dac.underruns == 0
+
+
+def test_it_enumerates_as_the_documentation_says(rig):
+    identity = rig.host.connect()
+    unique_id = b"SLIPLINE-VB1"
+    if isinstance(rig.cable, UsbHost):
+        vendor, product = struct.unpack_from("<HH", rig.cable.descriptor, 8)
+        assert (vendor, product) == (0x1209, 0x0001)
+        assert rig.cable.strings == {1: "Slipline", 2: "Slipline tactile display", 3: unique_id.hex().upper()}
+    assert identity["board"] == rig.facts.name
+    assert identity["unit"] == unique_id
+    assert (identity["rate"], identity["block"], identity["bits"], identity["tones"]) == (RATE_HZ, 128, 12, 16)
+    assert (identity["reset"], identity["stored"], identity["crash"]) == ("power-on", "empty", "")
+    assert not identity["simulated"]
+
+
+def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
+    rig.board.run(0.01)
+    irqs = {"dma": rig.facts.dma_irq, "dac": DAC_IRQ, "renderer": RENDERER_IRQ, "time": TIME_IRQ, "link": rig.facts.link_irq}
+    level = {name: rig.board.priorities[irq] for name, irq in irqs.items()}
+    assert level["dma"] == level["dac"] < level["renderer"] < level["time"]
+    if isinstance(rig.cable, UsbHost):
+        assert level["renderer"] < level["link"], "the host waits"
+    else:
+        assert level["dma"] < level["link"] < level["renderer"], "a byte would be lost"
+
+
+def enter_bootloader(rig):
+    rig.host.connect()
+    _, reply, body = rig.host.exchange(BOOTLOADER_TOKEN)
+    assert reply == TOKEN_REPLY
+    rig.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
+    rig.board.run(0.1)
+    assert rig.board.resets == ["software"]
+
+
+def test_the_rom_bootloader_is_entered_in_two_steps(rig):
+    """R-63."""
+    enter_bootloader(rig)
+    assert rig.board.pc & ~1 == rig.facts.rom + 0x100
+    assert rig.board.vectors == rig.facts.rom, "the ROM's interrupts are the ROM's"
+    if rig.facts.rom_map:
+        register, mode = rig.facts.rom_map
+        assert rig.board.bus_read(register, 4) & 7 == mode, "system memory at address 0, as after a boot from ROM"
+    rig.board.reset("pin")
+    rig.host.inbox.clear()
+    rig.host.connect()
+
+
+def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):
+    """`dfu-util -s 0x08000000:leave` resets nothing."""
+    enter_bootloader(rig)
+    rig.board.leave_bootloader()
+    rig.host.inbox.clear()
+    identity = rig.host.connect()
+    assert (identity["reset"], identity["crash"]) == ("software", "")
+    assert rig.board.resets == ["software"], "the one that led into the ROM"
+    rig.host.upload()
+    rig.host.arm()
+
+
+def test_the_lamp_tells_muted_from_sounding(armed):
+    def flashes(seconds):
+        armed.board.log.clear()
+        armed.host.live(seconds)
+        return sum(1 for entry in armed.board.log if entry[1] == armed.facts.lamp and entry[2] == 1)
+
+    armed.board.is_hasty = True
+    armed.host.live(0.2)
+    assert flashes(0.9) == 0 and armed.board.pin(armed.facts.lamp) == 1, "steady while the amplifier is on"
+    armed.host.accept(DISARM)
+    armed.host.live(0.9)
+    assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"
+
+
+def test_the_lamp_tells_that_the_brown_out_level_is_not_set(rig):
+    """R-56: as chips leave the factory. Nothing but the lamp tells it."""
+    mask, delivered = rig.facts.brown_out
+    rig.board.flash.options = rig.board.flash.options & ~mask | delivered
+    rig.board.reset("power")
+    rig.board.is_hasty = True
+    rig.board.run(0.15)
+    rig.board.log.clear()
+    rig.board.run(0.8)
+    assert sum(1 for entry in rig.board.log if entry[1:] == (rig.facts.lamp, 1)) == 2, "muted alone is one flash in 0.8 s"

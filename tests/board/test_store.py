@@ -1,0 +1,110 @@
+"""The table that is stored survives: the power, and a cut of it at any moment (R-35)."""
+import random
+
+import pytest
+
+from copies import on_copy
+from core.processor import PowerCut
+from host import STORE
+
+HEADER_BYTES = 32
+# What a cut in the middle of a word leaves of it: the bits that it has not got yet, of all that fall.
+TORN = {"half": 0xA5A5A5A5, "the other half": 0x5A5A5A5A, "hardly": 0xFFFFFFFF, "nearly whole": 0}
+
+
+@pytest.mark.every_image
+def test_the_table_survives_the_power_and_storing_it_is_no_underrun(rig):
+    rig.host.connect()
+    crc = rig.keep(33)
+    status = rig.host.status()
+    assert (status["underruns"], status["faults"], rig.board.dac.underruns) == (0, set(), 0)
+    rig.board.reset("power")
+    identity = rig.host.connect()
+    assert identity["stored"] == "loaded"
+    assert rig.stored_crc() == crc
+    assert rig.host.maintenance() == (1, 20_000, True)
+
+
+@pytest.mark.every_image
+def test_a_board_without_its_brown_out_level_says_so(rig):
+    rig.board.flash.take_brown_out_level()
+    rig.host.connect()
+    assert rig.host.maintenance() == (0, 20_000, False)
+
+
+def operation_at(facts, words):
+    """The flash's operation during which the power goes: the first erasure, or where so many words of 4 bytes are written."""
+    return facts.erasures - 1 + -(-4 * words // facts.word_bytes) if words else 0
+
+
+def cut(rig, operation, missing=TORN["half"]):
+    """Stores, and cuts the power in the middle of one of the flash's operations, or before it if nothing is `missing`;
+    then switches on again; returns what that finds."""
+    flash = rig.board.flash
+    flash.cut_at, flash.is_cut_clean = flash.operations + operation, missing is None
+    flash.missing = missing or 0
+    with pytest.raises(PowerCut):
+        rig.host.accept(STORE, patience=rig.facts.store_seconds)
+    rig.board.reset("power")
+    rig.host.inbox.clear()
+    return rig.host.connect()["stored"]
+
+
+def stores_again(rig, erasures=None):
+    again = rig.keep(35)
+    assert erasures is None or rig.host.maintenance()[0] == erasures
+    rig.board.reset("power")
+    assert rig.host.connect()["stored"] == "loaded"
+    assert rig.stored_crc() == again
+
+
+@pytest.mark.parametrize("words", [0, 1, 2, 9, 40, *(pytest.param(words, marks=pytest.mark.every_image) for words in (75, 82))])
+def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
+    """R-36, too: the cut comes before the first erasure is over, between words, and in the last words; what it tears is half
+    erased or half written, and cannot be corrected where the flash has error correction. The last eight of the 88 words are
+    the record's header, which the next start reads: the G474 gets its NMI and the H743 its bus fault then."""
+    stored = cut(kept, operation_at(kept.facts, words))
+    # Half an erasure of what was blank leaves no trace, where no word can become unreadable.
+    is_told = words > 0 or kept.facts.word_bytes > 4
+    assert stored == ("fell back" if is_told else "loaded")
+    assert kept.host.status()["faults"] == ({"store fell back"} if is_told else set())
+    assert kept.stored_crc() == kept.old
+    stores_again(kept, erasures=2 + is_told)
+
+
+def operations(rig):
+    """How many a store takes."""
+    before = rig.board.flash.operations
+    rig.host.accept(STORE, patience=rig.facts.store_seconds)
+    return rig.board.flash.operations - before
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("missing", [None, *TORN.values()], ids=["clean", *TORN])
+def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_table(kept, missing):
+    """The new one only if the cut is in the header, which is written last, and leaves all its bits."""
+    total = on_copy(kept, operations)
+    headers = HEADER_BYTES // kept.facts.word_bytes
+
+    def case(rig):
+        assert cut(rig, operation, missing) in ("loaded", "fell back")
+        stored = rig.stored_crc()
+        assert stored in (rig.old, rig.new)
+        stores_again(rig)
+        return stored == rig.new
+
+    for operation in range(total):
+        assert not on_copy(kept, case) or operation >= total - headers, f"the new table after operation {operation}"
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", range(4))
+def test_cut_after_cut_the_old_table_is_still_there(kept, seed):
+    """Each next try begins with what the last one has torn."""
+    chance, total = random.Random(seed), on_copy(kept, operations)
+    headers = HEADER_BYTES // kept.facts.word_bytes
+    for _ in range(6):
+        cut(kept, chance.randrange(total - headers), chance.choice([None, *TORN.values()]))
+        assert kept.stored_crc() == kept.old
+        kept.upload_to_keep(34)
+    stores_again(kept)
