@@ -37,11 +37,11 @@ pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use spec::{
     Actuator, Bending, Consequence, DriveEnd, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
-    PlateFileError, PlateSpec, Preset, SampleRateError, Taper, limits, preset, presets, sample_rates,
+    PlateFileError, PlateSpec, Preset, SampleRateError, Taper, Travel, limits, preset, presets, sample_rates,
 };
 pub use special::{airy, bessel};
 pub use table::{
-    DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, sensitivity, sensitivity_per_percent,
-    sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
+    DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, TableTravel, sensitivity,
+    sensitivity_per_percent, sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
 };
 pub use time::{Envelope, LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};

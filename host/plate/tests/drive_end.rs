@@ -105,7 +105,7 @@ fn the_table_undoes_the_hold_and_the_actuator() {
     let mut spec = preset("al-bending").expect("a preset").spec().clone();
     spec.wave_speed_tolerance = 0.0;
     let bare = Plate::new(spec.clone()).expect("a valid plate");
-    spec.actuator = Some(slipline_plate::Actuator { resonance_hz: 28e3, quality: 8.0 });
+    spec.actuator = Some(slipline_plate::Actuator { resonance_hz: 28e3, quality: 8.0, travel: None });
     let plate = Plate::new(spec).expect("a valid plate");
     let table = DriveTable::build(&plate, 100e3, 1025).expect("a table");
     assert!(table.worst_error_db < 0.5, "{}", table.worst_error_db);

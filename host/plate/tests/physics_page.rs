@@ -40,6 +40,7 @@ fn every_light_has_its_row_with_the_limits_in_force() {
         ("thin plate", limits::THIN_PLATE_PERCENT),
         ("sensitivity", limits::SENSITIVITY_DB),
         ("actuator band", limits::ACTUATOR_LOSS_DB),
+        ("excursion", limits::EXCURSION_PERCENT),
         ("sound level", limits::AUDIBLE_DB_A),
     ] {
         let cells: Vec<&str> = row(name).split(" | ").collect();

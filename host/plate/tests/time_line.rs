@@ -109,9 +109,12 @@ fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
             drive_end: DriveEnd::Displacement,
             ..base.clone()
         },
-        PlateSpec { actuator: Some(Actuator { resonance_hz: 21e3, quality: 12.0 }), ..base.clone() },
         PlateSpec {
-            actuator: Some(Actuator { resonance_hz: 30e3, quality: 4.0 }),
+            actuator: Some(Actuator { resonance_hz: 21e3, quality: 12.0, travel: None }),
+            ..base.clone()
+        },
+        PlateSpec {
+            actuator: Some(Actuator { resonance_hz: 30e3, quality: 4.0, travel: None }),
             drive_end: DriveEnd::Force { at_frequency_hz: 20e3 },
             loss_factor: 0.01,
             ..base

@@ -5,8 +5,8 @@ use super::{failure, json, slipline};
 #[test]
 fn red_lights_end_a_check_with_3_and_are_counted() {
     for (arguments, code, last) in [
-        (&["check", "--plate", "al-sh"][..], 3, "slipline: 4 of 13 lights are red\n"),
-        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 4 of 13 lights are red\n"),
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 4 of 14 lights are red\n"),
+        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 4 of 14 lights are red\n"),
         (&["check", "--plate", "membrane"], 0, ""),
         (&["check", "--plate", "membrane", "--boundary", "120mm"], 0, ""),
     ] {
@@ -20,6 +20,7 @@ fn red_lights_end_a_check_with_3_and_are_counted() {
     let lines = String::from_utf8(slipline(&["check", "--plate", "membrane"]).stdout).unwrap();
     assert!(lines.starts_with("green      edge slope "), "{lines}");
     assert!(lines.contains("\nunchecked  actuator band "), "{lines}");
+    assert!(lines.contains("\nunchecked  excursion "), "{lines}");
     let report = json(&["check", "--plate", "membrane"]);
     assert_eq!(
         (&report["lights"][10]["name"], &report["lights"][10]["colour"]),

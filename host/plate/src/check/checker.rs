@@ -131,6 +131,7 @@ impl Checker {
             drive::match_light(&site),
             drive::sensitivity_light(&site)?,
             drive::actuator_light(&site),
+            drive::excursion_light(&site)?,
             sound::level_light(&site)?,
             sound::beat_light(&site),
         ])

@@ -5,7 +5,7 @@
 //! Plate + Conditions -> Checker -> at(boundary) or over_span() -> Report { lights }
 //!   lights/shape.rs  edge slope, edge curvature, wavelengths, edge width, ghost boundaries
 //!   lights/wave.rs   loss, peak, thin plate
-//!   lights/drive.rs  actuator band, drive match, sensitivity
+//!   lights/drive.rs  actuator band, excursion, drive match, sensitivity
 //!   lights/sound.rs  sound level, beat
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.

@@ -5,6 +5,7 @@ use super::error::CheckError;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 use crate::table::level::{DriveToPeak, other_speeds};
+use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
 pub const SPAN_PLACES: usize = 41;
@@ -19,7 +20,9 @@ pub(super) struct Prepared {
     /// The plate at the other wave speeds within its tolerance, over which its table is levelled.
     pub(super) speeds: Vec<Plate>,
     /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
-    lowest_gain: f64,
+    pub(super) lowest_gain: f64,
+    /// What the actuator's peak travel leaves of that level.
+    travel_scale: f64,
 }
 
 impl Prepared {
@@ -31,20 +34,33 @@ impl Prepared {
         conditions.validate(plate)?;
         let drive_to_peak = DriveToPeak::new(plate, conditions.sample_rate_hz)?;
         let mut lowest_gain = f64::INFINITY;
+        // The travel per unit of peak.
+        let mut largest_share: f64 = 0.0;
         let count = 2 * SPAN_PLACES - 1;
         for (number, x) in places(plate, count).enumerate() {
             progress.at(number as f64 / count as f64)?;
-            lowest_gain = lowest_gain.min(drive_to_peak.level(plate.frequency_for_boundary_hz(x))?.amplitude);
+            let frequency_hz = plate.frequency_for_boundary_hz(x);
+            let gain = drive_to_peak.level(frequency_hz)?.amplitude;
+            lowest_gain = lowest_gain.min(gain);
+            let share = plate.spec().actuator.and_then(|actuator| actuator.travel_share(frequency_hz));
+            largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
         }
         // At the end of a material's allowed range some of these speeds are not allowed.
         let detuned =
             [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
-        Ok(Self { plate: plate.clone(), conditions, detuned, speeds: other_speeds(plate), lowest_gain })
+        Ok(Self {
+            plate: plate.clone(),
+            conditions,
+            detuned,
+            speeds: other_speeds(plate),
+            lowest_gain,
+            travel_scale: travel::scale(lowest_gain * largest_share),
+        })
     }
 
     /// As [`super::Checker::peak_m`].
     pub(super) fn peak_m(&self) -> f64 {
-        self.conditions.level * self.lowest_gain * self.plate.spec().full_scale_m
+        self.conditions.level * self.lowest_gain * self.travel_scale * self.plate.spec().full_scale_m
     }
 }
 

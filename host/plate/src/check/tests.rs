@@ -196,17 +196,45 @@ fn two_ultrasonic_tones_closer_than_a_kilohertz_beat() {
 #[test]
 fn the_actuator_light_follows_its_resonance() {
     let mut spec = preset("membrane").expect("preset").spec().clone();
-    spec.actuator = Some(crate::Actuator { resonance_hz: 200.0, quality: 0.7 });
+    spec.actuator = Some(crate::Actuator { resonance_hz: 200.0, quality: 0.7, travel: None });
     let plate = Plate::new(spec.clone()).expect("plate");
     let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
     assert_eq!(light(&report, "actuator band").colour, Colour::Green);
     // Two octaves and a half above resonance: -12 dB per octave.
-    spec.actuator = Some(crate::Actuator { resonance_hz: 20.0, quality: 0.7 });
+    spec.actuator = Some(crate::Actuator { resonance_hz: 20.0, quality: 0.7, travel: None });
     let plate = Plate::new(spec).expect("plate");
     let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
     assert_eq!(light(&report, "actuator band").colour, Colour::Red);
     let expected = -40.0 * (125.62_f64 / 20.0).log10();
     assert!((value(&report, "actuator band") - expected).abs() < 0.3, "{}", value(&report, "actuator band"));
+}
+
+#[test]
+fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_takes() {
+    let checker = |static_m: Option<f64>| {
+        let mut spec = preset("membrane").expect("preset").spec().clone();
+        let travel = static_m.map(|static_m| crate::Travel { peak_m: 1e-4, static_m });
+        spec.actuator = Some(crate::Actuator { resonance_hz: 20.0, quality: 0.7, travel });
+        Checker::new(&Plate::new(spec).expect("plate"), Conditions::default()).expect("checks")
+    };
+    let excursion = |static_m: f64| {
+        let report = checker(Some(static_m)).over_span().expect("span");
+        let found = light(&report, "excursion");
+        (found.value.expect("a number"), found.colour)
+    };
+    let (small, colour) = excursion(1e-4);
+    assert!(small > 1.0 && small < 10.0 && colour == Colour::Green, "{small} {colour:?}");
+    let (large, colour) = excursion(5e-3);
+    assert!((large / small - 50.0).abs() < 1e-9 && colour == Colour::Amber, "{large} {colour:?}");
+    assert_eq!(excursion(50e-3).1, Colour::Red);
+    // The other lights judge the level that is left.
+    let free_m = checker(None).peak_m();
+    assert_eq!(checker(Some(1e-4)).peak_m(), free_m);
+    let left = checker(Some(5e-3)).peak_m() / free_m;
+    assert!((left / (0.998 * 100.0 / large) - 1.0).abs() < 0.02, "{left}");
+    let unknown = checker(None).over_span().expect("span");
+    assert_eq!(light(&unknown, "excursion").colour, Colour::Unchecked);
+    assert!(light(&unknown, "excursion").sentence.contains("not limited"));
 }
 
 #[test]
@@ -249,7 +277,7 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
         let plate = preset.plate().expect("a preset");
         let report = Checker::new(&plate, Conditions::default()).expect("checks").over_span().expect("span");
         let names: Vec<&str> = report.lights.iter().map(|light| light.name).collect();
-        assert_eq!(names.len(), 13);
+        assert_eq!(names.len(), 14);
         assert_eq!(*order.get_or_insert(names.clone()), names);
         for light in &report.lights {
             assert!(light.sentence.ends_with('.') && light.sentence.len() > 20, "{light:?}");

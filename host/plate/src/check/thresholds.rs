@@ -46,6 +46,10 @@ pub const DRIVE_MISMATCH: Limits = Limits { green: 1.415, amber: 2.0 };
 /// travel is left.
 pub const ACTUATOR_LOSS_DB: Limits = Limits { green: 6.0, amber: 20.0 };
 
+/// How far the actuator would move if the peak travel did not lower the table, % of the peak travel. Beyond 100 % the
+/// table is lowered; beyond 1000 % it has lost more than 20 dB, and less than a tenth of the level is left.
+pub const EXCURSION_PERCENT: Limits = Limits { green: 100.0, amber: 1000.0 };
+
 /// How much larger the thick plate's wavenumber (Mindlin) is than the thin plate's, %. 1 % moves a boundary by 1 % of
 /// 1/d, about 2 mm at d = 5 per metre; 5 % moves it by a fingertip.
 pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 5.0 };

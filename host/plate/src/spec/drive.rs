@@ -4,6 +4,7 @@
 
 use crate::spec::error::PlateError;
 use crate::spec::limits;
+use crate::spec::travel::Travel;
 
 /// Boundary condition at x = 0 for a drive of 1; the solvers' amplitudes are relative to the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,12 +54,15 @@ pub struct Actuator {
     pub resonance_hz: f64,
     /// Quality factor Q (0.1 to 1000).
     pub quality: f64,
+    /// How far it may move; `None` if nothing limits its travel.
+    pub travel: Option<Travel>,
 }
 
 impl Actuator {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         limits::RESONANCE.check("actuator.resonance_hz", self.resonance_hz)?;
-        limits::QUALITY.check("actuator.quality", self.quality)
+        limits::QUALITY.check("actuator.quality", self.quality)?;
+        self.travel.as_ref().map_or(Ok(()), Travel::validate)
     }
 
     /// Complex response H at `frequency_hz`, relative to the response at 0 Hz.

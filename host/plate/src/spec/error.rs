@@ -86,6 +86,9 @@ pub enum Origin {
     Length(f64),
     /// The half-width at the plate's end, metres, which would be too small.
     EndHalfWidth(f64),
+    /// The actuator's peak travel, metres: at full scale it may move at most [`super::limits::TRAVEL_RATIO_MAX`] times
+    /// as far.
+    PeakTravel(f64),
 }
 
 /// The quantity that follows from a number and is out of its range.

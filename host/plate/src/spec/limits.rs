@@ -36,6 +36,8 @@ pub const FREQUENCY: Range = Range::new(0.5, 1e7, "Hz");
 pub const RESONANCE: Range = Range::new(0.1, 1e7, "Hz");
 /// An actuator's quality factor.
 pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
+/// How far an actuator may move, or would move at DAC full scale.
+pub const TRAVEL: Range = Range::new(1e-9, 0.1, "m");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 
@@ -55,6 +57,8 @@ pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 pub const WAVELENGTHS_MAX: f64 = 60.0;
 /// Largest ratio of the band's end to its start (six octaves); the time-domain filters grow with it.
 pub const BAND_RATIO_MAX: f64 = 64.0;
+/// Largest ratio of an actuator's travel at DAC full scale to its peak travel.
+pub const TRAVEL_RATIO_MAX: f64 = 1000.0;
 /// Least distance of a design's highest frequency above its lowest, percent of the lowest.
 pub const BAND_WIDTH_MIN_PERCENT: f64 = 5.0;
 

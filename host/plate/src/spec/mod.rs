@@ -9,6 +9,7 @@ pub(crate) mod plate;
 pub(crate) mod presets;
 pub(crate) mod sample_rate;
 pub(crate) mod taper;
+pub(crate) mod travel;
 mod turning;
 mod wording;
 
@@ -20,3 +21,4 @@ pub use plate::{Plate, PlateSpec};
 pub use presets::{Preset, preset, presets};
 pub use sample_rate::{SampleRateError, sample_rates};
 pub use taper::Taper;
+pub use travel::Travel;

@@ -2,7 +2,9 @@
 //! written.
 
 use super::error::{Consequence, Origin, PlateError};
-use super::limits::{BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, WAVELENGTHS_MAX};
+use super::limits::{
+    BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, TRAVEL_RATIO_MAX, WAVELENGTHS_MAX,
+};
 use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::quantity::refusal::wrong_count;
 use crate::quantity::{Notation, PlateFile, Range, must_be};
@@ -69,6 +71,10 @@ fn allowed(notation: &dyn Notation, field: &str, range: Range, origin: Option<Or
             "{within}, or the half-width at the end ({}) falls below {}",
             notation.length(at_most(half_width_m, 5)),
             notation.length(HALF_WIDTH.low)
+        ),
+        Some(Origin::PeakTravel(peak_m)) => format!(
+            "{within}: at most {TRAVEL_RATIO_MAX} times {}",
+            notation.given("actuator.peak_travel_m", peak_m)
         ),
     }
 }

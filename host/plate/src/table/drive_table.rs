@@ -10,6 +10,7 @@
 use super::error::{KNOTS_MAX, TableError};
 use super::knots::{balance_errors, make_increasing, move_onto_resonances};
 use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_speeds};
+use super::travel::TableTravel;
 use crate::progress::Progress;
 use crate::quantity::OutOfRange;
 use crate::spec::plate::Plate;
@@ -58,6 +59,8 @@ pub struct DriveTable {
     pub swing_without_gain_db: f64,
     /// Number of knots without a turning-point peak.
     pub knots_without_peak: usize,
+    /// What the actuator's peak travel does to the table; `None` if the plate file does not limit the travel.
+    pub travel: Option<TableTravel>,
 }
 
 impl DriveTable {
@@ -107,7 +110,8 @@ impl DriveTable {
         balance_errors(&mut gain, &at_knots, &between);
         let largest = gain.iter().copied().fold(0.0, f64::max);
         gain.iter_mut().for_each(|gain| *gain /= largest);
-        let level = 1.0 / largest;
+        let travel = TableTravel::limit(plate, &frequency, &mut gain);
+        let level = travel.map_or(1.0, |travel| travel.scale) / largest;
 
         let amplitudes = at_knots.iter().chain(&levels).map(|level| level.amplitude);
         let (low, high) =
@@ -129,6 +133,7 @@ impl DriveTable {
             worst_shift_m: 0.0,
             swing_without_gain_db: 20.0 * (high / low).log10(),
             knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
+            travel,
         };
         table.measure(plate, &drive_to_peak, level, &mut progress.part(ends[3], ends[4]))?;
         Ok(table)

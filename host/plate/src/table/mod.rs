@@ -5,6 +5,7 @@ pub(crate) mod error;
 mod knots;
 pub(crate) mod level;
 mod sensitivity;
+pub(crate) mod travel;
 
 pub use drive_table::{DriveTable, Knot};
 pub use error::{KNOTS_MAX, TableError};
@@ -13,3 +14,4 @@ pub use sensitivity::{
     Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
     sensitivity_per_percent_watched, table_sensitivity,
 };
+pub use travel::TableTravel;

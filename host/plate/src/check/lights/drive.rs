@@ -3,7 +3,7 @@
 use crate::check::error::CheckError;
 use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, SENSITIVITY_DB};
+use crate::check::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, EXCURSION_PERCENT, SENSITIVITY_DB};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
@@ -105,4 +105,29 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
             ],
         ),
     )
+}
+
+/// How far a tone at level 1 moves the actuator, before the peak travel lowers the table.
+pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Result<Finding, CheckError> {
+    let name = "excursion";
+    let actuator = site.plate.spec().actuator;
+    let Some(share) = actuator.and_then(|actuator| actuator.travel_share(site.frequency_hz)) else {
+        let sentence =
+            "The plate file names no peak travel: how far the actuator moves is not limited.".to_owned();
+        return Ok(site.judged(name, None, "%", Colour::Unchecked, 0.0, sentence));
+    };
+    let rate = site.prepared.conditions.sample_rate_hz;
+    let level = DriveToPeak::unchecked(site.plate, rate).level(site.frequency_hz)?.amplitude;
+    let percent = 100.0 * share * site.prepared.lowest_gain / level;
+    Ok(site.graded(
+        name,
+        percent,
+        "%",
+        EXCURSION_PERCENT,
+        [
+            format!("At level 1 the actuator moves by {percent:.0} % of its peak travel: the table need not be lowered."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: the table's level is lowered to what it allows."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: what it allows is less than a tenth of the level."),
+        ],
+    ))
 }

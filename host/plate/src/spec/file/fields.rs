@@ -163,6 +163,16 @@ pub(super) const ACTUATOR: Section = Section {
     fields: &[
         field("resonance_hz", FieldType::Number(limits::RESONANCE), "resonance of the actuator"),
         field("quality", FieldType::Number(limits::QUALITY), "quality factor of the resonance"),
+        field(
+            "peak_travel_m",
+            FieldType::Number(limits::TRAVEL),
+            "farthest that the actuator may move from its rest",
+        ),
+        field(
+            "static_travel_m",
+            FieldType::Number(limits::TRAVEL),
+            "how far a steady signal at DAC full scale would move it",
+        ),
     ],
 };
 

@@ -11,6 +11,7 @@ use crate::spec::limits;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::{Plate, PlateSpec};
 use crate::spec::taper::Taper;
+use crate::spec::travel::Travel;
 use text::{Given, Text};
 
 /// Largest plate file that is read, bytes.
@@ -189,5 +190,15 @@ fn drive_of(given: &Given<'_>) -> Result<DriveEnd, PlateError> {
 }
 
 fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {
-    Ok(Actuator { resonance_hz: given.required("resonance_hz")?, quality: given.required("quality")? })
+    let has_travel = given.has("peak_travel_m") || given.has("static_travel_m");
+    Ok(Actuator {
+        resonance_hz: given.required("resonance_hz")?,
+        quality: given.required("quality")?,
+        travel: has_travel.then(|| travel_of(given)).transpose()?,
+    })
+}
+
+/// Half a limit is none: who gives one of the two fields is told of the other.
+fn travel_of(given: &Given<'_>) -> Result<Travel, PlateError> {
+    Ok(Travel { peak_m: given.required("peak_travel_m")?, static_m: given.required("static_travel_m")? })
 }

@@ -68,6 +68,10 @@ struct DriveText {
 struct ActuatorText {
     resonance_hz: f64,
     quality: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peak_travel_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    static_travel_m: Option<f64>,
 }
 
 impl Plate {
@@ -89,6 +93,8 @@ impl Plate {
             actuator: spec.actuator.map(|actuator| ActuatorText {
                 resonance_hz: actuator.resonance_hz,
                 quality: actuator.quality,
+                peak_travel_m: actuator.travel.map(|travel| travel.peak_m),
+                static_travel_m: actuator.travel.map(|travel| travel.static_m),
             }),
         };
         // `PlateText` holds only strings, numbers and one list of pairs, which TOML can always represent.

@@ -1,0 +1,96 @@
+//! The peak travel in a table: its gains are lowered together, so that equal level still means equal peak.
+
+use crate::spec::plate::Plate;
+
+/// What a table at level 1 uses of the peak travel, at most. The rest is for what the device rounds: it computes the
+/// travel in 32-bit floats, and adds a thousandth to be on the safe side.
+pub(crate) const USED: f64 = 0.998;
+
+/// How far a table's tones move the actuator, at level 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TableTravel {
+    /// Largest steady travel of one tone on the span, as a share of the peak travel (0 to 1).
+    pub largest_share: f64,
+    /// Factor by which all gains were lowered to keep the peak travel; 1 if they were not.
+    pub scale: f64,
+}
+
+impl TableTravel {
+    /// Lowers `gain` where a tone at level 1 would pass the plate's peak travel anywhere on the span. A tone glides
+    /// from knot to knot, so between two knots the larger gain counts with the largest travel.
+    pub(super) fn limit(plate: &Plate, frequency_hz: &[f64], gain: &mut [f64]) -> Option<Self> {
+        let actuator = plate.spec().actuator?;
+        let mut largest: f64 = 0.0;
+        for (ends_hz, gains) in frequency_hz.windows(2).zip(gain.windows(2)) {
+            let share = actuator.largest_travel_share(ends_hz[0], ends_hz[1])?;
+            largest = largest.max(gains[0].max(gains[1]) * share);
+        }
+        let scale = scale(largest);
+        gain.iter_mut().for_each(|gain| *gain *= scale);
+        Some(Self { largest_share: largest * scale, scale })
+    }
+
+    /// By how much the limit lowers the table, dB (0 or more).
+    pub fn lowered_db(&self) -> f64 {
+        -20.0 * self.scale.log10()
+    }
+}
+
+/// The factor that brings the largest travel, as a share of the peak travel, to what may be used of it.
+pub(crate) fn scale(largest_share: f64) -> f64 {
+    (USED / largest_share).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Actuator, DriveTable, Plate, Travel, preset};
+
+    fn membrane(travel: Option<Travel>) -> Plate {
+        let mut spec = preset("membrane").expect("preset").spec().clone();
+        spec.actuator = Some(Actuator { resonance_hz: 100.0, quality: 4.0, travel });
+        Plate::new(spec).expect("plate")
+    }
+
+    fn table(travel: Option<Travel>) -> DriveTable {
+        DriveTable::build(&membrane(travel), 400e3, 129).expect("a table")
+    }
+
+    #[test]
+    fn a_table_beyond_the_peak_travel_is_lowered_as_a_whole_and_only_as_far_as_needed() {
+        let (free, limited) = (table(None), table(Some(Travel { peak_m: 1e-3, static_m: 2e-3 })));
+        let travel = limited.travel.expect("limited");
+        assert_eq!(free.travel, None);
+        assert!(travel.scale < 0.9 && (travel.largest_share - super::USED).abs() < 1e-12, "{travel:?}");
+        for (free, limited) in free.knots.iter().zip(&limited.knots) {
+            assert!((limited.gain / free.gain - travel.scale).abs() < 1e-12);
+            assert_eq!(limited.frequency_hz, free.frequency_hz);
+        }
+        let lowered = limited.peak_at_full_scale_m / free.peak_at_full_scale_m;
+        assert!((lowered - travel.scale).abs() < 1e-12, "the level that is told is lowered, too");
+        assert!(limited.worst_error_db < free.worst_error_db + 1e-9);
+    }
+
+    #[test]
+    fn no_place_of_a_table_moves_the_actuator_farther_than_its_peak_travel() {
+        let plate = membrane(Some(Travel { peak_m: 1e-3, static_m: 20e-3 }));
+        let table = DriveTable::build(&plate, 400e3, 129).expect("a table");
+        let actuator = plate.spec().actuator.expect("set");
+        let (start, end) = plate.span_m();
+        let shares = (0..=4000).map(|i| {
+            let x = start + (end - start) * f64::from(i) / 4000.0;
+            table.gain(x) * actuator.travel_share(table.frequency_hz(x)).expect("limited")
+        });
+        let largest = shares.fold(0.0, f64::max);
+        assert!(largest <= super::USED + 1e-12 && largest > 0.98, "{largest}");
+    }
+
+    #[test]
+    fn a_table_within_the_peak_travel_keeps_its_levels_to_the_last_bit() {
+        let (free, wide) = (table(None), table(Some(Travel { peak_m: 0.1, static_m: 1e-3 })));
+        let travel = wide.travel.expect("limited");
+        assert_eq!((travel.scale, travel.lowered_db()), (1.0, 0.0));
+        assert!(travel.largest_share < 0.05);
+        assert_eq!(wide.knots, free.knots);
+        assert_eq!(wide.peak_at_full_scale_m, free.peak_at_full_scale_m);
+    }
+}
