@@ -1,6 +1,9 @@
 //! What a host tells a device.
 
-use crate::limits::{CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_KNOTS, MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB};
+use crate::limits::{
+    CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_KNOTS, MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB, QUALITY_PER_MILLE,
+    RESONANCE_UHZ, STATIC_TRAVEL_PPM,
+};
 use crate::message::messages;
 use crate::schema::{body, choices};
 use crate::table::Knot;
@@ -39,6 +42,10 @@ messages! {
         0x14 since 0 EmergencyStop -> Accepted,
         /// Clears the latched faults whose cause is gone.
         0x15 since 0 ClearFaults -> Accepted,
+        /// Limits the actuator's travel for this session, or sets it free again. Only while nothing sounds.
+        0x16 since 1 SetTravelLimit(TravelSetting) -> TravelLimit,
+        /// Asks which limit of the travel is in force.
+        0x17 since 1 TravelLimit -> TravelLimit,
         /// Begins to upload a turning-point table. What sounds goes on by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -140,6 +147,29 @@ body! {
         pub glide: u32 ["samples"],
         /// When it begins.
         pub apply: Apply [""],
+    }
+}
+
+body! {
+    /// The actuator as a mass on a spring, and how far it may move. A tone of amplitude a (1 = full scale) and frequency f
+    /// moves it by `a static_ppm / sqrt((1 - r^2)^2 + (r/Q)^2)` millionths of its peak travel, r = f/f0.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct TravelLimit {
+        /// Its resonance f0.
+        pub resonance_uhz: u64 ["uHz", RESONANCE_UHZ.0, RESONANCE_UHZ.1],
+        /// The quality factor Q of the resonance, in thousandths.
+        pub quality_per_mille: u32 ["1/1000", QUALITY_PER_MILLE.0, QUALITY_PER_MILLE.1],
+        /// How far a steady signal of full scale would hold it from its rest.
+        pub static_ppm: u32 ["1e-6 of the peak travel", STATIC_TRAVEL_PPM.0, STATIC_TRAVEL_PPM.1],
+    }
+}
+
+body! {
+    /// The body of [`Command::SetTravelLimit`] and of [`Event::TravelLimit`](crate::Event::TravelLimit).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct TravelSetting {
+        /// The limit; `None` if the travel is not limited, as after each hello.
+        pub limit: Option<TravelLimit> [""],
     }
 }
 

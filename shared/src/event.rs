@@ -1,6 +1,6 @@
 //! What a device answers. It never speaks first.
 
-use crate::command::TableHeader;
+use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
 use crate::message::messages;
@@ -25,6 +25,8 @@ messages! {
         0x91 since 0 Refused(Refusal),
         /// Done without a write: the flash holds already what it was to hold. A host of 1.0 is told `Accepted`.
         0x92 since 1 Unchanged(Accepted) or Accepted,
+        /// The limit of the actuator's travel that is in force.
+        0x97 since 1 TravelLimit(TravelSetting),
         /// The table in force.
         0xa4 since 0 Table(TableReport),
         /// The CRC-32 over a window of DAC codes.

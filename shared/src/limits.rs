@@ -29,6 +29,13 @@ pub const MAX_KNOT_STEP: u32 = ((1u64 << 32) * MAX_FREQUENCY_PER_MILLE as u64 / 
 /// The quietest master level a drive may ask for, in hundredths of a decibel.
 pub const MIN_MASTER_CDB: i16 = -9600;
 
+/// The resonance of an actuator whose travel is limited: 0.1 Hz to 10 MHz, in uHz.
+pub const RESONANCE_UHZ: (u64, u64) = (100_000, 10_000_000_000_000);
+/// The quality factor of its resonance: 0.1 to 1000, in thousandths.
+pub const QUALITY_PER_MILLE: (u32, u32) = (100, 1_000_000);
+/// Its travel at full scale far below the resonance, in millionths of its peak travel: up to 1000 times as far.
+pub const STATIC_TRAVEL_PPM: (u32, u32) = (1, 1_000_000_000);
+
 /// A connected host sends a keep-alive after each period of this length.
 pub const KEEP_ALIVE_PERIOD_MS: u32 = 200;
 /// An armed device that gets no new keep-alive for this time ramps to silence and disarms.

@@ -30,6 +30,12 @@ choices! {
         10 since 0 Span,
         /// The digest window's length in samples.
         11 since 0 DigestCount,
+        /// An actuator's resonance in uHz.
+        12 since 1 Resonance or Self::SampleRate,
+        /// The quality factor of an actuator's resonance, in thousandths.
+        13 since 1 Quality or Self::SampleRate,
+        /// An actuator's travel at full scale, in millionths of its peak travel.
+        14 since 1 StaticTravel or Self::SampleRate,
     }
 }
 
@@ -50,6 +56,9 @@ impl Field {
             Self::SampleRate => "sample rate (Hz)",
             Self::Span => "span (um)",
             Self::DigestCount => "digest length (samples)",
+            Self::Resonance => "actuator resonance (uHz)",
+            Self::Quality => "actuator quality (1/1000)",
+            Self::StaticTravel => "static travel (1e-6 of the peak travel)",
         }
     }
 }
@@ -158,9 +167,18 @@ choices! {
         /// The flash is only written while the device is disarmed: meanwhile it takes no stop. A host of 1.0 is told
         /// `Armed`.
         23 since 1 DisarmFirst or Self::Armed,
+        /// The tones together would move the actuator beyond its peak travel, at rest or on their way: lower the levels, or
+        /// stop first.
+        24 since 1 Travel {
+            /// The steady travel at worst, in per mille of the peak travel.
+            travel_per_mille: u16 ["1/1000 of the peak travel"],
+            /// What the levels may be at most, in per mille of what they are; 0 if none helps, because the tones that sound
+            /// are too loud for the way.
+            allowed_per_mille: u16 ["1/1000"],
+        } or Self::Headroom { sum_per_mille: *travel_per_mille },
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        24 since 2 CoilOpen or Self::NotSupported,
+        25 since 2 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -212,6 +230,21 @@ impl core::fmt::Display for Refusal {
             Self::NoDigest => f.write_str("no digest has been asked for"),
             Self::DisarmFirst => f.write_str(
                 "disarm the device first: while it writes its flash, for up to 5 s, it can take no stop",
+            ),
+            Self::Travel { travel_per_mille, allowed_per_mille: 0 } => write!(
+                f,
+                "on their way the tones would move the actuator by {}.{} % of its peak travel; stop them first",
+                travel_per_mille / 10,
+                travel_per_mille % 10
+            ),
+            Self::Travel { travel_per_mille, allowed_per_mille } => write!(
+                f,
+                "the tones would move the actuator by {}.{} % of its peak travel; lower their levels to {}.{} % of \
+                 what they are, or less",
+                travel_per_mille / 10,
+                travel_per_mille % 10,
+                allowed_per_mille / 10,
+                allowed_per_mille % 10
             ),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),

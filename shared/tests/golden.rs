@@ -186,7 +186,13 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
     let mut seen = Vec::new();
     for (label, event) in events_of(1) {
         let told = match (label.as_str(), old(&event)) {
-            ("maintenance-reply" | "maintenance-reply-largest", None) => "nothing".to_owned(),
+            (
+                "maintenance-reply"
+                | "maintenance-reply-largest"
+                | "travel-limit-reply"
+                | "travel-limit-reply-none",
+                None,
+            ) => "nothing".to_owned(),
             (_, Some(Event::Hello(identity))) => format!("{:?}", identity.stored),
             (_, Some(Event::Status(status))) => format!("{} {:?}", status.faults, status.first_fault),
             (_, Some(other)) => format!("{other:?}"),
@@ -195,6 +201,7 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
         seen.push((label, told));
     }
     let damaged = format!("{} {:?}", Fault::StoreDamaged.text(), Some(Fault::StoreDamaged));
+    let range = "Refused(OutOfRange { field: SampleRate, min: 1, max: 1000000000, got: 0 })";
     let expected = [
         ("maintenance-reply", "nothing"),
         ("maintenance-reply-largest", "nothing"),
@@ -202,6 +209,13 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
         ("refused-disarm-first", "Refused(Armed)"),
         ("hello-reply-stored-4", "Loaded"),
         ("status-reply-fault-9", damaged.as_str()),
+        ("travel-limit-reply", "nothing"),
+        ("travel-limit-reply-none", "nothing"),
+        ("refused-travel", "Refused(Headroom { sum_per_mille: 1340 })"),
+        // No host of 1.0 sends a limit; so none ever gets these.
+        ("refused-out-of-range-resonance", range),
+        ("refused-out-of-range-quality", range),
+        ("refused-out-of-range-static-travel", range),
     ];
     assert_eq!(seen, expected.map(|(label, told)| (label.to_owned(), told.to_owned())));
     for (label, command) in commands_of(1) {

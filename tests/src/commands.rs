@@ -1,6 +1,6 @@
 //! One of every command.
 
-use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk};
+use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk, TravelLimit, TravelSetting};
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder};
 
@@ -17,6 +17,7 @@ pub fn every_command() -> Vec<Command> {
         first: 0,
         knots: heapless::Vec::from_slice(&table.knots[..3]).expect("three knots fit a chunk"),
     };
+    let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 2000, static_ppm: 100_000 };
     let commands = vec![
         Command::Hello(Hello { version: Version::OURS, nonce: *b"else" }),
         Command::KeepAlive(KeepAlive { beat: 1_000_000 }),
@@ -28,6 +29,8 @@ pub fn every_command() -> Vec<Command> {
         Command::Stop,
         Command::EmergencyStop,
         Command::ClearFaults,
+        Command::SetTravelLimit(TravelSetting { limit: Some(limit) }),
+        Command::TravelLimit,
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,

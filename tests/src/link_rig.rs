@@ -88,7 +88,12 @@ impl LinkRig {
         Self::of(FaultyPorts { device, ..FaultyPorts::default() }).connect().arm()
     }
 
-    fn connect(mut self) -> Self {
+    /// Connects to the port A.
+    ///
+    /// # Panics
+    /// If nothing answers there.
+    #[must_use]
+    pub fn connect(mut self) -> Self {
         let ticket = self.ask(Request::Connect(Port::Serial("A".to_owned())));
         self.pass_ms(100);
         assert!(matches!(self.outcome(ticket), Some(Outcome::Done { .. })));

@@ -347,6 +347,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::KeepAlive(_) | Command::Status => {
                 matches!(&event, Event::Status(status) if status.state == State::Fault && status.faults == faults)
             }
+            Command::SetTravelLimit(_) | Command::TravelLimit => matches!(event, Event::TravelLimit(_)),
             Command::TableDigest => matches!(event, Event::Table(_)),
             Command::DigestRead => event == Event::Refused(Refusal::NoDigest),
             Command::TableChunk(_) | Command::TableCommit => event == Event::Refused(Refusal::NoUpload),

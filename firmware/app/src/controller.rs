@@ -12,6 +12,7 @@
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 mod drive;
+mod excursion;
 mod range;
 mod status;
 mod tables;
@@ -29,6 +30,7 @@ use self::range::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderEntry;
 use crate::digest::DigestState;
+use crate::excursion::Excursion;
 use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
@@ -71,6 +73,7 @@ pub struct Controller<F, S> {
     table: Option<TableHeader>,
     active: TableRef,
     upload: Option<Upload>,
+    excursion: Excursion,
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
@@ -95,6 +98,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             table: None,
             active: TableRef::default(),
             upload: None,
+            excursion: Excursion::unlimited(device.sample_rate_hz),
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
@@ -127,6 +131,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         mailbox.disarm(Stop::Normal);
         mailbox.drop_digest();
         self.upload = None;
+        self.excursion.clear();
         self.bootloader.close();
         self.last_keep_alive = None;
     }
@@ -160,6 +165,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                 mailbox.clear_faults(standing);
                 Ok(accepted(mailbox.now()))
             }
+            Command::SetTravelLimit(setting) => self.set_travel_limit(*setting, mailbox),
+            Command::TravelLimit => Ok(self.travel_limit()),
             Command::TableBegin(header) => {
                 let slot = self.active.slot.other();
                 if !mailbox.slot_is_free(slot) {
@@ -167,11 +174,14 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                 }
                 let now = mailbox.now();
                 self.upload = Some(Upload::begin(header, slot, self.timing.sample_rate_hz, now)?);
+                self.excursion.begin(slot);
                 Ok(accepted(now))
             }
             Command::TableChunk(chunk) => {
                 let now = mailbox.now();
-                self.upload.as_mut().ok_or(Refusal::NoUpload)?.take(chunk, mailbox, now)?;
+                let upload = self.upload.as_mut().ok_or(Refusal::NoUpload)?;
+                upload.take(chunk, mailbox, now)?;
+                self.excursion.written(upload.written(), chunk.first, mailbox.slots());
                 Ok(accepted(now))
             }
             Command::TableCommit => self.commit_table(is_stopped, mailbox).map(accepted),

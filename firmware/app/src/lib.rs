@@ -35,6 +35,7 @@ pub mod bootloader;
 pub mod controller;
 pub mod crash;
 pub mod digest;
+pub mod excursion;
 pub mod fade;
 pub mod faults;
 pub mod foldback;

@@ -20,7 +20,7 @@ pub(crate) mod cell;
 mod evaluation;
 pub(crate) mod outline;
 mod placement;
-mod trajectory;
+pub(crate) mod trajectory;
 
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::{Gain, SampleIndex};
@@ -93,6 +93,11 @@ impl Motion {
         self.tones.map(|tone| {
             (tone.to_level.0 != 0).then_some(Target { position: tone.to, level: tone.to_level, phase: 0 })
         })
+    }
+
+    /// How each tone moves.
+    pub(crate) const fn trajectories(&self) -> &[ToneTrajectory; MAX_TONES] {
+        &self.tones
     }
 
     /// Where each tone is at an index; before the start as at the start, after the end as at the end.

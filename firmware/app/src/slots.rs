@@ -159,7 +159,7 @@ impl TableSlots {
 
 /// Which knots the way between two positions touches, first and last, both included.
 #[expect(clippy::cast_possible_truncation, reason = "at most 1024 after the shift and the division")]
-fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
+pub(crate) fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
     let last = table.knots.saturating_sub(1);
     let place = |p: FinePosition| u64::from(p.raw()) * u64::from(last);
     let (low, high) = (a.min(b), a.max(b));

@@ -150,6 +150,12 @@ impl Upload {
         TableRef { slot: self.slot, knots: self.header.knots }
     }
 
+    /// As much of the table as has come so far.
+    #[must_use]
+    pub const fn written(&self) -> TableRef {
+        TableRef { slot: self.slot, knots: self.received }
+    }
+
     /// Knots received so far.
     #[must_use]
     pub const fn received(&self) -> u16 {

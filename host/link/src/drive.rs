@@ -2,7 +2,9 @@
 
 use crate::out_of_range::OutOfRange;
 use crate::table;
-use slipline_protocol::command::{Apply, Drive, TableHeader, Tone};
+use slipline_app::Timing;
+use slipline_app::excursion::shortest_glide;
+use slipline_protocol::command::{Apply, Drive, TableHeader, Tone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::MIN_MASTER_CDB;
 use slipline_protocol::units::{CentiDecibel, Phase};
@@ -81,11 +83,17 @@ pub enum DriveError {
 }
 
 impl DriveRequest {
-    /// The drive in a device's own units, placed by the span of its active table.
+    /// The drive in a device's own units, placed by the span of its active table. A limit of the travel makes the glide
+    /// as long as the actuator needs to follow.
     ///
     /// # Errors
     /// [`DriveError`], naming the value and its range; the rule is the device's own.
-    pub fn for_device(&self, identity: &Identity, table: Option<&TableHeader>) -> Result<Drive, DriveError> {
+    pub fn for_device(
+        &self,
+        identity: &Identity,
+        table: Option<&TableHeader>,
+        travel: Option<&TravelLimit>,
+    ) -> Result<Drive, DriveError> {
         let table = table.ok_or(DriveError::NoTable)?;
         let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
         if self.tones.len() > usize::from(identity.tones) {
@@ -116,10 +124,12 @@ impl DriveRequest {
         OutOfRange::check("glide time (s)", self.glide_s, 0.0, f64::INFINITY)?;
         // A float beyond u32 saturates, and the device's range is put over it.
         let glide = (self.glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
+        let timing = Timing::at(identity.sample_rate_hz);
+        let shortest = travel.map_or(0, |limit| shortest_glide(limit, &timing)).max(identity.min_glide);
         Ok(Drive {
             tones,
             master: CentiDecibel((self.master_db * 100.0).round() as i16),
-            glide: glide.min(identity.max_glide).max(identity.min_glide),
+            glide: glide.min(identity.max_glide).max(shortest),
             apply: self.apply,
         })
     }

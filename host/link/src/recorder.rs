@@ -9,6 +9,7 @@ use crate::request::{Outcome, Ticket};
 use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
 use crate::trace::FRAMES_KEPT;
 use crate::upkeep;
+use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{Maintenance, Status, TableReport};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -138,6 +139,18 @@ impl Recorder {
         self.touch();
     }
 
+    /// Takes the limit of the actuator's travel that the device tells.
+    pub(crate) fn travel_limit(&mut self, limit: Option<TravelLimit>) {
+        self.view.travel_limit = limit;
+        let line = if limit.is_some() {
+            "The device limits the actuator's travel."
+        } else {
+            "The device does not limit the actuator's travel: the plate names no peak travel."
+        };
+        self.log(Severity::Info, line);
+        self.touch();
+    }
+
     /// Takes a status that came from the device.
     pub(crate) fn status(&mut self, status: Status) {
         let seen = |status: &Status| {
@@ -221,6 +234,7 @@ impl Recorder {
         view.status = None;
         view.table = TableReport::default();
         view.confirmed_table = None;
+        view.travel_limit = None;
         view.upload = None;
         view.error = error;
         self.touch();

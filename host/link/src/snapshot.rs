@@ -8,9 +8,11 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
+use slipline_protocol::Command;
+use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Identity, Maintenance, Status, TableReport};
 use slipline_protocol::frame::DecoderCounters;
-use slipline_protocol::version::Compatibility;
+use slipline_protocol::version::{Compatibility, Version};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -119,6 +121,8 @@ pub struct Snapshot {
     /// The device's table, knot by knot: this program sent it, or has it too, and the device named it by its digest.
     /// `None` while the device holds none, or one that was put there by somebody else.
     pub confirmed_table: Option<Arc<DeviceTable>>,
+    /// The limit of the actuator's travel that the device has taken in this session; `None` while it does not limit it.
+    pub travel_limit: Option<TravelLimit>,
     /// An upload under way.
     pub upload: Option<UploadProgress>,
     /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
@@ -155,6 +159,21 @@ impl Snapshot {
     #[must_use]
     pub fn may_arm_unasked(&self) -> bool {
         self.is_simulated()
+    }
+
+    /// Whether the device's firmware can limit the actuator's travel; older firmware cannot.
+    #[must_use]
+    pub fn can_limit_travel(&self) -> bool {
+        let setting = Command::SetTravelLimit(TravelSetting::default());
+        self.identity
+            .as_ref()
+            .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(setting.since()))
+    }
+
+    /// Whether the device limits the actuator's travel as a table asks for, or cannot.
+    #[must_use]
+    pub fn limits_travel_for(&self, table: &DeviceTable) -> bool {
+        self.travel_limit == table.travel_limit() || !self.can_limit_travel()
     }
 
     /// Whether the device answers.

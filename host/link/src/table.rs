@@ -7,8 +7,8 @@
 //! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
 
 use crate::out_of_range::OutOfRange;
-use slipline_protocol::command::{TableChunk, TableHeader};
-use slipline_protocol::limits::CHUNK_KNOTS;
+use slipline_protocol::command::{TableChunk, TableHeader, TravelLimit};
+use slipline_protocol::limits::{self, CHUNK_KNOTS};
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
@@ -36,6 +36,7 @@ pub struct DeviceTable {
     header: TableHeader,
     knots: Vec<Knot>,
     peak_at_full_scale_m: f64,
+    travel_limit: Option<TravelLimit>,
 }
 
 /// Why a table cannot be put on a device.
@@ -94,7 +95,41 @@ impl DeviceTable {
             header.knots,
             knot_of(&knots),
         );
-        Ok(Self { header: TableHeader { crc, ..header }, knots, peak_at_full_scale_m })
+        Ok(Self { header: TableHeader { crc, ..header }, knots, peak_at_full_scale_m, travel_limit: None })
+    }
+
+    /// The same table for an actuator whose travel is limited: the device gets the limit with it. The actuator is given by
+    /// its resonance in Hz, the quality factor of the resonance, and how far a steady signal of full scale would move
+    /// it, over its peak travel.
+    ///
+    /// # Errors
+    /// [`DeviceTableError::OutOfRange`]: a resonance of 0.1 Hz to 10 MHz, a quality of 0.1 to 1000, up to 1000 times the
+    /// peak travel.
+    pub fn with_travel_limit(
+        self,
+        resonance_hz: f64,
+        quality: f64,
+        static_share: f64,
+    ) -> Result<Self, DeviceTableError> {
+        let (low, high) = limits::RESONANCE_UHZ;
+        within("actuator's resonance (Hz)", resonance_hz, low as f64 / 1e6, high as f64 / 1e6)?;
+        let (low, high) = limits::QUALITY_PER_MILLE;
+        within("actuator's quality", quality, f64::from(low) / 1e3, f64::from(high) / 1e3)?;
+        let (_, high) = limits::STATIC_TRAVEL_PPM;
+        within("actuator's travel over its peak travel", static_share, 0.0, f64::from(high) / 1e6)?;
+        // What makes the travel larger is rounded up.
+        let travel_limit = TravelLimit {
+            resonance_uhz: (resonance_hz * 1e6).round() as u64,
+            quality_per_mille: (quality * 1e3).ceil() as u32,
+            static_ppm: ((static_share * 1e6).ceil() as u32).clamp(limits::STATIC_TRAVEL_PPM.0, high),
+        };
+        Ok(Self { travel_limit: Some(travel_limit), ..self })
+    }
+
+    /// The limit of the actuator's travel that the device gets with the table; `None` if the travel is not limited.
+    #[must_use]
+    pub const fn travel_limit(&self) -> Option<TravelLimit> {
+        self.travel_limit
     }
 
     /// What the upload begins with.
@@ -253,6 +288,26 @@ mod tests {
         for (i, want) in [(0u16, 100.0), (32_768, 356.004), (u16::MAX, 612.0)] {
             assert!((table.frequency_hz(Position(i)) - want).abs() < 1e-3, "{i}");
         }
+    }
+
+    #[test]
+    fn a_limit_of_the_travel_is_rounded_to_the_safe_side_and_refused_by_its_field() {
+        let table = line(9);
+        assert_eq!(table.travel_limit(), None);
+        let limited = table.clone().with_travel_limit(43.2, 3.000_1, 1.234_567_1).unwrap();
+        let wanted =
+            TravelLimit { resonance_uhz: 43_200_000, quality_per_mille: 3001, static_ppm: 1_234_568 };
+        assert_eq!(limited.travel_limit(), Some(wanted));
+        assert_eq!(limited.crc(), table.crc(), "it is no part of the table");
+        let refused = |resonance_hz, quality, share| {
+            table.clone().with_travel_limit(resonance_hz, quality, share).unwrap_err().to_string()
+        };
+        assert_eq!(
+            refused(0.05, 1.0, 1.0),
+            "the table's actuator's resonance (Hz) is 0.05; allowed are 0.1 to 10000000"
+        );
+        assert!(refused(50.0, f64::NAN, 1.0).contains("quality"));
+        assert!(refused(50.0, 1.0, 1001.0).contains("peak travel is 1001; allowed are 0 to 1000"));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use crate::field::steady_field::SteadyTone;
 use crate::jobs::table::TableMade;
-use slipline_link::protocol::command::Drive;
+use slipline_link::protocol::command::{Drive, TravelLimit};
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
 use slipline_link::table::DeviceTable;
@@ -30,9 +30,9 @@ pub struct Autopilot {
     is_stopped: bool,
     /// Whether the screen shows a complete new setup, such as an opened file, that was not sent yet.
     is_setup_new: bool,
-    /// The CRC of the latest table that was sent automatically, so that a table that fails is not sent again and
-    /// again.
-    sent_table: Option<u32>,
+    /// The CRC of the latest table that was sent automatically, and its limit of the travel, so that a table that fails
+    /// is not sent again and again.
+    sent_table: Option<(u32, Option<TravelLimit>)>,
     /// Whether a drive has been sent since the device was last armed or its table changed.
     has_driven: bool,
 }
@@ -77,7 +77,7 @@ impl Autopilot {
     pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
-        if !is_held(snapshot, made) && snapshot.upload.is_none() {
+        if !is_in_force(snapshot, made) && snapshot.upload.is_none() {
             // A table whose upload was cancelled or failed is tried again, because the user asks for it.
             self.sent_table = None;
         }
@@ -136,11 +136,12 @@ impl Autopilot {
         let is_held = is_held(now, made);
         if let Some(made) = made {
             let crc = made.device_table.crc();
+            let sent = Some((crc, made.device_table.travel_limit()));
             // A table that the device already holds is only recognised, which needs no permission of the user.
             let is_wanted = now.is_simulated() || is_uploading_wanted || is_held;
-            let is_known = is_held && now.confirmed_table.is_some();
-            if is_wanted && !is_known && now.upload.is_none() && self.sent_table != Some(crc) {
-                self.sent_table = Some(crc);
+            let is_known = is_in_force(now, Some(made)) && now.confirmed_table.is_some();
+            if is_wanted && !is_known && now.upload.is_none() && self.sent_table != sent {
+                self.sent_table = sent;
                 tracing::debug!("autopilot: sends the table {crc:08x}");
                 actions.push(Action::Upload(Arc::clone(&made.device_table)));
                 return actions;
@@ -182,10 +183,15 @@ pub fn drive_arms(snapshot: &Snapshot) -> bool {
 }
 
 /// Whether a refused drive may be taken from rest: the device refuses a glide that would be too loud on its way,
-/// although the tones may fit where it ends. No other refusal is about the way.
+/// although the tones may fit where it ends, or would move the actuator too far there. No other refusal is about the way.
 #[must_use]
 pub const fn rest_helps(refusal: &Refusal) -> bool {
-    matches!(refusal, Refusal::Device(refusal::Refusal::Headroom { .. }))
+    matches!(
+        refusal,
+        Refusal::Device(
+            refusal::Refusal::Headroom { .. } | refusal::Refusal::Travel { allowed_per_mille: 0, .. }
+        )
+    )
 }
 
 /// Whether the device holds the table of the plate on the screen.
@@ -194,9 +200,16 @@ fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     made.is_some_and(|made| on_device == Some(made.device_table.crc()))
 }
 
-/// Whether a table is on its way. Until it arrives, the device would place tones by the old table.
+/// Whether the device holds the table of the plate on the screen, and limits the travel as that plate wants it.
+fn is_in_force(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
+    is_held(snapshot, made) && made.is_some_and(|made| snapshot.limits_travel_for(&made.device_table))
+}
+
+/// Whether a table is on its way. Until it arrives, the device would place tones by the old table; of the table that it
+/// holds, the limit of the travel may be missing.
 fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
-    snapshot.upload.is_some() || (snapshot.is_simulated() && !is_held(snapshot, made))
+    let misses_limit = is_held(snapshot, made) && !is_in_force(snapshot, made);
+    snapshot.upload.is_some() || misses_limit || (snapshot.is_simulated() && !is_held(snapshot, made))
 }
 
 /// The drive that the device has acknowledged and plays now.

@@ -233,6 +233,45 @@ fn what_is_missing_is_told_with_its_meaning_and_range_and_all_at_once() {
 }
 
 #[test]
+fn the_travel_of_an_actuator_is_given_as_a_whole_and_refused_by_field_and_range() {
+    let with = |fields: &str| {
+        Plate::from_toml(&format!("{GOOD}[actuator]\nresonance_hz = 40\nquality = 2\n{fields}"))
+    };
+    assert_eq!(with("").expect("no limit").spec().actuator.expect("given").travel, None);
+    let plate = with("peak_travel_m = 2e-3\nstatic_travel_m = 5e-3\n").expect("a limit");
+    let travel = plate.spec().actuator.expect("given").travel;
+    assert_eq!(travel, Some(slipline_plate::Travel { peak_m: 2e-3, static_m: 5e-3 }));
+    assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
+    for (fields, wanted) in [
+        (
+            "peak_travel_m = 2e-3\n",
+            "actuator.static_travel_m is missing: how far a steady signal at DAC full scale would move it, a number, \
+             1e-9 to 0.1 m",
+        ),
+        (
+            "static_travel_m = 2e-3\n",
+            "actuator.peak_travel_m is missing: farthest that the actuator may move from its rest",
+        ),
+        (
+            "peak_travel_m = 2\nstatic_travel_m = 2e-3\n",
+            "line 22: actuator.peak_travel_m = 2: must be 1e-9 to 0.1 m",
+        ),
+        (
+            "peak_travel_m = 1e-3\nstatic_travel_m = nan\n",
+            "actuator.static_travel_m = nan: must be 1e-9 to 0.1 m",
+        ),
+        (
+            "peak_travel_m = 1e-6\nstatic_travel_m = 2e-3\n",
+            "actuator.static_travel_m = 0.002: must be 1e-9 to 0.001 m: at most 1000 times actuator.peak_travel_m = 1e-6",
+        ),
+        ("peak_travel_mm = 2\n", "did you mean peak_travel_m?"),
+    ] {
+        let found = with(fields).expect_err(fields).to_string();
+        assert!(found.contains(wanted), "{fields}: {found}");
+    }
+}
+
+#[test]
 fn a_band_that_cannot_enter_is_refused_with_the_lowest_frequency_that_can() {
     let band = |low: f64, high: f64| {
         GOOD.replace(

@@ -97,6 +97,11 @@ impl Device {
     pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let (_, table) = progress::table_for(plate, self.identity()?.sample_rate_hz)?;
         self.perform(Request::Upload(table.clone()))?;
+        if !self.snapshot().can_limit_travel() && table.travel_limit().is_some() {
+            eprintln!(
+                "slipline: the device does not limit the actuator's travel: its firmware is too old for it"
+            );
+        }
         Ok(table)
     }
 }

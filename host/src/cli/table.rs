@@ -38,6 +38,8 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         "worst_error_db": table.worst_error_db,
         "worst_shift_m": table.worst_shift_m,
         "swing_without_gain_db": table.swing_without_gain_db,
+        "travel_over_peak_travel": table.travel.map(|travel| travel.largest_share),
+        "lowered_by_travel_db": table.travel.map(|travel| travel.lowered_db()),
         "knots_without_peak": table.knots_without_peak,
         "sensitivity_db_per_percent": sensitivity.worst_db,
         "sensitivity_at_m": sensitivity.worst_at_m,
@@ -54,6 +56,18 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
             0 => "everywhere".to_owned(),
             count => format!("missing at {count} knots: loss leaves none there"),
         };
+        let travel = match table.travel {
+            None => "not limited: the plate file names no peak travel".to_owned(),
+            Some(travel) => {
+                let lowered = if travel.scale < 1.0 {
+                    format!("; lowered by {} dB to keep it", with_decimals(travel.lowered_db(), 1))
+                } else {
+                    String::new()
+                };
+                let percent = with_decimals(100.0 * travel.largest_share, 0);
+                format!("{percent} % of the peak travel at level 1, at most{lowered}")
+            }
+        };
         let mut lines = vec![
             ("Plate", plate.name().to_owned()),
             ("Sample rate", show_frequency(rate_hz)),
@@ -61,6 +75,7 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
             ("Band", format!("{} to {}", frequency(table.knots.first()), frequency(table.knots.last()))),
             ("Knots", format!("{}, CRC {:08x}", table.knots.len(), device_table.crc())),
             ("Peak at level 1", show_length(table.peak_at_full_scale_m)),
+            ("Travel", travel),
             ("Peaks", peaks),
             ("Departure", format!("{} dB at most between the knots", with_decimals(table.worst_error_db, 2))),
             (

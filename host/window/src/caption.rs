@@ -50,7 +50,16 @@ pub const DRIVE_FREQUENCY: Caption =
     Caption::new("Frequency of the resistance", Unit::Hertz, &["drive.at_frequency_hz"]);
 /// Displacement of the drive at DAC full scale, of the plate on the screen.
 pub const AT_FULL_SCALE: Caption = Caption::new("At full scale", Unit::Millimetre, &["full_scale_m"]);
-/// The same, of a design.
+/// Resonance of the actuator.
+pub const RESONANCE: Caption = Caption::new("Resonance", Unit::Hertz, &["actuator.resonance_hz"]);
+/// Quality factor of the actuator's resonance.
+pub const QUALITY: Caption = Caption::new("Quality", Unit::Pure, &["actuator.quality"]);
+/// How far the actuator may move.
+pub const PEAK_TRAVEL: Caption = Caption::new("Peak travel", Unit::Millimetre, &["actuator.peak_travel_m"]);
+/// How far a steady signal at full scale would move it.
+pub const STATIC_TRAVEL: Caption =
+    Caption::new("Travel at full scale", Unit::Millimetre, &["actuator.static_travel_m"]);
+/// Displacement of the drive at DAC full scale, of a design.
 pub const FULL_SCALE: Caption = Caption::new("Full scale", Unit::Millimetre, &["full_scale_m"]);
 /// Lowest frequency of a design.
 pub const BAND_LOW: Caption = Caption::new("Band from", Unit::Hertz, &["band low"]);
@@ -78,7 +87,7 @@ pub enum Panel {
     Designer,
 }
 
-const PLATE: [&Caption; 17] = [
+const PLATE: [&Caption; 21] = [
     &LENGTH,
     &HALF_WIDTH,
     &TAPER_RATE,
@@ -95,6 +104,10 @@ const PLATE: [&Caption; 17] = [
     &DRIVE_RATIO,
     &DRIVE_FREQUENCY,
     &AT_FULL_SCALE,
+    &RESONANCE,
+    &QUALITY,
+    &PEAK_TRAVEL,
+    &STATIC_TRAVEL,
     &TAPER_POINTS,
 ];
 

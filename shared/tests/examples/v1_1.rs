@@ -1,13 +1,25 @@
 //! What minor 1 adds: its messages, and the variants that it adds to those of minor 0.
 
 use super::{Example, identity, status};
+use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Accepted, Fault, Faults, Identity, Maintenance, State, Status, StoredConfig};
-use slipline_protocol::refusal::Refusal;
+use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::{Command, Event};
 
 /// The commands of minor 1.
 pub(crate) fn commands() -> Vec<Example<Command>> {
-    [("maintenance", Command::Maintenance)].map(|(label, command)| (label.to_owned(), command)).into()
+    let commands = [
+        ("maintenance", Command::Maintenance),
+        ("set-travel-limit", Command::SetTravelLimit(limited())),
+        ("set-travel-limit-none", Command::SetTravelLimit(TravelSetting { limit: None })),
+        ("travel-limit", Command::TravelLimit),
+    ];
+    commands.map(|(label, command)| (label.to_owned(), command)).into()
+}
+
+fn limited() -> TravelSetting {
+    let limit = TravelLimit { resonance_uhz: 43_200_000, quality_per_mille: 2500, static_ppm: 1_800_000 };
+    TravelSetting { limit: Some(limit) }
 }
 
 /// The events of minor 1.
@@ -27,6 +39,19 @@ pub(crate) fn events() -> Vec<Example<Event>> {
         ("refused-disarm-first", Event::Refused(Refusal::DisarmFirst)),
         ("hello-reply-stored-4", Event::Hello(Identity { stored: StoredConfig::FellBack, ..identity() })),
         ("status-reply-fault-9", Event::Status(fallen_back)),
+        ("travel-limit-reply", Event::TravelLimit(limited())),
+        ("travel-limit-reply-none", Event::TravelLimit(TravelSetting { limit: None })),
+        (
+            "refused-travel",
+            Event::Refused(Refusal::Travel { travel_per_mille: 1340, allowed_per_mille: 746 }),
+        ),
+        ("refused-out-of-range-resonance", out_of_range(Field::Resonance)),
+        ("refused-out-of-range-quality", out_of_range(Field::Quality)),
+        ("refused-out-of-range-static-travel", out_of_range(Field::StaticTravel)),
     ];
     events.map(|(label, event)| (label.to_owned(), event)).into()
+}
+
+fn out_of_range(field: Field) -> Event {
+    Event::Refused(Refusal::OutOfRange { field, min: 1, max: 1_000_000_000, got: 0 })
 }

@@ -72,6 +72,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
         let (armed, faults) = mailbox.standing();
         self.refuse_unless_armed(armed, faults)?;
+        self.excursion.check_glide(drive.glide, &self.timing)?;
         let at = publish(mailbox, &self.is_outrun, |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let earliest = view.next.max(view.ready_at);
@@ -83,7 +84,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     block_at_or_after(at)
                 }
             };
-            self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)
+            let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
+            self.excursion.check(&motion, mailbox.slots())?;
+            Ok(motion)
         })?;
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)

@@ -30,7 +30,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
         let at = publish(mailbox, &self.is_outrun, |view, lead| {
             let at = view.next.saturating_add(lead);
-            self.planner(mailbox, is_stopped).swap(at, table, &view.motion)
+            let motion = self.planner(mailbox, is_stopped).swap(at, table, &view.motion)?;
+            self.excursion.check(&motion, mailbox.slots())?;
+            Ok(motion)
         })?;
         self.table = Some(header);
         self.active = table;

@@ -9,7 +9,7 @@ use crate::ramp::ONE;
 
 /// How a tone's setting moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SettingTrajectory {
+pub(crate) enum SettingTrajectory {
     /// Along the table.
     Along,
     /// To the table and along it, from what it was at the start: the differences there, in units of step and of gain.
@@ -20,14 +20,14 @@ pub(super) enum SettingTrajectory {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct ToneTrajectory {
-    pub(super) from: FinePosition,
-    pub(super) to: FinePosition,
-    pub(super) from_level: Gain,
-    pub(super) to_level: Gain,
-    pub(super) setting: SettingTrajectory,
+pub(crate) struct ToneTrajectory {
+    pub(crate) from: FinePosition,
+    pub(crate) to: FinePosition,
+    pub(crate) from_level: Gain,
+    pub(crate) to_level: Gain,
+    pub(crate) setting: SettingTrajectory,
     /// The phase it begins with if it starts from silence.
-    pub(super) phase: u64,
+    pub(crate) phase: u64,
 }
 
 impl SettingTrajectory {

@@ -290,7 +290,11 @@ impl CommandQueue {
             },
             Job::Drive(request) => {
                 let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(&identity, recorder.view.table.active.as_ref()) {
+                match request.for_device(
+                    &identity,
+                    recorder.view.table.active.as_ref(),
+                    recorder.view.travel_limit.as_ref(),
+                ) {
                     Ok(drive) => Command::Drive(drive),
                     Err(error) => {
                         recorder.finish(task.ticket, Outcome::Refused(error.into()));

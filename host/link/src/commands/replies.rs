@@ -145,6 +145,7 @@ impl CommandQueue {
             | Event::Status(_)
             | Event::Maintenance(_)
             | Event::Unchanged(_)
+            | Event::TravelLimit(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
@@ -171,6 +172,7 @@ impl CommandQueue {
             | Event::Accepted(_)
             | Event::Maintenance(_)
             | Event::Unchanged(_)
+            | Event::TravelLimit(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => {}
@@ -270,7 +272,7 @@ impl CommandQueue {
                 let enter = Job::Send(Command::BootloaderEnter(token));
                 self.tasks.push_front(Task::new(task.ticket, enter));
             }
-            Event::Hello(_) | Event::Status(_) => {
+            Event::Hello(_) | Event::Status(_) | Event::TravelLimit(_) => {
                 return self.refused(&task, &command, Refusal::UnexpectedReply, recorder);
             }
         }
@@ -339,6 +341,8 @@ impl CommandQueue {
             }
             // They change nothing that is in the journal, or are not sent as tasks.
             Command::Maintenance
+            | Command::SetTravelLimit(_)
+            | Command::TravelLimit
             | Command::TableBegin(_)
             | Command::TableChunk(_)
             | Command::TableCommit

@@ -8,6 +8,7 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::UploadProgress;
 use crate::table::DeviceTable;
+use slipline_protocol::command::TravelSetting;
 use slipline_protocol::event::State;
 use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
@@ -18,11 +19,19 @@ pub(super) const BUSY_PAUSE: Duration = Duration::from_millis(5);
 /// A busy device is asked so often at most: a glide to a new table takes 20 ms.
 pub(super) const BUSY_TRIES: u32 = 200;
 
+/// The plate file limits the travel, and the device's firmware is older than that.
+const TRAVEL_NOT_LIMITED: &str =
+    "The device does not limit the actuator's travel: its firmware is too old for it.";
+
 /// The step that is sent next, or waits for its reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
+    /// The limit of the actuator's travel, before any tone goes by the new table.
+    Limit,
     Begin,
-    Chunk { first: u16 },
+    Chunk {
+        first: u16,
+    },
     Commit,
     Verify,
 }
@@ -36,16 +45,19 @@ pub(super) struct Upload {
     pub(super) tries: u32,
     /// The step is not sent before this time.
     pub(super) not_before: Duration,
+    /// No other upload was under way when it began: what the device holds is in force, and may be this table.
+    may_be_held: bool,
 }
 
 impl Upload {
     pub(super) const fn new(ticket: Ticket, table: Arc<DeviceTable>) -> Self {
-        Self { ticket, table, step: Step::Begin, tries: 0, not_before: Duration::ZERO }
+        Self { ticket, table, step: Step::Begin, tries: 0, not_before: Duration::ZERO, may_be_held: false }
     }
 
     /// The command of the present step.
     pub(super) fn command(&self) -> Command {
         match self.step {
+            Step::Limit => Command::SetTravelLimit(TravelSetting { limit: self.table.travel_limit() }),
             Step::Begin => Command::TableBegin(self.table.header()),
             // No chunk begins past the end: `advance` goes on to the commit there.
             Step::Chunk { first } => {
@@ -61,6 +73,7 @@ impl Upload {
         let total = self.table.header().knots;
         self.tries = 0;
         self.step = match self.step {
+            Step::Limit => Step::Begin,
             Step::Begin => Step::Chunk { first: 0 },
             Step::Chunk { first } => {
                 let next = first + self.table.chunk(first).map_or(0, |chunk| chunk.knots.len() as u16);
@@ -73,7 +86,7 @@ impl Upload {
     pub(super) fn progress(&self) -> UploadProgress {
         let total = self.table.header().knots;
         let sent = match self.step {
-            Step::Begin => 0,
+            Step::Limit | Step::Begin => 0,
             Step::Chunk { first } => first,
             Step::Commit | Step::Verify => total,
         };
@@ -102,11 +115,17 @@ impl Uploads {
 
     /// Begins an upload, in the place of one that is under way, unless the device needs none.
     pub(super) fn begin(&mut self, upload: &Upload, recorder: &mut Recorder) {
+        let needs_limit = !recorder.view.limits_travel_for(&upload.table);
+        if upload.table.travel_limit().is_some() && !recorder.view.can_limit_travel() {
+            recorder.log(Severity::Warning, TRAVEL_NOT_LIMITED);
+        }
         // An upload under way replaces the table that the device holds.
-        if self.0.is_none() && recognise(upload, recorder) {
+        let may_be_held = self.0.is_none();
+        if may_be_held && !needs_limit && recognise(upload, recorder) {
             return;
         }
-        if let Some(older) = self.0.replace(upload.clone()) {
+        let step = if needs_limit { Step::Limit } else { Step::Begin };
+        if let Some(older) = self.0.replace(Upload { step, may_be_held, ..upload.clone() }) {
             recorder.finish(Some(older.ticket), Outcome::Superseded);
         }
         recorder.view.upload = Some(upload.progress());
@@ -140,6 +159,18 @@ impl Uploads {
                 upload.not_before = now + BUSY_PAUSE;
             }
             (Event::Refused(refusal), _) => self.fail(Refusal::Device(refusal), recorder),
+            (Event::TravelLimit(setting), Step::Limit) => {
+                recorder.travel_limit(setting.limit);
+                after.is_status_stale = true;
+                if setting.limit != upload.table.travel_limit() {
+                    self.fail(Refusal::UnexpectedReply, recorder);
+                } else if upload.may_be_held && is_held_already(upload, recorder) {
+                    recorder.view.upload = None;
+                    self.0 = None;
+                } else {
+                    upload.advance();
+                }
+            }
             (Event::Accepted(_), Step::Begin | Step::Chunk { .. }) => {
                 upload.advance();
                 recorder.view.upload = Some(upload.progress());
@@ -162,8 +193,9 @@ impl Uploads {
                     self.fail(Refusal::TableDiffers, recorder);
                 }
             }
-            (Event::Accepted(_), Step::Verify)
-            | (Event::Table(_), Step::Begin | Step::Chunk { .. } | Step::Commit)
+            (Event::Accepted(_), Step::Limit | Step::Verify)
+            | (Event::TravelLimit(_), Step::Begin | Step::Chunk { .. } | Step::Commit | Step::Verify)
+            | (Event::Table(_), Step::Limit | Step::Begin | Step::Chunk { .. } | Step::Commit)
             | (
                 Event::Hello(_)
                 | Event::Status(_)
@@ -207,6 +239,17 @@ fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
     recorder.acknowledge(status.now, Change::Table(upload.table.clone()));
     confirm(upload, recorder, " already");
     true
+}
+
+/// After the limit of the travel has changed: the device may hold the table from before this session, or from an upload
+/// that was known already.
+fn is_held_already(upload: &Upload, recorder: &mut Recorder) -> bool {
+    let known = recorder.view.confirmed_table.as_ref();
+    if is_held(upload, recorder) && known.is_some_and(|known| known.crc() == upload.table.crc()) {
+        confirm(upload, recorder, " already");
+        return true;
+    }
+    recognise(upload, recorder)
 }
 
 /// The device holds this upload's table, and this program knows it.

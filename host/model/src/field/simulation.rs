@@ -18,7 +18,7 @@ use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
 use slipline_link::{DriveError, DriveRequest, OutOfRange, Request};
 use slipline_plate::{
     Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
-    TimeDomainLine, ToneDrive, predict_envelope, respond,
+    TableTravel, TimeDomainLine, ToneDrive, predict_envelope, respond,
 };
 use std::sync::Arc;
 
@@ -150,7 +150,14 @@ pub fn table_for_watched(
 pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
     let span_m = (table.span_start_m, table.span_end_m);
     let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
-    DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)
+    let device_table =
+        DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)?;
+    match table.travel {
+        None => Ok(device_table),
+        Some(TableTravel { resonance_hz, quality, static_share, .. }) => {
+            device_table.with_travel_limit(resonance_hz, quality, static_share)
+        }
+    }
 }
 
 /// The same table with every gain at full scale.

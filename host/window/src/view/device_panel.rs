@@ -147,6 +147,12 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         (None, false, _) => ("the same".to_owned(), palette.good),
     };
     row(ui, "Which are", RichText::new(text).color(colour));
+    let (text, colour) = match snapshot.travel_limit {
+        Some(_) => ("limited by the device", palette.good),
+        None if !snapshot.can_limit_travel() => ("not limited: the firmware is too old", palette.warn),
+        None => ("not limited", palette.weak),
+    };
+    row(ui, "Actuator's travel", RichText::new(text).color(colour));
     ui.horizontal(|ui| {
         if let Some(progress) = snapshot.upload {
             let share = f32::from(progress.sent) / f32::from(progress.total.max(1));

@@ -105,6 +105,14 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             let table = &made.drive_table;
             row(ui, "Table", format!("{} knots, {:.0} kS/s", table.knots.len(), table.sample_rate_hz * 1e-3));
             row(ui, "Peak at level 1", show_length(table.peak_at_full_scale_m));
+            if let Some(travel) = table.travel {
+                let percent = 100.0 * travel.largest_share;
+                row(ui, "Travel at level 1", format!("{percent:.0} % of the peak travel at most"));
+                if travel.scale < 1.0 {
+                    let text = format!("Lowered by {:.1} dB to keep the peak travel.", travel.lowered_db());
+                    ui.label(RichText::new(text).small().color(palette.warn));
+                }
+            }
             row(ui, "Levelled out", format!("{:.1} dB of swing", table.swing_without_gain_db));
             row(ui, "Left between knots", format!("{:.2} dB", table.worst_error_db));
             if let Some(decibel) = made.sensitivity_db {

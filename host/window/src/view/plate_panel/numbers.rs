@@ -7,7 +7,7 @@ use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{Caption, FIELD_DIGITS};
-use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, limits};
+use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, Travel, limits};
 use std::sync::Arc;
 
 /// Shows the numbers of `plate`.
@@ -21,6 +21,9 @@ pub(super) fn show(ui: &mut egui::Ui, plate: &Arc<Plate>, view: &mut ViewState, 
     ui.separator();
     theme::heading(ui, "Drive end");
     drive_end(ui, &mut numbers);
+    ui.separator();
+    theme::heading(ui, "Actuator");
+    actuator(ui, &mut numbers);
 }
 
 /// The `Ui` and state with which the fields are shown.
@@ -203,4 +206,35 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     numbers.number(ui, &caption::AT_FULL_SCALE, spec.full_scale_m, |spec, value| {
         spec.full_scale_m = value;
     });
+}
+
+/// The actuator's numbers, if the plate file has any. How far it moves is limited only if the file says how far it may.
+fn actuator(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
+    let actuator = numbers.plate.spec().actuator;
+    if let Some(actuator) = actuator {
+        numbers.number(ui, &caption::RESONANCE, actuator.resonance_hz, |spec, value| {
+            if let Some(actuator) = &mut spec.actuator {
+                actuator.resonance_hz = value;
+            }
+        });
+        numbers.number(ui, &caption::QUALITY, actuator.quality, |spec, value| {
+            if let Some(actuator) = &mut spec.actuator {
+                actuator.quality = value;
+            }
+        });
+    }
+    let Some(travel) = actuator.and_then(|actuator| actuator.travel) else {
+        row(ui, caption::PEAK_TRAVEL.name, "not limited");
+        ui.label(RichText::new("The plate file names no peak travel of an actuator").small().weak());
+        return;
+    };
+    let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Travel, f64)| {
+        numbers.number(ui, caption, value, |spec, value| {
+            if let Some(travel) = spec.actuator.as_mut().and_then(|actuator| actuator.travel.as_mut()) {
+                set(travel, value);
+            }
+        });
+    };
+    of(ui, &caption::PEAK_TRAVEL, travel.peak_m, |travel, value| travel.peak_m = value);
+    of(ui, &caption::STATIC_TRAVEL, travel.static_m, |travel, value| travel.static_m = value);
 }

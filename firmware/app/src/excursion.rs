@@ -1,0 +1,230 @@
+//! The limit of the actuator's travel: a motion whose tones together would pass it is refused.
+//!
+//! ```text
+//! knots of a table --written--> the largest travel of each group of knots --+
+//! Motion of a drive or a table swap ----------------------------------------+--check--> Ok, or Refusal::Travel
+//! ```
+//! A tone of amplitude a and phase step f moves the actuator by a x(f) ([`law`]). The tones' travels add up, because
+//! their phases may meet. As for the headroom, one bound `T_i` for each tone's whole way is enough: `T_i` is the largest
+//! `gain x(f)` on it, all levels share one `s`, and `sum T_i level_i(s)` is linear in `s`, so it is largest at one of
+//! the ends.
+//!
+//! This is the steady travel. A change adds free motion to it, the more the faster it is, so that with a limit a drive
+//! takes at least [`PERIODS`] of the resonance. A limit belongs to a session: one that is set for a plate must not judge
+//! another host's tables. All of this is thread time: the renderer knows nothing of it.
+
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
+mod groups;
+mod law;
+
+use slipline_protocol::command::TravelLimit;
+use slipline_protocol::limits::{self, MAX_KNOT_STEP};
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::table::Setting;
+use slipline_protocol::units::Gain;
+
+use self::groups::Groups;
+use self::law::Law;
+use crate::motion::Motion;
+use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
+use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
+use crate::timing::Timing;
+
+/// Periods of the resonance that a drive takes at least. Within two of them a raised cosine leaves little free motion.
+pub const PERIODS: u64 = 2;
+
+/// The limit in force, if any, and what it says of the two tables.
+#[derive(Clone, Debug)]
+pub struct Excursion {
+    sample_rate_hz: u32,
+    limit: Option<(TravelLimit, Law)>,
+    first: Groups,
+    second: Groups,
+}
+
+impl Excursion {
+    /// Without a limit, at a sample rate in Hz.
+    #[must_use]
+    pub const fn unlimited(sample_rate_hz: u32) -> Self {
+        Self { sample_rate_hz, limit: None, first: Groups::NONE, second: Groups::NONE }
+    }
+
+    /// The limit in force.
+    #[must_use]
+    pub fn limit(&self) -> Option<TravelLimit> {
+        self.limit.map(|(limit, _)| limit)
+    }
+
+    /// Puts a limit in force, or none, and judges by it what the slots hold already: so many knots of each.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] with the field; the limit stays as it was.
+    pub fn set(
+        &mut self,
+        limit: Option<TravelLimit>,
+        tables: [TableRef; 2],
+        slots: &TableSlots,
+    ) -> Result<(), Refusal> {
+        if let Some(limit) = &limit {
+            check_ranges(limit)?;
+        }
+        self.limit = limit.map(|limit| (limit, Law::new(&limit, self.sample_rate_hz)));
+        for table in tables {
+            self.begin(table.slot);
+            self.written(table, 0, slots);
+        }
+        Ok(())
+    }
+
+    /// A session begins: there is no limit until it sets one.
+    pub const fn clear(&mut self) {
+        self.limit = None;
+    }
+
+    /// A slot is about to be written anew.
+    pub const fn begin(&mut self, slot: SlotIndex) {
+        *self.groups_of(slot) = Groups::NONE;
+    }
+
+    /// The knots from `first` on have been written; `table` has all that have been written so far.
+    pub fn written(&mut self, table: TableRef, first: u16, slots: &TableSlots) {
+        let Some((_, law)) = self.limit else { return };
+        let groups = self.groups_of(table.slot);
+        // The first of them ends the interval before it.
+        let begin = first.saturating_sub(1);
+        let mut left = slots.knot(table.slot, begin);
+        for index in begin..table.knots.saturating_sub(1) {
+            let right = slots.knot(table.slot, index.saturating_add(1));
+            let largest = law.largest(left.step, right.step);
+            groups.add(index.into(), amplitude(left.gain.max(right.gain)) * largest);
+            left = right;
+        }
+    }
+
+    const fn groups_of(&mut self, slot: SlotIndex) -> &mut Groups {
+        match slot {
+            SlotIndex::First => &mut self.first,
+            SlotIndex::Second => &mut self.second,
+        }
+    }
+
+    /// Checks that a drive does not change faster than the actuator can follow.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] for the glide.
+    pub fn check_glide(&self, glide: u32, timing: &Timing) -> Result<(), Refusal> {
+        // A glide that is too short for any motion is refused where it is planned.
+        let Some((limit, _)) = &self.limit else { return Ok(()) };
+        let shortest = shortest_glide(limit, timing);
+        if glide >= shortest {
+            return Ok(());
+        }
+        Err(Refusal::OutOfRange {
+            field: Field::Glide,
+            min: i64::from(shortest),
+            max: i64::from(timing.max_glide),
+            got: i64::from(glide),
+        })
+    }
+
+    /// Checks that the steady travel of all tones together stays within the limit on the whole way of a motion.
+    ///
+    /// # Errors
+    /// [`Refusal::Travel`].
+    pub fn check(&self, motion: &Motion, slots: &TableSlots) -> Result<(), Refusal> {
+        let Some((_, law)) = &self.limit else { return Ok(()) };
+        let (mut at_start, mut at_end) = (0.0_f32, 0.0_f32);
+        for tone in motion.trajectories() {
+            if tone.from_level.0 == 0 && tone.to_level.0 == 0 {
+                continue;
+            }
+            let travel = self.on_the_way(tone, motion.table(), law, slots);
+            at_start += travel * amplitude(tone.from_level);
+            at_end += travel * amplitude(tone.to_level);
+        }
+        // Not by `max`, which drops what is no number.
+        if at_start <= 1.0 && at_end <= 1.0 { Ok(()) } else { Err(refusal(at_start, at_end)) }
+    }
+
+    /// The largest travel of a tone of level 1 on its way.
+    fn on_the_way(&self, tone: &ToneTrajectory, table: TableRef, law: &Law, slots: &TableSlots) -> f32 {
+        let at = |setting: Setting| amplitude(setting.gain) * law.share(upper_half(setting));
+        match tone.setting {
+            SettingTrajectory::Hold { step, gain } => at(Setting { step, gain }),
+            SettingTrajectory::Along if tone.from == tone.to => at(slots.evaluate(table, tone.to)),
+            SettingTrajectory::Along => {
+                let groups = match table.slot {
+                    SlotIndex::First => &self.first,
+                    SlotIndex::Second => &self.second,
+                };
+                let (first, last) = knots_between(table, tone.from, tone.to);
+                groups.largest(first.into(), last.into())
+            }
+            SettingTrajectory::Join { step_upper, gain, .. } => {
+                let ends = [tone.from, tone.to].map(|place| upper_half(slots.evaluate(table, place)));
+                let widened = widen(ends, step_upper);
+                let most = slots.extremes(table, tone.from, tone.to).gain;
+                let most = most.saturating_add_signed(gain.max(0)).min(Gain::FULL.0);
+                amplitude(Gain(most)) * law.largest(widened[0], widened[1])
+            }
+        }
+    }
+}
+
+/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest glide that
+/// there is. The host makes its drives by the same rule.
+#[must_use]
+pub fn shortest_glide(limit: &TravelLimit, timing: &Timing) -> u32 {
+    let samples = PERIODS
+        .saturating_mul(u64::from(timing.sample_rate_hz))
+        .saturating_mul(1_000_000)
+        .div_ceil(limit.resonance_uhz.max(1));
+    u32::try_from(samples).unwrap_or(u32::MAX).clamp(timing.min_glide, timing.max_glide)
+}
+
+/// The steps between two, and those that are off by a part of `difference` (of the upper half of a step), too.
+fn widen(ends: [u32; 2], difference: i32) -> [u32; 2] {
+    let low = ends[0].min(ends[1]).saturating_add_signed(difference.min(0));
+    // The lower half of the difference is less than one more.
+    let high = ends[0].max(ends[1]).saturating_add_signed(difference.max(0).saturating_add(1));
+    [low, high.min(MAX_KNOT_STEP)]
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the upper half is meant")]
+const fn upper_half(setting: Setting) -> u32 {
+    (setting.step.0 >> 32) as u32
+}
+
+/// A gain as a float, 1 = full scale.
+fn amplitude(gain: Gain) -> f32 {
+    gain.0 as f32 / Gain::FULL.0 as f32
+}
+
+/// Levels have a say in the sum at the end only: at the start the tones have those that they had.
+#[expect(clippy::cast_possible_truncation, reason = "the casts saturate")]
+fn refusal(at_start: f32, at_end: f32) -> Refusal {
+    // One more than what is cut off: what is told is above the limit, and what is allowed is below it.
+    let travel_per_mille = ((at_start.max(at_end) * 1000.0) as u16).saturating_add(1);
+    let allowed_per_mille = if at_start <= 1.0 { (1000.0 / at_end) as u16 } else { 0 };
+    Refusal::Travel { travel_per_mille, allowed_per_mille: allowed_per_mille.min(999) }
+}
+
+fn check_ranges(limit: &TravelLimit) -> Result<(), Refusal> {
+    let check = |field, min: u64, max: u64, got: u64| {
+        if (min..=max).contains(&got) {
+            return Ok(());
+        }
+        let signed = |value| i64::try_from(value).unwrap_or(i64::MAX);
+        Err(Refusal::OutOfRange { field, min: signed(min), max: signed(max), got: signed(got) })
+    };
+    let (min, max) = limits::RESONANCE_UHZ;
+    check(Field::Resonance, min, max, limit.resonance_uhz)?;
+    let (min, max) = limits::QUALITY_PER_MILLE;
+    check(Field::Quality, min.into(), max.into(), limit.quality_per_mille.into())?;
+    let (min, max) = limits::STATIC_TRAVEL_PPM;
+    check(Field::StaticTravel, min.into(), max.into(), limit.static_ppm.into())
+}
+
+#[cfg(test)]
+mod tests;
