@@ -191,7 +191,8 @@ impl Simulation<'_> {
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
         let mut line = TimeDomainLine::new(self.actual, rate_hz, PLACES, 1)?;
         let drive = DriveRequest::at(self.tones);
-        let glide_s = drive.glide_s;
+        // With a limit of the travel the link makes the glide longer.
+        let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
         chain.perform(Request::Drive(drive), |codes| line.push_codes(codes, 12))?;
 
         let sounding = self.sounding(&device_table)?;
