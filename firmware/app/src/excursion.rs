@@ -191,7 +191,6 @@ fn widen(ends: [u32; 2], difference: i32) -> [u32; 2] {
     [low, high.min(MAX_KNOT_STEP)]
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "the upper half is meant")]
 const fn upper_half(setting: Setting) -> u32 {
     (setting.step.0 >> 32) as u32
 }
