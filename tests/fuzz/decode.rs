@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run --fuzz-dir tests --features fuzzing decode`
+//! `cargo fuzz run --fuzz-dir tests --features fuzzing --sanitizer none decode`
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| slipline_tests::fuzz::decode(data));

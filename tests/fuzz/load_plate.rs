@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run --fuzz-dir tests --features fuzzing load_plate`
+//! `cargo fuzz run --fuzz-dir tests --features fuzzing --sanitizer none load_plate`
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| slipline_tests::fuzz::load_plate(data));

@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run --fuzz-dir tests --features fuzzing rx_bytes`
+//! `cargo fuzz run --fuzz-dir tests --features fuzzing --sanitizer none rx_bytes`
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| slipline_tests::fuzz::rx_bytes(data));

@@ -1,4 +1,4 @@
-//! `cargo +nightly fuzz run --fuzz-dir tests --features fuzzing session`
+//! `cargo fuzz run --fuzz-dir tests --features fuzzing --sanitizer none session`
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| slipline_tests::fuzz::session(data));

@@ -9,7 +9,7 @@ use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{LinkError, Port, PortInfo};
 use slipline_protocol::version::Minor;
-use slipline_protocol::{Command, Decoder, Event};
+use slipline_protocol::{Command, Decoder, Event, Header};
 
 /// Changes a reply on its way.
 pub type Rewrite = fn(Event) -> Event;
@@ -37,12 +37,16 @@ pub struct FaultyPorts {
     pub drop_stops: u32,
     /// Changes a reply on its way.
     pub rewrite: Rewrite,
+    /// Bytes that come to the host besides what the device says.
+    pub injected: Vec<u8>,
     /// Decodes the host's bytes.
     pub from_host: Decoder,
     /// Decodes the device's bytes.
     pub from_device: Decoder,
     /// Every command that the host has sent, with its sequence number; a dropped one, too.
     pub commands: Vec<(u16, Command)>,
+    /// The header of the last of them.
+    pub last: Option<Header>,
     /// PortsOpener in the order in which they were opened.
     pub opened: Vec<Port>,
     /// How often a line was read.
@@ -63,9 +67,11 @@ impl Default for FaultyPorts {
             drop_commands: 0,
             drop_stops: 0,
             rewrite: as_real,
+            injected: Vec::new(),
             from_host: Decoder::new(),
             from_device: Decoder::new(),
             commands: Vec::new(),
+            last: None,
             opened: Vec::new(),
             reads: 0,
         }
@@ -184,6 +190,7 @@ impl Transport for Line {
                 None => {}
             }
         }
+        self.received.append(&mut ports.injected);
         read_received(&mut self.received, buffer)
     }
 
@@ -199,6 +206,7 @@ impl Transport for Line {
             });
             let Some((header, command)) = found else { continue };
             ports.commands.push((header.sequence, command.clone()));
+            ports.last = Some(header);
             if ports.drop_commands > 0 && command.is_sequenced() {
                 ports.drop_commands -= 1;
                 continue;

@@ -1,0 +1,35 @@
+//! Targets on files that a user opens.
+
+use slipline_model::setup::file::{self, Opened};
+use slipline_plate::Plate;
+
+/// A plate file: an error or a plate, never a panic; a plate survives being written and read again.
+///
+/// # Panics
+/// If that does not hold.
+pub fn load_plate(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    if let Ok(plate) = Plate::from_toml(text) {
+        let again = Plate::from_toml(&plate.to_toml()).expect("what was written can be read");
+        assert_eq!(again.to_toml(), plate.to_toml());
+        let (low, high) = plate.band_hz();
+        assert!(low.is_finite() && high.is_finite());
+    }
+}
+
+/// A setup file: an error with a text, or a setup or a plate, never a panic; a setup survives being written and read
+/// again, to the last bit.
+///
+/// # Panics
+/// If that does not hold.
+pub fn load_setup(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    match file::read(text) {
+        Err(error) => assert!(!error.to_string().is_empty()),
+        Ok(Opened::Plate(_)) => {}
+        Ok(Opened::Setup(setup)) => match file::read(&file::write(&setup)) {
+            Ok(Opened::Setup(again)) => assert_eq!(again, setup),
+            other => panic!("what was written is read as {other:?}"),
+        },
+    }
+}
