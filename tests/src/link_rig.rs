@@ -27,6 +27,10 @@ pub struct LinkRig {
     pub states: Vec<LinkState>,
     /// How often the link was called.
     pub steps: u64,
+    /// Whether the program that drives answers when it is asked for a sign of life; see [`LinkRig::watched`].
+    pub is_driver_alive: bool,
+    /// How often it was asked.
+    pub signs_wanted: u64,
     /// The codes that the device has sent since [`LinkRig::record`], with the index of the first one.
     recording: Option<(u64, Vec<u16>)>,
 }
@@ -59,6 +63,8 @@ impl LinkRig {
             tickets: 0,
             states: Vec::new(),
             steps: 0,
+            is_driver_alive: true,
+            signs_wanted: 0,
             recording: None,
         }
     }
@@ -116,6 +122,13 @@ impl LinkRig {
         self
     }
 
+    /// With a link that wants signs of life from the program that drives, as the worker's does.
+    #[must_use]
+    pub fn watched(mut self) -> Self {
+        self.connection.watch_driver();
+        self
+    }
+
     /// Keeps every code that the device sends from now on.
     pub fn record(&mut self) {
         let first = self.ports().device.now();
@@ -156,6 +169,12 @@ impl LinkRig {
     fn step(&mut self) {
         self.connection.step(self.now);
         self.steps += 1;
+        if self.connection.take_sign_wanted() {
+            self.signs_wanted += 1;
+            if self.is_driver_alive {
+                self.connection.sign_of_life(self.now);
+            }
+        }
         let link = self.view().link.clone();
         if self.states.last() != Some(&link) {
             self.states.push(link);

@@ -1,5 +1,6 @@
 //! Stops on a bad line: what they overtake does not come back, and what is asked for after them is not undone.
 
+use slipline_link::table::DeviceTable;
 use slipline_link::{Change, DriveRequest, LinkState, Outcome, Port, Request, ToneRequest};
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Fault, State};
@@ -7,6 +8,7 @@ use slipline_protocol::limits::REPLY_TIMEOUT_MS;
 use slipline_protocol::{Command, Event, Refusal};
 use slipline_tests::faulty_ports::{as_real, lock};
 use slipline_tests::link_rig::{LinkRig, drive};
+use std::sync::Arc;
 
 /// Longer than a lost word takes to be said again.
 const AGAIN_MS: u64 = 2 * REPLY_TIMEOUT_MS as u64;
@@ -182,4 +184,28 @@ fn a_disarm_does_not_wait_for_a_drive_that_is_busy() {
     assert_eq!(rig.outcome(busy), Some(Outcome::Superseded));
     assert!(matches!(rig.outcome(disarm), Some(Outcome::Done { .. })));
     assert!(rig.ports().device.is_muted());
+}
+
+#[test]
+fn a_stop_and_a_disarm_take_effect_between_two_chunks_of_an_upload() {
+    // What Esc, Space and STOP send to a real device, in the midst of an upload and with more work behind it.
+    let mut rig = driving();
+    let knots = (0..1000).map(|i| (100.0 + f64::from(i), 0.5));
+    let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
+    let upload = rig.ask(Request::Upload(Arc::new(table)));
+    rig.pass_ms(10);
+    assert!(rig.outcome(upload).is_none(), "it is under way");
+    let tickets = [Request::Stop, Request::Disarm].map(|request| rig.ask(request));
+    rig.pass_ms(5);
+    for ticket in tickets {
+        assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })), "{:?}", rig.outcome(ticket));
+    }
+    assert!(rig.outcome(upload).is_none(), "they did not wait for it");
+    rig.pass_ms(1000);
+    assert_eq!(rig.state(), State::Idle);
+    // The second press: an emergency stop is taken by a device that is disarmed, too.
+    let emergency = rig.ask(Request::EmergencyStop);
+    rig.pass_ms(300);
+    assert!(matches!(rig.outcome(emergency), Some(Outcome::Done { .. })));
+    assert_eq!(rig.state(), State::Fault);
 }

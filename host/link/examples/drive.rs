@@ -7,7 +7,6 @@ use slipline_link::native::Worker;
 use slipline_link::{DeviceTable, DriveRequest, Outcome, Port, Request};
 use std::error::Error;
 use std::sync::Arc;
-use std::thread::sleep;
 use std::time::Duration;
 
 /// Time limit of a request; the longest is the table over a slow serial port.
@@ -32,7 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // One tone with its peak at 50 mm and half of the full displacement.
     let at = perform(&worker, Request::Drive(DriveRequest::at(&[(0.05, 0.5)])))?;
     println!("drives from sample {at} on");
-    sleep(Duration::from_millis(500));
+    // Pausing and waiting by the worker gives the signs of life that it wants while the device is armed.
+    worker.pause(Duration::from_millis(500));
 
     perform(&worker, Request::Refresh)?;
     let status = worker.snapshot().status.ok_or("the device has not told its status")?;

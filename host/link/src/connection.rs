@@ -12,9 +12,11 @@
 //! opened. Other errors of opening are not tried again: a busy port must not be taken from another program, and a
 //! missing permission needs the user first. A device that comes back is disarmed; only the user arms it again.
 
+mod driver;
 mod opening;
 
 use crate::commands::{CommandQueue, Next};
+use crate::driver_watch::DriverWatch;
 use crate::error::LinkError;
 use crate::log::Severity;
 use crate::port::Port;
@@ -112,6 +114,8 @@ pub struct Connection<O: Opener> {
     opened_at: Duration,
     /// Sessions in a row that others have ended soon after their beginning.
     short_lives: u32,
+    /// The watch over whoever drives; `None` if that is who calls [`Connection::step`].
+    driver: Option<DriverWatch>,
 }
 
 impl<O: Opener> Connection<O> {
@@ -133,6 +137,7 @@ impl<O: Opener> Connection<O> {
             has_more: false,
             opened_at: Duration::ZERO,
             short_lives: 0,
+            driver: None,
         }
     }
 
@@ -267,7 +272,8 @@ impl<O: Opener> Connection<O> {
             Phase::Seeking { next } => Some(*next),
             Phase::Open(open) => {
                 let unwritten = !open.queue.is_written();
-                let deadline = open.queue.deadline();
+                let watch = self.driver.as_ref().and_then(DriverWatch::deadline);
+                let deadline = watch.into_iter().fold(open.queue.deadline(), Duration::min);
                 Some(if unwritten { deadline.min(now + WRITE_PAUSE) } else { deadline })
             }
         }
@@ -299,6 +305,9 @@ impl<O: Opener> Connection<O> {
                     Some(error) => return Next::Lose(error),
                 },
             }
+        }
+        if let Some(driver) = &mut self.driver {
+            driver.watch(&mut open.queue, &mut self.recorder, now);
         }
         match open.queue.send_due(&mut self.recorder, now) {
             Next::Continue => {}

@@ -11,7 +11,7 @@
 //! [`connection`] is the state machine (connect, lose, look again); behind it `commands` decides what to send next and
 //! `channel` numbers, times out and repeats (stop-and-wait ARQ). All are told the time and own no thread, so tests, the
 //! simulation and a browser can run them. With the feature `native`, a worker thread runs them on this computer's
-//! serial ports and sockets.
+//! serial ports and sockets; `driver_watch` ends the drive when whoever drives by that thread hangs.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
@@ -21,6 +21,7 @@ mod channel;
 mod commands;
 pub mod connection;
 mod drive;
+mod driver_watch;
 mod error;
 pub mod foldback;
 mod journal;
@@ -46,6 +47,7 @@ pub mod transport;
 pub mod upkeep;
 
 pub use drive::{DriveError, DriveRequest, ToneRequest};
+pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
 pub use error::LinkError;
 pub use journal::{Acknowledged, Change, JOURNAL_ENTRIES};
 pub use log::{LOG_LINES, LogEntry, Severity};

@@ -198,6 +198,12 @@ impl Recorder {
         self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
     }
 
+    /// Counts a drive that ended because whoever drives gave no sign of life.
+    pub(crate) const fn driver_stalled(&mut self) {
+        self.view.driver_stalls = self.view.driver_stalls.saturating_add(1);
+        self.touch();
+    }
+
     pub(crate) fn link(&mut self, link: LinkState) {
         if self.view.link != link {
             self.view.link = link;

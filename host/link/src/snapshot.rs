@@ -131,6 +131,9 @@ pub struct Snapshot {
     pub round_trip: RoundTrip,
     /// The link's own counters.
     pub counters: LinkCounters,
+    /// How often the device was stopped and disarmed because whoever drives it gave no sign of life for
+    /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, stops at its largest value.
+    pub driver_stalls: u32,
     /// What this side's decoder has seen.
     pub decoder: DecoderCounters,
     /// The last refusal, with the request it answers.

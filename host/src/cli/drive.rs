@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     }
     let table = device.use_table(&plate)?;
     table.check_sum(&tones).map_err(Failure::usage)?;
-    device.perform(Request::Arm)?;
+    device.arm()?;
     let request = DriveRequest { glide_s, ..DriveRequest::at(&tones) };
     let at = device.perform_at(Request::Drive(request))?;
 
@@ -88,6 +88,8 @@ fn hold(device: &Device, duration_s: Option<f64>) -> Result<f64, Failure> {
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(GLANCE),
             Err(RecvTimeoutError::Timeout) => {}
         }
+        device.sign_of_life();
+        device.check_attended()?;
         let snapshot = device.snapshot();
         if let LinkState::Lost(trouble) = &snapshot.link {
             return Err(Failure::Failed(trouble.to_string()));

@@ -15,7 +15,6 @@ use slipline_link::protocol::limits::MAX_DIGEST_SAMPLES;
 use slipline_link::{DriveRequest, Outcome, Request, Snapshot, ToneRequest};
 use slipline_plate::quantity::{Measure, Range};
 use std::sync::Arc;
-use std::thread::sleep;
 use std::time::Duration;
 
 /// A window begins so far ahead that the command is there before it, over the slowest link, in seconds.
@@ -75,8 +74,8 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     let windows = Range::new(0.01, longest_s, "s");
     let window_s = arguments.window.within("--window", windows, Measure::Time, "")?;
     device.use_table(&plate)?;
-    device.perform(Request::Arm)?;
-    sleep(REST);
+    device.arm()?;
+    device.pause(REST);
 
     let mut replay = Replay::new(((window_s + KEPT_BEHIND_S) * rate) as usize);
     follow(&device, &mut replay)?;
@@ -86,10 +85,10 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
         let window = DigestWindow { from, count: (window_s * rate) as u32 };
         let ticket = device.handle().send(Request::Digest(window));
         // To the beginning of the window, and a little into it.
-        sleep(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
+        device.pause(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
         act(stage, &device, &plate, count, window_s)?;
         let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
-        let digest = match device.handle().wait(ticket, patience) {
+        let digest = match device.wait(ticket, patience) {
             Some(Outcome::Digest(digest)) => digest,
             Some(Outcome::Refused(refusal)) => return Err(Failure::failed(refusal)),
             _ => return Err(Failure::Failed("the device gave no digest".to_owned())),
@@ -134,7 +133,7 @@ fn act(
         Stage::Drag => {
             for shift in [1.0, 0.3, 0.7] {
                 drive(shift)?;
-                sleep(Duration::from_secs_f64(0.1 * window_s));
+                device.pause(Duration::from_secs_f64(0.1 * window_s));
             }
         }
         Stage::Stop => drop(device.perform(Request::Stop)?),
@@ -147,9 +146,16 @@ fn mirror_digest(device: &Device, replay: &mut Replay, window: DigestWindow) -> 
     // The thermal fold-back up to the window's end is known from the status after it.
     device.perform(Request::Refresh)?;
     let snapshot = follow(device, replay)?;
-    let Some(codes) = replay.exact_codes(window.from, window.count) else {
+    let crc = device.during(|| {
+        replay.exact_codes(window.from, window.count).map(|codes| {
+            let mut crc = CRC.digest();
+            codes.for_each(|code| crc.update(&code.to_le_bytes()));
+            crc.finalize()
+        })
+    });
+    crc.ok_or_else(|| {
         let fault = snapshot.status.and_then(|status| status.first_fault);
-        return Err(Failure::Failed(fault.map_or_else(
+        Failure::Failed(fault.map_or_else(
             || {
                 "not every change in the window reached this program, so its codes cannot be compared"
                     .to_owned()
@@ -157,17 +163,15 @@ fn mirror_digest(device: &Device, replay: &mut Replay, window: DigestWindow) -> 
             |fault| {
                 format!("the device stopped by itself, so its codes cannot be compared: {}", fault.text())
             },
-        )));
-    };
-    let mut crc = CRC.digest();
-    codes.for_each(|code| crc.update(&code.to_le_bytes()));
-    Ok(crc.finalize())
+        ))
+    })
 }
 
 fn follow(device: &Device, replay: &mut Replay) -> Result<Arc<Snapshot>, Failure> {
     let snapshot = device.snapshot();
     let history = DeviceHistory::of(&snapshot);
-    replay.follow(&history.ok_or_else(|| Failure::Failed("the device went away".to_owned()))?);
+    let history = history.ok_or_else(|| Failure::Failed("the device went away".to_owned()))?;
+    device.during(|| replay.follow(&history));
     Ok(snapshot)
 }
 

@@ -3,6 +3,7 @@
 mod answers;
 mod figures;
 mod files;
+mod held_up;
 mod lights;
 mod progress;
 mod refusals;
@@ -10,6 +11,7 @@ mod refusals;
 mod serve;
 #[cfg(unix)]
 mod signals;
+mod terminal;
 mod trace;
 #[cfg(unix)]
 mod upkeep;

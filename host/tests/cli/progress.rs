@@ -1,9 +1,8 @@
 //! The progress of a long command: a bar on a terminal, nothing on a pipe.
 #![cfg(target_os = "linux")]
 
+use super::terminal::terminal;
 use super::{file, slipline};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use std::fs::{File, OpenOptions};
 use std::io::Read as _;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
@@ -34,11 +33,7 @@ struct OnTerminal {
 
 impl OnTerminal {
     fn begun(arguments: &[&str]) -> Self {
-        let ours = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
-        grantpt(&ours).unwrap();
-        unlockpt(&ours).unwrap();
-        let name = ptsname(&ours, Vec::new()).unwrap().into_string().unwrap();
-        let theirs = OpenOptions::new().read(true).write(true).open(name).unwrap();
+        let (ours, theirs) = terminal();
         let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
         command.args(arguments).env("TERM", "xterm").stdout(Stdio::null()).stderr(theirs);
         let child = command.spawn().unwrap();
@@ -46,7 +41,7 @@ impl OnTerminal {
         drop(command);
         let shown = Arc::new(Mutex::new(Vec::new()));
         let reader = std::thread::spawn({
-            let (shown, mut ours) = (Arc::clone(&shown), File::from(ours));
+            let (shown, mut ours) = (Arc::clone(&shown), ours);
             move || {
                 let mut bytes = [0; 1024];
                 while let Ok(count @ 1..) = ours.read(&mut bytes) {

@@ -14,8 +14,8 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A simulated device behind a socket, for one host, and what has gone past.
-struct Socket {
-    path: PathBuf,
+pub(crate) struct Socket {
+    pub(crate) path: PathBuf,
     line: Arc<Mutex<Line>>,
 }
 
@@ -43,7 +43,7 @@ impl Line {
 }
 
 impl Socket {
-    fn serve(name: &str) -> Self {
+    pub(crate) fn serve(name: &str) -> Self {
         let path = file(name);
         let listener = UnixListener::bind(&path).unwrap();
         let line = Arc::<Mutex<Line>>::default();
@@ -88,6 +88,11 @@ impl Socket {
             }
         });
         Self { path, line }
+    }
+
+    /// The commands that the device has received.
+    pub(crate) fn sent(&self) -> Vec<Message> {
+        self.line.lock().unwrap().sent.clone()
     }
 
     /// Runs a command on it, up to the answer to its first drive.

@@ -9,6 +9,8 @@
 
 mod background;
 mod device;
+mod eframe_log;
+mod event_loop;
 mod input;
 mod no_display;
 mod notices;
@@ -17,6 +19,7 @@ mod perform;
 mod playback;
 mod setup;
 mod start;
+mod stop_presses;
 mod window;
 
 pub use window::run;
@@ -47,6 +50,7 @@ use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use stop_presses::StopPresses;
 
 /// The link as the app needs it: the worker, or a test's stand-in that records the requests.
 pub trait Link {
@@ -97,6 +101,7 @@ pub struct App {
     history: History,
     settings: Settings,
     autopilot: Autopilot,
+    stop_presses: StopPresses,
     /// The latest request for a connection.
     connect_sent: Option<Ticket>,
     /// The latest drive that was sent, until a refusal of it is handled.
@@ -141,6 +146,7 @@ impl App {
             history: History::default(),
             settings,
             autopilot: Autopilot::default(),
+            stop_presses: StopPresses::default(),
             connect_sent: None,
             drive_sent: None,
             latest_drive: None,

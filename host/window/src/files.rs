@@ -67,8 +67,13 @@ pub trait Files {
     fn take(&mut self) -> Option<FileEvent>;
 }
 
-/// The dialogs and disk of the system; each job runs on its own thread.
+/// Runs a job, as long as it takes; `None` when the user cancelled the dialog.
+type Perform = fn(FileJob) -> Option<FileEvent>;
+
+/// The dialogs and disk of the system; each job runs on its own thread, so a dialog may stay open while the device is
+/// driven.
 pub struct SystemFiles {
+    perform: Perform,
     wake: Arc<dyn Fn() + Send + Sync>,
     sender: Sender<FileEvent>,
     events: Receiver<FileEvent>,
@@ -78,15 +83,19 @@ impl SystemFiles {
     /// `wake` is called when a job is done.
     #[must_use]
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self::with(perform, wake)
+    }
+
+    fn with(perform: Perform, wake: impl Fn() + Send + Sync + 'static) -> Self {
         let (sender, events) = channel();
-        Self { wake: Arc::new(wake), sender, events }
+        Self { perform, wake: Arc::new(wake), sender, events }
     }
 }
 
 impl Files for SystemFiles {
     fn begin(&mut self, job: FileJob) {
         let sender = self.sender.clone();
-        let wake = Arc::clone(&self.wake);
+        let (perform, wake) = (self.perform, Arc::clone(&self.wake));
         std::thread::spawn(move || {
             if let Some(event) = perform(job) {
                 // The receiver is gone if the window was closed.
@@ -170,12 +179,31 @@ fn read_text(path: &Path) -> Result<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Mutex;
 
     /// An empty folder for one test.
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("slipline-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         folder
+    }
+
+    #[test]
+    fn a_dialog_that_stays_open_holds_nobody_up() {
+        static OPEN: Mutex<()> = Mutex::new(());
+        // Held by this test: begin() would wait for itself if it did not return while the dialog is open.
+        let is_open = OPEN.lock().unwrap();
+        let dialog: Perform = |_| {
+            let _closed = OPEN.lock().unwrap();
+            Some(FileEvent::Opened(PathBuf::from("chosen.toml"), Ok(String::new())))
+        };
+        let (woken, wakes) = channel();
+        let mut files = SystemFiles::with(dialog, move || woken.send(()).unwrap());
+        files.begin(FileJob::Choose);
+        assert!(files.take().is_none() && wakes.try_recv().is_err());
+        drop(is_open);
+        wakes.recv().unwrap();
+        assert!(matches!(files.take(), Some(FileEvent::Opened(path, _)) if path.ends_with("chosen.toml")));
     }
 
     #[test]

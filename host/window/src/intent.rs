@@ -92,7 +92,7 @@ pub enum Intent {
     Connect(slipline_link::Port),
     /// Drive the tones of the setup.
     Start,
-    /// Ramp to silence.
+    /// STOP was pressed: ramp to silence, and disarm a real device; pressed twice within a second, an emergency stop.
     Stop,
     /// Ramp to silence and mute.
     Disarm,

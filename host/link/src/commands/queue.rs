@@ -189,6 +189,17 @@ impl CommandQueue {
         self.closing = Some(now + CLOSING);
     }
 
+    /// Stops and disarms, since whoever drives does not answer any more. What would sound, arm or clear a fault is
+    /// dropped; an upload goes on. A closing does the same already.
+    pub(crate) fn abandon(&mut self, recorder: &mut Recorder, now: Duration) {
+        if self.closing.is_some() {
+            return;
+        }
+        self.overtake(recorder, |job| job.yields_to(&Command::EmergencyStop));
+        self.send_stop(Command::Stop, now);
+        self.tasks.push_front(Task::new(None, Job::Send(Command::Disarm)));
+    }
+
     /// Ends the session: whatever has been asked for will not be done.
     pub(crate) fn end(mut self, recorder: &mut Recorder, outcome: &Outcome) {
         if let Some(Current::Task(task)) = self.current.take() {

@@ -2,12 +2,15 @@
 //!
 //! It sleeps until a request comes, bytes arrive or something is due. [`Worker::send`] and [`Worker::snapshot`] only
 //! take a lock that is held for a copy. When the worker is dropped, it stops and disarms the device first. If the
-//! program panics, [`stop_on_panic`] sends a stop; if that fails, too, the device's dead-man ends the drive. If this
-//! thread panics, the snapshot says so ([`LinkError::Crashed`]), and no later request is done.
+//! program panics, [`stop_on_panic`] sends a stop; if that fails, too, the device's dead-man ends the drive. If the
+//! program hangs, it gives no sign of life ([`Handle::sign_of_life`]), and this thread stops and disarms the device. If
+//! this thread panics, the snapshot says so ([`LinkError::Crashed`]), and no later request is done.
 
+use super::handle::{Handle, Shared, lock};
 use super::opener::SystemOpener;
 use super::watch::{Wakes, Watch};
 use crate::connection::{Connection, Nonces};
+use crate::driver_watch::SIGN_PERIOD;
 use crate::error::LinkError;
 use crate::log::Severity;
 use crate::recorder::Recorder;
@@ -16,7 +19,7 @@ use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Waker};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -29,73 +32,6 @@ const HANG_PATIENCE: Duration = Duration::from_millis(1000);
 
 const WAKE: mio::Token = mio::Token(0);
 const PORT: mio::Token = mio::Token(1);
-
-#[derive(Default)]
-struct Inbox {
-    requests: Vec<(Ticket, Request)>,
-    last: Ticket,
-    quit: bool,
-}
-
-struct Shared {
-    inbox: Mutex<Inbox>,
-    snapshot: Mutex<Arc<Snapshot>>,
-    published: Condvar,
-    waker: mio::Waker,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // Each value under these locks is complete at any time, even after a panic.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Sends requests and looks at snapshots. Cloning is cheap; any thread may hold one.
-#[derive(Clone)]
-pub struct Handle(Arc<Shared>);
-
-impl Handle {
-    /// Hands a request over and returns at once.
-    pub fn send(&self, request: Request) -> Ticket {
-        let mut inbox = lock(&self.0.inbox);
-        inbox.last.0 += 1;
-        let ticket = inbox.last;
-        inbox.requests.push((ticket, request));
-        drop(inbox);
-        // A poll that cannot be woken comes round by itself for the next keep-alive.
-        let _ = self.0.waker.wake();
-        ticket
-    }
-
-    /// The newest picture of link and device.
-    #[must_use]
-    pub fn snapshot(&self) -> Arc<Snapshot> {
-        lock(&self.0.snapshot).clone()
-    }
-
-    /// Waits until a snapshot fits, or `patience` is over.
-    #[must_use]
-    pub fn wait_for<T>(&self, patience: Duration, mut fits: impl FnMut(&Snapshot) -> Option<T>) -> Option<T> {
-        let end = Instant::now() + patience;
-        let mut snapshot = lock(&self.0.snapshot);
-        loop {
-            if let Some(found) = fits(&snapshot) {
-                return Some(found);
-            }
-            let left = end.checked_duration_since(Instant::now())?;
-            snapshot = self
-                .0
-                .published
-                .wait_timeout(snapshot, left)
-                .map_or_else(|poisoned| poisoned.into_inner().0, |(guard, _)| guard);
-        }
-    }
-
-    /// Waits for a request's end. Not for a thread that paints.
-    #[must_use]
-    pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
-        self.wait_for(patience, |snapshot| snapshot.outcome(ticket).cloned())
-    }
-}
 
 /// The thread that owns the port.
 pub struct Worker {
@@ -122,18 +58,14 @@ impl Worker {
         O: Opener<Transport: Watch> + 'static,
     {
         let poll = mio::Poll::new()?;
-        let shared = Arc::new(Shared {
-            inbox: Mutex::default(),
-            snapshot: Mutex::default(),
-            published: Condvar::new(),
-            waker: mio::Waker::new(poll.registry(), WAKE)?,
-        });
+        let shared = Arc::new(Shared::new(mio::Waker::new(poll.registry(), WAKE)?));
         let of_ports = shared.clone();
         let waker = Waker::new(move || {
             let _ = of_ports.waker.wake();
         });
         let mut connection = Connection::new(opener, waker, random_nonces());
         connection.keep_frames();
+        connection.watch_driver();
         let of_thread = shared.clone();
         let thread = thread::Builder::new().name("link".to_owned()).spawn(move || {
             // After a panic the connection is dropped with whatever it left incomplete.
@@ -143,7 +75,7 @@ impl Worker {
                 wake();
             }
         })?;
-        Ok(Self { handle: Handle(shared), thread: Some(thread) })
+        Ok(Self { handle: Handle::of(shared), thread: Some(thread) })
     }
 
     /// Hands a request over and returns at once.
@@ -157,10 +89,32 @@ impl Worker {
         self.handle.snapshot()
     }
 
-    /// Waits for a request's end. Not for a thread that paints.
+    /// Waits for a request's end; the caller controls the device and gives signs of life meanwhile. Not for a thread
+    /// that paints.
     #[must_use]
     pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
-        self.handle.wait(ticket, patience)
+        let end = Instant::now() + patience;
+        loop {
+            self.handle.sign_of_life();
+            let left = end.checked_duration_since(Instant::now())?;
+            let outcome = self.handle.wait(ticket, left.min(SIGN_PERIOD));
+            if outcome.is_some() {
+                return outcome;
+            }
+        }
+    }
+
+    /// Sleeps; the caller controls the device and gives signs of life meanwhile.
+    pub fn pause(&self, time: Duration) {
+        let end = Instant::now() + time;
+        loop {
+            self.handle.sign_of_life();
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return;
+            }
+            thread::sleep(left.min(SIGN_PERIOD));
+        }
     }
 
     /// A way to send and look for other threads.
@@ -172,8 +126,7 @@ impl Worker {
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        lock(&self.handle.0.inbox).quit = true;
-        let _ = self.handle.0.waker.wake();
+        self.handle.quit();
         if let Some(thread) = self.thread.take() {
             let by = Instant::now() + HANG_PATIENCE;
             while !thread.is_finished() && Instant::now() < by {
@@ -198,7 +151,7 @@ fn run<O: Opener<Transport: Watch>>(
     shared: &Shared,
     wake: &impl Fn(),
 ) {
-    let since = Instant::now();
+    let since = shared.started;
     let mut events = mio::Events::with_capacity(8);
     let mut quit_by: Option<Duration> = None;
     let mut read_period: Option<Duration> = None;
@@ -216,14 +169,18 @@ fn run<O: Opener<Transport: Watch>>(
             // Tickets are numbered from 1, so nobody waits for this one.
             connection.request(Ticket(0), Request::Disconnect, now);
         }
+        connection.sign_of_life(shared.latest_sign());
         connection.step(now);
+        if connection.take_sign_wanted() {
+            lock(&shared.ask)();
+        }
         if let Some(transport) = connection.take_new_transport() {
             let wakes = transport.watch(poll.registry(), PORT);
             read_period = (wakes.ok() != Some(Wakes::Itself)).then_some(READ_PERIOD);
         }
         let (is_changed, is_loud) = connection.take_changes();
         if is_changed {
-            publish(shared, connection.view());
+            shared.publish(connection.view());
         }
         if is_loud {
             wake();
@@ -243,11 +200,6 @@ fn run<O: Opener<Transport: Watch>>(
     }
 }
 
-fn publish(shared: &Shared, view: &Snapshot) {
-    *lock(&shared.snapshot) = Arc::new(view.clone());
-    shared.published.notify_all();
-}
-
 /// Publishes the crash, so that nobody takes the last snapshot before it for the present one.
 fn tell_crash(shared: &Shared) {
     let mut recorder = Recorder::default();
@@ -257,7 +209,7 @@ fn tell_crash(shared: &Shared) {
     recorder.link(LinkState::Lost(LinkError::Crashed));
     recorder.log(Severity::Error, format!("Connection lost: {}.", LinkError::Crashed));
     recorder.take_changes();
-    publish(shared, &recorder.view);
+    shared.publish(&recorder.view);
 }
 
 /// Nonces from the system's random numbers.

@@ -3,7 +3,7 @@
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
-use slipline_link::{Outcome, Port, Refusal, Request, Snapshot, Ticket};
+use slipline_link::{Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
 use slipline_model::autopilot;
 use slipline_model::setup::edit;
 use std::sync::Arc;
@@ -61,6 +61,7 @@ impl App {
         }
         self.report_remaining_faults();
         self.report_drive_time(&before);
+        self.report_stall(&before);
         self.ask_for_table();
         self.run_autopilot(&before);
         self.update_playback();
@@ -88,6 +89,20 @@ impl App {
             "Press Clear fault, then arm and drive it again."
         };
         self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
+    }
+
+    /// Tells the user that the link has ended the drive, because this window did not respond.
+    fn report_stall(&mut self, before: &Snapshot) {
+        if self.snapshot.driver_stalls == before.driver_stalls {
+            return;
+        }
+        self.autopilot.stopped();
+        let next = if self.snapshot.is_simulated() { "Press" } else { "Arm it, then press" };
+        let seconds = SIGN_PATIENCE.as_secs_f64();
+        self.notices.hung(format!(
+            "The window did not respond for {seconds} s, so the drive was stopped and the device disarmed. \
+             {next} Drive to go on."
+        ));
     }
 
     /// Tells the user about faults that remain after they were cleared: their cause still exists.
@@ -176,11 +191,5 @@ impl App {
         // If the device also refuses this one, the reason is another.
         self.drive_sent = None;
         true
-    }
-
-    pub(super) fn stop(&mut self) {
-        self.autopilot.stopped();
-        self.notices.settle();
-        self.parts.link.send(Request::Stop);
     }
 }

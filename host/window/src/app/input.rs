@@ -27,13 +27,10 @@ impl App {
             };
             let presses = input.events.iter().filter(is_press).count() as u64;
             // Escape is read, not consumed: it also closes pages and leaves fields.
-            if input.key_pressed(Key::Escape) {
-                asked.push(Intent::Stop);
-            }
+            let stops = stop_presses(input, is_typing);
+            asked.extend(std::iter::repeat_n(Intent::Stop, stops));
             if !is_typing {
-                if input.consume_key(Modifiers::NONE, Key::Space) {
-                    asked.push(Intent::Stop);
-                }
+                input.consume_key(Modifiers::NONE, Key::Space);
                 if input.consume_key(Modifiers::NONE, Key::P) {
                     self.settings.animate = !self.settings.animate;
                 }
@@ -116,6 +113,18 @@ impl App {
             self.parts.files.begin(FileJob::Open(file.path().to_owned()));
         }
     }
+}
+
+/// How often a key of STOP was pressed: Escape, and Space unless text is typed. A key that is held was pressed once.
+fn stop_presses(input: &egui::InputState, is_typing: bool) -> usize {
+    let is_press = |event: &&egui::Event| match event {
+        egui::Event::Key { key: Key::Escape, pressed: true, repeat: false, .. } => true,
+        egui::Event::Key { key: Key::Space, pressed: true, repeat: false, modifiers, .. } => {
+            !is_typing && modifiers.matches_logically(Modifiers::NONE)
+        }
+        _ => false,
+    };
+    input.events.iter().filter(is_press).count()
 }
 
 /// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all.

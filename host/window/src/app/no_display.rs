@@ -9,6 +9,7 @@ pub(super) fn explain(error: &eframe::Error) -> String {
         // The text of the inner error, without the type name that the outer error puts in front.
         eframe::Error::Winit(error) => error.to_string(),
         eframe::Error::WinitEventLoop(error) => error.to_string(),
+        eframe::Error::AppCreation(error) => error.to_string(),
         error => error.to_string(),
     };
     let reason = without_source_place(&reason);

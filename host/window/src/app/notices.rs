@@ -15,6 +15,8 @@ enum About {
     Refusal,
     /// Why the device stopped by itself, until that fault is cleared.
     Stop,
+    /// That the window did not respond while it drove, until something is driven again.
+    Hang,
     /// Why there is no connection, until there is one.
     Trouble,
     /// Why Drive cannot act, until the device's state is another.
@@ -69,6 +71,11 @@ impl Notices {
         self.put(About::Stop, text, true, None);
     }
 
+    /// Reports that the window did not respond, and the drive was ended.
+    pub(super) fn hung(&mut self, text: String) {
+        self.put(About::Hang, text, true, None);
+    }
+
     /// Reports why there is no connection.
     pub(super) fn miss(&mut self, text: String) {
         self.put(About::Trouble, text, true, None);
@@ -87,6 +94,12 @@ impl Notices {
     /// Removes the message about a refusal: the device has accepted something newer, or nothing sounds any more.
     pub(super) fn settle(&mut self) {
         self.end(About::Refusal);
+    }
+
+    /// Removes the messages about what has ended or prevented the last drive: the device sounds a newer one.
+    pub(super) fn driven(&mut self) {
+        self.settle();
+        self.end(About::Hang);
     }
 
     /// Removes the message about a stop: its fault is cleared.

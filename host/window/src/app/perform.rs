@@ -34,11 +34,8 @@ impl App {
                 }
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start => self.start(),
-                Intent::Stop => self.stop(),
-                Intent::Disarm => {
-                    self.stop();
-                    self.parts.link.send(Request::Disarm);
-                }
+                Intent::Stop => self.press_stop(ctx.input(|input| input.time)),
+                Intent::Disarm => self.disarm(),
                 Intent::Select(slot) => self.selected = slot,
                 Intent::Grab(grab) => {
                     self.grab = Some(grab);

@@ -69,7 +69,7 @@ impl App {
             return;
         }
         // The device sounds a newer drive, so an earlier refusal no longer matters.
-        self.notices.settle();
+        self.notices.driven();
         let plate = Arc::clone(&self.setup.plate);
         let steady = SteadyField::solve(&plate, &acknowledged.tones);
         self.playback.sounding =

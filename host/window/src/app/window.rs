@@ -1,6 +1,6 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Parts, first_setup, no_display};
+use super::{App, Parts, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use eframe::egui;
@@ -53,8 +53,11 @@ pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> an
     let mut options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
     // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
     options.glow_options.vsync = false;
-    eframe::run_native("Slipline", options, Box::new(|context| Ok(Box::new(open(context, opened)?))))
-        .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
+    event_loop::run("Slipline", options, |context| {
+        let (window, link) = open(context, opened)?;
+        Ok((Box::new(window), link))
+    })
+    .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
 }
 
 fn viewport() -> egui::ViewportBuilder {
@@ -79,15 +82,16 @@ fn closer(ctx: &egui::Context) -> Box<dyn FnMut() + Send> {
 fn open(
     context: &eframe::CreationContext<'_>,
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>),
-) -> anyhow::Result<Window> {
+) -> anyhow::Result<(Window, Handle)> {
     let ctx = &context.egui_ctx;
     let wake = |ctx: &egui::Context| {
         let ctx = ctx.clone();
         move || ctx.request_repaint()
     };
     let worker = Worker::spawn(wake(ctx))?;
-    stop_on_panic(worker.handle());
-    opened(worker.handle(), closer(ctx));
+    let handle = worker.handle();
+    stop_on_panic(handle.clone());
+    opened(handle.clone(), closer(ctx));
     let parts = Parts {
         link: Box::new(worker),
         tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
@@ -110,7 +114,7 @@ fn open(
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
     };
-    Ok(Window(App::new(ctx, parts, setup, settings)))
+    Ok((Window(App::new(ctx, parts, setup, settings)), handle))
 }
 
 #[cfg(test)]

@@ -11,9 +11,10 @@ use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
 /// Every key and what it does.
-pub(super) const SHORTCUTS: [(&str, &str); 14] = [
-    ("Esc", "STOP, in every state, even while typing"),
-    ("Space", "STOP, in every state but while typing"),
+pub(super) const SHORTCUTS: [(&str, &str); 15] = [
+    ("Esc", "STOP in every state, even while typing: silence; a real device is disarmed"),
+    ("Space", "The same, but not while typing"),
+    ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
     ("Ctrl+Enter", "Drive"),
     ("Left, Right", "Move the boundary by 1 mm"),
     ("Shift+Left, Shift+Right", "Move the boundary by 0.1 mm"),
@@ -167,7 +168,7 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
     match confirm {
         Confirm::Arm => (
             "Arm the device?",
-            "The amplifier is unmuted and the plate can move as soon as it is driven. Keep hands and loose things off the actuator. STOP, Esc and Space stop it.",
+            "The amplifier is unmuted and the plate can move as soon as it is driven. Keep hands and loose things off the actuator. STOP, Esc and Space stop and disarm it; twice within a second they are an emergency stop.",
             "Arm",
         ),
         Confirm::Store => (

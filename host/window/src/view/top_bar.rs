@@ -15,6 +15,9 @@ use theme::Palette;
 pub(super) const HEIGHT: f32 = STOP.y + 20.0;
 /// Size of the STOP button, in points.
 const STOP: Vec2 = vec2(104.0, 34.0);
+/// What STOP does, with a click or a key.
+const STOP_HELP: &str = "Ramps to silence now; a real device is also disarmed. Twice within a second: emergency stop, \
+    silent within 2 ms, with a fault to be cleared. Keys: Esc or Space, in every state";
 
 /// The explanation of safe mode, and what helps.
 pub(crate) const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
@@ -150,9 +153,14 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
         .layout(egui::Layout::top_down(egui::Align::Center))
         .fade_in(false);
     area.show(ui.ctx(), |ui| {
-        let text = RichText::new("STOP").strong().size(16.0).color(palette.on_colour);
-        let button = egui::Button::new(text).fill(palette.bad).min_size(STOP);
-        if ui.add(button).on_hover_text("Ramp to silence now (Esc or Space, in every state)").clicked() {
+        let button = ui.add(egui::Button::new("").fill(palette.bad).min_size(STOP));
+        let (middle, painter) = (button.rect.center(), ui.painter());
+        for (line, size, below) in [("STOP", 16.0, -6.0), ("twice: emergency", 10.0, 9.0)] {
+            let (place, font) = (middle + vec2(0.0, below), FontId::proportional(size));
+            painter.text(place, egui::Align2::CENTER_CENTER, line, font, palette.on_colour);
+        }
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "STOP"));
+        if button.on_hover_text(STOP_HELP).clicked() {
             intents.push(Intent::Stop);
         }
     });

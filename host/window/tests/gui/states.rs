@@ -168,7 +168,7 @@ fn cases() -> Vec<Case> {
         case("simulated, idle", simulated(State::Idle), &[("Drive", arms), ("Arm", arms)], Ok(arms)),
         case("real, armed", real(State::Armed), &[("Drive", drives), ("Disarm", disarms)], Ok(drives)),
         case("simulated, armed", simulated(State::Armed), &[("Drive", drives)], Ok(drives)),
-        case("real, driving", real(State::Driving), &[("Disarm", disarms), ("STOP", stops)], Ok(drives)),
+        case("real, driving", real(State::Driving), &[("Disarm", disarms), ("STOP", disarms)], Ok(drives)),
         case("simulated, driving", simulated(State::Driving), &[("STOP", stops)], Ok(drives)),
         case("real, stopping", real(State::Stopping), &[("Disarm", disarms)], Ok(drives)),
         case("simulated, stopping", simulated(State::Stopping), &[("Drive", drives)], Ok(drives)),

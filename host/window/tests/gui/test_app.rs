@@ -108,6 +108,8 @@ struct SteppedWorker {
     now: Duration,
     tickets: u64,
     sent: Vec<Request>,
+    /// The window's event loop does not turn: nobody answers the link's questions.
+    is_hung: bool,
 }
 
 impl SteppedWorker {
@@ -121,6 +123,9 @@ impl SteppedWorker {
             let due = blocks(self.now) - blocks(self.now - STEP);
             self.port.lock().unwrap().device.advance(due, |_| {});
             self.connection.step(self.now);
+            if self.connection.take_sign_wanted() && !self.is_hung {
+                self.connection.sign_of_life(self.now);
+            }
         }
     }
 }
@@ -158,6 +163,8 @@ pub(crate) struct FakeFiles {
     pub(crate) saved: Shared<(String, Vec<u8>)>,
     /// Whether the system has no dialogs for files.
     pub(crate) has_no_dialogs: Rc<Cell<bool>>,
+    /// Whether the dialog for files stays open.
+    pub(crate) stays_open: Rc<Cell<bool>>,
     events: Rc<RefCell<VecDeque<FileEvent>>>,
 }
 
@@ -171,6 +178,9 @@ impl FakeFiles {
 impl Files for FakeFiles {
     fn begin(&mut self, job: FileJob) {
         let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+        if asks && self.stays_open.get() {
+            return;
+        }
         let event = match job {
             job if asks && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
             FileJob::Choose => {
@@ -279,7 +289,15 @@ impl TestApp {
         });
         let mut connection = Connection::new(PluggableOpener(Arc::clone(&port)), Waker::new(|| {}), nonces);
         connection.keep_frames();
-        let worker = SteppedWorker { connection, port, now: Duration::ZERO, tickets: 0, sent: Vec::new() };
+        connection.watch_driver();
+        let worker = SteppedWorker {
+            connection,
+            port,
+            now: Duration::ZERO,
+            tickets: 0,
+            sent: Vec::new(),
+            is_hung: false,
+        };
         let worker = Rc::new(RefCell::new(worker));
         let files = FakeFiles::default();
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
@@ -302,6 +320,13 @@ impl TestApp {
         *self.files.contents.borrow_mut() = vec![(PathBuf::from(path), text)];
         self.window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::O);
         self.wait(100);
+    }
+
+    /// The window hangs for this many milliseconds: its event loop does not turn.
+    pub(crate) fn hang(&mut self, ms: u64) {
+        self.worker.borrow_mut().is_hung = true;
+        self.pass(ms);
+        self.worker.borrow_mut().is_hung = false;
     }
 
     /// Lets this many milliseconds pass without a frame of the window.

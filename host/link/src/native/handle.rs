@@ -1,0 +1,131 @@
+//! The handles of the worker: they hand requests over, look at snapshots and give signs of life. Only the waits block.
+
+use crate::request::{Outcome, Request, Ticket};
+use crate::snapshot::Snapshot;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+#[derive(Default)]
+pub(super) struct Inbox {
+    pub(super) requests: Vec<(Ticket, Request)>,
+    last: Ticket,
+    pub(super) quit: bool,
+}
+
+/// What the worker's thread and the handles share.
+pub(super) struct Shared {
+    pub(super) inbox: Mutex<Inbox>,
+    pub(super) snapshot: Mutex<Arc<Snapshot>>,
+    published: Condvar,
+    pub(super) waker: mio::Waker,
+    /// The start of the connection's time.
+    pub(super) started: Instant,
+    /// When the latest sign of life was given, in microseconds since then.
+    sign_us: AtomicU64,
+    pub(super) ask: Mutex<Ask>,
+}
+
+/// Asks whoever drives for a sign of life.
+type Ask = Box<dyn Fn() + Send>;
+
+impl Shared {
+    /// With nothing asked for and nothing known; `waker` wakes the worker's thread.
+    pub(super) fn new(waker: mio::Waker) -> Self {
+        Self {
+            inbox: Mutex::default(),
+            snapshot: Mutex::default(),
+            published: Condvar::new(),
+            waker,
+            started: Instant::now(),
+            sign_us: AtomicU64::default(),
+            ask: Mutex::new(Box::new(|| ())),
+        }
+    }
+
+    /// When the latest sign of life was given, since the start.
+    pub(super) fn latest_sign(&self) -> Duration {
+        Duration::from_micros(self.sign_us.load(Ordering::Relaxed))
+    }
+
+    /// Makes this the newest snapshot.
+    pub(super) fn publish(&self, view: &Snapshot) {
+        *lock(&self.snapshot) = Arc::new(view.clone());
+        self.published.notify_all();
+    }
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // Each value under these locks is complete at any time, even after a panic.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Sends requests and looks at snapshots. Cloning is cheap; any thread may hold one.
+#[derive(Clone)]
+pub struct Handle(Arc<Shared>);
+
+impl Handle {
+    pub(super) const fn of(shared: Arc<Shared>) -> Self {
+        Self(shared)
+    }
+
+    /// Has the worker stop and disarm the device, and end.
+    pub(super) fn quit(&self) {
+        lock(&self.0.inbox).quit = true;
+        let _ = self.0.waker.wake();
+    }
+
+    /// Hands a request over and returns at once.
+    pub fn send(&self, request: Request) -> Ticket {
+        let mut inbox = lock(&self.0.inbox);
+        inbox.last.0 += 1;
+        let ticket = inbox.last;
+        inbox.requests.push((ticket, request));
+        drop(inbox);
+        // A poll that cannot be woken comes round by itself for the next keep-alive.
+        let _ = self.0.waker.wake();
+        ticket
+    }
+
+    /// Says that the thread which controls the device is alive. That thread alone may say it, from the loop that also
+    /// takes the user's stop. While the device is armed it is due every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
+    pub fn sign_of_life(&self) {
+        self.0.sign_us.store(self.0.started.elapsed().as_micros() as u64, Ordering::Relaxed);
+    }
+
+    /// Sets what asks the controlling thread for a sign of life, for a thread that sleeps until it is woken. It is
+    /// called on the worker's thread while the device is armed, every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
+    pub fn ask_for_signs(&self, ask: impl Fn() + Send + 'static) {
+        *lock(&self.0.ask) = Box::new(ask);
+    }
+
+    /// The newest picture of link and device.
+    #[must_use]
+    pub fn snapshot(&self) -> Arc<Snapshot> {
+        lock(&self.0.snapshot).clone()
+    }
+
+    /// Waits until a snapshot fits, or `patience` is over.
+    #[must_use]
+    pub fn wait_for<T>(&self, patience: Duration, mut fits: impl FnMut(&Snapshot) -> Option<T>) -> Option<T> {
+        let end = Instant::now() + patience;
+        let mut snapshot = lock(&self.0.snapshot);
+        loop {
+            if let Some(found) = fits(&snapshot) {
+                return Some(found);
+            }
+            let left = end.checked_duration_since(Instant::now())?;
+            snapshot = self
+                .0
+                .published
+                .wait_timeout(snapshot, left)
+                .map_or_else(|poisoned| poisoned.into_inner().0, |(guard, _)| guard);
+        }
+    }
+
+    /// Waits for a request's end. Not for a thread that paints.
+    #[must_use]
+    pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
+        self.wait_for(patience, |snapshot| snapshot.outcome(ticket).cloned())
+    }
+}

@@ -1,0 +1,60 @@
+//! A command that is held up while it drives: its device is stopped and disarmed, and it says so.
+#![cfg(target_os = "linux")]
+
+use super::signals::Socket;
+use super::terminal::terminal;
+use slipline_link::protocol::Command as Message;
+use std::io::{Read as _, Write as _};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Ctrl-S and Ctrl-Q at a terminal: what is written to it waits, and goes on.
+const HOLD: u8 = 0x13;
+const GO_ON: u8 = 0x11;
+
+#[test]
+fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
+    let socket = Socket::serve("held");
+    let (mut ours, theirs) = terminal();
+    ours.write_all(&[HOLD]).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
+        .args("drive --plate membrane --boundary 120mm --port".split(' '))
+        .arg(format!("unix:{}", socket.path.display()))
+        .stdout(theirs)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let mut until = |what: &str, is_so: &dyn Fn() -> bool| {
+        while !is_so() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "not {what}");
+            assert!(child.try_wait().unwrap().is_none(), "it has ended, not {what}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    // It writes what it drives, and waits for the terminal.
+    let last = |is_it: fn(&Message) -> bool| socket.sent().iter().rposition(is_it);
+    let driven = || last(|sent| matches!(sent, Message::Drive(_)));
+    let disarmed = || last(|sent| matches!(sent, Message::Disarm));
+    until("driven", &|| driven().is_some());
+    until("disarmed", &|| disarmed() > driven());
+    let before = driven();
+    let stopped = last(|sent| matches!(sent, Message::Stop));
+    assert!(stopped > driven() && stopped < disarmed());
+    ours.write_all(&[GO_ON]).unwrap();
+    let mut told = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{told}");
+    assert!(told.contains("held up for 1 s, so the device was stopped and disarmed"), "{told}");
+    assert_eq!(driven(), before, "it does not drive again");
+    std::fs::remove_file(&socket.path).unwrap();
+}
+
+#[test]
+fn a_drive_and_a_verification_that_take_seconds_are_not_held_up() {
+    for arguments in ["drive --plate membrane --boundary 120mm --for 2500ms", "verify --window 1s"] {
+        let arguments: Vec<&str> = arguments.split(' ').chain(["--port", "sim"]).collect();
+        let output = super::slipline(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}

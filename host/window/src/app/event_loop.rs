@@ -1,0 +1,130 @@
+//! The window's event loop: eframe's app runs in it, and beside it the link's questions are answered.
+//!
+//! ```text
+//! link worker --question--> event loop's queue --> answer: a sign of life --> link worker
+//! ```
+//! A question is an event of the loop's own queue, and answering it paints nothing. So it is answered at rest and while
+//! the window is minimised, covered or being resized, when eframe may not call the app at all; and it is not answered
+//! when the loop hangs, which is when neither STOP nor a key would have an effect.
+
+use super::eframe_log;
+use eframe::egui::ViewportId;
+use eframe::{AppCreator, CreationContext, EframeWinitApplication, UserEvent};
+use slipline_link::native::Handle;
+use std::cell::OnceCell;
+use std::rc::Rc;
+use std::time::Instant;
+use winit::application::ApplicationHandler;
+use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::platform::run_on_demand::EventLoopExtRunOnDemand as _;
+use winit::window::WindowId;
+
+/// Opens a window and runs its event loop until it is closed. `open` makes the app, and names its link.
+///
+/// # Errors
+/// When there is no display, or the app cannot be made.
+pub(super) fn run<'app>(
+    name: &str,
+    options: eframe::NativeOptions,
+    open: impl FnOnce(&CreationContext<'_>) -> anyhow::Result<(Box<dyn eframe::App>, Handle)> + 'app,
+) -> Result<(), eframe::Error> {
+    let mut event_loop = EventLoop::<UserEvent>::with_user_event().build()?;
+    let questions = event_loop.create_proxy();
+    let link = Rc::new(OnceCell::new());
+    let opened = Rc::clone(&link);
+    let creator: AppCreator<'app> = Box::new(move |context| {
+        let (app, handle) = open(context)?;
+        handle.ask_for_signs(move || {
+            // The loop is gone when the window was closed.
+            let _ = questions.send_event(question());
+        });
+        let _ = opened.set(handle);
+        Ok(app)
+    });
+    eframe_log::listen();
+    let app = eframe::create_native(name, options, creator, &event_loop);
+    // Dropped before the loop, which owns the connection to the display.
+    let mut answering = Answering { app, link };
+    event_loop.run_app_on_demand(&mut answering)?;
+    let ended_by = eframe_log::take_error();
+    let never_opened = answering.link.get().is_none().then(|| "the window system gave no window".to_owned());
+    ended_by.or(never_opened).map_or(Ok(()), |reason| Err(eframe::Error::AppCreation(reason.into())))
+}
+
+/// The viewport that a question names. No window has it, so eframe would do nothing about it.
+fn nowhere() -> ViewportId {
+    ViewportId::from_hash_of("a question for a sign of life")
+}
+
+/// The link's question, in the only form that the event loop has for it.
+fn question() -> UserEvent {
+    UserEvent::RequestRepaint { viewport_id: nowhere(), when: Instant::now(), cumulative_pass_nr: 0 }
+}
+
+fn is_question(event: &UserEvent) -> bool {
+    matches!(event, UserEvent::RequestRepaint { viewport_id, .. } if *viewport_id == nowhere())
+}
+
+/// Answers the link's questions and hands everything else to eframe.
+struct Answering<'app> {
+    app: EframeWinitApplication<'app>,
+    /// The link, once the window is open.
+    link: Rc<OnceCell<Handle>>,
+}
+
+impl ApplicationHandler<UserEvent> for Answering<'_> {
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, event: UserEvent) {
+        if !is_question(&event) {
+            self.app.user_event(event_loop, event);
+        } else if let Some(link) = self.link.get() {
+            link.sign_of_life();
+        }
+    }
+
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        self.app.resumed(event_loop);
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        self.app.window_event(event_loop, window, event);
+    }
+
+    fn new_events(&mut self, event_loop: &ActiveEventLoop, cause: StartCause) {
+        self.app.new_events(event_loop, cause);
+    }
+
+    fn device_event(&mut self, event_loop: &ActiveEventLoop, device: DeviceId, event: DeviceEvent) {
+        self.app.device_event(event_loop, device, event);
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.app.about_to_wait(event_loop);
+    }
+
+    fn suspended(&mut self, event_loop: &ActiveEventLoop) {
+        self.app.suspended(event_loop);
+    }
+
+    fn exiting(&mut self, event_loop: &ActiveEventLoop) {
+        self.app.exiting(event_loop);
+    }
+
+    fn memory_warning(&mut self, event_loop: &ActiveEventLoop) {
+        self.app.memory_warning(event_loop);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_question_is_told_from_a_repaint() {
+        assert!(is_question(&question()));
+        let when = Instant::now();
+        let repaint =
+            UserEvent::RequestRepaint { viewport_id: ViewportId::ROOT, when, cumulative_pass_nr: 0 };
+        assert!(!is_question(&repaint));
+    }
+}

@@ -1,0 +1,64 @@
+//! Presses of STOP, Esc and Space. One press stops, and disarms a real device; two within a second are an emergency stop.
+
+use super::App;
+use slipline_link::Request;
+
+/// The second press counts within this time after the first, in seconds.
+const TWICE_S: f64 = 1.0;
+
+/// When STOP was pressed last.
+#[derive(Default)]
+pub(super) struct StopPresses {
+    /// In seconds of the window's clock.
+    last_s: Option<f64>,
+}
+
+impl StopPresses {
+    /// Takes a press; returns whether it is the second of two within [`TWICE_S`].
+    fn is_second(&mut self, now_s: f64) -> bool {
+        let last_s = self.last_s.replace(now_s);
+        last_s.is_some_and(|last_s| now_s - last_s <= TWICE_S)
+    }
+}
+
+impl App {
+    /// Carries out a press of STOP at `now_s`, in seconds of the window's clock.
+    pub(super) fn press_stop(&mut self, now_s: f64) {
+        if self.stop_presses.is_second(now_s) {
+            self.end_drive(Request::EmergencyStop);
+            return;
+        }
+        self.end_drive(Request::Stop);
+        // The simulated device stays armed: nothing real moves, and it is armed again without being asked. A device of
+        // another version takes no command but the stop.
+        let may_drive = self.snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
+        if self.snapshot.is_connected() && !self.snapshot.is_simulated() && may_drive {
+            self.parts.link.send(Request::Disarm);
+        }
+    }
+
+    /// Disarms at the user's request.
+    pub(super) fn disarm(&mut self) {
+        self.end_drive(Request::Stop);
+        self.parts.link.send(Request::Disarm);
+    }
+
+    /// Sends a stop; the drive is not wanted any more.
+    fn end_drive(&mut self, stop: Request) {
+        self.autopilot.stopped();
+        self.notices.settle();
+        self.parts.link.send(stop);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_press_counts_within_a_second_of_the_one_before() {
+        let mut presses = StopPresses::default();
+        let times_s = [5.0, 6.1, 7.1, 7.2, 9.0];
+        assert_eq!(times_s.map(|now_s| presses.is_second(now_s)), [false, false, true, true, false]);
+    }
+}

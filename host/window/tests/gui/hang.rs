@@ -1,0 +1,120 @@
+//! A window that hangs while it drives ends the drive; one that only looks idle does not.
+
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::Severity;
+use slipline_link::protocol::event::State;
+use slipline_model::jobs::table;
+use slipline_model::jobs::{JobQueue, Task};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+fn state(app: &TestApp) -> State {
+    app.snapshot().status.unwrap().state
+}
+
+/// The text of the message about the hang.
+const TOLD: &str = "The window did not respond for 1 s, so the drive was stopped and the device disarmed.";
+
+#[test]
+fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() {
+    let mut app = TestApp::driving();
+    app.hang(1100);
+    assert_eq!(state(&app), State::Idle, "while it still hangs");
+    app.wait(100);
+    assert!(app.window.query_by_label("State: idle").is_some());
+    assert!(app.window.query_by_label_contains(TOLD).is_some(), "{:?}", app.window.state().notice());
+    let is_logged = |line: &slipline_link::LogEntry| {
+        line.severity == Severity::Error && line.text.contains("gave no sign of life for 1 s")
+    };
+    assert!(app.snapshot().log.iter().any(is_logged));
+    // It is not driven again until the user says so, whatever is changed on the screen.
+    app.window.key_press(Key::ArrowRight);
+    app.wait(3000);
+    assert_eq!(state(&app), State::Idle);
+    assert!(app.window.query_by_label_contains(TOLD).is_some(), "it stays until something is driven");
+    app.window.get_by_label("Drive").click();
+    app.wait(600);
+    assert!(app.is_driving());
+    assert!(app.window.query_by_label_contains(TOLD).is_none());
+}
+
+#[test]
+fn what_was_pressed_while_it_hung_does_not_drive() {
+    let mut app = TestApp::driving();
+    app.hang(1500);
+    // A drag whose events have waited for the window.
+    let line = crate::line_rect(&app).center();
+    app.window.drag_at(line);
+    app.window.hover_at(line + vec2(40.0, 0.0));
+    app.window.drop_at(line + vec2(40.0, 0.0));
+    app.wait(1000);
+    assert_eq!(state(&app), State::Idle);
+}
+
+#[test]
+fn a_window_that_is_held_up_for_less_than_a_second_drives_on() {
+    let mut app = TestApp::driving();
+    for _ in 0..5 {
+        app.hang(700);
+        app.pass(300);
+    }
+    app.wait(100);
+    assert!(app.is_driving());
+    assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+#[test]
+fn a_window_that_paints_nothing_is_no_hang() {
+    // Minimised or covered: the event loop turns, and the app is not called.
+    let mut app = TestApp::driving();
+    app.pass(60_000);
+    assert!(app.is_driving());
+    assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+#[test]
+fn an_open_file_dialog_is_no_hang() {
+    let mut app = TestApp::driving();
+    app.files.stays_open.set(true);
+    for key in [Key::O, Key::S] {
+        app.window.key_press_modifiers(Modifiers::COMMAND, key);
+        app.wait(3000);
+        assert!(app.is_driving(), "{key:?}");
+    }
+    assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+#[test]
+fn a_job_that_takes_long_is_no_hang() {
+    let is_held = Arc::new(AtomicBool::new(false));
+    let held = Arc::clone(&is_held);
+    let make = move |job, task: &Task| {
+        while held.load(Ordering::Relaxed) {
+            if !task.tell(0.4) {
+                return None;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        table::make(job, task)
+    };
+    let mut app = TestApp::with_tables(JobQueue::threaded("table", make, || ()).unwrap());
+    for _ in 0..3000 {
+        app.wait(50);
+        if app.is_driving() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    is_held.store(true, Ordering::Relaxed);
+    crate::background::open_page(&mut app, "This plate");
+    type_into(&mut app, "Wave speed", "13 m/s");
+    app.wait(5000);
+    assert!(app.window.query_by_label_contains("table 40 %").is_some(), "the job runs");
+    assert!(app.is_driving());
+    assert_eq!(app.snapshot().driver_stalls, 0);
+    is_held.store(false, Ordering::Relaxed);
+}

@@ -1,0 +1,196 @@
+//! Esc, Space and STOP: one press stops and disarms a real device, two within a second are an emergency stop.
+
+use crate::real_device;
+use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use eframe::egui::{Event, Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::{Harness, HarnessBuilder};
+use slipline_link::protocol::event::{Fault, State};
+use slipline_link::{LinkError, LinkState, Request, UploadProgress};
+use slipline_window::app::App;
+use slipline_window::settings::ThemeChoice;
+use std::sync::Arc;
+
+/// More frames than a second has, and fewer: a frame takes 1/60 s.
+const OVER_A_SECOND: usize = 66;
+const UNDER_A_SECOND: usize = 54;
+
+fn show(link: &FixedLink) -> Harness<'static, App> {
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    link.sent.borrow_mut().clear();
+    window
+}
+
+/// What was sent since the last call, each request by a letter.
+fn sent(link: &FixedLink) -> String {
+    let letter = |request: Request| match request {
+        Request::Stop => 'S',
+        Request::Disarm => 'D',
+        Request::EmergencyStop => 'E',
+        other => panic!("{other:?}"),
+    };
+    link.sent.borrow_mut().drain(..).map(letter).collect()
+}
+
+#[test]
+fn a_key_stops_and_disarms_a_real_device_in_every_state() {
+    for key in [Key::Escape, Key::Space] {
+        for state in
+            [State::Idle, State::Armed, State::Driving, State::Stopping, State::Fault, State::SafeMode]
+        {
+            let link = real_device(state);
+            let mut window = show(&link);
+            window.key_press(key);
+            window.run_steps(3);
+            assert_eq!(sent(&link), "SD", "{key:?} {state:?}");
+        }
+        let mut link = real_device(State::Driving);
+        Arc::make_mut(&mut link.snapshot).upload = Some(UploadProgress { sent: 100, total: 256 });
+        let mut window = show(&link);
+        window.key_press(key);
+        window.run_steps(3);
+        assert_eq!(sent(&link), "SD", "{key:?} during an upload");
+    }
+}
+
+#[test]
+fn without_a_device_there_is_only_the_stop_to_be_sent() {
+    for state in [
+        LinkState::Disconnected,
+        LinkState::Connecting,
+        LinkState::Lost(LinkError::Gone),
+        LinkState::Reconnecting(LinkError::Silent),
+    ] {
+        let mut link = real_device(State::Driving);
+        Arc::make_mut(&mut link.snapshot).link = state.clone();
+        let mut window = show(&link);
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert_eq!(sent(&link), "S", "{state:?}");
+    }
+}
+
+#[test]
+fn two_presses_within_a_second_are_an_emergency_stop_by_whichever_of_the_three() {
+    type Press = fn(&mut Harness<'static, App>);
+    let presses: [(&str, Press); 3] = [
+        ("Esc", |window| window.key_press(Key::Escape)),
+        ("Space", |window| window.key_press(Key::Space)),
+        ("STOP", |window| window.get_by_label("STOP").click()),
+    ];
+    for (first, press_first) in presses {
+        for (second, press_second) in presses {
+            let link = real_device(State::Driving);
+            let mut window = show(&link);
+            press_first(&mut window);
+            window.run_steps(UNDER_A_SECOND);
+            assert_eq!(sent(&link), "SD", "{first}");
+            press_second(&mut window);
+            window.run_steps(OVER_A_SECOND);
+            assert_eq!(sent(&link), "E", "{first}, {second}");
+            press_second(&mut window);
+            window.run_steps(OVER_A_SECOND);
+            assert_eq!(sent(&link), "SD", "{second}, more than a second later");
+        }
+    }
+}
+
+#[test]
+fn two_presses_that_a_window_sees_in_one_frame_are_two_and_a_key_that_is_held_is_one() {
+    let key = |pressed| Event::Key {
+        key: Key::Space,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    let link = real_device(State::Driving);
+    let mut window = show(&link);
+    for pressed in [true, false, true, false] {
+        window.event(key(pressed));
+    }
+    window.step();
+    assert_eq!(sent(&link), "SDE");
+    window.run_steps(OVER_A_SECOND);
+    for _ in 0..30 {
+        window.event(key(true));
+        window.run_steps(2);
+    }
+    assert_eq!(sent(&link), "SD");
+}
+
+#[test]
+fn a_space_that_is_typed_is_a_space_and_escape_stops_while_typing() {
+    let link = real_device(State::Driving);
+    let mut window = show(&link);
+    let field = |window: &Harness<'static, App>| {
+        let node = window.get_by_role_and_label(Role::TextInput, "Boundary position");
+        node.accesskit_node().value().unwrap_or_default()
+    };
+    window.get_by_role_and_label(Role::TextInput, "Boundary position").focus();
+    window.run_steps(2);
+    for _ in 0..2 {
+        window.key_press(Key::Space);
+        window.event(Event::Text(" ".to_owned()));
+        window.run_steps(2);
+    }
+    assert_eq!(sent(&link), "");
+    assert!(field(&window).contains("  "), "{:?}", field(&window));
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+    assert_eq!(sent(&link), "SDE");
+}
+
+#[test]
+fn a_page_in_front_keeps_no_press_from_the_device_and_none_arms_it() {
+    for key in [Key::Escape, Key::Space] {
+        let link = real_device(State::Idle);
+        let mut window = show(&link);
+        window.get_by_label("Arm…").click();
+        window.run_steps(5);
+        // With the focus on the button that confirms.
+        window.get_by_label("Arm").focus();
+        window.run_steps(2);
+        window.key_press(key);
+        window.run_steps(5);
+        assert_eq!(sent(&link), "SD", "{key:?}");
+        let is_open = window.query_by_label("Arm the device?").is_some();
+        assert_eq!(is_open, key == Key::Space, "Esc also closes the page");
+    }
+}
+
+#[test]
+fn the_simulated_device_stays_armed_after_one_press_and_latches_its_fault_after_two() {
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::Space);
+    app.wait(400);
+    assert!(matches!(app.take_sent().last(), Some(Request::Stop)));
+    assert!(app.window.query_by_label("State: armed").is_some());
+    app.window.key_press(Key::Escape);
+    app.wait(400);
+    assert!(app.window.query_by_label("State: fault").is_some());
+    let status = app.snapshot().status.unwrap();
+    assert_eq!(status.first_fault, Some(Fault::EmergencyStop));
+    app.window.get_by_label("Clear fault").click();
+    app.wait(500);
+    assert!(app.window.query_by_label("State: armed").is_some());
+    assert!(!app.is_driving(), "it is driven by a press of Drive only");
+}
+
+#[test]
+fn stop_says_on_itself_and_in_the_help_what_two_presses_do() {
+    let mut app = TestApp::driving();
+    app.window.get_by_label("STOP").hover();
+    app.wait(2000);
+    let help = "Twice within a second: emergency stop";
+    assert!(app.window.query_by_label_contains(help).is_some());
+    app.window.key_press(Key::F1);
+    app.wait(300);
+    for line in ["a real device is disarmed", "emergency stop, a fault to be cleared"] {
+        assert!(app.window.query_by_label_contains(line).is_some(), "{line}");
+    }
+}

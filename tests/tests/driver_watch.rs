@@ -1,0 +1,239 @@
+//! a program that hangs while it drives. The link's own thread goes on and keeps the device alive, so it watches
+//! the program: without a sign of life for a second it stops and disarms.
+
+use slipline_link::native::{Handle, Worker};
+use slipline_link::table::DeviceTable;
+use slipline_link::{Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, Severity, Snapshot};
+use slipline_protocol::Command;
+use slipline_protocol::event::State;
+use slipline_tests::faulty_ports::as_real;
+use slipline_tests::link_rig::{LinkRig, drive};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Driving one tone, under watch.
+fn driving() -> LinkRig {
+    let mut rig = LinkRig::armed().watched();
+    rig.ask(drive(0.05));
+    rig.pass_ms(300);
+    assert_eq!(rig.state(), State::Driving);
+    rig
+}
+
+/// How many of these commands the device was sent since so many.
+fn sent(rig: &LinkRig, since: usize, which: fn(&Command) -> bool) -> usize {
+    rig.ports().commands[since..].iter().filter(|(_, command)| which(command)).count()
+}
+
+fn stalls(rig: &LinkRig) -> u32 {
+    rig.view().driver_stalls
+}
+
+#[test]
+fn a_program_that_answers_drives_on_and_is_asked_four_times_a_second() {
+    let mut rig = driving();
+    let before = rig.signs_wanted;
+    rig.pass_ms(60_000);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Driving, 0));
+    let asked = rig.signs_wanted - before;
+    assert!((239..=241).contains(&asked), "{asked}");
+}
+
+#[test]
+fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_told() {
+    // Every 50 ms of the period, so that the latest sign is of every age.
+    for phase_ms in (0..250).step_by(50) {
+        let mut rig = driving();
+        rig.pass_ms(phase_ms);
+        rig.is_driver_alive = false;
+        let (hung, words) = (rig.now, rig.ports().commands.len());
+        while sent(&rig, words, |command| *command == Command::Stop) == 0 {
+            rig.pass_ms(1);
+            assert!(rig.now <= hung + SIGN_PATIENCE, "{phase_ms} ms: nothing was stopped");
+        }
+        let after = rig.now - hung;
+        assert!(after >= SIGN_PATIENCE - Duration::from_millis(251), "{phase_ms} ms: after {after:?}");
+        // A ramp of 30 ms, and the status after it.
+        rig.pass_ms(300);
+        assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1), "{phase_ms} ms");
+        assert_eq!(sent(&rig, words, |command| *command == Command::Disarm), 1);
+        let last: Vec<&Change> = rig.view().journal.iter().rev().take(2).map(|entry| &entry.change).collect();
+        assert_eq!(last, [&Change::Disarmed, &Change::Stop]);
+        let told = rig.view().log.iter().find(|line| line.text.contains("gave no sign of life for 1 s"));
+        assert_eq!(told.map(|line| line.severity), Some(Severity::Error));
+        // It stays hung: nothing is left to be stopped, and nothing is told again.
+        rig.pass_ms(20_000);
+        assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
+        assert_eq!(sent(&rig, words, |command| *command == Command::Stop), 1);
+    }
+}
+
+#[test]
+fn a_program_that_comes_back_can_arm_and_drive_again() {
+    let mut rig = driving();
+    rig.is_driver_alive = false;
+    rig.pass_ms(3000);
+    rig.is_driver_alive = true;
+    rig.ask(Request::Arm);
+    rig.ask(drive(0.06));
+    rig.pass_ms(5000);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Driving, 1));
+    rig.is_driver_alive = false;
+    rig.pass_ms(1200);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 2));
+}
+
+#[test]
+fn a_device_that_is_not_armed_needs_no_sign() {
+    let mut rig = LinkRig::connected().watched();
+    rig.ask(Request::Disarm);
+    rig.pass_ms(300);
+    let asked = rig.signs_wanted;
+    rig.is_driver_alive = false;
+    rig.pass_ms(30_000);
+    assert_eq!((rig.signs_wanted, stalls(&rig)), (asked, 0));
+    // The second counts from the arming.
+    rig.ask(Request::Arm);
+    rig.pass_ms(900);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Armed, 0));
+    rig.pass_ms(300);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
+}
+
+#[test]
+fn a_window_that_takes_seconds_to_open_is_waited_for_by_the_simulated_device_only() {
+    for (is_real, state) in [(false, State::Armed), (true, State::Idle)] {
+        let mut rig = LinkRig::new().watched();
+        rig.is_driver_alive = false;
+        rig.ports().rewrite = if is_real { as_real } else { |event| event };
+        rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+        rig.pass_ms(300);
+        rig.ask(Request::Arm);
+        rig.pass_ms(4000);
+        assert_eq!((rig.state(), stalls(&rig)), (state, u32::from(is_real)));
+        // From the first sign on it is watched like any other.
+        rig.is_driver_alive = true;
+        rig.ask(Request::Arm);
+        rig.pass_ms(1000);
+        assert_eq!(rig.state(), State::Armed);
+        rig.is_driver_alive = false;
+        rig.pass_ms(1400);
+        assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1 + u32::from(is_real)));
+    }
+}
+
+#[test]
+fn an_upload_under_way_goes_on_and_the_device_is_disarmed_between_its_chunks() {
+    let mut rig = driving();
+    let knots = (0..1000).map(|i| (100.0 + f64::from(i), 0.5));
+    let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
+    rig.is_driver_alive = false;
+    rig.pass_ms(990);
+    let upload = rig.ask(Request::Upload(Arc::new(table)));
+    rig.pass_ms(12);
+    assert!(rig.outcome(upload).is_none(), "it is under way");
+    rig.pass_ms(30);
+    assert!(sent(&rig, 0, |command| *command == Command::Disarm) > 0, "it waits for the upload");
+    rig.pass_ms(1000);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
+    assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
+}
+
+#[test]
+fn what_has_not_reached_the_device_by_then_never_does() {
+    let mut rig = driving();
+    rig.ask(Request::Stop);
+    rig.pass_ms(250);
+    rig.is_driver_alive = false;
+    rig.pass_ms(900);
+    let words = rig.ports().commands.len();
+    // The drive is lost on its way; its repeat would be due after the stop.
+    rig.ports().drop_commands = 1;
+    let tickets = [drive(0.05), Request::Arm].map(|request| rig.ask(request));
+    rig.pass_ms(2000);
+    assert_eq!(sent(&rig, words, |command| matches!(command, Command::Drive(_))), 1);
+    assert_eq!(sent(&rig, words, |command| *command == Command::Arm), 0);
+    assert_eq!(
+        tickets.map(|ticket| rig.outcome(ticket)),
+        [Some(Outcome::Superseded), Some(Outcome::Superseded)]
+    );
+    assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
+}
+
+#[test]
+fn a_stop_that_is_lost_is_sent_again() {
+    let mut rig = driving();
+    rig.ports().drop_stops = 2;
+    rig.is_driver_alive = false;
+    rig.pass_ms(1700);
+    assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
+}
+
+/// Longer than anything here takes; no length is asserted.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A worker in real time, with a simulated device that it drives.
+fn worker() -> Worker {
+    let worker = Worker::spawn(|| ()).unwrap();
+    let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
+    let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
+    let drive = Request::Drive(DriveRequest::at(&[(0.05, 0.5)]));
+    for request in [Request::Connect(Port::Simulated), Request::Upload(Arc::new(table)), Request::Arm, drive]
+    {
+        let outcome = worker.wait(worker.send(request), PATIENCE);
+        assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
+    }
+    worker
+}
+
+fn state(snapshot: &Snapshot) -> Option<State> {
+    snapshot.status.map(|status| status.state)
+}
+
+/// Waits as a thread that only looks: without a sign of life.
+fn sees(handle: &Handle, is_it: impl Fn(&Snapshot) -> bool) -> bool {
+    handle.wait_for(PATIENCE, |snapshot| is_it(snapshot).then_some(())).is_some()
+}
+
+#[test]
+fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_not() {
+    let worker = worker();
+    worker.pause(Duration::from_millis(2500));
+    let refresh = worker.send(Request::Refresh);
+    assert!(worker.wait(refresh, PATIENCE).is_some());
+    assert_eq!((state(&worker.snapshot()), worker.snapshot().driver_stalls), (Some(State::Driving), 0));
+    // From here on this thread only looks.
+    assert!(sees(&worker.handle(), |snapshot| snapshot.driver_stalls == 1));
+    assert!(sees(&worker.handle(), |snapshot| state(snapshot) == Some(State::Idle)));
+}
+
+#[test]
+fn a_loop_that_is_woken_for_it_drives_on_until_it_hangs() {
+    let worker = worker();
+    let (question, questions) = std::sync::mpsc::channel();
+    worker.handle().ask_for_signs(move || {
+        let _ = question.send(());
+    });
+    let hangs = Arc::new(AtomicBool::default());
+    let (handle, is_hung) = (worker.handle(), Arc::clone(&hangs));
+    let event_loop = thread::spawn(move || {
+        while questions.recv().is_ok() {
+            if !is_hung.load(Ordering::Relaxed) {
+                handle.sign_of_life();
+            }
+        }
+    });
+    let begun = Instant::now();
+    while begun.elapsed() < Duration::from_millis(2500) {
+        thread::sleep(Duration::from_millis(50));
+        assert_eq!(worker.snapshot().driver_stalls, 0);
+    }
+    assert_eq!(state(&worker.snapshot()), Some(State::Driving));
+    hangs.store(true, Ordering::Relaxed);
+    assert!(sees(&worker.handle(), |snapshot| snapshot.driver_stalls == 1));
+    assert!(sees(&worker.handle(), |snapshot| state(snapshot) == Some(State::Idle)));
+    worker.handle().ask_for_signs(|| ());
+    event_loop.join().unwrap();
+}
