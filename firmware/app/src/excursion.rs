@@ -4,7 +4,7 @@
 //! knots of a table --written--> the largest travel of each group of knots --+
 //! Motion of a drive or a table swap ----------------------------------------+--check--> Ok, or Refusal::Travel
 //! ```
-//! A tone of amplitude a and phase step f moves the actuator by a x(f) ([`law`]). The tones' travels add up, because
+//! A tone of amplitude a and phase step f moves the actuator by a x(f) (`law`). The tones' travels add up, because
 //! their phases may meet. As for the headroom, one bound `T_i` for each tone's whole way is enough: `T_i` is the largest
 //! `gain x(f)` on it, all levels share one `s`, and `sum T_i level_i(s)` is linear in `s`, so it is largest at one of
 //! the ends.
