@@ -332,8 +332,9 @@ fn a_way_is_judged_by_all_intervals_that_it_touches_whatever_came_first() {
     in_chunks
         .set(Some(bench.limit), [empty, TableRef { slot: SlotIndex::Second, knots: 0 }], &bench.slots)
         .unwrap();
-    for first in (0..TABLE.knots).step_by(7) {
-        in_chunks.written(TableRef { knots: (first + 7).min(TABLE.knots), ..TABLE }, first, &bench.slots);
+    // Knot by knot first: then every interval lies between two chunks.
+    for (first, end) in (0..16).map(|first| (first, first + 1)).chain([(16, 23), (23, TABLE.knots)]) {
+        in_chunks.written(TableRef { knots: end, ..TABLE }, first, &bench.slots);
     }
     let largest: Vec<f32> = [&bench.excursion, &in_chunks].iter().map(|it| it.first.largest(0, 32)).collect();
     assert_eq!(largest[0], largest[1]);
