@@ -204,7 +204,7 @@ def test_the_supervisor_mutes_at_the_first_feed_that_it_misses(sounding):
         def hold():
             board.cpu.mem_write(link, bytes(still))
             # The supervisor may look right after the link's turn.
-            board.at(board.now + 5e-6 * board.CORE_HZ, hold)
+            board.at(board.now + 1e-6 * board.CORE_HZ, hold)
 
         hold()
         return seconds_until_off(rig, 0.25), board.resets
