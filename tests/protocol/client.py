@@ -29,7 +29,7 @@ from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_1, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive,
-    MaintenanceEvent, StatusEvent, TableEvent, Tone, Version, at, fault_names,
+    MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, Version, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
@@ -179,6 +179,15 @@ class Client:
     def maintenance(self) -> MaintenanceEvent:
         """The wear of the flash, and whether the supply is guarded. Raises `SliplineError` with a device of 1.0."""
         return self._request("Maintenance", "Maintenance")[1]
+
+    def limit_travel(self, limit: Optional[TravelLimit]) -> None:
+        """Limits the actuator's travel until the next hello, or sets it free again; only while nothing sounds. Raises
+        `SliplineError` with a device of 1.0."""
+        self._request("SetTravelLimit", "TravelLimit", SetTravelLimit(limit))
+
+    def travel_limit(self) -> Optional[TravelLimit]:
+        """The limit of the travel that is in force, if there is one. Raises `SliplineError` with a device of 1.0."""
+        return self._request("TravelLimit", "TravelLimit")[1].limit
 
     def close(self) -> None:
         """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man."""

@@ -23,6 +23,7 @@ FAULT = Enumeration(
 FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
     "ChunkFirst", "SampleRate", "Span", "DigestCount",
+    "Resonance", "Quality", "StaticTravel",  # since 1.1
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -50,6 +51,7 @@ REFUSAL = Enumeration(
     "SafeMode",
     "NoDigest",
     "DisarmFirst",  # since 1.1
+    ("Travel", {"travel_per_mille": U16, "allowed_per_mille": U16}),  # since 1.1
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration("State", "Idle", "Armed", "Driving", "Stopping", "Fault", "SafeMode")
@@ -114,6 +116,15 @@ class TableHeader(Record):
 
 
 @dataclass(frozen=True)
+class TravelLimit(Record):
+    """How an actuator moves, against its peak travel. Since 1.1."""
+
+    resonance_uhz: int = field(U64, 100_000, 10_000_000_000_000)
+    quality_per_mille: int = field(U32, 100, 1_000_000)
+    static_ppm: int = field(U32, 1, 1_000_000_000)
+
+
+@dataclass(frozen=True)
 class Counters(Record):
     """Counters since the reset."""
 
@@ -161,6 +172,13 @@ class TableChunk(Record):
 
     first: int = field(U16)
     knots: tuple[Knot, ...] = field(List(22, Fields(Knot)))
+
+
+@dataclass(frozen=True)
+class SetTravelLimit(Record):
+    """Limits the actuator's travel, or sets it free again. Since 1.1."""
+
+    limit: Optional[TravelLimit] = field(Option(Fields(TravelLimit)))
 
 
 @dataclass(frozen=True)
@@ -229,6 +247,13 @@ class MaintenanceEvent(Record):
 
 
 @dataclass(frozen=True)
+class TravelLimitEvent(Record):
+    """The limit of the travel that is in force. Since 1.1."""
+
+    limit: Optional[TravelLimit] = field(Option(Fields(TravelLimit)))
+
+
+@dataclass(frozen=True)
 class TableEvent(Record):
     """The table in force."""
 
@@ -292,6 +317,8 @@ COMMANDS = {
         Kind(0x13, "Stop", numbered=False),
         Kind(0x14, "EmergencyStop", numbered=False),
         Kind(0x15, "ClearFaults"),
+        Kind(0x16, "SetTravelLimit", Fields(SetTravelLimit), since=1),
+        Kind(0x17, "TravelLimit", since=1),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -315,6 +342,7 @@ EVENTS = {
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),
+        Kind(0x97, "TravelLimit", Fields(TravelLimitEvent), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
         Kind(0xD0, "BootloaderToken", U32),

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from device_case import DeviceCase
 from errors import Closed, FieldError, SliplineError
-from messages import NEXT_BLOCK, VERSION_1_0, Drive, Tone, at, fault_names
+from messages import NEXT_BLOCK, VERSION_1_0, Drive, Tone, TravelLimit, at, fault_names
 from records import Choice
 from server import Server
 from table import Table
@@ -106,6 +106,23 @@ class AtSocket(DriveCase):
             self.assertAlmostEqual((refusal.max - refusal.min) / client.device.sample_rate_hz, 60, delta=0.01)
         # None of them has changed anything.
         self.assertEqual(client.status().state.name, "Armed")
+
+    def test_the_limit_of_the_travel(self) -> None:
+        client, tone = self.client, Tone(0, 32768, 65535, 0)
+        self.assertIsNone(client.travel_limit())
+        # At its resonance of 20 kHz full scale would move it ten times too far.
+        limit = TravelLimit(resonance_uhz=20_000_000_000, quality_per_mille=1000, static_ppm=10_000_000)
+        client.limit_travel(limit)
+        self.assertEqual(client.travel_limit(), limit)
+        client.upload(self.make_table(gain=1.0))
+        client.arm()
+        refusal = self.assert_refused(Choice("Travel"), lambda: client.drive([tone]))
+        self.assertGreater(refusal.travel_per_mille, 1000)
+        quiet = Tone(0, 32768, 65535 * refusal.allowed_per_mille // 1000 * 99 // 100, 0)
+        client.drive([quiet])
+        client.stop()
+        client.hello()
+        self.assertIsNone(client.travel_limit(), "it holds for a session")
 
     def test_the_kept_table(self) -> None:
         client = self.client
