@@ -1,15 +1,6 @@
-//! How far a tone moves the actuator, and how far it may.
-//!
-//! The moving part is a mass on a spring. A force that would displace it by `static_m` at rest moves it at the
-//! frequency f by
-//! ```text
-//! x(f) = static_m / sqrt((1 - r^2)^2 + (r/Q)^2),    r = f/f0
-//! ```
-//! in the steady state: `static_m` far below the resonance f0, Q `static_m` at it, `static_m` (f0/f)^2 far above it.
-//! Travels of several tones add up, because their phases may meet.
+//! How far an actuator moves and may move. A plate file without it limits the levels by the DAC alone.
 
 use crate::quantity::Range;
-use crate::spec::drive::Actuator;
 use crate::spec::error::{Origin, PlateError};
 use crate::spec::limits;
 
@@ -39,37 +30,10 @@ impl Travel {
     }
 }
 
-impl Actuator {
-    /// Steady travel of a tone at DAC full scale, as a share of the peak travel; 1 or less may be played at full scale.
-    /// `None` if the plate file does not limit the travel.
-    pub fn travel_share(&self, frequency_hz: f64) -> Option<f64> {
-        let Travel { peak_m, static_m } = self.travel?;
-        Some(static_m / peak_m * self.response(frequency_hz).norm())
-    }
-
-    /// The largest [`Actuator::travel_share`] of all frequencies from one to another, in either order.
-    pub fn largest_travel_share(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
-        let at_ends = self.travel_share(from_hz)?.max(self.travel_share(to_hz)?);
-        // |H| rises up to its peak at f0 sqrt(1 - 1/(2 Q^2)) and falls beyond it; without a peak it only falls.
-        let square = 1.0 - 0.5 / (self.quality * self.quality);
-        let peak_hz = self.resonance_hz * square.max(0.0).sqrt();
-        if (from_hz.min(to_hz)..=from_hz.max(to_hz)).contains(&peak_hz) {
-            Some(at_ends.max(self.travel_share(peak_hz)?))
-        } else {
-            Some(at_ends)
-        }
-    }
-
-    /// Largest amplitude of a steady tone, as a share of DAC full scale (0 to 1), that keeps the peak travel. `None` if
-    /// the plate file does not limit the travel.
-    pub fn largest_amplitude(&self, frequency_hz: f64) -> Option<f64> {
-        Some(self.travel_share(frequency_hz)?.recip().min(1.0))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spec::drive::Actuator;
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
