@@ -54,8 +54,8 @@ impl Planner<'_> {
         table: TableRef,
         motion: &Motion,
     ) -> Result<Motion, Refusal> {
-        let (glide, targets) = self.targets(drive, table)?;
-        self.complete(Program { at, glide, table, targets }, motion)
+        let targets = self.targets(drive, table)?;
+        self.complete(Program { at, glide: drive.glide, table, targets }, motion)
     }
 
     /// Makes the motion of a table swap: every tone goes on to its place and level, in the time that it still has, and
@@ -69,8 +69,8 @@ impl Planner<'_> {
         self.complete(Program { at, glide, table, targets: motion.goals() }, motion)
     }
 
-    /// Checks a drive's fields; returns its glide and where each tone shall go.
-    fn targets(&self, drive: &Drive, table: TableRef) -> Result<(u32, [Option<Target>; MAX_TONES]), Refusal> {
+    /// Checks a drive's fields; returns where each tone shall go.
+    fn targets(&self, drive: &Drive, table: TableRef) -> Result<[Option<Target>; MAX_TONES], Refusal> {
         let timing = self.timing;
         if table.knots == 0 {
             return Err(Refusal::NoTable);
@@ -106,7 +106,7 @@ impl Planner<'_> {
                 phase: u64::from(tone.phase.0) << 48,
             });
         }
-        Ok((drive.glide, targets))
+        Ok(targets)
     }
 
     /// Checks the headroom, stretches the glide, and goes on from where the tones are.
