@@ -145,7 +145,8 @@ type Shape = ((Model, f64), f64, f64, f64, (f64, f64, f64), bool);
 fn any_model() -> impl Strategy<Value = (Model, f64)> {
     // (model, half-width at the driven end)
     prop_oneof![
-        (4.0..40.0, 0.03..0.08).prop_map(|(speed, w)| (Model::Membrane { wave_speed_m_per_s: speed }, w)),
+        (4.0..40.0, 0.03..0.08)
+            .prop_map(|(speed, w)| (Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: None }, w)),
         (5e-4..3e-3, 0.015..0.03, any::<bool>()).prop_map(|(thickness_m, w, is_clamped)| {
             let sheet = Bending {
                 youngs_modulus_pa: 70e9,

@@ -28,16 +28,17 @@ pub mod time;
 pub use check::sensation;
 pub use frequency::{
     COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, POINTS_MAX, POINTS_MIN, Peak,
-    PredictedEnvelope, RespondError, Response, ToneDrive, clamped, predict_envelope, respond, respond_batch,
-    respond_coupled, respond_range,
+    PredictedEnvelope, RespondError, Response, ToneDrive, clamped, predict_envelope, reflection,
+    resistance_reflection, respond, respond_batch, respond_coupled, respond_range,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};
 pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use spec::{
-    Actuator, Bending, Consequence, DriveEnd, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError,
-    PlateFileError, PlateSpec, Preset, SampleRateError, Taper, Travel, limits, preset, presets, sample_rates,
+    Actuator, Bending, Consequence, DriveEnd, EndSlope, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate,
+    PlateError, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper,
+    Travel, limits, preset, presets, sample_rates,
 };
 pub use special::{airy, bessel};
 pub use table::{

@@ -86,6 +86,7 @@ fn exact(plate: &Plate, frequency: f64, points: usize, stride: usize, equation: 
     let k0 = |f: f64| (spec.model.wavenumber_squared(TAU * f) - (FRAC_PI_2 / half_width).powi(2)).sqrt();
     let scale = match spec.drive_end {
         DriveEnd::Displacement => 1.0 / f(0.0),
+        DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => unreachable!("no preset here has one"),
         DriveEnd::Force { at_frequency_hz } => -k0(at_frequency_hz) / slope,
         DriveEnd::Resistance { ratio, at_frequency_hz } => {
             let a = j * ratio * k0(at_frequency_hz) * frequency / at_frequency_hz;

@@ -17,7 +17,7 @@ fn aluminium() -> Bending {
 }
 
 fn aluminium_sh() -> Model {
-    Model::ShearHorizontal { shear_modulus_pa: 26e9, density_kg_per_m3: 2700.0 }
+    Model::ShearHorizontal { shear_modulus_pa: 26e9, density_kg_per_m3: 2700.0, thickness_m: None }
 }
 
 fn plate(model: Model, half_width_m: f64, length_m: f64, span: (f64, f64)) -> Plate {
@@ -122,7 +122,8 @@ fn the_membrane_preset_peaks_where_the_table_says_and_airy_agrees_within_a_milli
 fn edge_widths_are_those_of_the_table() {
     let bending = preset("al-bending").expect("a preset");
     let sh = preset("al-sh").expect("a preset");
-    let slow = plate(Model::Membrane { wave_speed_m_per_s: 10.0 }, 0.2, 0.56, (0.3, 0.4));
+    let slow =
+        plate(Model::Membrane { wave_speed_m_per_s: 10.0, tension_n_per_m: None }, 0.2, 0.56, (0.3, 0.4));
     let cases = [
         (&bending, 40e3, 29.8),
         (&bending, 20e3, 37.4),

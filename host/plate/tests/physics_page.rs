@@ -37,6 +37,7 @@ fn every_light_has_its_row_with_the_limits_in_force() {
         ("wavelengths", limits::WAVELENGTHS),
         ("loss", limits::LOSS),
         ("edge width", limits::EDGE_WIDTH),
+        ("drive match", limits::DRIVE_REFLECTION),
         ("thin plate", limits::THIN_PLATE_PERCENT),
         ("sensitivity", limits::SENSITIVITY_DB),
         ("actuator band", limits::ACTUATOR_LOSS_DB),

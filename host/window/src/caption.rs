@@ -19,6 +19,8 @@ pub const SPAN_END: Caption = Caption::new("Span to", Unit::Millimetre, &["span_
 /// Wave speed of a membrane.
 pub const WAVE_SPEED: Caption =
     Caption::new("Wave speed", Unit::Times("m/s", 1.0), &["model.wave_speed_m_per_s"]);
+/// Tension of a membrane, per metre of width.
+pub const TENSION: Caption = Caption::new("Tension", Unit::Times("N/m", 1.0), &["model.tension_n_per_m"]);
 /// Shear modulus.
 pub const SHEAR_MODULUS: Caption =
     Caption::new("Shear modulus", Unit::Times("MPa", 1e6), &["model.shear_modulus_pa"]);
@@ -48,6 +50,23 @@ pub const DRIVE_RATIO: Caption = Caption::new("Resistance ratio", Unit::Pure, &[
 /// The frequency at which r holds; no panel has a field for it.
 pub const DRIVE_FREQUENCY: Caption =
     Caption::new("Frequency of the resistance", Unit::Hertz, &["drive.at_frequency_hz"]);
+/// Resistance of a driven end.
+pub const END_RESISTANCE: Caption =
+    Caption::new("End resistance", Unit::Times("N s/m", 1.0), &["drive.resistance_n_s_per_m"]);
+/// Mass that moves with a driven end.
+pub const MOVING_MASS: Caption = Caption::new("Moving mass", Unit::Times("g", 1e-3), &["drive.mass_kg"]);
+/// Stiffness of a driven end against the frame.
+pub const END_STIFFNESS: Caption =
+    Caption::new("End stiffness", Unit::Times("N/m", 1.0), &["drive.stiffness_n_per_m"]);
+/// Length of the lead-in.
+pub const LEAD_IN_LENGTH: Caption =
+    Caption::new("Lead-in length", Unit::Millimetre, &["drive.lead_in.length_m"]);
+/// Loss factor of the lead-in.
+pub const LEAD_IN_LOSS: Caption =
+    Caption::new("Lead-in loss factor", Unit::Pure, &["drive.lead_in.loss_factor"]);
+/// Damper at the far end of the lead-in.
+pub const LEAD_IN_DAMPER: Caption =
+    Caption::new("Lead-in damper", Unit::Times("N s/m", 1.0), &["drive.lead_in.end_resistance_n_s_per_m"]);
 /// Displacement of the drive at DAC full scale, of the plate on the screen.
 pub const AT_FULL_SCALE: Caption = Caption::new("At full scale", Unit::Millimetre, &["full_scale_m"]);
 /// Resonance of the actuator.
@@ -87,7 +106,7 @@ pub enum Panel {
     Designer,
 }
 
-const PLATE: [&Caption; 21] = [
+const PLATE: [&Caption; 28] = [
     &LENGTH,
     &HALF_WIDTH,
     &TAPER_RATE,
@@ -95,6 +114,7 @@ const PLATE: [&Caption; 21] = [
     &SPAN_START,
     &SPAN_END,
     &WAVE_SPEED,
+    &TENSION,
     &SHEAR_MODULUS,
     &YOUNGS_MODULUS,
     &POISSON_RATIO,
@@ -103,6 +123,12 @@ const PLATE: [&Caption; 21] = [
     &LOSS_FACTOR,
     &DRIVE_RATIO,
     &DRIVE_FREQUENCY,
+    &END_RESISTANCE,
+    &MOVING_MASS,
+    &END_STIFFNESS,
+    &LEAD_IN_LENGTH,
+    &LEAD_IN_LOSS,
+    &LEAD_IN_DAMPER,
     &AT_FULL_SCALE,
     &RESONANCE,
     &QUALITY,

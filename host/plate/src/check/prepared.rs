@@ -3,6 +3,7 @@
 use super::conditions::Conditions;
 use super::error::CheckError;
 use crate::progress::Progress;
+use crate::spec::actuator::Actuator;
 use crate::spec::plate::Plate;
 use crate::table::level::{DriveToPeak, other_speeds};
 use crate::table::travel;
@@ -36,13 +37,14 @@ impl Prepared {
         let mut lowest_gain = f64::INFINITY;
         // The travel per unit of peak.
         let mut largest_share: f64 = 0.0;
+        let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
         let count = 2 * SPAN_PLACES - 1;
         for (number, x) in places(plate, count).enumerate() {
             progress.at(number as f64 / count as f64)?;
             let frequency_hz = plate.frequency_for_boundary_hz(x);
             let gain = drive_to_peak.level(frequency_hz)?.amplitude;
             lowest_gain = lowest_gain.min(gain);
-            let share = plate.spec().actuator.and_then(|actuator| actuator.travel_share(frequency_hz));
+            let share = resonator.and_then(|resonator| resonator.travel_share(frequency_hz));
             largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
         }
         // At the end of a material's allowed range some of these speeds are not allowed.

@@ -111,7 +111,7 @@ fn ghosts_lie_ln_m_over_d_before_the_boundary_and_an_off_centre_drive_lets_the_s
 
 #[test]
 fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensitivity() {
-    let matched = preset("al-bending").expect("preset");
+    let matched = preset("membrane").expect("preset");
     let matched_hz = matched.spec().drive_end.at_frequency_hz().expect("a resistance");
     let boundary_m = matched.turning_point_m(matched_hz).expect("enters");
     let report =
@@ -127,7 +127,49 @@ fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensiti
     assert_eq!(sensitivity.colour, Colour::Red);
     assert!((20.0..36.0).contains(&sensitivity.value.unwrap_or(0.0)), "about 25 dB: {sensitivity:?}");
     assert_eq!(light(&report, "drive match").colour, Colour::Red);
-    assert_eq!(light(&report, "drive match").value, None, "an infinite ratio is told in words");
+    assert!((value(&report, "drive match") - 1.0).abs() < 1e-9, "every wave comes back");
+}
+
+#[test]
+fn a_bending_plate_with_a_damper_alone_is_amber_and_one_with_a_lead_in_behind_a_soft_force_green() {
+    let still = preset("al-bending-displacement").expect("preset");
+    let end = |drive_end: DriveEnd| {
+        let spec = crate::PlateSpec { drive_end, ..still.spec().clone() };
+        let plate = Plate::new(spec).expect("plate");
+        let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.24).expect("on it");
+        light(&report, "drive match").clone()
+    };
+    let damped = end(DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 });
+    assert_eq!(damped.colour, Colour::Amber, "{damped:?}");
+    assert!(
+        (damped.value.expect("known") - 0.57).abs() < 0.01 && damped.sentence.contains("lead-in"),
+        "{damped:?}"
+    );
+    assert_eq!(end(DriveEnd::Resistance { ratio: 9.0, at_frequency_hz: 28e3 }).colour, Colour::Red);
+
+    let lead_in = crate::LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 55.0 };
+    let source = crate::Source { lead_in: Some(lead_in), ..crate::Source::soft(&still.spec().model, 28e3) };
+    let matched = end(DriveEnd::Source(source));
+    assert_eq!(matched.colour, Colour::Green, "{matched:?}");
+    let heavy = end(DriveEnd::Source(crate::Source { mass_kg: 5e-3, ..source }));
+    assert!(heavy.colour == Colour::Red && heavy.sentence.contains("hide"), "{heavy:?}");
+    let bare = end(DriveEnd::Source(crate::Source { lead_in: None, ..source }));
+    assert!(bare.colour == Colour::Red && bare.sentence.contains("lead-in"), "{bare:?}");
+}
+
+#[test]
+fn a_measured_actuator_that_does_not_reach_the_frequency_is_amber() {
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    let points = vec![[20.0, 0.0, 0.0], [110.0, -3.0, -45.0]];
+    spec.actuator = Some(crate::Actuator::Measured(crate::ResponseCurve { points }));
+    let checker = Checker::new(&Plate::new(spec).expect("plate"), Conditions::default()).expect("checks");
+    let found = |boundary_m: f64| {
+        let report = checker.at(boundary_m).expect("on it");
+        (light(&report, "actuator band").colour, light(&report, "actuator band").value)
+    };
+    let near_m = checker.plate().turning_point_m(100.0).expect("enters");
+    assert_eq!(found(near_m).0, Colour::Green);
+    assert_eq!(found(0.2), (Colour::Amber, None));
 }
 
 #[test]
@@ -196,12 +238,17 @@ fn two_ultrasonic_tones_closer_than_a_kilohertz_beat() {
 #[test]
 fn the_actuator_light_follows_its_resonance() {
     let mut spec = preset("membrane").expect("preset").spec().clone();
-    spec.actuator = Some(crate::Actuator { resonance_hz: 200.0, quality: 0.7, travel: None });
+    spec.actuator = Some(crate::Actuator::Resonator(crate::Resonator {
+        resonance_hz: 200.0,
+        quality: 0.7,
+        travel: None,
+    }));
     let plate = Plate::new(spec.clone()).expect("plate");
     let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
     assert_eq!(light(&report, "actuator band").colour, Colour::Green);
     // Two octaves and a half above resonance: -12 dB per octave.
-    spec.actuator = Some(crate::Actuator { resonance_hz: 20.0, quality: 0.7, travel: None });
+    spec.actuator =
+        Some(crate::Actuator::Resonator(crate::Resonator { resonance_hz: 20.0, quality: 0.7, travel: None }));
     let plate = Plate::new(spec).expect("plate");
     let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
     assert_eq!(light(&report, "actuator band").colour, Colour::Red);
@@ -214,7 +261,8 @@ fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_
     let checker = |static_m: Option<f64>| {
         let mut spec = preset("membrane").expect("preset").spec().clone();
         let travel = static_m.map(|static_m| crate::Travel { peak_m: 1e-4, static_m });
-        spec.actuator = Some(crate::Actuator { resonance_hz: 60.0, quality: 0.7, travel });
+        spec.actuator =
+            Some(crate::Actuator::Resonator(crate::Resonator { resonance_hz: 60.0, quality: 0.7, travel }));
         Checker::new(&Plate::new(spec).expect("plate"), Conditions::default()).expect("checks")
     };
     let excursion = |static_m: f64| {

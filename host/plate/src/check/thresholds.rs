@@ -38,9 +38,10 @@ pub const EDGE_WIDTH: Limits = Limits { green: 4.0, amber: 15.0 };
 /// of two, and temperature or tension alone move the wave speed by a per cent.
 pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.0 };
 
-/// The larger of r and 1/r of the drive end. At 1.41 the end reflects 17 % of the returning wave. At 2 it reflects a
-/// third, and on a plate of low loss 1 % of wave speed changes the peak by 5 dB; at 5 by 11 dB.
-pub const DRIVE_MISMATCH: Limits = Limits { green: 1.415, amber: 2.0 };
+/// |r| of the drive end, the share of the returning wave's amplitude that it sends back. A resistance that is wrong by a
+/// factor of 1.41 sends 17 % back, one that is wrong by 2 a third. On a plate of low loss 1 % of wave speed changes the
+/// peak by up to 20 lg((1 + |r|)/(1 - |r|)): 3 dB at 17 %, 6 dB at a third (5 dB were found there), 13 dB at 0.64.
+pub const DRIVE_REFLECTION: Limits = Limits { green: 0.172, amber: 0.334 };
 
 /// Attenuation of the actuator relative to its response at 0 Hz, dB. 6 dB halves the travel; at 20 dB a tenth of the
 /// travel is left.

@@ -10,10 +10,8 @@
 //! and a damper does not absorb: with R = Z at a free end about 0.57 of the returning amplitude is still reflected.
 //! There Z is a first value to start from; measure and adjust.
 
-use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use serde::Serialize;
-use std::f64::consts::TAU;
 
 /// The damper at the driven end, matched in the one-mode equation. At the driven end of a plate in bending it is only a
 /// first value: a real end has a near field that the equation leaves out.
@@ -53,25 +51,4 @@ pub(super) fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)
     let at = places.iter().min_by(nearest).map_or(band_hz.0, |place| place.0);
     let matched = slowness(at);
     (at, (low / matched, high / matched))
-}
-
-/// The wave impedance Z at the driven end, N s/m, for a sheet of `surface_density` kg/m^2.
-pub(super) fn wave_impedance(plate: &Plate, surface_density: f64, frequency_hz: f64) -> f64 {
-    let width_mode = plate.width_mode(1);
-    let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-    // d(k^2)/d omega by central difference: k^2 is smooth in omega in every model.
-    let step = 1e-4;
-    let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
-        - width_mode.axial_squared(frequency_hz * (1.0 - step));
-    let group_speed = 2.0 * k0 / (rise / (2.0 * step * TAU * frequency_hz));
-    surface_density * group_speed * mode_square(&plate.spec().model) * plate.half_width_m(0.0)
-}
-
-/// Integral of the first width mode's square over the width, in half-widths; the mode is 1 on the centre line.
-fn mode_square(model: &Model) -> f64 {
-    match model {
-        // Normalised to a mean square of 1, the clamped beam's first mode is 1.588 in the middle.
-        Model::BendingClamped(_) => 2.0 / (1.588_15 * 1.588_15),
-        _ => 1.0,
-    }
 }

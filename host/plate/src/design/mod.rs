@@ -114,7 +114,8 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: match_frequency_hz };
     let plate = Plate::new(spec)?;
     let surface_density = request.material.density_kg_per_m3 * request.thickness_m;
-    let resistance_n_s_per_m = damper::wave_impedance(&plate, surface_density, match_frequency_hz);
+    // The material gives the tension or the thickness, so there is an impedance.
+    let resistance_n_s_per_m = plate.wave_impedance_n_s_per_m(match_frequency_hz).unwrap_or(f64::NAN);
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
     let alone_to = |mode: u32| {

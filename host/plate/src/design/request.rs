@@ -100,10 +100,15 @@ impl Request {
     pub(super) fn model(&self) -> Model {
         let material = &self.material;
         match self.wave {
-            Wave::Membrane { wave_speed_m_per_s } => Model::Membrane { wave_speed_m_per_s },
+            Wave::Membrane { wave_speed_m_per_s } => {
+                let surface_density = material.density_kg_per_m3 * self.thickness_m;
+                let tension_n_per_m = Some(surface_density * wave_speed_m_per_s.powi(2));
+                Model::Membrane { wave_speed_m_per_s, tension_n_per_m }
+            }
             Wave::ShearHorizontal => Model::ShearHorizontal {
                 shear_modulus_pa: material.shear_modulus_pa(),
                 density_kg_per_m3: material.density_kg_per_m3,
+                thickness_m: Some(self.thickness_m),
             },
             Wave::Bending { edge, thick_plate } => {
                 let bending = Bending {

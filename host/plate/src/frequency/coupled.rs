@@ -9,8 +9,8 @@
 //! of modes. The one-mode equation neglects a and d. Bending with supported edges has the same equation with K = kb if
 //! its evanescent wave is neglected.
 
+use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::error::RespondError;
-use crate::frequency::numerov::{EndCondition, end_condition};
 use crate::frequency::respond::{POINTS_MIN, check_frequency};
 use crate::quantity::OutOfRange;
 use crate::spec::model::Model;
@@ -105,10 +105,9 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
     start[0] = Complex64::ONE;
     let (first, second) = (&ratios[1] * &start, &ratios[2] * (&ratios[1] * &start));
     let f = [Complex64::ONE, first[0] * root(1), second[0] * root(2)];
-    let scale = match end_condition(plate, frequency_hz) {
-        EndCondition::Dirichlet => Complex64::ONE,
-        EndCondition::Robin { a, b } => b / ((-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step) + a * f[0]),
-    };
+    let slope = (-3.0 * f[0] + 4.0 * f[1] - f[2]) / (2.0 * step);
+    let end = DrivenEnd::of(plate, frequency_hz);
+    let scale = end.drive / (end.alpha * f[0] + end.beta * slope);
     let mut g = start * scale;
     let mut fields = vec![Vec::with_capacity(points); modes];
     for (i, ratio) in ratios.iter().enumerate() {

@@ -2,8 +2,10 @@
 
 pub mod clamped;
 mod coupled;
+pub(crate) mod driven_end;
 pub(crate) mod equation;
 pub(crate) mod error;
+mod impedance;
 pub(crate) mod numerov;
 pub(crate) mod peak;
 mod prediction;
@@ -11,6 +13,7 @@ pub(crate) mod respond;
 pub(crate) mod sweep;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
+pub use driven_end::{reflection, resistance_reflection};
 pub use equation::Equation;
 pub use error::RespondError;
 pub use peak::Peak;

@@ -8,9 +8,9 @@
 //! driven end. In that direction the wanted solution grows, so the recursion is stable and needs no matrix. The
 //! condition at the driven end then gives the scale; its derivative is of fourth order, too.
 
+use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::equation::Equation;
 use crate::frequency::sweep::{LANES, Sweep};
-use crate::spec::drive::DriveEnd;
 use crate::spec::plate::{Plate, WidthMode};
 use num_complex::Complex64;
 use pulp::Arch;
@@ -101,29 +101,6 @@ pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize
     (step_m / wanted).ceil().clamp(1.0, most) as usize
 }
 
-/// Condition at the driven end: f(0) = 1 (Dirichlet), or f'(0) + a f(0) = b (Robin).
-pub(crate) enum EndCondition {
-    Dirichlet,
-    Robin { a: Complex64, b: Complex64 },
-}
-
-/// The condition at the driven end for a drive of 1.
-pub(crate) fn end_condition(plate: &Plate, frequency_hz: f64) -> EndCondition {
-    let width_mode = plate.width_mode(1);
-    let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-    match plate.spec().drive_end {
-        DriveEnd::Displacement => EndCondition::Dirichlet,
-        DriveEnd::Force { at_frequency_hz } => {
-            EndCondition::Robin { a: Complex64::ZERO, b: Complex64::new(-k0(at_frequency_hz), 0.0) }
-        }
-        DriveEnd::Resistance { ratio, at_frequency_hz } => {
-            // r k0 = (R/T) omega with R/T constant.
-            let a = Complex64::new(0.0, ratio * k0(at_frequency_hz) * frequency_hz / at_frequency_hz);
-            EndCondition::Robin { a, b: 2.0 * a }
-        }
-    }
-}
-
 /// a K^2 (1 + j eta) with eta = [`Plate::wave_loss`], 1/m^2.
 pub(crate) fn lossy_axial_squared(plate: &Plate, width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
     width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
@@ -153,22 +130,29 @@ pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Comple
     }
     let side = |i: usize| y[i] * (1.0 + 2.0 * h2 * q(i));
     let slope = (side(2) - side(0)) / (2.0 * grid.step_m);
-    let gain = end_gain(grid, plate, frequency_hz, y[1], slope);
-    y[1..=grid.on_plate].iter().zip(&grid.scale).map(|(g, scale)| g * gain * *scale).collect()
+    let end = DrivenEnd::of(plate, frequency_hz);
+    let start = Start::of(&end, grid, y[1], slope);
+    let mut field: Vec<Complex64> =
+        y[1..=grid.on_plate].iter().zip(&grid.scale).map(|(g, scale)| g * start.gain * *scale).collect();
+    end.near.add(&mut field, plate, grid.step_m, start.value, start.slope);
+    field
 }
 
-/// The factor by which a solution with `g` and g' = `slope` at 0 is scaled to meet the condition at the driven end.
-pub(crate) fn end_gain(
-    grid: &Grid,
-    plate: &Plate,
-    frequency_hz: f64,
-    g: Complex64,
+/// The wave at the driven end, scaled to meet the condition there.
+struct Start {
+    /// The factor by which the swept solution is scaled.
+    gain: Complex64,
+    /// p(0) and p'(0).
+    value: Complex64,
     slope: Complex64,
-) -> Complex64 {
-    // f = g/sqrt(W/W0): f(0) = g, f'(0) = g' - (sqrt W)'/sqrt W g.
-    match end_condition(plate, frequency_hz) {
-        EndCondition::Dirichlet => 1.0 / g,
-        EndCondition::Robin { a, b } => b / (slope + (a - grid.root_slope) * g),
+}
+
+impl Start {
+    /// Scales a solution with `g` and g' = `slope` at 0.
+    fn of(end: &DrivenEnd, grid: &Grid, g: Complex64, slope: Complex64) -> Self {
+        // p = g/sqrt(W/W0): p(0) = g, p'(0) = g' - (sqrt W)'/sqrt W g.
+        let gain = end.drive / (end.beta * slope + (end.alpha - end.beta * grid.root_slope) * g);
+        Self { gain, value: gain * g, slope: gain * (slope - grid.root_slope * g) }
     }
 }
 
@@ -224,22 +208,24 @@ pub(crate) fn solve_each(
             g_re: &mut g_re,
             g_im: &mut g_im,
         });
-        let gains: [Complex64; LANES] = std::array::from_fn(|lane| {
+        let driven = frequency.map(|frequency_hz| DrivenEnd::of(plate, frequency_hz));
+        let starts: [Start; LANES] = std::array::from_fn(|lane| {
             let g = Complex64::new(ends.g_re[lane], ends.g_im[lane]);
             let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
-            end_gain(grid, plate, frequency[lane], g, difference / (2.0 * grid.step_m))
+            Start::of(&driven[lane], grid, g, difference / (2.0 * grid.step_m))
         });
         // A stretch of points at a time, so that all lanes read the same cache lines.
         for from in (0..grid.on_plate).step_by(STRETCH) {
             let to = (from + STRETCH).min(grid.on_plate);
-            for ((lane, field), gain) in fields.iter_mut().enumerate().zip(gains) {
+            for ((lane, field), start) in fields.iter_mut().enumerate().zip(&starts) {
                 let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&grid.scale[from..to]);
                 for (f, ((re, im), scale)) in field[from..to].iter_mut().zip(rows) {
-                    *f = Complex64::new(re[lane], im[lane]) * gain * *scale;
+                    *f = Complex64::new(re[lane], im[lane]) * start.gain * *scale;
                 }
             }
         }
-        for (lane, field) in fields.iter().enumerate().take(frequencies.len()) {
+        for (lane, field) in fields.iter_mut().enumerate().take(frequencies.len()) {
+            driven[lane].near.add(field, plate, grid.step_m, starts[lane].value, starts[lane].slope);
             visit(group * LANES + lane, field);
         }
     }

@@ -63,7 +63,8 @@ pub fn predict_envelope(
         let response = respond(plate, tone.frequency_hz, points, Equation::Corrected)?;
         let turn = std::f64::consts::PI * tone.frequency_hz / sample_rate_hz;
         let droop = turn.sin() / turn;
-        let actuator = plate.spec().actuator.map_or(Complex64::ONE, |it| it.response(tone.frequency_hz));
+        let actuator =
+            plate.spec().actuator.as_ref().map_or(Complex64::ONE, |it| it.response(tone.frequency_hz));
         let scale =
             actuator * Complex64::cis(-tone.phase_rad) * tone.amplitude * droop * plate.spec().full_scale_m;
         let field: Vec<Complex64> = response.amplitude.iter().map(|f| f * scale).collect();

@@ -2,8 +2,9 @@
 
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
-use super::source::StepRatio;
+use super::source::{DriveCondition, StepRatio};
 use crate::quantity::{Count, Counted, WrongCount};
+use crate::spec::actuator::{Actuator, Resonator};
 use crate::spec::plate::Plate;
 
 /// Courant number of the step; the limit of stability is 1.
@@ -33,12 +34,24 @@ pub(super) struct Layout {
     pub(super) speed_m_per_s: f64,
     /// Whether one half is computed and mirrored at the centre line.
     pub(super) mirrored: bool,
+    /// The condition at the driven end.
+    pub(super) condition: DriveCondition,
+    /// The actuator before it.
+    pub(super) resonator: Option<Resonator>,
 }
 
 impl Layout {
     pub(super) fn new(plate: &Plate, sample_rate_hz: f64, grid: &SheetGrid) -> Result<Self, SheetError> {
         let Some(speed_m_per_s) = plate.spec().model.wave_speed_m_per_s() else {
             return Err(SheetError::Bends { plate: plate.name().to_owned() });
+        };
+        let condition = DriveCondition::of(plate)?;
+        let resonator = match plate.spec().actuator {
+            Some(Actuator::Measured(_)) => {
+                return Err(SheetError::MeasuredActuator { plate: plate.name().to_owned() });
+            }
+            Some(Actuator::Resonator(resonator)) => Some(resonator),
+            None => None,
         };
         grid.validate(sample_rate_hz)?;
         let cells = 2 * grid.along * grid.across;
@@ -47,7 +60,15 @@ impl Layout {
         let longest = COURANT / (speed_m_per_s * (edge.dx.powi(-2) + edge.dz.powi(-2)).sqrt());
         let ratio = StepRatio::new(sample_rate_hz, longest)?;
         let mirrored = !grid.whole && grid.drive.is_symmetric();
-        Ok(Self { step_s: ratio.step_s(sample_rate_hz), edge, ratio, speed_m_per_s, mirrored })
+        Ok(Self {
+            step_s: ratio.step_s(sample_rate_hz),
+            edge,
+            ratio,
+            speed_m_per_s,
+            mirrored,
+            condition,
+            resonator,
+        })
     }
 
     fn cost(&self) -> Cost {

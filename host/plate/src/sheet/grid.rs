@@ -125,6 +125,20 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
+    /// The driven end is one that the sheet does not carry.
+    #[error(
+        "{plate} is driven by a source with a mass and a spring: a sheet carries \"displacement\", \"force\" and \"resistance\""
+    )]
+    DriveEnd {
+        /// Name of the plate.
+        plate: String,
+    },
+    /// The actuator's response is a measured curve, which the sheet cannot step in time.
+    #[error("{plate} has a measured actuator curve: a sheet takes an actuator's resonance_hz and quality")]
+    MeasuredActuator {
+        /// Name of the plate.
+        plate: String,
+    },
     /// A field of [`SheetGrid`] or `sample_rate_hz` is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),

@@ -36,7 +36,7 @@ use crate::spec::plate::Plate;
 use cost::Layout;
 use embedded_boundary::EmbeddedBoundary;
 use scheme::Scheme;
-use source::{DriveCondition, Source};
+use source::Source;
 use std::f64::consts::TAU;
 use std::iter::repeat;
 
@@ -91,18 +91,18 @@ impl Sheet {
     /// [`SheetError::Bends`] for a plate in bending, [`SheetError::OutOfRange`] for a field of `grid` or the sample
     /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells.
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
-        let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored } =
+        let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored, condition, resonator } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let (low, high) = plate.band_hz();
         let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
         // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
         let damping = plate.wave_loss() * TAU * loss_at_hz;
         let scheme = Scheme { edge: &edge, speed, step_s, damping, mirrored, grid: &grid };
-        let (plan, term) = scheme.plan(DriveCondition::of(plate));
+        let (plan, term) = scheme.plan(condition);
         let side = edge.rows() as isize - 1;
         Ok(Self {
             fdtd: FdtdGrid::new(plan, grid.threads),
-            source: Source::new(ratio, step_s, term, plate.spec().actuator.as_ref()),
+            source: Source::new(ratio, step_s, term, resonator.as_ref()),
             mirrored,
             positions_m: (0..=grid.along).map(|station| station as f64 * edge.dx).collect(),
             widths_m: (-side..=side).map(|row| row as f64 * edge.dz).collect(),

@@ -1,7 +1,9 @@
 //! The source: DAC codes are converted to the step rate, filtered by the actuator and applied to the driven column.
 
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::drive::{Actuator, DriveEnd};
+use crate::sheet::SheetError;
+use crate::spec::actuator::Resonator;
+use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::PI;
@@ -68,16 +70,19 @@ pub(super) enum DriveCondition {
 }
 
 impl DriveCondition {
-    pub(super) fn of(plate: &Plate) -> Self {
+    pub(super) fn of(plate: &Plate) -> Result<Self, SheetError> {
         let width_mode = plate.width_mode(1);
         let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-        match plate.spec().drive_end {
+        Ok(match plate.spec().drive_end {
             DriveEnd::Displacement => Self::Displacement,
             DriveEnd::Force { at_frequency_hz } => Self::Force { slope_per_m: k0(at_frequency_hz) },
             DriveEnd::Resistance { ratio, at_frequency_hz } => {
                 Self::Resistance { rho_s_per_m: ratio * k0(at_frequency_hz) / (2.0 * PI * at_frequency_hz) }
             }
-        }
+            DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => {
+                return Err(SheetError::DriveEnd { plate: plate.name().to_owned() });
+            }
+        })
     }
 }
 
@@ -86,7 +91,7 @@ impl DriveCondition {
 pub(super) struct Source {
     ratio: StepRatio,
     term: SourceTerm,
-    actuator: Option<Resonator>,
+    actuator: Option<DiscreteResonator>,
     sum: f64,
     taken: u32,
     /// The source's displacement one and two steps before.
@@ -94,8 +99,8 @@ pub(super) struct Source {
 }
 
 impl Source {
-    pub(super) fn new(ratio: StepRatio, step_s: f64, term: SourceTerm, actuator: Option<&Actuator>) -> Self {
-        let actuator = actuator.and_then(|actuator| Resonator::new(actuator, step_s));
+    pub(super) fn new(ratio: StepRatio, step_s: f64, term: SourceTerm, actuator: Option<&Resonator>) -> Self {
+        let actuator = actuator.and_then(|actuator| DiscreteResonator::new(actuator, step_s));
         Self { ratio, term, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
@@ -150,16 +155,16 @@ impl Source {
 /// The actuator in the time domain: u'' + (w0/Q) u' + w0^2 u = w0^2 s by the trapezoidal rule, which is always stable.
 /// The factor tan(w0 dt/2) (frequency pre-warping) makes the resonance frequency exact.
 #[derive(Debug, Clone)]
-struct Resonator {
+struct DiscreteResonator {
     g: f64,
     damping: f64,
     speed: f64,
     place: f64,
 }
 
-impl Resonator {
+impl DiscreteResonator {
     /// `None` if the resonance is above 0.45 of the step rate: it is then far above the plate's band and has no effect.
-    fn new(actuator: &Actuator, step_s: f64) -> Option<Self> {
+    fn new(actuator: &Resonator, step_s: f64) -> Option<Self> {
         let half_turn = PI * actuator.resonance_hz * step_s;
         (half_turn < 1.4).then(|| Self {
             g: half_turn.tan(),

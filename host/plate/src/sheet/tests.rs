@@ -14,7 +14,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
         description: String::new(),
         taper: Taper::Exponential { half_width_m, rate_per_m },
         length_m,
-        model: Model::Membrane { wave_speed_m_per_s: 12.0 },
+        model: Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None },
         loss_factor: loss,
         wave_speed_tolerance: 0.0,
         drive_end: end,
@@ -248,7 +248,7 @@ fn the_default_membrane_peaks_where_and_as_high_as_the_modal_solution_says() {
 fn a_sample_rate_that_would_need_too_many_steps_per_code_is_refused_with_the_lowest_one() {
     // Waves of 1e6 m/s on cells of 0.3 um: a stable step is 0.3 ps, and a code at 1 kHz would take 3e9 of them.
     let plate = Plate::new(PlateSpec {
-        model: Model::ShearHorizontal { shear_modulus_pa: 1e12, density_kg_per_m3: 1.0 },
+        model: Model::ShearHorizontal { shear_modulus_pa: 1e12, density_kg_per_m3: 1.0, thickness_m: None },
         ..membrane(0.05, 10.0, 0.005, 0.0, DriveEnd::Displacement).spec().clone()
     })
     .unwrap();

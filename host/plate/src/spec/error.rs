@@ -89,6 +89,8 @@ pub enum Origin {
     /// The actuator's peak travel, metres: at full scale it may move at most [`super::limits::TRAVEL_RATIO_MAX`] times
     /// as far.
     PeakTravel(f64),
+    /// The frequencies of a measured curve rise from point to point.
+    Rising,
 }
 
 /// The quantity that follows from a number and is out of its range.

@@ -38,6 +38,24 @@ pub const RESONANCE: Range = Range::new(0.1, 1e7, "Hz");
 pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
 /// How far an actuator may move, or would move at DAC full scale.
 pub const TRAVEL: Range = Range::new(1e-9, 0.1, "m");
+/// Frequency of a point of an actuator's measured response.
+pub const CURVE_FREQUENCY: Range = Range::new(0.1, 1e7, "Hz");
+/// Gain of such a point.
+pub const GAIN: Range = Range::new(-200.0, 200.0, "dB");
+/// Phase of such a point.
+pub const PHASE: Range = Range::new(-36e3, 36e3, "degrees");
+/// Tension of a membrane, per metre of width.
+pub const TENSION: Range = Range::new(1e-9, 1e13, "N/m");
+/// Mechanical resistance of a driven end or of the damper behind a lead-in.
+pub const MECHANICAL_RESISTANCE: Range = Range::new(0.0, 1e9, "N s/m");
+/// Mass that moves with a driven end.
+pub const MOVING_MASS: Range = Range::new(0.0, 1e3, "kg");
+/// Stiffness of a driven end against the frame.
+pub const END_STIFFNESS: Range = Range::new(0.0, 1e12, "N/m");
+/// Length of a lead-in.
+pub const LEAD_IN_LENGTH: Range = Range::new(1e-3, 10.0, "m");
+/// Loss factor of a lead-in with its layer.
+pub const LEAD_IN_LOSS: Range = Range::new(0.0, 2.0, "");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 
@@ -50,6 +68,8 @@ pub fn span_start(length_m: f64) -> Range {
 pub const NAME: Count = Count::new(1, 80, Counted::Characters);
 /// Description of a plate, on one line.
 pub const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
+/// Points of an actuator's measured response.
+pub const CURVE_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 /// Points of a sampled taper.
 pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 

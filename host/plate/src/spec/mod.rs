@@ -1,5 +1,6 @@
 //! The specification of a plate: taper, material, driven end and span, read from a file or given as numbers.
 
+pub(crate) mod actuator;
 pub(crate) mod drive;
 pub(crate) mod error;
 mod file;
@@ -7,18 +8,23 @@ pub mod limits;
 pub(crate) mod model;
 pub(crate) mod plate;
 pub(crate) mod presets;
+pub(crate) mod response_curve;
 pub(crate) mod sample_rate;
+pub(crate) mod source;
 pub(crate) mod taper;
 pub(crate) mod travel;
 mod turning;
 mod wording;
 
-pub use drive::{Actuator, DriveEnd};
+pub use actuator::{Actuator, Resonator};
+pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};
 pub use file::PLATE_FILE_BYTES_MAX;
 pub use model::{Bending, Model};
 pub use plate::{Plate, PlateSpec};
 pub use presets::{Preset, preset, presets};
+pub use response_curve::ResponseCurve;
 pub use sample_rate::{SampleRateError, sample_rates};
+pub use source::{EndSlope, LeadIn, Source};
 pub use taper::Taper;
 pub use travel::Travel;

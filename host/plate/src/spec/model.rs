@@ -22,6 +22,9 @@ pub enum Model {
     Membrane {
         /// Wave speed sqrt(tension stress/density), m/s (0.1 to 20 000).
         wave_speed_m_per_s: f64,
+        /// Tension T, N per metre of width (1e-9 to 1e13). With the wave speed it gives the surface density T/V^2. `None`
+        /// if it is not known: then nothing that has a unit of force can be computed.
+        tension_n_per_m: Option<f64>,
     },
     /// The shear-horizontal wave of the paper, fixed edges: V = sqrt(mu/rho).
     ShearHorizontal {
@@ -29,6 +32,8 @@ pub enum Model {
         shear_modulus_pa: f64,
         /// Density rho, kg/m^3 (1 to 30 000).
         density_kg_per_m3: f64,
+        /// Thickness h, metres (1e-6 to 0.1); as the membrane's tension it may be unknown.
+        thickness_m: Option<f64>,
     },
     /// A plate in bending, edges simply supported.
     BendingSupported(Bending),
@@ -116,12 +121,16 @@ const CLAMPED_FIRST: f64 = 2.365_020_372_431_352;
 impl Model {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
-            Self::Membrane { wave_speed_m_per_s } => {
-                limits::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)
+            Self::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+                limits::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)?;
+                tension_n_per_m
+                    .map_or(Ok(()), |tension| limits::TENSION.check("model.tension_n_per_m", tension))
             }
-            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
+            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => {
                 limits::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
-                limits::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)
+                limits::DENSITY.check("model.density_kg_per_m3", *density_kg_per_m3)?;
+                thickness_m
+                    .map_or(Ok(()), |thickness| limits::THICKNESS.check("model.thickness_m", thickness))
             }
             Self::BendingSupported(bending) | Self::BendingClamped(bending) => bending.validate(),
         }
@@ -138,11 +147,34 @@ impl Model {
     /// Wave speed of the membrane or the shear wave, m/s; `None` for bending, whose speed depends on frequency.
     pub fn wave_speed_m_per_s(&self) -> Option<f64> {
         match self {
-            Self::Membrane { wave_speed_m_per_s } => Some(*wave_speed_m_per_s),
-            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
+            Self::Membrane { wave_speed_m_per_s, .. } => Some(*wave_speed_m_per_s),
+            Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, .. } => {
                 Some((shear_modulus_pa / density_kg_per_m3).sqrt())
             }
             _ => None,
+        }
+    }
+
+    /// Mass per area, kg/m^2: T/V^2 of a membrane, rho h of the others.
+    ///
+    /// # Errors
+    /// [`PlateError::Missing`] if the plate file does not tell the tension or the thickness; `needed_by` says what needs
+    /// it ("a source").
+    pub(crate) fn surface_density(&self, needed_by: &str) -> Result<f64, PlateError> {
+        let missing = |field: &str, meaning: &str| PlateError::Missing {
+            field: field.to_owned(),
+            needed: format!("{needed_by} needs it: {meaning}"),
+        };
+        match self {
+            Self::Membrane { wave_speed_m_per_s, tension_n_per_m } => tension_n_per_m
+                .map(|tension| tension / wave_speed_m_per_s.powi(2))
+                .ok_or_else(|| missing("model.tension_n_per_m", "the force per metre of width, in N/m")),
+            Self::ShearHorizontal { density_kg_per_m3, thickness_m, .. } => thickness_m
+                .map(|thickness| density_kg_per_m3 * thickness)
+                .ok_or_else(|| missing("model.thickness_m", "the thickness of the sheet, in m")),
+            Self::BendingSupported(bending) | Self::BendingClamped(bending) => {
+                Ok(bending.density_kg_per_m3 * bending.thickness_m)
+            }
         }
     }
 

@@ -5,7 +5,8 @@
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
 use crate::quantity::Range;
-use crate::spec::drive::{Actuator, DriveEnd};
+use crate::spec::actuator::Actuator;
+use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;
 use crate::spec::taper::{Taper, WidthLaw};
@@ -31,7 +32,7 @@ pub struct PlateSpec {
     pub wave_speed_tolerance: f64,
     /// What is held at x = 0.
     pub drive_end: DriveEnd,
-    /// The actuator's resonance, if it matters.
+    /// The actuator's response, if it matters.
     pub actuator: Option<Actuator>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1). Illustrative until you have measured it.
     pub full_scale_m: f64,
@@ -77,7 +78,7 @@ impl Plate {
         spec.model.validate()?;
         limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
         limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
-        spec.drive_end.validate()?;
+        spec.drive_end.validate(&spec.model)?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
         }
@@ -174,7 +175,7 @@ impl Plate {
 
     /// The same plate with a phase speed `factor` times as high (0.5 to 2) at equal frequency.
     ///
-    /// It scales the membrane's wave speed by `factor`, the shear modulus by its square, and Young's modulus by its
+    /// It scales the membrane's wave speed by `factor`, its tension and the shear modulus by its square, and Young's modulus by its
     /// fourth power. The last is exact for a thin plate and approximate where `thick_plate` is set.
     ///
     /// # Errors
@@ -183,7 +184,12 @@ impl Plate {
         Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
         let mut spec = self.spec.clone();
         match &mut spec.model {
-            Model::Membrane { wave_speed_m_per_s } => *wave_speed_m_per_s *= factor,
+            Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+                *wave_speed_m_per_s *= factor;
+                if let Some(tension) = tension_n_per_m {
+                    *tension *= factor * factor;
+                }
+            }
             Model::ShearHorizontal { shear_modulus_pa, .. } => *shear_modulus_pa *= factor * factor,
             // The phase speed omega/kb is proportional to the fourth root of the bending stiffness.
             Model::BendingSupported(bending) | Model::BendingClamped(bending) => {

@@ -33,13 +33,13 @@ impl Travel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::drive::Actuator;
+    use crate::spec::actuator::Resonator;
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
-    fn voice_coil(quality: f64) -> Actuator {
+    fn voice_coil(quality: f64) -> Resonator {
         let travel = Travel { peak_m: 1e-3, static_m: 2e-3 };
-        Actuator { resonance_hz: 50.0, quality, travel: Some(travel) }
+        Resonator { resonance_hz: 50.0, quality, travel: Some(travel) }
     }
 
     #[test]
@@ -52,7 +52,7 @@ mod tests {
         assert!((share(far) / (2.0 * (50.0 / far).powi(2)) - 1.0).abs() < 2e-4, "{}", share(far));
         assert!((coil.largest_amplitude(50.0).expect("limited") - 0.1).abs() < 1e-12);
         assert_eq!(coil.largest_amplitude(far), Some(1.0), "never more than full scale");
-        assert_eq!(Actuator { travel: None, ..coil }.largest_amplitude(50.0), None);
+        assert_eq!(Resonator { travel: None, ..coil }.largest_amplitude(50.0), None);
     }
 
     /// The largest travel, over the static one, of a mass on a spring that a cosine drives for long, by Runge-Kutta.

@@ -72,6 +72,7 @@ fn allowed(notation: &dyn Notation, field: &str, range: Range, origin: Option<Or
             notation.length(at_most(half_width_m, 5)),
             notation.length(HALF_WIDTH.low)
         ),
+        Some(Origin::Rising) => format!("{within}: frequencies must rise from point to point"),
         Some(Origin::PeakTravel(peak_m)) => format!(
             "{within}: at most {TRAVEL_RATIO_MAX} times {}",
             notation.given("actuator.peak_travel_m", peak_m)

@@ -110,7 +110,8 @@ impl<'a> DriveToPeak<'a> {
     fn before_the_plate(&self, frequency_hz: f64) -> f64 {
         let turn = PI * frequency_hz / self.sample_rate_hz;
         let droop = turn.sin() / turn;
-        droop * self.plate.spec().actuator.map_or(1.0, |actuator| actuator.response(frequency_hz).norm())
+        let actuator = self.plate.spec().actuator.as_ref();
+        droop * actuator.map_or(1.0, |actuator| actuator.response(frequency_hz).norm())
     }
 }
 

@@ -26,7 +26,7 @@ impl TableTravel {
     /// Lowers `gain` where a tone at level 1 would pass the plate's peak travel anywhere on the span. A tone glides
     /// from knot to knot, so between two knots the larger gain counts with the largest travel.
     pub(super) fn limit(plate: &Plate, frequency_hz: &[f64], gain: &mut [f64]) -> Option<Self> {
-        let actuator = plate.spec().actuator?;
+        let actuator = plate.spec().actuator.as_ref()?.resonator()?;
         let Travel { peak_m, static_m } = actuator.travel?;
         let mut largest: f64 = 0.0;
         for (ends_hz, gains) in frequency_hz.windows(2).zip(gain.windows(2)) {
@@ -57,11 +57,11 @@ pub(crate) fn scale(largest_share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Actuator, DriveTable, Plate, Travel, preset};
+    use crate::{Actuator, DriveTable, Plate, Resonator, Travel, preset};
 
     fn membrane(travel: Option<Travel>) -> Plate {
         let mut spec = preset("membrane").expect("preset").spec().clone();
-        spec.actuator = Some(Actuator { resonance_hz: 100.0, quality: 4.0, travel });
+        spec.actuator = Some(Actuator::Resonator(Resonator { resonance_hz: 100.0, quality: 4.0, travel }));
         Plate::new(spec).expect("plate")
     }
 
@@ -88,7 +88,7 @@ mod tests {
     fn no_place_of_a_table_moves_the_actuator_farther_than_its_peak_travel() {
         let plate = membrane(Some(Travel { peak_m: 1e-3, static_m: 20e-3 }));
         let table = DriveTable::build(&plate, 400e3, 129).expect("a table");
-        let actuator = plate.spec().actuator.expect("set");
+        let actuator = *plate.spec().actuator.as_ref().and_then(Actuator::resonator).expect("set");
         let (start, end) = plate.span_m();
         let shares = (0..=4000).map(|i| {
             let x = start + (end - start) * f64::from(i) / 4000.0;

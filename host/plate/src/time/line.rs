@@ -12,6 +12,8 @@ use super::integration::prepare;
 use super::kernel::{self, ModalStates};
 use super::modal::{self, Input, ModalBank};
 use crate::quantity::{OutOfRange, Range};
+use crate::spec::actuator::Actuator;
+use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
@@ -32,6 +34,14 @@ pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
+    /// The driven end is one that only the frequency domain has.
+    #[error("{plate}: a plate in the time domain cannot have this driven end: {reason}")]
+    DriveEnd {
+        /// Name of the plate.
+        plate: String,
+        /// What is not carried.
+        reason: &'static str,
+    },
     /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
@@ -79,6 +89,7 @@ impl TimeDomainLine {
     /// `mode`.
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         sample_rate::check(plate, sample_rate_hz)?;
+        refuse_what_is_not_stepped(plate)?;
         let (low_hz, high_hz) = plate.band_hz();
         OutOfRange::check_count("points", points, LINE_POINTS.0..=LINE_POINTS.1)?;
         let modes = Range::new(1.0, f64::from(WIDTH_MODE_MAX), "");
@@ -245,6 +256,20 @@ impl TimeDomainLine {
     /// Rate at which the field is updated, Hz.
     pub fn step_rate_hz(&self) -> f64 {
         self.plan.rate_hz() / self.stride as f64
+    }
+}
+
+/// Refuses the driven ends and actuators that the modal bank does not have.
+fn refuse_what_is_not_stepped(plate: &Plate) -> Result<(), LineError> {
+    let refused = |reason| Err(LineError::DriveEnd { plate: plate.name().to_owned(), reason });
+    match plate.spec().drive_end {
+        DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => {}
+        DriveEnd::DisplacementAndSlope { .. } => return refused("a slope beside the displacement"),
+        DriveEnd::Source(_) => return refused("a source with a mechanical impedance"),
+    }
+    match plate.spec().actuator {
+        Some(Actuator::Measured(_)) => refused("a measured curve of the actuator"),
+        Some(Actuator::Resonator(_)) | None => Ok(()),
     }
 }
 

@@ -3,10 +3,13 @@
 use crate::check::error::CheckError;
 use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{ACTUATOR_LOSS_DB, DRIVE_MISMATCH, EXCURSION_PERCENT, SENSITIVITY_DB};
+use crate::check::thresholds::{ACTUATOR_LOSS_DB, DRIVE_REFLECTION, EXCURSION_PERCENT, SENSITIVITY_DB};
+use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::quantity::number_format::with_decimals;
+use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
+use crate::spec::source::Source;
 use crate::table::level::{DriveToPeak, level_over_speeds};
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
@@ -20,7 +23,10 @@ pub fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
         (square > 0.0).then(|| square.sqrt())
     };
     match plate.spec().drive_end {
-        DriveEnd::Displacement => Some(f64::INFINITY),
+        DriveEnd::Displacement | DriveEnd::DisplacementAndSlope { .. } => Some(f64::INFINITY),
+        DriveEnd::Source(source) => {
+            Some(source.resistance_n_s_per_m / plate.wave_impedance_n_s_per_m(frequency_hz)?)
+        }
         DriveEnd::Force { .. } => Some(0.0),
         DriveEnd::Resistance { ratio, at_frequency_hz } => {
             Some(ratio * (frequency_hz / k0(frequency_hz)?) * (k0(at_frequency_hz)? / at_frequency_hz))
@@ -28,27 +34,68 @@ pub fn drive_ratio(plate: &Plate, frequency_hz: f64) -> Option<f64> {
     }
 }
 
+/// The light's value is |r| of the end as it really is; for an end in bending whose near field the file leaves out, it is
+/// that of the free end with the same damper.
 pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
-    let ratio = drive_ratio(site.plate, site.frequency_hz).unwrap_or(f64::INFINITY);
-    let mismatch = ratio.max(1.0 / ratio);
-    let reflected = if ratio.is_finite() { 100.0 * ((1.0 - ratio) / (1.0 + ratio)).abs() } else { 100.0 };
-    let colour = colour(mismatch, DRIVE_MISMATCH);
-    site.judged(
-        "drive match",
-        Some(ratio),
-        "",
-        colour,
-        mismatch,
-        pick(colour, [
-            format!("The drive end absorbs the returning wave (r = {ratio:.2}, {reflected:.0} % comes back): the plate hardly resonates."),
-            format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): the plate resonates a little."),
-            match site.plate.spec().drive_end {
-                DriveEnd::Displacement => "The drive end holds its displacement and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned(),
-                DriveEnd::Force { .. } => "The drive end holds its force and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned(),
-                DriveEnd::Resistance { .. } => format!("The drive end sends {reflected:.0} % of the returning wave back (r = {ratio:.2}): choose its resistance for this frequency."),
-            },
-        ]),
-    )
+    let reflected = |plate: &Plate| reflection(plate, site.frequency_hz).map_or(1.0, |r| r.norm());
+    let in_equation = reflected(site.plate);
+    let end = site.plate.spec().drive_end;
+    let is_one_mode_bending =
+        site.plate.spec().model.bending().is_some() && matches!(end, DriveEnd::Resistance { .. });
+    let value = if is_one_mode_bending {
+        resistance_reflection(site.plate, site.frequency_hz).map(|r| r.norm())
+    } else {
+        Some(in_equation)
+    };
+    let mut judged = colour(in_equation, DRIVE_REFLECTION);
+    if is_one_mode_bending {
+        judged = judged.max(Colour::Amber);
+    }
+    let percent = 100.0 * value.unwrap_or(in_equation);
+    let sentence = match (judged, end) {
+        (_, DriveEnd::Resistance { .. }) if is_one_mode_bending => {
+            let really = value.map_or_else(
+                || "a share that is not known".to_owned(),
+                |_| format!("{percent:.0} %"),
+            );
+            format!(
+                "A damper alone does not match a plate in bending: at a real end it sends {really} of the returning wave back (this file leaves the near field out). Use a source with a damped lead-in."
+            )
+        }
+        (Colour::Green | Colour::Unchecked, _) => format!(
+            "The drive end absorbs the returning wave ({percent:.0} % comes back): the plate hardly resonates."
+        ),
+        (_, DriveEnd::Source(source)) if hides_its_match(site, source) => format!(
+            "The mass and the stiffness of the drive end hide what would absorb the wave: {percent:.0} % of it comes back. Use a softer actuator."
+        ),
+        (Colour::Amber, _) => format!(
+            "The drive end sends {percent:.0} % of the returning wave back: the plate resonates a little."
+        ),
+        (Colour::Red, DriveEnd::Displacement | DriveEnd::DisplacementAndSlope { .. }) => {
+            "The drive end holds its displacement and sends every wave back: the plate is a resonator, and a damper or a lead-in behind it would be hidden. Drive it by a force.".to_owned()
+        }
+        (Colour::Red, DriveEnd::Force { .. }) => {
+            "The drive end holds its force and sends every wave back: the plate is a resonator, put a damper at its end.".to_owned()
+        }
+        (Colour::Red, DriveEnd::Resistance { .. }) => format!(
+            "The drive end sends {percent:.0} % of the returning wave back: choose its resistance for this frequency."
+        ),
+        (Colour::Red, DriveEnd::Source(_)) if site.plate.spec().model.bending().is_some() => format!(
+            "The drive end sends {percent:.0} % of the returning wave back: give it a longer or more lossy lead-in."
+        ),
+        (Colour::Red, DriveEnd::Source(_)) => format!(
+            "The drive end sends {percent:.0} % of the returning wave back: give it the wave's resistance, and less mass and stiffness."
+        ),
+    };
+    site.judged("drive match", value, "", judged, in_equation, sentence)
+}
+
+/// Whether the end would match without its own mass and stiffness.
+fn hides_its_match(site: &Site<'_>, source: Source) -> bool {
+    let mut spec = site.plate.spec().clone();
+    spec.drive_end = DriveEnd::Source(Source { mass_kg: 0.0, stiffness_n_per_m: 0.0, ..source });
+    let soft = Plate::new(spec).ok().and_then(|plate| reflection(&plate, site.frequency_hz));
+    soft.is_some_and(|r| r.norm() <= DRIVE_REFLECTION.green)
 }
 
 pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
@@ -75,12 +122,19 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, Ch
 
 pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     let name = "actuator band";
-    let Some(actuator) = site.plate.spec().actuator else {
+    let Some(actuator) = &site.plate.spec().actuator else {
         let sentence =
             "The plate file names no actuator: whether one reaches this frequency was not checked."
                 .to_owned();
         return site.judged(name, None, "dB", Colour::Unchecked, 0.0, sentence);
     };
+    if let Actuator::Measured(curve) = actuator
+        && !curve.covers(site.frequency_hz)
+    {
+        let sentence =
+            "The actuator's measured curve does not reach this frequency: its nearest end was taken.";
+        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned());
+    }
     let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
     let loss_db = -gain_db;
     let colour = colour(loss_db, ACTUATOR_LOSS_DB);
@@ -110,7 +164,7 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
 /// How far a tone at level 1 moves the actuator, before the peak travel lowers the table.
 pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Result<Finding, CheckError> {
     let name = "excursion";
-    let actuator = site.plate.spec().actuator;
+    let actuator = site.plate.spec().actuator.as_ref().and_then(Actuator::resonator);
     let Some(share) = actuator.and_then(|actuator| actuator.travel_share(site.frequency_hz)) else {
         let sentence =
             "The plate file names no peak travel: how far the actuator moves is not limited.".to_owned();

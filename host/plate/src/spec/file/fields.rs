@@ -15,11 +15,34 @@ pub(super) enum FieldType {
     Text(Count),
     /// true or false.
     Flag,
-    /// Pairs of numbers.
-    Points,
+    /// Points of several numbers.
+    Points(&'static Columns),
     /// One of the section's kinds.
     Kind,
+    /// One of these words.
+    OneOf(&'static [&'static str]),
+    /// A section of its own.
+    Section,
 }
+
+/// A list of points: how many there may be, and what each of them is, in words.
+pub(super) struct Columns {
+    points: Count,
+    /// `a pair [place, half-width] of numbers, in m`.
+    pub(super) one: &'static str,
+    many: &'static str,
+}
+
+const PLACES: Columns = Columns {
+    points: limits::TAPER_POINTS,
+    one: "a pair [place, half-width] of numbers, in m",
+    many: "pairs [place, half-width] of numbers, in m",
+};
+const CURVE: Columns = Columns {
+    points: limits::CURVE_POINTS,
+    one: "a triple [frequency, gain, phase] of numbers, in Hz, dB and degrees",
+    many: "triples [frequency, gain, phase] of numbers, in Hz, dB and degrees",
+};
 
 /// One field.
 pub(super) struct FieldSpec {
@@ -108,7 +131,7 @@ pub(super) const TAPER: Section = Section {
             FieldType::NumberThat("1e-5 m to 0.999 half_width_m"),
             "half-width at the narrow end",
         ),
-        field("points", FieldType::Points, "places with their half-widths"),
+        field("points", FieldType::Points(&PLACES), "places with their half-widths"),
     ],
 };
 
@@ -120,14 +143,15 @@ pub(super) const MODEL: Section = Section {
     meaning: "material, edge and wave",
     kind_field: "kind",
     kinds: &[
-        ("membrane", &["wave_speed_m_per_s"]),
-        ("shear-horizontal", &["shear_modulus_pa", "density_kg_per_m3"]),
+        ("membrane", &["wave_speed_m_per_s", "tension_n_per_m"]),
+        ("shear-horizontal", &["shear_modulus_pa", "density_kg_per_m3", "thickness_m"]),
         ("bending-supported", BENDING),
         ("bending-clamped", BENDING),
     ],
     fields: &[
         field("kind", FieldType::Kind, "the wave and the edge"),
         field("wave_speed_m_per_s", FieldType::Number(limits::WAVE_SPEED), "wave speed of the membrane"),
+        field("tension_n_per_m", FieldType::Number(limits::TENSION), "tension per metre of width"),
         field("shear_modulus_pa", FieldType::Number(limits::SHEAR_MODULUS), "shear modulus"),
         field("youngs_modulus_pa", FieldType::Number(limits::YOUNGS_MODULUS), "Young's modulus"),
         field("poisson_ratio", FieldType::Number(limits::POISSON_RATIO), "Poisson's ratio"),
@@ -144,20 +168,54 @@ pub(super) const DRIVE: Section = Section {
     meaning: "what is held at the driven end",
     kind_field: "end",
     kinds: &[
-        ("displacement", &[]),
+        ("displacement", &["slope"]),
         ("force", &["at_frequency_hz"]),
         ("resistance", &["ratio", "at_frequency_hz"]),
+        ("source", &["at_frequency_hz", "resistance_n_s_per_m", "mass_kg", "stiffness_n_per_m", "slope"]),
     ],
     fields: &[
         field("end", FieldType::Kind, "what is held at the driven end"),
+        field("slope", FieldType::OneOf(&["free", "held"]), "what holds the slope of an end in bending"),
+        field(
+            "resistance_n_s_per_m",
+            FieldType::Number(limits::MECHANICAL_RESISTANCE),
+            "resistance of the driven end",
+        ),
+        field("mass_kg", FieldType::Number(limits::MOVING_MASS), "mass that moves with the driven end"),
+        field(
+            "stiffness_n_per_m",
+            FieldType::Number(limits::END_STIFFNESS),
+            "stiffness of the driven end against the frame",
+        ),
+        field("lead_in", FieldType::Section, "a strip with loss behind the drive"),
         field("ratio", FieldType::Number(limits::DRIVE_RATIO), "the resistance over the wave's own"),
         field("at_frequency_hz", FieldType::NumberThat(AT_FREQUENCY), "the frequency it is told for"),
     ],
 };
 
+pub(super) const LEAD_IN: Section = Section {
+    name: "drive.lead_in",
+    meaning: "a strip with loss behind the drive of a plate in bending",
+    kind_field: "",
+    kinds: &[],
+    fields: &[
+        field("length_m", FieldType::Number(limits::LEAD_IN_LENGTH), "length of the lead-in"),
+        field(
+            "loss_factor",
+            FieldType::Number(limits::LEAD_IN_LOSS),
+            "loss factor of the lead-in with its layer",
+        ),
+        field(
+            "end_resistance_n_s_per_m",
+            FieldType::Number(limits::MECHANICAL_RESISTANCE),
+            "resistance at the far end of the lead-in",
+        ),
+    ],
+};
+
 pub(super) const ACTUATOR: Section = Section {
     name: "actuator",
-    meaning: "the resonance between the DAC and the driven end",
+    meaning: "what lies between the DAC and the driven end",
     kind_field: "",
     kinds: &[],
     fields: &[
@@ -173,11 +231,12 @@ pub(super) const ACTUATOR: Section = Section {
             FieldType::Number(limits::TRAVEL),
             "how far a steady signal at DAC full scale would move it",
         ),
+        field("points", FieldType::Points(&CURVE), "the measured response"),
     ],
 };
 
 /// All sections; the plate's own fields come first.
-pub(super) const SECTIONS: [&Section; 5] = [&PLATE, &TAPER, &MODEL, &DRIVE, &ACTUATOR];
+pub(super) const SECTIONS: [&Section; 6] = [&PLATE, &TAPER, &MODEL, &DRIVE, &LEAD_IN, &ACTUATOR];
 
 impl Section {
     /// The field of that name.
@@ -200,18 +259,22 @@ impl Section {
             }
             FieldType::Text(count) => format!("a text in quotes, {}", count.with_unit()).into(),
             FieldType::Flag => "true or false".into(),
-            FieldType::Points => {
-                format!("{} pairs [place, half-width] of numbers, in m", limits::TAPER_POINTS).into()
-            }
+            FieldType::Points(Columns { points, many, .. }) => format!("{points} {many}").into(),
             FieldType::Kind => self.one_of().into(),
+            FieldType::OneOf(words) => one_of(words.iter().copied()).into(),
+            FieldType::Section => format!("a section [{}]", self.path(field.name)).into(),
         }
     }
 
     /// `one of "force", "displacement"`.
     pub(super) fn one_of(&self) -> String {
-        let words: Vec<String> = self.kinds.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-        format!("one of {}", words.join(", "))
+        one_of(self.kinds.iter().map(|(word, _)| *word))
     }
+}
+
+fn one_of<'w>(words: impl Iterator<Item = &'w str>) -> String {
+    let words: Vec<String> = words.map(|word| format!("\"{word}\"")).collect();
+    format!("one of {}", words.join(", "))
 }
 
 #[cfg(test)]
@@ -224,7 +287,10 @@ mod tests {
         let page = include_str!("../../../PLATES.md").replace(" 000", "000");
         for section in SECTIONS {
             for field in section.fields {
-                let name = format!("`{}`", field.name);
+                let name = match field.field_type {
+                    FieldType::Section => format!("`[{}]`", section.path(field.name)),
+                    _ => format!("`{}`", field.name),
+                };
                 let FieldType::Number(range) = field.field_type else {
                     assert!(page.contains(&name), "{name}");
                     continue;
@@ -234,7 +300,8 @@ mod tests {
                 assert!(row.is_some(), "{name} {range}");
             }
             for (kind, fields) in section.kinds {
-                let row = page.lines().find(|line| line.contains(&format!("`\"{kind}\"`"))).expect(kind);
+                let is_row = |line: &&str| line.starts_with('|') && line.contains(&format!("`\"{kind}\"`"));
+                let row = page.lines().find(is_row).expect(kind);
                 assert!(fields.iter().all(|field| row.contains(field)), "{kind}");
             }
         }

@@ -5,11 +5,14 @@ mod text;
 mod written;
 
 use crate::quantity::{Count, Counted, Range, WrongCount};
-use crate::spec::drive::{Actuator, DriveEnd};
+use crate::spec::actuator::{Actuator, Resonator};
+use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Origin, PlateError, PlateFileError};
 use crate::spec::limits;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::{Plate, PlateSpec};
+use crate::spec::response_curve::ResponseCurve;
+use crate::spec::source::{EndSlope, LeadIn, Source};
 use crate::spec::taper::Taper;
 use crate::spec::travel::Travel;
 use text::{Given, Text};
@@ -38,24 +41,26 @@ impl Plate {
 fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
     // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
     let given = text.section(&fields::PLATE)?;
-    let sections = [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::ACTUATOR]
+    let sections = [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::LEAD_IN, &fields::ACTUATOR]
         .map(|schema| text.section(schema));
-    let [taper, model, drive, actuator] = sections;
+    let [taper, model, drive, lead_in, actuator] = sections;
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
     };
     if ["name", "length_m", "loss_factor"].iter().any(|name| !plate.has(name)) {
         return Err(first_missing(text));
     }
+    let model = model_of(&model)?;
+    let lead_in = lead_in?.as_ref().map(lead_in_of).transpose()?;
     let mut spec = PlateSpec {
         name: plate.text("name")?.unwrap_or_default(),
         description: plate.text("description")?.unwrap_or_default(),
         taper: taper_of(&taper)?,
         length_m: plate.required("length_m")?,
-        model: model_of(&model)?,
+        drive_end: drive_of(&drive, &model, lead_in)?,
+        model,
         loss_factor: plate.required("loss_factor")?,
         wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
-        drive_end: drive_of(&drive)?,
         actuator: actuator?.as_ref().map(actuator_of).transpose()?,
         full_scale_m: plate.number("full_scale_m")?.unwrap_or(1e-6),
         span_start_m: 0.0,
@@ -168,20 +173,44 @@ fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
         })
     };
     Ok(match given.kind {
-        "membrane" => Model::Membrane { wave_speed_m_per_s: given.required("wave_speed_m_per_s")? },
+        "membrane" => Model::Membrane {
+            wave_speed_m_per_s: given.required("wave_speed_m_per_s")?,
+            tension_n_per_m: given.number("tension_n_per_m")?,
+        },
         "shear-horizontal" => Model::ShearHorizontal {
             shear_modulus_pa: given.required("shear_modulus_pa")?,
             density_kg_per_m3: given.required("density_kg_per_m3")?,
+            thickness_m: given.number("thickness_m")?,
         },
         "bending-supported" => Model::BendingSupported(bending()?),
         _ => Model::BendingClamped(bending()?),
     })
 }
 
-fn drive_of(given: &Given<'_>) -> Result<DriveEnd, PlateError> {
+fn drive_of(given: &Given<'_>, model: &Model, lead_in: Option<LeadIn>) -> Result<DriveEnd, PlateError> {
+    if lead_in.is_some() && given.kind != "source" {
+        return Err(PlateError::Unexpected {
+            field: "drive.lead_in".to_owned(),
+            reason: format!(
+                "it acts behind a force that leaves the end soft, a \"source\"; \"{}\" hides it",
+                given.kind
+            ),
+        });
+    }
+    let slope = given.word("slope")?.map(|word| if word == "held" { EndSlope::Held } else { EndSlope::Free });
     Ok(match given.kind {
-        "displacement" => DriveEnd::Displacement,
+        "displacement" => {
+            slope.map_or(DriveEnd::Displacement, |slope| DriveEnd::DisplacementAndSlope { slope })
+        }
         "force" => DriveEnd::Force { at_frequency_hz: given.required("at_frequency_hz")? },
+        "source" => DriveEnd::Source(Source {
+            resistance_n_s_per_m: given.number("resistance_n_s_per_m")?.unwrap_or(0.0),
+            mass_kg: given.number("mass_kg")?.unwrap_or(0.0),
+            stiffness_n_per_m: given.number("stiffness_n_per_m")?.unwrap_or(0.0),
+            at_frequency_hz: given.required("at_frequency_hz")?,
+            slope: slope.or(model.bending().map(|_| EndSlope::Free)),
+            lead_in,
+        }),
         _ => DriveEnd::Resistance {
             ratio: given.required("ratio")?,
             at_frequency_hz: given.required("at_frequency_hz")?,
@@ -189,13 +218,31 @@ fn drive_of(given: &Given<'_>) -> Result<DriveEnd, PlateError> {
     })
 }
 
+fn lead_in_of(given: &Given<'_>) -> Result<LeadIn, PlateError> {
+    Ok(LeadIn {
+        length_m: given.required("length_m")?,
+        loss_factor: given.required("loss_factor")?,
+        end_resistance_n_s_per_m: given.number("end_resistance_n_s_per_m")?.unwrap_or(0.0),
+    })
+}
+
 fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {
+    const RESONATOR: [&str; 4] = ["resonance_hz", "quality", "peak_travel_m", "static_travel_m"];
+    if given.has("points") {
+        if let Some(name) = RESONATOR.into_iter().find(|name| given.has(name)) {
+            return Err(PlateError::Unexpected {
+                field: format!("actuator.{name}"),
+                reason: "the response is given by points already; a peak travel needs a resonance".to_owned(),
+            });
+        }
+        return Ok(Actuator::Measured(ResponseCurve { points: given.points("points")? }));
+    }
     let has_travel = given.has("peak_travel_m") || given.has("static_travel_m");
-    Ok(Actuator {
+    Ok(Actuator::Resonator(Resonator {
         resonance_hz: given.required("resonance_hz")?,
         quality: given.required("quality")?,
         travel: has_travel.then(|| travel_of(given)).transpose()?,
-    })
+    }))
 }
 
 /// Half a limit is none: who gives one of the two fields is told of the other.

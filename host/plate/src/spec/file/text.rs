@@ -71,24 +71,32 @@ impl<'t> Text<'t> {
 
     /// The section as the file gives it; `None` if it is absent. Refuses unknown fields and fields of other kinds.
     pub(super) fn section(&self, schema: &'static Section) -> Result<Option<Given<'_>>, PlateError> {
-        let table = if schema.name.is_empty() {
-            &self.root
-        } else {
-            let Some((_, value)) = entry(&self.root, schema.name) else { return Ok(None) };
-            let DeValue::Table(table) = value.get_ref() else {
+        let mut table = &self.root;
+        let mut path = String::new();
+        // `drive.lead_in` is a section within a section.
+        for name in schema.name.split('.').filter(|name| !name.is_empty()) {
+            path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+            let Some((_, value)) = entry(table, name) else { return Ok(None) };
+            let DeValue::Table(inner) = value.get_ref() else {
                 return Err(wrong_type(
-                    schema.name,
+                    &path,
                     quoted(self.text, value.span()),
-                    format!("a section [{}]", schema.name),
+                    format!("a section [{path}]"),
                 ));
             };
-            table
-        };
+            table = inner;
+        }
         let mut given = Given { text: self.text, schema, table, kind: "" };
         given.refuse_unknown(|_| true)?;
         if let Some(&(kind, fields)) = given.find_kind()? {
             given.kind = kind;
-            given.refuse_unknown(|name| name == schema.kind_field || fields.contains(&name))?;
+            // A section of its own is judged by whoever reads it, who knows why it does not belong to a kind.
+            let is_section = |name: &str| {
+                schema.field(name).is_some_and(|field| matches!(field.field_type, FieldType::Section))
+            };
+            given.refuse_unknown(|name| {
+                name == schema.kind_field || fields.contains(&name) || is_section(name)
+            })?;
         }
         Ok(Some(given))
     }
@@ -214,19 +222,32 @@ impl<'a> Given<'a> {
         Ok(self.read(name, DeValue::as_bool)?.unwrap_or(false))
     }
 
-    /// Pairs of numbers.
-    pub(super) fn points(&self, name: &str) -> Result<Vec<[f64; 2]>, PlateError> {
+    /// One of a few words; `None` if it is left out.
+    pub(super) fn word(&self, name: &str) -> Result<Option<&'static str>, PlateError> {
+        let Some((FieldSpec { field_type: FieldType::OneOf(words), .. }, _)) = self.value(name) else {
+            return Ok(None);
+        };
+        self.read(name, |value| words.iter().copied().find(|word| value.as_str() == Some(word)))
+    }
+
+    /// Points of `N` numbers each.
+    pub(super) fn points<const N: usize>(&self, name: &str) -> Result<Vec<[f64; N]>, PlateError> {
         let points = self.read(name, DeValue::as_array)?.ok_or_else(|| self.missing(name))?;
+        let one = match self.schema.field(name).map(|field| &field.field_type) {
+            Some(FieldType::Points(columns)) => columns.one,
+            _ => "",
+        };
         points
             .iter()
             .enumerate()
             .map(|(index, point)| {
-                let numbers = point.get_ref().as_array().filter(|pair| pair.len() == 2);
-                let number = |place: usize| numbers.and_then(|pair| as_number(pair.get(place)?.get_ref()));
-                number(0).zip(number(1)).map(|(place, width)| [place, width]).ok_or_else(|| {
+                let numbers: Option<Vec<f64>> = point
+                    .get_ref()
+                    .as_array()
+                    .and_then(|row| row.iter().map(|value| as_number(value.get_ref())).collect());
+                numbers.and_then(|row| row.try_into().ok()).ok_or_else(|| {
                     let field = format!("{}[{index}]", self.schema.path(name));
-                    let allowed = "a pair [place, half-width] of numbers, in m".to_owned();
-                    wrong_type(&field, quoted(self.text, point.span()), allowed)
+                    wrong_type(&field, quoted(self.text, point.span()), one.to_owned())
                 })
             })
             .collect()

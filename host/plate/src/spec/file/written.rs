@@ -1,8 +1,10 @@
 //! Writes a plate as TOML text.
 
+use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, Source};
 use crate::spec::taper::Taper;
 use serde::Serialize;
 
@@ -42,6 +44,8 @@ struct ModelText {
     #[serde(skip_serializing_if = "Option::is_none")]
     wave_speed_m_per_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    tension_n_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     shear_modulus_pa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     youngs_modulus_pa: Option<f64>,
@@ -62,16 +66,37 @@ struct DriveText {
     ratio: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     at_frequency_hz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resistance_n_s_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mass_kg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness_n_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slope: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lead_in: Option<LeadInText>,
 }
 
 #[derive(Serialize)]
+struct LeadInText {
+    length_m: f64,
+    loss_factor: f64,
+    end_resistance_n_s_per_m: f64,
+}
+
+#[derive(Serialize, Default)]
 struct ActuatorText {
-    resonance_hz: f64,
-    quality: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resonance_hz: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quality: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     peak_travel_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     static_travel_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<[f64; 3]>>,
 }
 
 impl Plate {
@@ -90,14 +115,9 @@ impl Plate {
             taper: taper_text(&spec.taper),
             model: model_text(&spec.model),
             drive: drive_text(spec.drive_end),
-            actuator: spec.actuator.map(|actuator| ActuatorText {
-                resonance_hz: actuator.resonance_hz,
-                quality: actuator.quality,
-                peak_travel_m: actuator.travel.map(|travel| travel.peak_m),
-                static_travel_m: actuator.travel.map(|travel| travel.static_m),
-            }),
+            actuator: spec.actuator.as_ref().map(actuator_text),
         };
-        // `PlateText` holds only strings, numbers and one list of pairs, which TOML can always represent.
+        // `PlateText` holds only strings, numbers and lists of numbers, which TOML can always represent.
         toml::to_string(&text).unwrap_or_default()
     }
 }
@@ -133,15 +153,17 @@ fn model_text(model: &Model) -> ModelText {
         ..ModelText::default()
     };
     match model {
-        Model::Membrane { wave_speed_m_per_s } => ModelText {
+        Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => ModelText {
             kind: "membrane".to_owned(),
             wave_speed_m_per_s: Some(*wave_speed_m_per_s),
+            tension_n_per_m: *tension_n_per_m,
             ..ModelText::default()
         },
-        Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => ModelText {
+        Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => ModelText {
             kind: "shear-horizontal".to_owned(),
             shear_modulus_pa: Some(*shear_modulus_pa),
             density_kg_per_m3: Some(*density_kg_per_m3),
+            thickness_m: *thickness_m,
             ..ModelText::default()
         },
         Model::BendingSupported(bending) => bending_text("bending-supported", bending),
@@ -150,15 +172,53 @@ fn model_text(model: &Model) -> ModelText {
 }
 
 fn drive_text(end: DriveEnd) -> DriveText {
+    let named = |end: &str| DriveText { end: end.to_owned(), ..DriveText::default() };
+    let word = |slope: EndSlope| match slope {
+        EndSlope::Free => "free",
+        EndSlope::Held => "held",
+    };
     match end {
-        DriveEnd::Displacement => DriveText { end: "displacement".to_owned(), ..DriveText::default() },
-        DriveEnd::Force { at_frequency_hz } => {
-            DriveText { end: "force".to_owned(), ratio: None, at_frequency_hz: Some(at_frequency_hz) }
+        DriveEnd::Displacement => named("displacement"),
+        DriveEnd::DisplacementAndSlope { slope } => {
+            DriveText { slope: Some(word(slope)), ..named("displacement") }
         }
-        DriveEnd::Resistance { ratio, at_frequency_hz } => DriveText {
-            end: "resistance".to_owned(),
-            ratio: Some(ratio),
-            at_frequency_hz: Some(at_frequency_hz),
+        DriveEnd::Force { at_frequency_hz } => {
+            DriveText { at_frequency_hz: Some(at_frequency_hz), ..named("force") }
+        }
+        DriveEnd::Resistance { ratio, at_frequency_hz } => {
+            DriveText { ratio: Some(ratio), at_frequency_hz: Some(at_frequency_hz), ..named("resistance") }
+        }
+        DriveEnd::Source(source) => source_text(source, source.slope.map(word), named("source")),
+    }
+}
+
+fn source_text(source: Source, slope: Option<&'static str>, text: DriveText) -> DriveText {
+    DriveText {
+        at_frequency_hz: Some(source.at_frequency_hz),
+        resistance_n_s_per_m: Some(source.resistance_n_s_per_m),
+        mass_kg: Some(source.mass_kg),
+        stiffness_n_per_m: Some(source.stiffness_n_per_m),
+        slope,
+        lead_in: source.lead_in.map(|lead_in| LeadInText {
+            length_m: lead_in.length_m,
+            loss_factor: lead_in.loss_factor,
+            end_resistance_n_s_per_m: lead_in.end_resistance_n_s_per_m,
+        }),
+        ..text
+    }
+}
+
+fn actuator_text(actuator: &Actuator) -> ActuatorText {
+    match actuator {
+        Actuator::Resonator(resonator) => ActuatorText {
+            resonance_hz: Some(resonator.resonance_hz),
+            quality: Some(resonator.quality),
+            peak_travel_m: resonator.travel.map(|travel| travel.peak_m),
+            static_travel_m: resonator.travel.map(|travel| travel.static_m),
+            points: None,
         },
+        Actuator::Measured(curve) => {
+            ActuatorText { points: Some(curve.points.clone()), ..ActuatorText::default() }
+        }
     }
 }

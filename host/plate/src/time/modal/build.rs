@@ -2,6 +2,7 @@
 
 use super::bank::ModalBank;
 use super::coupling::{Uncoupled, couple};
+use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::{Plate, WidthMode};
@@ -24,12 +25,14 @@ fn shared_pole(centre: f64) -> Complex64 {
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
+///
+/// The plate's drive end is a displacement, a force or a resistance: the line refuses the others.
 pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> ModalBank {
     let width_mode = plate.width_mode(mode);
     let resistance = resistance_over_tension(plate);
     let osc = match plate.spec().drive_end {
         DriveEnd::Displacement => galerkin::held(&width_mode, top_hz, places_m),
-        DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => galerkin::free(&width_mode, top_hz, places_m),
+        _ => galerkin::free(&width_mode, top_hz, places_m),
     };
     let centre = TAU * centre_hz;
     let mut pole = Vec::new();
@@ -63,7 +66,8 @@ pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, place
         }
         _ => 1.0,
     };
-    couple(&Uncoupled { pole, shape, direct, at_drive, scale }, resistance, plate.spec().actuator)
+    let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();
+    couple(&Uncoupled { pole, shape, direct, at_drive, scale }, resistance, resonator)
 }
 
 /// R/T of the source's resistance, s/m; `None` for the other driven ends.

@@ -1,7 +1,7 @@
 //! The source's resistance and the actuator couple the oscillators; a diagonalisation makes them independent again.
 
 use super::bank::{Input, J, ModalBank};
-use crate::spec::drive::Actuator;
+use crate::spec::actuator::Resonator;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ pub(super) struct Uncoupled {
 }
 
 /// Adds the source's resistance (R/T, s/m) and the actuator, and returns the result as independent oscillators.
-pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Actuator>) -> ModalBank {
+pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option<Resonator>) -> ModalBank {
     let count = free.pole.len();
     if resistance.is_none() && actuator.is_none() {
         return ModalBank {
@@ -79,7 +79,7 @@ pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option
 }
 
 /// Poles and residues of the actuator: H = sum r/(p - omega).
-fn actuator_poles(actuator: Actuator) -> ([Complex64; 2], [Complex64; 2]) {
+fn actuator_poles(actuator: Resonator) -> ([Complex64; 2], [Complex64; 2]) {
     let omega = TAU * actuator.resonance_hz;
     // At Q = 1/2 both poles are equal, and the residues infinite. A change of Q by 1e-6 keeps them apart and has no
     // visible effect.

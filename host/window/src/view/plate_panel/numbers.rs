@@ -7,7 +7,10 @@ use crate::view::{ViewState, theme};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{Caption, FIELD_DIGITS};
-use slipline_plate::{Bending, DriveEnd, Model, Plate, PlateSpec, Taper, Travel, limits};
+use slipline_plate::{
+    Actuator, Bending, DriveEnd, EndSlope, LeadIn, Model, Plate, PlateSpec, Resonator, Source, Taper, Travel,
+    limits,
+};
 use std::sync::Arc;
 
 /// Shows the numbers of `plate`.
@@ -121,14 +124,21 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     };
     row(ui, "Model", kind);
     match &spec.model {
-        Model::Membrane { wave_speed_m_per_s } => {
+        Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
             numbers.number(ui, &caption::WAVE_SPEED, *wave_speed_m_per_s, |spec, value| {
-                if let Model::Membrane { wave_speed_m_per_s } = &mut spec.model {
+                if let Model::Membrane { wave_speed_m_per_s, .. } = &mut spec.model {
                     *wave_speed_m_per_s = value;
                 }
             });
+            if let Some(tension) = tension_n_per_m {
+                numbers.number(ui, &caption::TENSION, *tension, |spec, value| {
+                    if let Model::Membrane { tension_n_per_m, .. } = &mut spec.model {
+                        *tension_n_per_m = Some(value);
+                    }
+                });
+            }
         }
-        Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3 } => {
+        Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => {
             numbers.number(ui, &caption::SHEAR_MODULUS, *shear_modulus_pa, |spec, value| {
                 if let Model::ShearHorizontal { shear_modulus_pa, .. } = &mut spec.model {
                     *shear_modulus_pa = value;
@@ -139,6 +149,13 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
                     *density_kg_per_m3 = value;
                 }
             });
+            if let Some(thickness) = thickness_m {
+                numbers.number(ui, &caption::THICKNESS, *thickness, |spec, value| {
+                    if let Model::ShearHorizontal { thickness_m, .. } = &mut spec.model {
+                        *thickness_m = Some(value);
+                    }
+                });
+            }
         }
         Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
             let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Bending, f64)| {
@@ -193,6 +210,18 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         DriveEnd::Resistance { .. } => {
             ("damped source", "A source with a resistance swallows what comes back; 1 is matched")
         }
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Free } => (
+            "displacement, hinged",
+            "The end follows the drive and is free to turn: waves come back and resonate",
+        ),
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Held } => (
+            "displacement, guided",
+            "The end follows the drive and cannot turn: waves come back and resonate",
+        ),
+        DriveEnd::Source(Source { lead_in: Some(_), .. }) => {
+            ("source with lead-in", "A force; the strip behind it swallows what comes back")
+        }
+        DriveEnd::Source(_) => ("source", "A force on an end with a resistance, a mass and a spring"),
     };
     row(ui, "Kind", name);
     ui.label(RichText::new(help).small().weak());
@@ -203,34 +232,70 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
             }
         });
     }
+    if let DriveEnd::Source(source) = &spec.drive_end {
+        source_numbers(ui, numbers, *source);
+    }
     numbers.number(ui, &caption::AT_FULL_SCALE, spec.full_scale_m, |spec, value| {
         spec.full_scale_m = value;
     });
 }
 
+/// The mechanical numbers of a source and of the lead-in behind it.
+fn source_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, source: Source) {
+    let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Source, f64)| {
+        numbers.number(ui, caption, value, |spec, value| {
+            if let DriveEnd::Source(source) = &mut spec.drive_end {
+                set(source, value);
+            }
+        });
+    };
+    of(ui, &caption::END_RESISTANCE, source.resistance_n_s_per_m, |it, value| {
+        it.resistance_n_s_per_m = value;
+    });
+    of(ui, &caption::MOVING_MASS, source.mass_kg, |it, value| it.mass_kg = value);
+    of(ui, &caption::END_STIFFNESS, source.stiffness_n_per_m, |it, value| it.stiffness_n_per_m = value);
+    let Some(lead_in) = source.lead_in else { return };
+    let mut of_lead_in = |ui: &mut egui::Ui, caption, value, set: fn(&mut LeadIn, f64)| {
+        numbers.number(ui, caption, value, |spec, value| {
+            if let DriveEnd::Source(Source { lead_in: Some(lead_in), .. }) = &mut spec.drive_end {
+                set(lead_in, value);
+            }
+        });
+    };
+    of_lead_in(ui, &caption::LEAD_IN_LENGTH, lead_in.length_m, |it, value| it.length_m = value);
+    of_lead_in(ui, &caption::LEAD_IN_LOSS, lead_in.loss_factor, |it, value| it.loss_factor = value);
+    of_lead_in(ui, &caption::LEAD_IN_DAMPER, lead_in.end_resistance_n_s_per_m, |it, value| {
+        it.end_resistance_n_s_per_m = value;
+    });
+}
+
 /// The actuator's numbers, if the plate file has any. How far it moves is limited only if the file says how far it may.
 fn actuator(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
-    let actuator = numbers.plate.spec().actuator;
-    if let Some(actuator) = actuator {
-        numbers.number(ui, &caption::RESONANCE, actuator.resonance_hz, |spec, value| {
-            if let Some(actuator) = &mut spec.actuator {
-                actuator.resonance_hz = value;
-            }
-        });
-        numbers.number(ui, &caption::QUALITY, actuator.quality, |spec, value| {
-            if let Some(actuator) = &mut spec.actuator {
-                actuator.quality = value;
-            }
-        });
+    let plate = Arc::clone(numbers.plate);
+    let actuator = plate.spec().actuator.as_ref();
+    if let Some(Actuator::Measured(curve)) = actuator {
+        row(ui, "Response", format!("{} points from the file", curve.points.len()));
     }
-    let Some(travel) = actuator.and_then(|actuator| actuator.travel) else {
+    let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Resonator, f64)| {
+        numbers.number(ui, caption, value, |spec, value| {
+            if let Some(Actuator::Resonator(resonator)) = &mut spec.actuator {
+                set(resonator, value);
+            }
+        });
+    };
+    let resonator = actuator.and_then(Actuator::resonator);
+    if let Some(resonator) = resonator {
+        of(ui, &caption::RESONANCE, resonator.resonance_hz, |it, value| it.resonance_hz = value);
+        of(ui, &caption::QUALITY, resonator.quality, |it, value| it.quality = value);
+    }
+    let Some(travel) = resonator.and_then(|resonator| resonator.travel) else {
         row(ui, caption::PEAK_TRAVEL.name, "not limited");
         ui.label(RichText::new("The plate file names no peak travel of an actuator").small().weak());
         return;
     };
     let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Travel, f64)| {
         numbers.number(ui, caption, value, |spec, value| {
-            if let Some(travel) = spec.actuator.as_mut().and_then(|actuator| actuator.travel.as_mut()) {
+            if let Some(Actuator::Resonator(Resonator { travel: Some(travel), .. })) = &mut spec.actuator {
                 set(travel, value);
             }
         });

@@ -1,0 +1,43 @@
+//! How much of the returning wave the driven end sends back.
+
+use super::DrivenEnd;
+use crate::frequency::numerov::lossy_axial_squared;
+use crate::spec::drive::DriveEnd;
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, Source};
+use num_complex::Complex64;
+
+/// Reflection r of the propagating wave at the driven end: on a straight strip of the end's width and with the drive at
+/// rest, p = e^(-j k0 x) + r e^(+j k0 x). `None` if the wave of `frequency_hz` cannot enter.
+///
+/// It is the reflection of the end as the solvers have it: for a plate in bending the ends `Force` and `Resistance` are
+/// approximations, see [`resistance_reflection`].
+pub fn reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
+    let width_mode = plate.width_mode(1);
+    if width_mode.wavenumber_squared(0.0, frequency_hz) <= 0.0 || !frequency_hz.is_finite() {
+        return None;
+    }
+    let axial = lossy_axial_squared(plate, &width_mode, frequency_hz);
+    let k0 = (axial - width_mode.width_term(0.0)).sqrt();
+    let DrivenEnd { alpha, beta, .. } = DrivenEnd::with_narrowing(plate, frequency_hz, 0.0);
+    let step = Complex64::I * k0 * beta;
+    Some((step - alpha) / (step + alpha))
+}
+
+/// [`reflection`] of the free end with a damper of the same resistance that an end `Resistance` of a supported plate in
+/// bending stands for. `None` for other plates and ends.
+pub fn resistance_reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
+    let (DriveEnd::Resistance { ratio, at_frequency_hz }, Model::BendingSupported(_)) =
+        (plate.spec().drive_end, &plate.spec().model)
+    else {
+        return None;
+    };
+    let mut spec = plate.spec().clone();
+    spec.drive_end = DriveEnd::Source(Source {
+        resistance_n_s_per_m: ratio * plate.wave_impedance_n_s_per_m(at_frequency_hz)?,
+        slope: Some(EndSlope::Free),
+        ..Source::soft(&spec.model, at_frequency_hz)
+    });
+    reflection(&Plate::new(spec).ok()?, frequency_hz)
+}

@@ -1,0 +1,144 @@
+//! The driven end of a bending plate with supported edges: w = f(x) cos(pi z/2W), f = p + e.
+//!
+//! Projected on the width mode the Laplacian is L f = f'' + s f' - q^2 f with s = W'/W and q = pi/(2 W), and the plate's
+//! equation L L f = K^4 f splits into L p = -K^2 p (the amplitude equation) and L e = K^2 e. The bending energy
+//! (D/2) integral of W ((L f)^2 + 2 (1 - nu) q^2 (f f')') dx, to first order in s, has the boundary forces at x = 0
+//!
+//! ```text
+//! on f':  -D W (L f + (1 - nu) q^2 f)                       the moment, times the integral of cos^2 over the width = W
+//! on f:    D W ((L f)' - (1 - nu) q^2 (f' - s f))           Kirchhoff's force
+//! ```
+//! that an agent outside has to exert. D is complex with loss, K^4 = rho h omega^2/D. Where shear and rotary inertia are
+//! included, K is Mindlin's and D the value that makes the power of the wave right, rho h omega/(K^2 dK^2/d omega).
+
+use super::DrivenEnd;
+use super::lead_in;
+use super::near_field::{NearField, NearWave};
+use super::one_mode::{source_force, source_stiffness};
+use crate::frequency::numerov::lossy_axial_squared;
+use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, Source};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The strip at the driven end at one frequency.
+pub(super) struct Strip {
+    pub(super) omega: f64,
+    /// K^2 with loss, 1/m^2.
+    pub(super) axial: Complex64,
+    /// K^2 without loss, 1/m^2.
+    pub(super) lossless_axial: f64,
+    /// q^2 = (pi/2W)^2, 1/m^2.
+    pub(super) across: f64,
+    /// D W without loss, N m^2.
+    pub(super) stiffness: f64,
+    /// 1 - nu.
+    pub(super) lateral: f64,
+    /// s = W'/W, 1/m.
+    narrowing: f64,
+}
+
+impl Strip {
+    pub(super) fn new(plate: &Plate, frequency_hz: f64, narrowing: f64) -> Self {
+        let width_mode = plate.width_mode(1);
+        let omega = TAU * frequency_hz;
+        let model = &plate.spec().model;
+        let lossless_axial = width_mode.axial_squared(frequency_hz);
+        let surface_density = model.surface_density("a source").unwrap_or(f64::NAN);
+        let rigidity = surface_density * omega / (lossless_axial * plate.axial_rise(frequency_hz));
+        Self {
+            omega,
+            axial: lossy_axial_squared(plate, &width_mode, frequency_hz),
+            lossless_axial,
+            across: width_mode.width_term(0.0),
+            stiffness: rigidity * plate.half_width_m(0.0),
+            lateral: 1.0 - model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),
+            narrowing,
+        }
+    }
+
+    /// D W with loss: K^4 D is real.
+    fn lossy_stiffness(&self) -> Complex64 {
+        let ratio = self.lossless_axial / self.axial;
+        self.stiffness * ratio * ratio
+    }
+
+    /// -e'/e at x = 0: gamma, with the change of the width to first order.
+    fn decay(&self) -> Complex64 {
+        let square = self.axial + self.across;
+        square.sqrt() + 0.5 * self.narrowing * (1.0 - self.across / square)
+    }
+
+    /// The forces on f and on f' at x = 0, each as coefficients of p(0), p'(0) and e(0).
+    fn forces(&self) -> [[Complex64; 3]; 2] {
+        let stiffness = self.lossy_stiffness();
+        let lateral = self.lateral * self.across;
+        let decay = self.decay();
+        let kirchhoff = [
+            Complex64::from(lateral * self.narrowing),
+            -self.axial - lateral,
+            -decay * (self.axial - lateral) + lateral * self.narrowing,
+        ];
+        let moment = [self.axial - lateral, Complex64::ZERO, -self.axial - lateral];
+        [kirchhoff.map(|term| stiffness * term), moment.map(|term| stiffness * term)]
+    }
+
+    /// The end whose conditions are `first` = `drive` and `second` = 0, each as coefficients of p(0), p'(0) and e(0).
+    fn end(
+        &self,
+        plate: &Plate,
+        first: [Complex64; 3],
+        second: [Complex64; 3],
+        drive: Complex64,
+    ) -> DrivenEnd {
+        let per_value = -second[0] / second[2];
+        let per_slope = -second[1] / second[2];
+        let wave =
+            NearWave { per_value, per_slope, axial: self.axial, width_number: plate.width_mode(1).number };
+        DrivenEnd {
+            alpha: first[0] + first[2] * per_value,
+            beta: first[1] + first[2] * per_slope,
+            drive,
+            near: NearField { waves: vec![wave] },
+        }
+    }
+
+    /// f and f' as coefficients of p(0), p'(0) and e(0).
+    fn motion(&self) -> [[Complex64; 3]; 2] {
+        [[Complex64::ONE, Complex64::ZERO, Complex64::ONE], [Complex64::ZERO, Complex64::ONE, -self.decay()]]
+    }
+}
+
+/// An end whose deflection is prescribed, f = 1, and whose slope is free or held.
+pub(super) fn moved(plate: &Plate, frequency_hz: f64, narrowing: f64, slope: EndSlope) -> DrivenEnd {
+    let strip = Strip::new(plate, frequency_hz, narrowing);
+    let [value, turn] = strip.motion();
+    let second = match slope {
+        EndSlope::Held => turn,
+        EndSlope::Free => strip.forces()[1],
+    };
+    strip.end(plate, value, second, Complex64::ONE)
+}
+
+/// An end on which a source acts, with its lead-in behind it.
+pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing: f64, source: &Source) -> DrivenEnd {
+    let strip = Strip::new(plate, frequency_hz, narrowing);
+    let [value, turn] = strip.motion();
+    let behind = source.lead_in.map(|lead_in| lead_in::dynamic_stiffness(&strip, &lead_in));
+    let behind = behind.unwrap_or([[Complex64::ZERO; 2]; 2]);
+    let load = -source_stiffness(source, strip.omega);
+    let mut forces = strip.forces();
+    for (force, stiffness) in forces.iter_mut().zip(behind) {
+        for (term, (value, turn)) in force.iter_mut().zip(value.iter().zip(turn)) {
+            *term += stiffness[0] * value + stiffness[1] * turn;
+        }
+    }
+    for (term, value) in forces[0].iter_mut().zip(value) {
+        *term += load * value;
+    }
+    let second = match source.slope {
+        Some(EndSlope::Held) => turn,
+        Some(EndSlope::Free) | None => forces[1],
+    };
+    strip.end(plate, forces[0], second, source_force(plate, source))
+}

@@ -1,0 +1,40 @@
+//! The wave impedance at the driven end.
+
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use std::f64::consts::TAU;
+
+impl Plate {
+    /// Wave impedance Z of the driven end at `frequency_hz`, N s/m: a wave of amplitude A on the centre line carries the
+    /// power (1/2) Z omega^2 A^2.
+    ///
+    /// Z = sigma v_g (integral of the width mode's square over z) with the mass per area sigma, the group speed
+    /// v_g = d omega/d k at x = 0 and the width mode that is 1 on the centre line. It is T W k0/omega for a membrane of
+    /// the tension T per metre and 2 W k0 sqrt(D rho h) for a thin supported plate. 0 if the wave cannot enter; `None` if
+    /// the plate file does not tell the membrane's tension or the sheet's thickness.
+    pub fn wave_impedance_n_s_per_m(&self, frequency_hz: f64) -> Option<f64> {
+        let surface_density = self.spec().model.surface_density("an impedance").ok()?;
+        let width_mode = self.width_mode(1);
+        let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+        let group_speed = 2.0 * k0 / self.axial_rise(frequency_hz);
+        Some(surface_density * group_speed * mode_square(&self.spec().model) * self.half_width_m(0.0))
+    }
+
+    /// d(k^2)/d omega, s/m^2, by central difference: k^2 is smooth in omega in every model.
+    pub(crate) fn axial_rise(&self, frequency_hz: f64) -> f64 {
+        let width_mode = self.width_mode(1);
+        let step = 1e-4;
+        let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
+            - width_mode.axial_squared(frequency_hz * (1.0 - step));
+        rise / (2.0 * step * TAU * frequency_hz)
+    }
+}
+
+/// Integral of the first width mode's square over the width, in half-widths; the mode is 1 on the centre line.
+fn mode_square(model: &Model) -> f64 {
+    match model {
+        // Normalised to a mean square of 1, the clamped beam's first mode is 1.588 in the middle.
+        Model::BendingClamped(_) => 2.0 / (1.588_15 * 1.588_15),
+        _ => 1.0,
+    }
+}

@@ -1,0 +1,100 @@
+//! A source with a mechanical impedance of its own, and the damped lead-in behind it.
+
+use crate::spec::drive::{BENDING_ONLY, SUPPORTED_ONLY, refused};
+use crate::spec::error::PlateError;
+use crate::spec::limits;
+use crate::spec::model::Model;
+
+/// A force F on a driven end that carries a damper, a mass and a spring: F - Z_s v acts on the plate, with v the velocity
+/// of the centre line and Z_s = R - j omega m + j s/omega.
+///
+/// The force is spread over the width like the first width mode, so it excites that mode alone. A drive of 1 is the
+/// constant force F = 2 omega Z at `at_frequency_hz`, where Z is the plate's wave impedance
+/// ([`crate::Plate::wave_impedance_n_s_per_m`]): what launches a wave of amplitude 1 at that frequency if the end
+/// absorbs the returning wave, Z_s = Z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    /// Mechanical resistance R, N s/m (0 to 1e9).
+    pub resistance_n_s_per_m: f64,
+    /// Moving mass m, kg (0 to 1000).
+    pub mass_kg: f64,
+    /// Stiffness s against the frame, N/m (0 to 1e12).
+    pub stiffness_n_per_m: f64,
+    /// Frequency for which the force is told, Hz (above the cut-off at x = 0).
+    pub at_frequency_hz: f64,
+    /// What holds the slope of an end in bending; `None` for membranes and shear waves, whose end has no slope.
+    pub slope: Option<EndSlope>,
+    /// The strip behind a driven end in bending; `None` if the plate ends there.
+    pub lead_in: Option<LeadIn>,
+}
+
+/// What holds the slope of a driven end in bending.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EndSlope {
+    /// Nothing: no moment acts on the end (hinged or free).
+    Free,
+    /// A guide: the end cannot turn, f'(0) = 0.
+    Held,
+}
+
+/// A strip of the half-width W(0) and of the plate's material behind the drive, with a layer that dissipates. It takes in
+/// what the driven end lets through: the broadband match of a plate in bending.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeadIn {
+    /// Length, metres (0.001 to 10).
+    pub length_m: f64,
+    /// Loss factor of the strip with its layer (0 to 2).
+    pub loss_factor: f64,
+    /// Resistance of a damper at its far end, whose slope is free, N s/m (0 to 1e9; 0 is a free end).
+    pub end_resistance_n_s_per_m: f64,
+}
+
+impl Source {
+    /// A force on an end without any impedance, with a free slope in bending.
+    pub fn soft(model: &Model, at_frequency_hz: f64) -> Self {
+        Self {
+            resistance_n_s_per_m: 0.0,
+            mass_kg: 0.0,
+            stiffness_n_per_m: 0.0,
+            at_frequency_hz,
+            slope: model.bending().map(|_| EndSlope::Free),
+            lead_in: None,
+        }
+    }
+
+    pub(crate) fn validate(&self, model: &Model) -> Result<(), PlateError> {
+        limits::MECHANICAL_RESISTANCE.check("drive.resistance_n_s_per_m", self.resistance_n_s_per_m)?;
+        limits::MOVING_MASS.check("drive.mass_kg", self.mass_kg)?;
+        limits::END_STIFFNESS.check("drive.stiffness_n_per_m", self.stiffness_n_per_m)?;
+        match model {
+            Model::BendingSupported(_) if self.slope.is_none() => Err(PlateError::Missing {
+                field: "drive.slope".to_owned(),
+                needed: "a plate in bending needs it: \"free\" or \"held\"".to_owned(),
+            }),
+            Model::BendingSupported(_) => self.lead_in.map_or(Ok(()), |lead_in| lead_in.validate()),
+            Model::BendingClamped(_) => Err(PlateError::UnknownKind {
+                field: "drive.end".to_owned(),
+                value: "\"source\"".to_owned(),
+                allowed: format!("one of \"displacement\", \"force\", \"resistance\": {SUPPORTED_ONLY}"),
+            }),
+            Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.slope.is_some() => {
+                Err(refused("drive.slope", BENDING_ONLY))
+            }
+            Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.lead_in.is_some() => {
+                Err(refused("drive.lead_in", "only a plate in bending has one: a damper matches other waves"))
+            }
+            Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
+                model.surface_density("a source").map(drop)
+            }
+        }
+    }
+}
+
+impl LeadIn {
+    fn validate(&self) -> Result<(), PlateError> {
+        limits::LEAD_IN_LENGTH.check("drive.lead_in.length_m", self.length_m)?;
+        limits::LEAD_IN_LOSS.check("drive.lead_in.loss_factor", self.loss_factor)?;
+        let field = "drive.lead_in.end_resistance_n_s_per_m";
+        limits::MECHANICAL_RESISTANCE.check(field, self.end_resistance_n_s_per_m)
+    }
+}
