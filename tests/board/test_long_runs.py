@@ -7,6 +7,7 @@ import struct
 
 import pytest
 
+from boards import RENDERER_IRQ
 from host import BLOCK, CLEAR_FAULTS, DRIVE, RATE_HZ, STOP, drive
 from rig import LIMIT_PERIOD, MILLISECOND, Rig
 
@@ -18,7 +19,11 @@ BEFORE = 128 * MILLISECOND
 RENDERER_BYTES = 1 << 14
 
 
-def words(rig, start):
+def words_after_a_block(rig, start):
+    """The words of the renderer's memory just after its next turn, when nothing is about to change them."""
+    board = rig.board
+    board.run_until(lambda: any(exception == RENDERER_IRQ + 16 for _, exception in board.active), 0.001, step=2e-6)
+    board.run_until(lambda: not board.active, 0.001, step=1e-6)
     memory = bytes(rig.board.cpu.mem_read(start, RENDERER_BYTES))
     return [int.from_bytes(memory[i : i + 8], "little") for i in range(0, len(memory) - 8, 4)]
 
@@ -30,13 +35,11 @@ def renderers_counters(rig):
     rig.board.is_hasty = True
     rig.host.live(LIMIT_PERIOD / RATE_HZ)
     rig.board.is_hasty = False
-    while rig.board.active:
-        rig.board.run(1e-6)
     now = rig.host.status()["now"]
     due = -(-now // LIMIT_PERIOD) * LIMIT_PERIOD
-    seen = words(rig, start)
-    rig.board.run(10 * BLOCK / RATE_HZ)
-    later = words(rig, start)
+    seen = words_after_a_block(rig, start)
+    rig.board.run(9.5 * BLOCK / RATE_HZ)
+    later = words_after_a_block(rig, start)
     moved = [i for i, (a, b) in enumerate(zip(seen, later)) if now <= a < b == a + 10 * BLOCK and a - now < 4 * MILLISECOND]
     limits = [i for i, (a, b) in enumerate(zip(seen, later)) if a == b == due]
     assert len(moved) == len(limits) == 1, (moved, limits)
