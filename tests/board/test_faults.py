@@ -1,8 +1,13 @@
 """What ends the drive when host, program or supply fail, and how that is told (RELIABILITY, sections B and E)."""
 import pytest
+from unicorn import arm_const
 
 from boards import RENDERER_IRQ
 from rig import MID, MILLISECOND, is_silent, start
+
+
+# The mute timer's time, and a block that was taken at the fault.
+MUTED_IN = 0.0045
 
 
 def at_each_reset(rig):
@@ -79,15 +84,68 @@ def test_a_wild_jump_is_a_hard_fault_that_is_told(armed):
     assert identity["crash"].startswith("fault at 0x6000000"), identity["crash"]
 
 
-def test_a_stack_that_overflows_is_caught_and_told(armed):
-    """The stack's memory has nothing below it."""
-    from unicorn.arm_const import UC_ARM_REG_SP
+def run_code(rig, code, **registers):
+    """The thread goes on with this code, which is put where nothing else is, and with these registers."""
+    board = rig.board
+    board.run_until(lambda: not board.active, 0.001, step=1e-6)
+    ram = board.RAMS[-1]
+    at = ram + board.MEMORIES[ram] - 64
+    # An endless loop follows.
+    board.cpu.mem_write(at, code + b"\xfe\xe7")
+    board.pc = at | 1
+    for name, value in registers.items():
+        board.cpu.reg_write(getattr(arm_const, f"UC_ARM_REG_{name}"), value)
+    return at
 
+
+def muted_crash(rig):
+    """Waits for the reset after a fault, within the time that the mute may take; the message that the next hello has."""
+    seen = at_each_reset(rig)
+    rig.board.run_until(lambda: seen, MUTED_IN, step=20e-6)
+    assert seen == [(0, MID)], "muted before the reset"
+    rig.host.inbox.clear()
+    identity = rig.host.connect()
+    assert identity["reset"] == "hard fault"
+    return identity["crash"]
+
+
+# push {r4-r7, lr}; str r1, [r0]; ldr r1, [r0]
+PUSH, STORE, LOAD = b"\xf0\xb5", b"\x01\x60", b"\x01\x68"
+LOST, KNOWN = "stack overflow, stack pointer {below:#010x}, CFSR ", "stack overflow at {at:#010x}, CFSR "
+# The code; the stack pointer and the variable's address, from the stack's lower end; and the message.
+OVERFLOWS = [
+    pytest.param(b"", 8, 0, LOST + "0x00000010", id="an interrupt's frame", marks=pytest.mark.every_image),
+    pytest.param(PUSH, 8, 0, LOST + "0x00000092", id="a push"),
+    pytest.param(STORE, 256, -4, KNOWN + "0x00000082", id="a variable", marks=pytest.mark.every_image),
+    pytest.param(STORE, 256, -(32 << 10), KNOWN + "0x00000082", id="a large variable"),
+]
+
+
+@pytest.mark.parametrize("code, above, variable, message", OVERFLOWS)
+def test_a_stack_that_overflows_is_caught_and_told(armed, code, above, variable, message):
+    """The guard refuses the first write below the stack, and would if there were memory; nothing is written there."""
     start(armed)
-    armed.board.cpu.reg_write(UC_ARM_REG_SP, armed.board.STACK[0] + 8)
-    armed.board.run_until(lambda: armed.board.resets, 0.05, step=0.0001)
-    identity = armed.host.connect()
-    assert identity["reset"] == "hard fault" and "stack overflow" in identity["crash"], identity["crash"]
+    board, bottom = armed.board, armed.board.STACK[0]
+    guard, noise = bottom - (32 << 10), bytes(range(256)) * 128
+    board.cpu.mem_map(guard, len(noise))
+    board.cpu.mem_write(guard, noise)
+    board.mpu.apply()
+    at = run_code(armed, code, SP=bottom + above, R0=bottom + variable)
+    crash = muted_crash(armed)
+    assert board.cpu.mem_read(guard, len(noise)) == noise
+    assert crash == message.format(at=at, below=bottom + above - board.FRAME & ~7)
+
+
+@pytest.mark.every_image
+@pytest.mark.parametrize("code, offset", [(LOAD, 0), (STORE, 0xFFC)], ids=["read", "write"])
+def test_an_access_through_a_null_pointer_is_caught_and_told(armed, code, offset):
+    """Nothing is read or written there, though there is memory at address 0 on every chip."""
+    start(armed)
+    board = armed.board
+    before = board.cpu.mem_read(0, 0x1000)
+    at = run_code(armed, code, R0=offset, R1=0x600DF00D)
+    assert muted_crash(armed) == f"null pointer at {at:#010x}, CFSR 0x00000082"
+    assert board.cpu.mem_read(0, 0x1000) == before
 
 
 def test_an_interrupt_without_a_handler_mutes_and_is_told(armed):

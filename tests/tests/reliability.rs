@@ -5,8 +5,10 @@ use slipline_tests::source_tree::root;
 use std::collections::BTreeSet;
 
 /// The rows that were found weak once; each must stay in the table.
-const ROWS: [&str; 13] =
-    ["R-20", "R-23", "R-36", "R-43", "R-44", "R-50", "R-53", "R-55", "R-56", "R-57", "R-60", "R-61", "R-64"];
+const ROWS: [&str; 14] = [
+    "R-20", "R-23", "R-36", "R-43", "R-44", "R-50", "R-51", "R-53", "R-55", "R-56", "R-57", "R-60", "R-61",
+    "R-64",
+];
 
 /// Row, requirement, test, mutation.
 fn table() -> Vec<Vec<String>> {

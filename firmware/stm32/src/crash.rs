@@ -14,7 +14,7 @@ use slipline_app::ResetCause;
 use slipline_app::boot::Boot;
 use slipline_app::crash::CrashRecord;
 
-use crate::{board, dac, mute, store};
+use crate::{board, dac, guard, mute, store};
 
 /// The record's bytes. After power-on they are random, so they are always checked by their CRC.
 #[repr(align(4))]
@@ -125,24 +125,27 @@ unsafe extern "C" fn HardFault() -> ! {
 }
 
 unsafe extern "C" {
-    /// Lower end of the stack's memory (memory/*.x).
-    static _stack_end: u32;
-    /// Upper end.
+    /// Upper end of the stack's memory (memory/*.x).
     static _stack_start: u32;
 }
 
 extern "C" fn hard_fault(frame: u32) -> ! {
     silence();
-    // SAFETY: the system control block is always there. CFSR says which fault it was (ARMv7-M B3.2.15).
-    let status = unsafe { (*SCB::PTR).cfsr.read() };
-    let bottom = &raw const _stack_end as u32;
+    // SAFETY: the system control block is always there. CFSR says which fault it was, and MMFAR which address a guard has
+    // refused (ARMv7-M B3.2.15, B3.2.17).
+    let (status, address) = unsafe { ((*SCB::PTR).cfsr.read(), (*SCB::PTR).mmfar.read()) };
     let top = &raw const _stack_start as u32;
-    if (bottom..=top - 32).contains(&frame) && frame.is_multiple_of(4) {
+    if (guard::stack_bottom()..=top - 32).contains(&frame) && frame.is_multiple_of(4) {
         // SAFETY: the eight words of the exception frame lie inside the stack; word 6 is the return address.
         let pc = unsafe { (frame as *const u32).add(6).read_volatile() };
-        end(ResetCause::HardFault, &format_args!("fault at {pc:#010x}, CFSR {status:#010x}"))
+        let fault = guard::name_of(status, address, pc);
+        end(ResetCause::HardFault, &format_args!("{fault} at {pc:#010x}, CFSR {status:#010x}"))
     }
-    end(ResetCause::HardFault, &format_args!("stack overflow at {frame:#010x}, CFSR {status:#010x}"))
+    // The frame was not written, so the program's place is not known.
+    end(
+        ResetCause::HardFault,
+        &format_args!("stack overflow, stack pointer {frame:#010x}, CFSR {status:#010x}"),
+    )
 }
 
 /// The NMI: the crystal has stopped, or the flash has found a torn word (G474).

@@ -21,7 +21,7 @@ use crate::trigger::TriggerPin;
 use crate::uart_link::{FromHost, ToHost, start as start_link};
 #[cfg(feature = "link-usb")]
 use crate::usb_link::{FromHost, ToHost, start as start_link};
-use crate::{bootloader, crash, fast, pin_lock, priority, supply, watchdog};
+use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
 
 /// The state that thread and interrupt share.
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
@@ -42,6 +42,7 @@ fn main() -> ! {
     // starts, which alone unmutes.
     bootloader::enter_if_requested();
     bootloader::undo_rom_state();
+    guard::start();
     let peripherals = embassy_stm32::init(board::config());
     let board = board::take(peripherals);
     let mute = MutePin::start(board.mute_timer, board.unmute);

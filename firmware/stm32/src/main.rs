@@ -8,8 +8,8 @@
 //! flash slots <--store--> ----+            watchdog <--supervisor--+ both sides' counters
 //! ```
 //! This crate does not know the protocol's commands. `board` holds what differs between boards, `dac` owns timer, DAC
-//! and DMA, `priority` lists which interrupt has which priority, `crash` handles panics and faults, `bootloader` enters
-//! the chip's ROM and undoes what the ROM leaves.
+//! and DMA, `priority` lists which interrupt has which priority, `guard` forbids the null address and what lies below the
+//! stack, `crash` handles panics and faults, `bootloader` enters the chip's ROM and undoes what the ROM leaves.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 
@@ -30,6 +30,9 @@ mod device;
 #[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod fast;
+#[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
+mod guard;
 #[cfg(any(target_arch = "arm", test))]
 mod lamp;
 #[cfg(target_arch = "arm")]

@@ -25,6 +25,8 @@ class Board(Processor):
     MEMORIES, RAMS, PERIPHERALS = {}, (), ()
     # The core's registers that differ from chip to chip after a reset.
     CORE_REGISTERS = {}
+    # Of the memory protection unit.
+    MPU_REGIONS = None
     SUPPLY_IRQ = 1
     # The USB core, which is larger than a page.
     USB = None

@@ -1,9 +1,11 @@
 """The processor's own registers: interrupt controller, system control block, SysTick, cycle counter (ARMv7-M, part B3)."""
 
+from . import mpu
+
 BASE = 0xE000E000
 SYSTICK_CONTROL, SYSTICK_RELOAD = 0xE010, 0xE014
-CPUID, ICSR, VTOR, AIRCR, SCR, CCR, SHPR2, SHPR3, SHCSR, CFSR, CPACR, STIR = (
-    0xED00, 0xED04, 0xED08, 0xED0C, 0xED10, 0xED14, 0xED1C, 0xED20, 0xED24, 0xED28, 0xED88, 0xEF00,
+CPUID, ICSR, VTOR, AIRCR, SCR, CCR, SHPR2, SHPR3, SHCSR, CFSR, MMFAR, BFAR, CPACR, STIR = (
+    0xED00, 0xED04, 0xED08, 0xED0C, 0xED10, 0xED14, 0xED1C, 0xED20, 0xED24, 0xED28, 0xED34, 0xED38, 0xED88, 0xEF00,
 )  # fmt: skip
 FPCCR, DEMCR = 0xEF34, 0xEDFC
 NMI, HARD_FAULT, PENDSV, SYSTICK = 2, 3, 14, 15
@@ -18,7 +20,7 @@ class Nvic:
 
     def __init__(self, board, reset_values):
         self.board = board
-        self.registers = {SCR: 0, CCR: 0x200, SHPR2: 0, SHPR3: 0, SHCSR: 0, CFSR: 0, CPACR: 0, FPCCR: 0xC0000000}
+        self.registers = {SCR: 0, CCR: 0x200, SHPR2: 0, SHPR3: 0, SHCSR: 0, CFSR: 0, MMFAR: 0, BFAR: 0, CPACR: 0, FPCCR: 0xC0000000}
         # Four priority bits, all of them for preemption.
         self.registers |= {AIRCR: 0xFA050000, DEMCR: 0, DWT: 0x40000000} | reset_values
         self.is_trace_unlocked = False
@@ -69,6 +71,8 @@ class Nvic:
     # --- registers
 
     def read(self, offset):
+        if offset in mpu.REGISTERS:
+            return self.board.mpu.read(offset)
         if offset == DWT_COUNT:
             counts = self.registers[DEMCR] & TRACE_ENABLED and self.registers[DWT] & 1
             return self.board.core_cycles() & 0xFFFFFFFF if counts else 0
@@ -90,6 +94,9 @@ class Nvic:
         return self.registers[offset]
 
     def write(self, offset, size, value):
+        if offset in mpu.REGISTERS:
+            self.board.mpu.write(offset, value)
+            return
         if 0xE400 <= offset < 0xE4F0:
             for i in range(size):
                 # Four priority bits.

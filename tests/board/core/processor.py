@@ -6,7 +6,9 @@ Time is counted in cycles of the core at full speed (`CORE_HZ`); while the core 
 import heapq
 import struct
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import (
+    UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_MEM_INVALID, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError,
+)  # fmt: skip
 from unicorn.arm_const import (
     UC_ARM_REG_BASEPRI, UC_ARM_REG_FAULTMASK, UC_ARM_REG_LR, UC_ARM_REG_PC, UC_ARM_REG_PRIMASK, UC_ARM_REG_R0,
     UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R4, UC_ARM_REG_R12, UC_ARM_REG_SP, UC_ARM_REG_XPSR,
@@ -14,14 +16,16 @@ from unicorn.arm_const import (
 
 from m4_timing import REFILL, Timing
 
-from .nvic import CCR, CFSR, HARD_FAULT, HARD_FAULT_PRIORITY
+from .faults import DATA_ERROR, Faults
+from .memory import Memory
+from .mpu import Mpu
+from .nvic import CFSR, HARD_FAULT, HARD_FAULT_PRIORITY
 from .stack import StackWatch, Trace
 
 # The bits of xPSR that tell how the rest of an IT block is executed (ARMv7-M B1.4.2).
 IT_STATE = 0b11 << 25 | 0b111111 << 10
 # A page nothing else uses: a handler's return address points here.
 RETURN = 0x0FFF0000
-IGNORES_BUS_FAULTS, PRECISE_BUS_ERROR = 1 << 8, 1 << 9
 FRAME_REGISTERS = (
     UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2, UC_ARM_REG_R3, UC_ARM_REG_R12, UC_ARM_REG_LR,
 )  # fmt: skip
@@ -35,7 +39,7 @@ class PowerCut(Exception):
     """The supply is gone; only the flash keeps what it had. Begin again with `Board.reset("power")`."""
 
 
-class Processor:
+class Processor(Faults):
     # Entering an exception and leaving it: twelve and ten cycles (Cortex-M4 TRM), and seventeen for the floating-point
     # registers that are saved when the handler uses them first. Every exception is taken as one that does, after code
     # that did: nothing is cheaper or shallower than it may be.
@@ -46,8 +50,7 @@ class Processor:
     def __init__(self, image):
         self.cpu = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.cpu.ctl_set_cpu_model(self.CPU_MODEL)
-        for start, size in (*self.MEMORIES.items(), (RETURN, 4096)):
-            self.cpu.mem_map(start, size)
+        self.memories = {start: Memory(self.cpu, start, size) for start, size in (*self.MEMORIES.items(), (RETURN, 4096))}
         self.cpu.mem_write(RETURN, b"\xfe\xe7" * 64)
         self.cpu.mem_write(self.FLASH_START, b"\xff" * self.MEMORIES[self.FLASH_START])
         for address, data in image.segments:
@@ -59,6 +62,7 @@ class Processor:
         self.follows = None
         self.block_hook = self.cpu.hook_add(UC_HOOK_BLOCK, self.on_block)
         self.cpu.hook_add(UC_HOOK_CODE, self.on_return, begin=RETURN, end=RETURN + 64)
+        self.cpu.hook_add(UC_HOOK_MEM_INVALID, self.on_invalid_access)
         for addresses, hook in (
             (image.event_waits, self.on_event_wait), (image.interrupt_waits, self.on_interrupt_wait),
             (image.signals, self.on_signal), (image.masks, self.on_mask), (image.unmasks, self.on_unmask),
@@ -69,6 +73,11 @@ class Processor:
         self.must_stop = False
         self.now = 0.0
         self.events, self.planned = [], 0
+        # Priority and exception of the handlers under way, the outermost first.
+        self.active = []
+        self.mpu = Mpu(self, self.MPU_REGIONS)
+        # The access that Unicorn's memory has refused: its kind, address and size.
+        self.invalid_access = None
         # The most cycles for which all interrupts were masked, and who called the function that ended it.
         self.masked_since, self.worst_masked = None, (0, 0)
         # By exception: the most cycles it has taken, without those that interrupted it. By priority: the deepest stack.
@@ -82,6 +91,7 @@ class Processor:
         self.enabled, self.pending, self.priorities = nvic.enabled, nvic.pending, nvic.priorities
         self.events.clear()
         self.active, self.saved, self.traces = [], [], []
+        self.mpu.reset()
         self.is_thread_frozen = self.is_locked_up = False
         self.faults = []
         self.slept = self.returned = self.fresh = self.is_event_latched = False
@@ -192,12 +202,6 @@ class Processor:
         if self.nvic.is_due() and self.next_exception():
             self.cpu.emu_stop()
 
-    def bus_fault(self, address):
-        """A read was answered with an error: ignored with FAULTMASK and CCR.BFHFNMIGN set (ARMv7-M B3.2.8), else a fault."""
-        if not (self.cpu.reg_read(UC_ARM_REG_FAULTMASK) and self.nvic.registers[CCR] & IGNORES_BUS_FAULTS):
-            self.bus_error = address
-            self.cpu.emu_stop()
-
     def on_return(self, *_):
         self.returned = True
         self.cpu.emu_stop()
@@ -215,27 +219,35 @@ class Processor:
 
     def enter(self, priority, exception):
         self.now += self.ENTRY_CYCLES * self.cycle
-        self.nvic.enter(exception)
         cpu = self.cpu
+        stack = cpu.reg_read(UC_ARM_REG_SP) - self.FRAME & ~7
+        refusal = self.refusal_of_frame(stack)
+        if refusal:
+            # The fault comes before the exception, which waits on; while a hard fault or an NMI is entered it is only noted.
+            self.nvic.registers[CFSR] |= refusal
+            priority, exception = min((priority, exception), (HARD_FAULT_PRIORITY, HARD_FAULT))
+        self.nvic.enter(exception)
         self.saved.append((cpu.context_save(), self.pc))
         self.active.append((priority, exception))
         above = cpu.reg_read(UC_ARM_REG_SP)
         self.traces.append(Trace(self.now - self.ENTRY_CYCLES * self.cycle, above, self.stack.paint_below(above)))
-        stack = above - self.FRAME & ~7
         frame = [cpu.reg_read(register) for register in FRAME_REGISTERS] + [self.pc & ~1, cpu.reg_read(UC_ARM_REG_XPSR)]
-        # Where there is no memory the stacking fails, and the fault's handler is entered all the same.
-        if any(start <= stack <= start + self.MEMORIES[start] - 32 for start in self.RAMS):
+        if not refusal:
             cpu.mem_write(stack, struct.pack("<8I", *frame))
         cpu.reg_write(UC_ARM_REG_SP, stack)
         # Unicorn may stop inside an IT block, where a page ends; the handler begins outside of it (ARMv7-M B1.5.6).
         cpu.reg_write(UC_ARM_REG_XPSR, cpu.reg_read(UC_ARM_REG_XPSR) & ~IT_STATE)
         cpu.reg_write(UC_ARM_REG_LR, RETURN | 1)
         self.pc = struct.unpack("<I", cpu.mem_read(self.vectors + 4 * exception, 4))[0] | 1
+        if priority < 0:
+            self.mpu.apply()
 
     def leave(self):
         self.now += self.EXIT_CYCLES * self.cycle
         context, self.pc = self.saved.pop()
         priority, exception = self.active.pop()
+        if priority < 0:
+            self.mpu.apply()
         self.cpu.context_restore(context)
         # The return of an exception is an event.
         self.is_event_latched = True
@@ -254,16 +266,6 @@ class Processor:
     def is_nmi_held(self):
         """Whether the NMI's source is still there."""
         return False
-
-    def fault(self, error, status=1 << 8):
-        """The processor cannot go on: hard fault, or lock-up if it happens in its handler (ARMv7-M B1.5.15)."""
-        self.pc = self.cpu.reg_read(UC_ARM_REG_PC) | 1
-        self.faults.append((self.pc & ~1, str(error)))
-        if any(priority <= HARD_FAULT_PRIORITY for priority, _ in self.active) or self.cpu.reg_read(UC_ARM_REG_FAULTMASK):
-            self.is_locked_up = True
-        else:
-            self.nvic.registers[CFSR] = status
-            self.enter(HARD_FAULT_PRIORITY, HARD_FAULT)
 
     # --- run
 
@@ -287,7 +289,7 @@ class Processor:
             try:
                 self.cpu.emu_start(self.pc, 0xFFFFFFFF)
             except UcError as error:
-                self.fault(error)
+                self.fault(error, self.status_of_refusal())
                 continue
             if self.cut:
                 self.cut = False
@@ -296,7 +298,7 @@ class Processor:
                 continue
             if self.bus_error is not None:
                 error, self.bus_error = f"bus error at {self.bus_error:#x}", None
-                self.fault(error, PRECISE_BUS_ERROR)
+                self.fault(error, DATA_ERROR)
                 continue
             self.pc = self.cpu.reg_read(UC_ARM_REG_PC) | 1
             if self.returned:

@@ -63,7 +63,7 @@ class Board(board.Board):
     SYSTEM_MEMORY, UNIQUE_ID = 0x1FFF0000, 0x1FFF7A10
     MEMORIES = {flash.START: flash.SIZE, CCM: 1 << 16, SRAM: 1 << 17, 0x1FFF0000: 1 << 16}
     RAMS, PERIPHERALS = (CCM, SRAM), (0x40000000, 0x50000000, 0xE0000000)
-    CORE_REGISTERS = {0xED00: 0x410FC241}
+    CORE_REGISTERS, MPU_REGIONS = {0xED00: 0x410FC241}, 8
     USB, USB_IRQ = 0x50000000, 67
     # USART3: one of those by which the ROM bootloader listens (AN2606).
     ROM_IRQ = 39
@@ -72,7 +72,7 @@ class Board(board.Board):
         self.flash, self.power = flash.Flash(self), Power()
         self.clocks = F407Clocks(self)
         self.exti = registers.Exti(mask=0x00, rising=0x08, falling=0x0C, waiting=0x14, others=(0x04, 0x10))
-        self.system = system.SystemConfiguration(self.cpu)
+        self.system = system.SystemConfiguration(self)
         self.pins = pins.Pins(self, ALTERNATES, PORTS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         self.dac = dac.Dac(self, 54, DAC_TRIGGERS)

@@ -1,4 +1,5 @@
 """The STM32G474RE on a NUCLEO-G474RE: addresses, interrupts, wiring (RM0440 Rev 9, DS12288 Rev 6)."""
+from unicorn import UC_PROT_EXEC, UC_PROT_READ
 from unicorn.arm_const import UC_CPU_ARM_CORTEX_M4
 
 from core import board, dac, debug, dma_channels, dmamux, pins, registers, timer, uart, watchdog
@@ -79,13 +80,15 @@ class Board(board.Board):
     SYSTEM_MEMORY, UNIQUE_ID = SYSTEM_MEMORY, 0x1FFF7590
     MEMORIES = {flash.START: flash.SIZE, SRAM: 96 << 10, 0x10000000: 1 << 15, SYSTEM_MEMORY: 1 << 15}
     RAMS, PERIPHERALS = (0x10000000, SRAM), (0x40000000, 0x48000000, 0x50000000, 0xE0000000)
-    CORE_REGISTERS = {0xED00: 0x410FC241}
+    CORE_REGISTERS, MPU_REGIONS = {0xED00: 0x410FC241}, 8
     UART_IRQ = 38
     # USART3: one of those by which the ROM bootloader listens (AN2606).
     ROM_IRQ = 39
 
     def make_peripherals(self):
         self.flash = flash.Flash(self)
+        # The chip boots from the flash, so address 0 shows it, too (RM0440 2.6).
+        self.memories[flash.START].map(0, flash.SIZE, UC_PROT_READ | UC_PROT_EXEC)
         self.clocks = G474Clocks(self)
         self.power = Power(self.clocks)
         others = (0x04, 0x10, 0x20, 0x24, 0x28, 0x2C, 0x30, 0x34)

@@ -7,7 +7,7 @@ from . import flash
 from .clocks import BASE as RCC
 from .clocks import H743Clocks
 
-DTCM, AXI, SRAM1 = 0x20000000, 0x24000000, 0x30000000
+ITCM, DTCM, AXI, SRAM1 = 0, 0x20000000, 0x24000000, 0x30000000
 DMA_IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 47], 2: [56, 57, 58, 59, 60, 68, 69, 70]}
 # RM0433 table 140 (vectors), chapters 38 to 43.
 TIMERS = {
@@ -90,11 +90,12 @@ class Board(board.Board):
     # The stack has the lowest 32 KiB of the DTCM (memory/h743zi.x).
     FLASH_START, STACK = flash.START, (DTCM, 1 << 15)
     SYSTEM_MEMORY, UNIQUE_ID = 0x1FF09800, 0x1FF1E800
-    MEMORIES = {flash.START: flash.SIZE, DTCM: 1 << 17, AXI: 1 << 19, 0x1FF00000: 1 << 17}
-    RAMS = (AXI, DTCM)
+    MEMORIES = {ITCM: 1 << 16, flash.START: flash.SIZE, DTCM: 1 << 17, AXI: 1 << 19, 0x1FF00000: 1 << 17}
+    RAMS = (ITCM, AXI, DTCM)
     PERIPHERALS = (0x40000000, 0x51000000, 0x52000000, 0x58000000, 0x5C000000, 0xE0000000)
     # CPUID of r1p1; the caches' sizes (CLIDR, CCSIDR: 16 KiB of instructions, 4 ways of 128 sets of 32 bytes).
     CORE_REGISTERS = {0xED00: 0x411FC271, 0xED78: 0x09000003, 0xED80: 0xF01FE019, 0xED84: 0, 0xEF50: 0}
+    MPU_REGIONS = 16
     USB, USB_IRQ = 0x40080000, 101
     # USART3: one of those by which the ROM bootloader listens (AN2606).
     ROM_IRQ = 39
