@@ -5,7 +5,7 @@ import struct
 import pytest
 
 from boards import on_usb
-from core.usb import OUT_DATA, OUT_DONE
+from core.usb_core import OUT_DATA, OUT_DONE
 from host import DISARM, DRIVE, EMERGENCY_STOP, HELLO, RATE_HZ, STOP, TO_HOST, drive, frame, hello_body
 from rig import MILLISECOND, is_silent, start
 
