@@ -23,6 +23,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "nightly: takes long; `.ci/run nightly` runs it")
+    config.addinivalue_line("markers", "fuzz: random hosts by the thousand; `.ci/run fuzz` runs it")
     config.addinivalue_line("markers", "every_image: the gate runs it on every board's image, not on the F407's alone")
 
 

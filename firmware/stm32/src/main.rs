@@ -55,6 +55,8 @@ mod trigger;
 #[cfg(all(target_arch = "arm", feature = "link-uart"))]
 mod uart_link;
 #[cfg(all(target_arch = "arm", feature = "link-usb"))]
+mod usb_control;
+#[cfg(all(target_arch = "arm", feature = "link-usb"))]
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod usb_link;
 #[cfg(target_arch = "arm")]

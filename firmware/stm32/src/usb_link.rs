@@ -20,20 +20,22 @@ use embedded_io_async::{ErrorKind, ErrorType, Read, Write};
 use static_cell::StaticCell;
 
 use crate::priority;
+use crate::usb_control::{Guarded, PACKET};
 
 /// The test pair of pid.codes: 0x1209 is its vendor id; anyone may use product 0x0001 for development, but must not
 /// ship it. A product needs its own pair; the udev rule and the host's port search use this one.
 const VENDOR: u16 = 0x1209;
 const PRODUCT: u16 = 0x0001;
 
-/// Bytes of a full-speed bulk packet.
-const PACKET: usize = 64;
 /// Bytes of the receive buffers of the control and the bulk OUT endpoint; they need 2 packets.
 const OUT_BUFFERS: usize = 4 * PACKET;
 
 bind_interrupts!(struct Irqs {
     OTG_FS => NewBeginning, usb::InterruptHandler<USB_OTG_FS>;
 });
+
+/// The driver of the OTG core.
+type Otg = Guarded<Driver<'static, USB_OTG_FS>>;
 
 /// The OTG core that has its own full-speed PHY, on its pins.
 pub(crate) struct Usb {
@@ -55,7 +57,8 @@ pub(crate) fn start(spawner: Spawner, usb: Usb) -> (FromHost, ToHost) {
     // its pin, PA9, stays free.
     let mut sense = usb::Config::default();
     sense.vbus_detection = false;
-    let driver = Driver::new_fs(usb.core, Irqs, usb.dp, usb.dm, OUT.init([0; OUT_BUFFERS]), sense);
+    let driver =
+        Guarded::new(Driver::new_fs(usb.core, Irqs, usb.dp, usb.dm, OUT.init([0; OUT_BUFFERS]), sense));
     let mut config = embassy_usb::Config::new(VENDOR, PRODUCT);
     config.manufacturer = Some("Slipline");
     config.product = Some("Slipline tactile display");
@@ -115,6 +118,10 @@ static BEGINS: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 
 /// Raises [`BEGINS`], and withdraws the end of the transfer before if the host has not fetched that. It must run before the
 /// driver's handler, which lets the next transfer begin.
+///
+/// It also forgets a suspension that is not told yet: the bus is awake. During a control transfer nobody asks what happens on
+/// the bus. The driver would tell of the reset first, and of the suspension before it afterwards; then embassy-usb answers
+/// no request until the next reset.
 struct NewBeginning;
 
 impl interrupt::typelevel::Handler<interrupt::typelevel::OTG_FS> for NewBeginning {
@@ -125,6 +132,8 @@ impl interrupt::typelevel::Handler<interrupt::typelevel::OTG_FS> for NewBeginnin
             withdraw(0);
         }
         if is_setup || core.gintsts().read().usbrst() {
+            // Written as 1, it is cleared.
+            core.gintsts().write(|w| w.set_usbsusp(true));
             BEGINS.signal(());
         }
     }
@@ -151,7 +160,7 @@ async fn given_up() {
 
 /// Runs the USB device; never ends.
 #[embassy_executor::task]
-async fn run(mut device: UsbDevice<'static, Driver<'static, USB_OTG_FS>>) {
+async fn run(mut device: UsbDevice<'static, Otg>) {
     loop {
         // `select` asks the device first: it takes all that it can take. What it has left then, it would leave for ever. A bus
         // reset and a first packet stay where they are for the next run.
@@ -180,7 +189,7 @@ impl embedded_io_async::Error for NotConnected {
 
 /// Bytes from the host.
 pub(crate) struct FromHost {
-    receiver: Receiver<'static, Driver<'static, USB_OTG_FS>>,
+    receiver: Receiver<'static, Otg>,
     packet: [u8; PACKET],
     start: usize,
     end: usize,
@@ -214,7 +223,7 @@ impl Read for FromHost {
 }
 
 /// Bytes to the host.
-pub(crate) struct ToHost(Sender<'static, Driver<'static, USB_OTG_FS>>);
+pub(crate) struct ToHost(Sender<'static, Otg>);
 
 impl ErrorType for ToHost {
     type Error = NotConnected;
