@@ -54,6 +54,16 @@ def test_a_receiver_at_another_rate_hears_errors_and_a_line_that_is_low_is_one_f
     assert sampled([0], 921_600 * 4, 921_600) == [], "a spike is no start bit"
 
 
+@pytest.mark.parametrize("spikes, byte", [((7,), 0), ((8,), 0), ((9,), 0), ((7, 9), 1 << 2), ((7, 8, 9), 1 << 2)])
+def test_two_of_a_bits_three_samples_decide(spikes, byte):
+    """Sixteen levels a bit, of which a receiver takes the three in the middle: here of bit 2, behind the start bit."""
+    line = [level for level in levels(b"\0") for _ in range(16)]
+    for place in spikes:
+        line[3 * 16 + place] = 1
+    ((_, heard, errors),) = sampled(line, 16 * 921_600, 921_600)
+    assert (heard, errors) == (byte, NOISE if len(spikes) < 3 else 0)
+
+
 @on_serial
 @pytest.mark.parametrize("rate", RATES)
 def test_a_host_at_the_wrong_rate_is_not_answered_and_does_not_touch_the_samples(sounding, rate):
