@@ -61,7 +61,7 @@ def test_a_fetch_from_the_region_is_a_fault(guarded):
 
 
 def test_without_the_enable_bits_nothing_is_refused(guarded):
-    guarded.write(MPU_CTRL, 0)
+    guarded.write(MPU_CTRL, PRIVDEFENA)
     assert does(guarded, STORE, START)
     guarded.write(MPU_RASR, SIZE << 1)
     guarded.write(MPU_CTRL, PRIVDEFENA | ENABLE)
