@@ -6,7 +6,7 @@ import pytest
 
 from boards import on_usb
 from core.usb_core import OUT_DATA, OUT_DONE
-from host import DISARM, DRIVE, EMERGENCY_STOP, HELLO, RATE_HZ, STOP, TO_HOST, drive, frame, hello_body
+from host import DISARM, DRIVE, EMERGENCY_STOP, HELLO, RATE_HZ, STATUS, STOP, TO_HOST, drive, frame, hello_body
 from rig import MILLISECOND, is_silent, start
 
 DESCRIPTOR, LINE_CODING, TO_INTERFACE, FROM_DEVICE = 6, 0x20, 0x21, 0x80
@@ -101,13 +101,18 @@ def test_a_host_that_babbles_does_not_touch_the_samples(sounding):
 @on_usb
 @pytest.mark.every_image
 def test_packets_of_one_byte_and_of_none_are_the_same_bytes(sounding):
-    cable = sounding.cable
-    cable.packet = 1
-    for _ in range(20):
-        sounding.board.run_until(lambda: not cable.out_refuses[cable.bulk_out], 1e-3, step=2e-5)
+    """A command comes byte by byte, with a packet of no bytes after each."""
+    board, cable, host = sounding.board, sounding.cable, sounding.host
+    host.inbox.clear()
+    for byte in frame(host.session, 9, STATUS, b""):
+        cable.send(bytes([byte]))
+        board.run_until(lambda: not cable.to_device and not cable.out_refuses[cable.bulk_out], 1e-3, step=2e-5)
         cable.out_refuses[cable.bulk_out] = True
         cable.push(OUT_DATA, cable.bulk_out)
         cable.push(OUT_DONE, cable.bulk_out)
+        board.run_until(lambda: not cable.out_refuses[cable.bulk_out], 1e-3, step=2e-5)
+    board.run(5e-3)
+    assert len(list(host.replies())) == 1
     is_undisturbed(sounding)
 
 
