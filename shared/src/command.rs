@@ -46,6 +46,8 @@ messages! {
         0x16 since 1 SetTravelLimit(TravelSetting) -> TravelLimit,
         /// Asks which limit of the travel is in force.
         0x17 since 1 TravelLimit -> TravelLimit,
+        /// Asks how the drive stands that waits for the trigger input, and where the last one began that had waited.
+        0x18 since 1 Trigger -> Trigger,
         /// Begins to upload a turning-point table. What sounds goes on by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -132,6 +134,12 @@ choices! {
         0 since 0 Next,
         /// At this sample index, rounded up to a block boundary; the answer names it.
         1 since 0 At(SampleIndex),
+        /// With the first block that is rendered after the trigger input rises. The answer names the index from which on a
+        /// rise counts: the drive is planned at once, for where nothing moves any more. Until then it waits
+        /// (`State::Waiting`), and what sounds sounds on. A newer drive takes its place; a stop, a disarm, a fault and the
+        /// end of the session drop it. A device without the input refuses it (`NotSupported`). To a device of 1.0 it is not
+        /// sent.
+        2 since 1 AtTrigger or Self::At(SampleIndex::MAX),
     }
 }
 

@@ -27,6 +27,8 @@ messages! {
         0x92 since 1 Unchanged(Accepted) or Accepted,
         /// The limit of the actuator's travel that is in force.
         0x97 since 1 TravelLimit(TravelSetting),
+        /// How the drive stands that waits for the trigger input.
+        0x98 since 1 Trigger(TriggerReport),
         /// The table in force.
         0xa4 since 0 Table(TableReport),
         /// The CRC-32 over a window of DAC codes.
@@ -157,6 +159,8 @@ choices! {
         4 since 0 Fault,
         /// Started after repeated crashes: it answers and never drives.
         5 since 0 SafeMode,
+        /// A drive waits for the trigger input; what sounded before it sounds on. A host of 1.0 is told `Driving`.
+        6 since 1 Waiting or Self::Driving,
     }
 }
 
@@ -230,6 +234,18 @@ body! {
         /// Whether the brown-out reset level is set as the board needs it, so that a failing supply stops the chip before
         /// it goes wrong; true where there is no such level.
         pub brown_out_guarded: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Trigger`].
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct TriggerReport {
+        /// Whether a drive waits for the trigger input.
+        pub waits: bool [""],
+        /// Where the last drive began that had waited for it; `None` if none has since the reset. A drive that waits no
+        /// more and has not begun since its answer's index was dropped.
+        pub began: Option<SampleIndex> ["samples"],
     }
 }
 

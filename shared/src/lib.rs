@@ -64,9 +64,18 @@ impl Command {
     /// [`FrameError::TooNew`] for a command that the device does not know; [`FrameError::TooLong`], which no command
     /// that its types allow is (a test encodes the largest ones).
     pub fn frame_for(&self, minor: Minor, session: u32, sequence: u16) -> Result<Encoded, FrameError> {
-        let said = self.lowered(minor).ok_or(FrameError::TooNew)?;
-        let header = Header { direction: Direction::ToDevice, session, sequence, id: said.id() };
-        frame::encode(header, |buffer| said.encode_body(buffer))
+        if !self.is_known(minor) {
+            return Err(FrameError::TooNew);
+        }
+        let header = Header { direction: Direction::ToDevice, session, sequence, id: self.id() };
+        frame::encode(header, |buffer| self.encode_body(buffer))
+    }
+
+    /// Whether a device that speaks a minor version knows the command and everything in it. One that it does not know is
+    /// never sent in another form: the device would do something else.
+    #[must_use]
+    pub fn is_known(&self, minor: Minor) -> bool {
+        self.lowered(minor).as_ref() == Some(self)
     }
 
     /// Whether commands of this kind are numbered: repeated ones are answered from a cache and not done twice.

@@ -153,7 +153,7 @@ choices! {
         },
         /// The token is wrong or too old: ask for a new one.
         17 since 0 BadToken,
-        /// This device cannot do that (no flash store, no bootloader).
+        /// This device cannot do that (no flash store, no bootloader, no trigger input).
         18 since 0 NotSupported,
         /// The flash reported an error, or what was written reads back wrong.
         19 since 0 StoreFailed,

@@ -189,18 +189,22 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
             (
                 "maintenance-reply"
                 | "maintenance-reply-largest"
+                | "trigger-reply"
+                | "trigger-reply-began"
                 | "travel-limit-reply"
                 | "travel-limit-reply-none",
                 None,
             ) => "nothing".to_owned(),
             (_, Some(Event::Hello(identity))) => format!("{:?}", identity.stored),
-            (_, Some(Event::Status(status))) => format!("{} {:?}", status.faults, status.first_fault),
+            (_, Some(Event::Status(status))) => {
+                format!("{:?} {} {:?}", status.state, status.faults, status.first_fault)
+            }
             (_, Some(other)) => format!("{other:?}"),
             (label, None) => panic!("{label} does not reach a host of 1.0"),
         };
         seen.push((label, told));
     }
-    let damaged = format!("{} {:?}", Fault::StoreDamaged.text(), Some(Fault::StoreDamaged));
+    let damaged = format!("Fault {} {:?}", Fault::StoreDamaged.text(), Some(Fault::StoreDamaged));
     let range = "Refused(OutOfRange { field: SampleRate, min: 1, max: 1000000000, got: 0 })";
     let expected = [
         ("maintenance-reply", "nothing"),
@@ -209,6 +213,9 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
         ("refused-disarm-first", "Refused(Armed)"),
         ("hello-reply-stored-4", "Loaded"),
         ("status-reply-fault-9", damaged.as_str()),
+        ("status-reply-state-6", "Driving none None"),
+        ("trigger-reply", "nothing"),
+        ("trigger-reply-began", "nothing"),
         ("travel-limit-reply", "nothing"),
         ("travel-limit-reply-none", "nothing"),
         ("refused-travel", "Refused(Headroom { sum_per_mille: 1340 })"),

@@ -16,15 +16,18 @@ UNSEQUENCED = (HELLO, KEEP_ALIVE, STATUS, STOP, EMERGENCY_STOP)
 HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABLE_REPLY, TOKEN_REPLY = (
     0x81, 0x83, 0x84, 0x90, 0x91, 0x92, 0xA4, 0xD0,
 )  # fmt: skip
+TRIGGER, TRIGGER_REPLY = 0x18, 0x98
 # Refusals without a field are their number.
 DISARM_FIRST = b"\x17"
-STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode")
+STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode", "waiting")
 RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard fault")
 STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
 FAULTS = (
     "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
     "store damaged", "store fell back",
 )  # fmt: skip
+# In the place of an index: a drive waits for the trigger input.
+AT_TRIGGER = "trigger"
 RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD, CHUNK_KNOTS = 400_000, 128, 0.2, 22
 
 
@@ -142,11 +145,12 @@ def table(count, first_hz=60_000, last_hz=20_000):
 
 
 def drive(tones, glide, at=None):
-    """A drive of tones (slot, position 0..=1, level 0..=1), at the next block or at an index."""
+    """A drive of tones (slot, position 0..=1, level 0..=1), at the next block, at an index, or `AT_TRIGGER`."""
     body = varint(len(tones))
     for slot, position, level in tones:
         body += bytes([slot]) + varint(round(position * 65535)) + varint(round(level * 65535)) + varint(0)
-    return body + zigzag(0) + varint(glide) + (b"\0" if at is None else b"\1" + varint(at))
+    apply = b"\0" if at is None else b"\2" if at == AT_TRIGGER else b"\1" + varint(at)
+    return body + zigzag(0) + varint(glide) + apply
 
 
 class Host:
@@ -219,6 +223,13 @@ class Host:
         assert reply == MAINTENANCE_REPLY, f"{reply:#x} {body.hex()}"
         r = Reader(body)
         return r.number(), r.number(), bool(r.byte())
+
+    def trigger(self):
+        """Whether a drive waits for the trigger input, and where the last one began that had waited."""
+        _, reply, body = self.exchange(TRIGGER)
+        assert reply == TRIGGER_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        return bool(r.byte()), r.option(r.number)
 
     def upload(self, count=33):
         """Uploads a table and makes it the one in force; returns its CRC."""

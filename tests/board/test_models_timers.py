@@ -2,12 +2,13 @@
 import pytest
 
 from bare_chip import (
-    APB1ENR, APB2ENR, ARPE, BKE, BKP, CC3E, CC3NE, CC3NP, CC3P, CCR3, CEN, FORCED_HIGH, FORCED_LOW, MICROSECOND, MOE,
+    APB1ENR, APB2ENR, ARPE, BKE, BKP, CC3E, CC3NE, CC3NP, CC3P, CCR3, CEN, FORCED_HIGH, FORCED_LOW, GPIOB, MICROSECOND, MOE,
     OIS3N, OPM, OSSI, OSSR, PRESCALER, PWM1, PWM2, RCC, TIM1, TIM4, TIM8,
 )  # fmt: skip
 from core.clocks import CSSON
-from core.outputs import BDTR, CCER, CCMR2
-from core.timer import ARR, CNT, CR1, CR2, DIER, EGR, PSC, RCR, SR
+from core.outputs import BDTR, CCER, CCMR1, CCMR2
+from core.pins import AFRL, MODER
+from core.timer import ARR, CCR1, CNT, CR1, CR2, DIER, EGR, PSC, RCR, SR
 
 
 def test_a_prescaler_waits_for_the_update_event(chip):
@@ -147,9 +148,53 @@ def test_the_lock_keeps_modes_polarities_and_the_break_but_not_the_main_output(c
 
 
 def test_what_the_timer_model_lacks_is_a_failure(chip):
-    for offset, value in ((0x08, 1), (CR1, 1 << 4), (CCMR2, 1), (0x60, 0)):
+    for offset, value in ((0x08, 1), (CR1, 1 << 4), (CCMR2, 2), (0x60, 0)):
         with pytest.raises(AssertionError, match="model"):
             chip.write(TIM1 + offset, value)
+
+
+# --- captures (RM0090 18.3.5)
+
+
+def capture(chip, selection=1, edges=1):
+    """TIM4's channel 2 captures what comes at PB7, with the longest filter: 256 periods of its 84 MHz."""
+    chip.write(APB1ENR, 1 << 4 | 1 << 2)
+    chip.write(TIM4 + CCMR1, (selection | 15 << 4) << 8)
+    chip.write(TIM4 + CCER, edges << 4)
+    chip.write(GPIOB + AFRL, 2 << 28)
+    chip.write(GPIOB + MODER, 0x280 | 2 << 14)
+    return lambda level: chip.board.pins.drive("PB7", level)
+
+
+def test_a_rise_that_stands_for_the_filters_time_sets_the_flag_and_nothing_else_does(chip):
+    pin, flag = capture(chip), 1 << 2
+    pin(1)
+    chip.board.run(3.0 * MICROSECOND)
+    assert not chip.read(TIM4 + SR) & flag
+    pin(0)
+    chip.board.run(10 * MICROSECOND)
+    assert not chip.read(TIM4 + SR) & flag, "a spike"
+    pin(1)
+    chip.board.run(3.1 * MICROSECOND)
+    assert chip.read(TIM4 + SR) & flag
+    chip.write(TIM4 + SR, ~flag & 0xFFFFFFFF)
+    pin(0)
+    chip.board.run(10 * MICROSECOND)
+    assert not chip.read(TIM4 + SR) & flag, "cleared, and a fall is no rise"
+
+
+@pytest.mark.parametrize("selection, edges, sentence", [(2, 1, "capture is not modelled"), (1, 3, "rising edges")])
+def test_another_capture_is_a_failure(chip, selection, edges, sentence):
+    with pytest.raises(AssertionError, match=sentence):
+        capture(chip, selection, edges)
+
+
+def test_a_channel_that_is_on_keeps_its_selection_and_a_capture_is_read_only(chip):
+    capture(chip)
+    with pytest.raises(AssertionError, match="keeps its selection"):
+        chip.write(TIM4 + CCMR1, 0)
+    with pytest.raises(AssertionError, match="read-only"):
+        chip.write(TIM4 + CCR1 + 4, 0)
 
 
 # --- one timer clocked by another (RM0090 18.3.15, 18.4.3)

@@ -28,15 +28,16 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_1, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive,
-    MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, Version, at, fault_names,
+    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_1, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive,
+    MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at,
+    fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
 from stream import Stream
 from table import Table
 
-__all__ = ["Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
+__all__ = ["AT_TRIGGER", "Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
 
 KEEP_ALIVE_S = 0.2
 _FIRST_SESSION = 0
@@ -121,8 +122,12 @@ class Client:
         """Sounds these tones, and only these, from an index on.
 
         `master` is in 1/100 dB, -9600 to 0. `glide` is in samples, from `min_glide` to `max_glide` of `device`; the
-        shortest if it is not given. `apply` is `NEXT_BLOCK` or `at(index)`. Raises `FieldError`.
+        shortest if it is not given. `apply` is `NEXT_BLOCK`, `at(index)`, or `AT_TRIGGER`: then the index is the one
+        from which on a rise of the trigger input counts. Raises `FieldError`, and `SliplineError` for `AT_TRIGGER` with a
+        device of 1.0.
         """
+        if apply == AT_TRIGGER and self.minor < 1:
+            raise SliplineError(f"AtTrigger needs protocol 1.1, the device has 1.{self.minor}")
         glide = self.device.min_glide if glide is None else glide
         check_integer(glide, self.device.min_glide, self.device.max_glide, "Drive.glide")
         drive = Drive(tuple(tones), master, glide, apply)
@@ -188,6 +193,10 @@ class Client:
     def travel_limit(self) -> Optional[TravelLimit]:
         """The limit of the travel that is in force, if there is one. Raises `SliplineError` with a device of 1.0."""
         return self._request("TravelLimit", "TravelLimit")[1].limit
+
+    def trigger(self) -> TriggerEvent:
+        """How the drive stands that waits for the trigger input. Raises `SliplineError` with a device of 1.0."""
+        return self._request("Trigger", "Trigger")[1]
 
     def close(self) -> None:
         """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man."""

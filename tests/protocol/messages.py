@@ -13,7 +13,10 @@ from records import Choice, Enumeration, Fields, Record, field
 
 # ------------------------------------------------------------------------------------------ enumerations
 
-APPLY = Enumeration("Apply", "Next", ("At", {"value": U64}))
+APPLY = Enumeration(
+    "Apply", "Next", ("At", {"value": U64}),
+    "AtTrigger",  # since 1.1
+)  # fmt: skip
 BUSY = Enumeration("Busy", "CommitPending", "DriveActive", "TableInUse", "DigestPending")
 FAULT = Enumeration(
     "Fault", "HostLost", "EmergencyStop", "Underrun", "Overheat", "DriveTime", "Watchdog", "Crash", "BrownOut",
@@ -54,10 +57,14 @@ REFUSAL = Enumeration(
     ("Travel", {"travel_per_mille": U16, "allowed_per_mille": U16}),  # since 1.1
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
-STATE = Enumeration("State", "Idle", "Armed", "Driving", "Stopping", "Fault", "SafeMode")
+STATE = Enumeration(
+    "State", "Idle", "Armed", "Driving", "Stopping", "Fault", "SafeMode",
+    "Waiting",  # since 1.1
+)  # fmt: skip
 STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged", "FellBack")
 
 NEXT_BLOCK = Choice("Next")
+AT_TRIGGER = Choice("AtTrigger")
 
 
 def at(index: int) -> Choice:
@@ -254,6 +261,14 @@ class TravelLimitEvent(Record):
 
 
 @dataclass(frozen=True)
+class TriggerEvent(Record):
+    """Whether a drive waits for the trigger input, and where the last one began that had waited. Since 1.1."""
+
+    waits: bool = field(BOOL)
+    began: Optional[int] = field(Option(U64))
+
+
+@dataclass(frozen=True)
 class TableEvent(Record):
     """The table in force."""
 
@@ -319,6 +334,7 @@ COMMANDS = {
         Kind(0x15, "ClearFaults"),
         Kind(0x16, "SetTravelLimit", Fields(SetTravelLimit), since=1),
         Kind(0x17, "TravelLimit", since=1),
+        Kind(0x18, "Trigger", since=1),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -343,6 +359,7 @@ EVENTS = {
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),
         Kind(0x97, "TravelLimit", Fields(TravelLimitEvent), since=1),
+        Kind(0x98, "Trigger", Fields(TriggerEvent), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
         Kind(0xD0, "BootloaderToken", U32),

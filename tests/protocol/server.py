@@ -42,7 +42,7 @@ class Server:
         try:
             with output.open("w") as file:
                 command = [str(binary()), "serve", *place, "--json"]
-                streams = {"stdin": subprocess.DEVNULL, "stdout": file, "stderr": subprocess.STDOUT}
+                streams = {"stdin": subprocess.PIPE, "text": True, "stdout": file, "stderr": subprocess.STDOUT}
                 self._process = subprocess.Popen(command, **streams)
             self.path = self._wait_for_path(output)
         except BaseException:
@@ -52,6 +52,7 @@ class Server:
 
     def __exit__(self, *_: object) -> None:
         if self._process is not None:
+            self._process.stdin.close()
             self._process.terminate()
             try:
                 self._process.wait(timeout=5)
@@ -60,6 +61,11 @@ class Server:
                 self._process.wait(timeout=5)
         if self._folder is not None:
             self._folder.cleanup()
+
+    def raise_trigger(self) -> None:
+        """Raises the device's trigger input for a moment."""
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
 
     def _wait_for_path(self, output: Path) -> str:
         until = time.monotonic() + _START_TIME_S

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from device_case import DeviceCase
 from errors import Closed, FieldError, SliplineError
-from messages import NEXT_BLOCK, VERSION_1_0, Drive, Tone, TravelLimit, at, fault_names
+from messages import AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, Drive, Tone, TravelLimit, at, fault_names
 from records import Choice
 from server import Server
 from table import Table
@@ -123,6 +123,27 @@ class AtSocket(DriveCase):
         client.stop()
         client.hello()
         self.assertIsNone(client.travel_limit(), "it holds for a session")
+
+    def test_a_drive_that_waits_for_the_trigger(self) -> None:
+        client, tone = self.client, Tone(0, 32768, 30000, 0)
+        self.make_ready()
+        for way_out in (client.stop, lambda: client.drive([])):
+            client.drive([tone], apply=AT_TRIGGER)
+            self.assertEqual(client.status().state.name, "Waiting")
+            self.assertEqual((client.trigger().waits, client.trigger().began), (True, None))
+            way_out()
+            self.assertEqual((client.trigger().waits, client.trigger().began), (False, None))
+        since = client.drive([tone], apply=AT_TRIGGER)
+        # What rises before the device has taken the drive up counts for nothing.
+        self.wait_for(lambda status: status.now > since + client.device.block)
+        self.server.raise_trigger()
+        self.wait_for(lambda status: status.state.name == "Driving")
+        began = client.trigger().began
+        self.assertGreater(began, since)
+        self.assertEqual(began % client.device.block, 0)
+        client.hello(VERSION_1_0)
+        with self.assertRaisesRegex(SliplineError, "AtTrigger needs protocol 1.1, the device has 1.0"):
+            client.drive([tone], apply=AT_TRIGGER)
 
     def test_the_kept_table(self) -> None:
         client = self.client

@@ -286,7 +286,7 @@ class Bodies(unittest.TestCase):
             (Drive((tone,), 1, 2000, NEXT_BLOCK), f"Drive.master {integer} -9600 to 0, not 1"),
             (Drive((tone,), 0, 1.5, NEXT_BLOCK), f"Drive.glide {integer} 0 to 4294967295, not 1.5"),
             (Drive((tone,), 0, 2000, at(-1)), f"Drive.apply.value {integer} 0 to 18446744073709551615, not -1"),
-            (Drive((tone,), 0, 2000, Choice("Later")), "Drive.apply must be one of Next, At, not 'Later'"),
+            (Drive((tone,), 0, 2000, Choice("Later")), "Drive.apply must be one of Next, At, AtTrigger, not 'Later'"),
         ):
             with self.subTest(message=message):
                 with self.assertRaises(FieldError) as caught:

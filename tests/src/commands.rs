@@ -31,6 +31,7 @@ pub fn every_command() -> Vec<Command> {
         Command::ClearFaults,
         Command::SetTravelLimit(TravelSetting { limit: Some(limit) }),
         Command::TravelLimit,
+        Command::Trigger,
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,

@@ -364,6 +364,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             | Command::Store
             | Command::Forget => matches!(event, Event::Accepted(_) | Event::Unchanged(_)),
             Command::Maintenance => matches!(event, Event::Maintenance(_)),
+            Command::Trigger => matches!(event, Event::Trigger(_)),
         };
         assert!(expected, "{command:?}: {event:?}");
         rig.live_ms(20);

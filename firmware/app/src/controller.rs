@@ -21,7 +21,9 @@ use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{Command, DigestWindow, KeepAlive, TableHeader};
-use slipline_protocol::event::{Accepted, Digest, Event, Fault, Faults, StoredConfig, TableReport};
+use slipline_protocol::event::{
+    Accepted, Digest, Event, Fault, Faults, StoredConfig, TableReport, TriggerReport,
+};
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
@@ -167,6 +169,10 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             }
             Command::SetTravelLimit(setting) => self.set_travel_limit(*setting, mailbox),
             Command::TravelLimit => Ok(self.travel_limit()),
+            Command::Trigger => {
+                let (waits, began) = mailbox.trigger();
+                Ok(Event::Trigger(TriggerReport { waits, began }))
+            }
             Command::TableBegin(header) => {
                 let slot = self.active.slot.other();
                 if !mailbox.slot_is_free(slot) {
@@ -242,6 +248,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         if self.thermal.is_over() && !view.faults.set().contains(Fault::Overheat) {
             mailbox.fault(Fault::Overheat, Stop::Normal);
         }
+        // An instrument at the trigger input acts for the user.
+        self.user_acted_at = self.user_acted_at.max(mailbox.trigger().1.unwrap_or(0));
         // A table swap that is pending is no drive.
         let sounds = view.armed && !view.report.silent;
         if sounds && now.saturating_sub(self.user_acted_at) >= self.timing.max_drive {

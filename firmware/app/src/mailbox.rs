@@ -3,6 +3,7 @@
 //! ```text
 //! thread side (link, controller)      Mailbox                     interrupt side (renderer)
 //!   publish(motion) ----------->   pending, at its start   ---->  begin_block() -> Orders, place()
+//!   publish_waiting(motion) --->   pending, at the trigger ---->
 //!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
 //!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
 //!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
@@ -82,6 +83,8 @@ struct Shared {
     is_publishing: Cell<bool>,
     /// What is pending; its motion is the one that is not in force.
     pending: Cell<Option<Pending>>,
+    /// Where the last motion began that had waited for the trigger input.
+    began: Cell<Option<SampleIndex>>,
     stop: Cell<Option<Stop>>,
     armed: Cell<bool>,
     ready_at: Cell<SampleIndex>,
@@ -122,8 +125,25 @@ impl Shared {
         self.live.get().of(&self.outlines).get()
     }
 
+    /// Whether what is pending waits for the trigger input.
+    fn waits(&self) -> bool {
+        self.pending.get().is_some_and(|pending| pending.waits)
+    }
+
     fn count_change(&self) {
         self.changes.set(self.changes.get().wrapping_add(1));
+    }
+
+    /// The pending motion, which has waited for the trigger input, begins at an index. It was planned from tones that do
+    /// not move any more, so all of it holds there, too.
+    ///
+    /// Never inlined: it would cost every other block time, too.
+    #[cold]
+    #[inline(never)]
+    fn begin_waiting(&self, index: SampleIndex) {
+        let outline = self.live.get().other().of(&self.outlines);
+        outline.set(outline.get().starting_at(index));
+        self.began.set(Some(index));
     }
 
     fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
@@ -141,6 +161,7 @@ impl Shared {
 struct Moment {
     next: SampleIndex,
     pending: Option<SampleIndex>,
+    waits: bool,
     stopping: bool,
     armed: bool,
     ready_at: SampleIndex,
@@ -176,6 +197,7 @@ impl<M: RawMutex> Mailbox<M> {
                 is_fading: Cell::new(false),
                 is_publishing: Cell::new(false),
                 pending: Cell::new(None),
+                began: Cell::new(None),
                 stop: Cell::new(None),
                 armed: Cell::new(false),
                 ready_at: Cell::new(0),
@@ -200,6 +222,11 @@ impl<M: RawMutex> Mailbox<M> {
     /// Whether it is armed, and the faults: a part of [`Mailbox::view`] that costs little.
     pub fn standing(&self) -> (bool, FaultLatch) {
         self.shared.lock(|shared| (shared.armed.get(), shared.faults.get()))
+    }
+
+    /// Whether a motion waits for the trigger input, and where the last one began that had waited.
+    pub fn trigger(&self) -> (bool, Option<SampleIndex>) {
+        self.shared.lock(|shared| (shared.waits(), shared.began.get()))
     }
 
     /// The table slots.
@@ -229,6 +256,7 @@ impl<M: RawMutex> Mailbox<M> {
                 (!shared.is_fading.get() && shared.changes.get() == changes).then(|| Moment {
                     next: shared.next.get(),
                     pending: shared.pending.get().map(|pending| pending.at),
+                    waits: shared.waits(),
                     stopping: shared.stop.get().is_some() || shared.report.get().stopping,
                     armed: shared.armed.get(),
                     ready_at: shared.ready_at.get(),
@@ -236,24 +264,49 @@ impl<M: RawMutex> Mailbox<M> {
                     faults: shared.faults.get(),
                 })
             });
-            if let Some(Moment { next, pending, stopping, armed, ready_at, report, faults }) = rest {
-                return View { next, motion, changes, pending, stopping, armed, ready_at, report, faults };
+            if let Some(Moment { next, pending, waits, stopping, armed, ready_at, report, faults }) = rest {
+                return View {
+                    next,
+                    motion,
+                    changes,
+                    pending,
+                    waits,
+                    stopping,
+                    armed,
+                    ready_at,
+                    report,
+                    faults,
+                };
             }
             // The motion became another one meanwhile. That happens a few times at most: a motion begins, a ramp
             // begins, and a new motion would have to come from this side.
         }
     }
 
-    /// Hands over a motion that goes on from that of `view`: it is pending until its start.
+    /// Hands over a motion that goes on from that of `view`: it is pending until its start. One that waits for the
+    /// trigger input is dropped for it.
     ///
     /// # Errors
-    /// [`NotPublished`]; nothing has changed then.
+    /// [`NotPublished`]; nothing has begun then.
     pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+        self.hand_over(motion, view, false)
+    }
+
+    /// As [`Mailbox::publish`] a motion that begins with the first block after a rise of the trigger input. The rise
+    /// counts from the rendering of the block at the motion's start on; the motion of `view` must have ended there.
+    ///
+    /// # Errors
+    /// As [`Mailbox::publish`].
+    pub fn publish_waiting(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+        self.hand_over(motion, view, true)
+    }
+
+    fn hand_over(&self, motion: Motion, view: &View, waits: bool) -> Result<(), NotPublished> {
         let refusal = |shared: &Shared| {
             let is_late = motion.start() < shared.next.get()
                 || shared.changes.get() != view.changes
                 || shared.stop.get().is_some();
-            if shared.pending.get().is_some() {
+            if shared.pending.get().is_some_and(|pending| !pending.waits) {
                 Err(NotPublished::Pending)
             } else if is_late {
                 Err(NotPublished::Late)
@@ -267,6 +320,8 @@ impl<M: RawMutex> Mailbox<M> {
                 return Err(NotPublished::Pending);
             }
             refusal(shared)?;
+            // It may be one that waits: from here on it cannot begin any more.
+            shared.pending.set(None);
             shared.is_publishing.set(true);
             Ok(shared.live.get().other())
         })?;
@@ -279,6 +334,7 @@ impl<M: RawMutex> Mailbox<M> {
                 at: motion.start(),
                 slot: motion.table().slot,
                 sounds: !motion.ends_silent(),
+                waits,
             }));
             Ok(())
         })

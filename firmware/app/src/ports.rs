@@ -41,16 +41,24 @@ pub trait Mute {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HasMuted;
 
-/// The trigger output: a pin that tells other instruments when a program begins.
+/// The trigger: an output that tells other instruments when a program begins, and an input by which they begin one.
 pub trait Trigger {
     /// The pin rises, by hardware, a constant number of samples before the first code of the block that the DAC has just
     /// taken. Called right after [`DacStream::write_block`], only for a block in which a program begins.
     fn rise(&mut self);
+
+    /// Whether the input has risen since the last call: hardware keeps the rise until it is asked for. Called before each
+    /// block while a program waits for it ([`System::has_trigger_input`]), and once when one begins to.
+    fn has_risen(&mut self) -> bool;
 }
 
-/// No trigger output.
+/// No trigger.
 impl Trigger for () {
     fn rise(&mut self) {}
+
+    fn has_risen(&mut self) -> bool {
+        false
+    }
 }
 
 /// A free-running processor cycle counter, for the worst block's cost.
@@ -153,6 +161,9 @@ impl FlashPages for NoFlash {
 pub trait System {
     /// Whether there is a ROM bootloader to enter.
     fn has_bootloader(&self) -> bool;
+
+    /// Whether the board has a trigger input ([`Trigger::has_risen`]).
+    fn has_trigger_input(&self) -> bool;
 
     /// Whether the brown-out reset level is set as the board needs it; true where there is no such level.
     fn is_brown_out_guarded(&self) -> bool;

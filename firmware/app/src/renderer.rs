@@ -7,7 +7,8 @@
 //! is changed in place, and the thread side plans new motions: to plan here, or to copy sixteen tones, would cost a good
 //! part of that time.
 //!
-//! It may not fail, wait or allocate, and its decisions depend on the program, the orders and the sample index only.
+//! It may not fail, wait or allocate, and its decisions depend on the program, the orders and the sample index only; a
+//! program that waits for the trigger input is the one exception, and where it began is told.
 //! The dead-man's switch and every ramp to silence are here, so that a link that hangs cannot keep the drive on. The
 //! same orders at the same indices give the same codes on every machine.
 
@@ -63,6 +64,9 @@ pub struct Renderer {
     muted: bool,
     /// Whether a program begins with the last rendered block: a drive, or a table that comes into force while armed.
     begins: bool,
+    /// Whether a program waits for the trigger input, and whether that has risen before the block to be rendered.
+    listens: bool,
+    has_risen: bool,
     digester: Digester,
     report: Report,
     begun: bool,
@@ -101,6 +105,8 @@ impl Renderer {
             quiet_blocks: 0,
             muted: true,
             begins: false,
+            listens: false,
+            has_risen: false,
             digester: Digester::new(),
             report: Report::SILENT,
             begun: false,
@@ -136,9 +142,17 @@ impl Renderer {
         loop {
             dac.room().await;
             let before = cycles.cycles();
+            let has_listened = self.listens;
+            if has_listened {
+                self.has_risen = trigger.has_risen();
+            }
             self.render(mailbox, &mut codes);
             self.report.max_cycles = self.report.max_cycles.max(cycles.cycles().wrapping_sub(before));
             mute.set_muted(self.muted);
+            if self.listens && !has_listened {
+                // A rise of before counts for nothing.
+                trigger.has_risen();
+            }
             if dac.write_block(&codes).await.is_err() {
                 self.underrun(mailbox);
                 continue;
@@ -169,7 +183,7 @@ impl Renderer {
         }
         let was_silent = self.outline.is_silent_from(index);
         let (stopping, dead_man) = (self.stop_ends.is_some(), self.timing.dead_man);
-        let orders = mailbox.begin_block(index, |orders| {
+        let orders = mailbox.begin_block(index, self.has_risen, |orders| {
             // The controller has checked all this. It is checked again because this is the last place that can.
             let allowed = orders.armed && index >= orders.ready_at;
             let sounds = orders.due.is_some_and(|due| due.sounds);
@@ -178,6 +192,7 @@ impl Renderer {
                 && !is_host_lost(orders, index, dead_man)
                 && (allowed || !sounds)
         });
+        self.listens = orders.listens;
         self.take_limit(orders.limit_per_mille, was_silent);
         self.obey(&orders, mailbox);
 

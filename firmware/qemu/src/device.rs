@@ -210,6 +210,10 @@ impl System for NoBootloader {
         false
     }
 
+    fn has_trigger_input(&self) -> bool {
+        false
+    }
+
     fn is_brown_out_guarded(&self) -> bool {
         true
     }

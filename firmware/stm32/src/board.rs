@@ -8,8 +8,8 @@
 //! | `MuteTimer`, `MUTE_TIMER`, `MUTE_TIMER_HZ` | the timer of the mute pin, with a break input, and its clock in Hz |
 //! | `MUTE_CHANNEL`, `MUTE_IS_COMPLEMENTARY` | its channel, from 0, and whether the pin is the complementary output |
 //! | `MUTE_PIN`, `MUTE_FUNCTION` | the mute pin's port and number, and the alternate function that gives it to the timer |
-//! | `TriggerTimer`, `TRIGGER_TIMER`, `TRIGGER_SOURCE` | the block timer of the trigger output, and which of its inputs the sample timer is |
-//! | `TRIGGER_CHANNEL`, `TRIGGER_FUNCTION` | its channel, from 0, and the alternate function that gives it the pin |
+//! | `TriggerTimer`, `TRIGGER_TIMER`, `TRIGGER_SOURCE` | the block timer of the trigger output and input, and which of its inputs the sample timer is |
+//! | `TRIGGER_CHANNEL`, `TRIGGER_INPUT_CHANNEL`, `TRIGGER_FUNCTION` | the channels of output and input, from 0, and the alternate function that gives them their pins |
 //! | `DAC_TRIGGER`, `DMA_STREAM`, `DacDma` | the DAC's wiring inside the chip |
 //! | `route_dma(..)` (`dma-streams`) or `DMA_REQUEST` (`dma-channels`) | the DMA request of the DAC, for `dac/` |
 //! | `FLASH_SLOTS`, `SLOT_BYTES` | the flash slots of the stored table |
@@ -60,6 +60,8 @@ pub(crate) struct Board {
     pub(crate) mute_timer: Peri<'static, MuteTimer>,
     /// Rises when a program begins; low until its timer has it, and then too.
     pub(crate) trigger: Flex<'static>,
+    /// Its rise begins a program; pulled down once its timer has it.
+    pub(crate) trigger_input: Flex<'static>,
     pub(crate) trigger_timer: Peri<'static, TriggerTimer>,
     pub(crate) lamp: Output<'static>,
     pub(crate) dac: Peri<'static, peripherals::DAC1>,

@@ -16,7 +16,7 @@ use crate::dac::{self, Dac};
 use crate::lamp::Lamp;
 use crate::mute::{self, MutePin};
 use crate::store::Store;
-use crate::trigger::TriggerPin;
+use crate::trigger::TriggerPins;
 #[cfg(feature = "link-uart")]
 use crate::uart_link::{FromHost, ToHost, start as start_link};
 #[cfg(feature = "link-usb")]
@@ -61,7 +61,7 @@ fn main() -> ! {
     // later.
     unsafe { interrupt::TIM6_DAC.enable() };
     // Counts from the first code on.
-    let trigger = TriggerPin::start(board.trigger_timer, board.trigger);
+    let trigger = TriggerPins::start(board.trigger_timer, board.trigger, board.trigger_input);
     let dac = Dac::start(board.dac, board.sample_timer, board.dac_stream, board.dac_pin);
 
     pin_lock::lock(embassy_stm32::pac::GPIOA, dac::PIN);
@@ -106,7 +106,7 @@ fn start_cycle_counter() {
 
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
-async fn render(dac: Dac, mute: MutePin, trigger: TriggerPin) {
+async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins) {
     // Built at compile time: built here, it would take 10 KiB of stack for a moment, more than all other code needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
@@ -169,6 +169,10 @@ struct Rom;
 
 impl System for Rom {
     fn has_bootloader(&self) -> bool {
+        true
+    }
+
+    fn has_trigger_input(&self) -> bool {
         true
     }
 

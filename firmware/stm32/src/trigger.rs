@@ -1,4 +1,5 @@
-//! The trigger output: a pin that rises when a program begins, by hardware alone.
+//! The trigger output: a pin that rises when a program begins, by hardware alone. And the trigger input: a pin whose rise
+//! begins a program.
 //!
 //! ```text
 //! sample timer's update --TRGO--> DAC: next code
@@ -16,20 +17,32 @@
 //! A block that is late is not played, and no edge tells of it. If the DMA's interrupt is lost, an edge may come again with
 //! each block, as the codes do; the amplifier is off then within 5 ms (`mute`).
 //!
+//! The input is another channel of the block timer, as an input capture: a rise sets the channel's flag, which stays until the
+//! renderer looks at it, before each block while a program waits. The captured count is not used, and reading it would
+//! clear the flag. A rise that comes before the look is for the block that is rendered then, and the DMA fetches that one
+//! block later; so the program's first code is at the DAC's pin between one and two blocks after the rise, and the output
+//! tells to the sample when.
+//!
 //! Facts of the timer, the same in RM0090 18.3 and 18.4, RM0433 39.3 and 39.4, and RM0440's chapter on TIM2 to TIM5:
 //! * SMS = 111 (external clock mode 1): rising edges of the chosen trigger clock the counter. On the F407 the sample timer
 //!   has twice the block timer's clock. The manual's only condition for two such timers is that the slave's clock is on
 //!   (RM0090 18.3.15); `firmware/BOARDS.md` asks for a look at it on the first board.
 //! * OCxPE = 1: a compare value is taken over at the update event, which comes with the count's step to 0.
+//! * CCxS = 01 with CCxE = 1: a rise of TIx (CCxP = CCxNP = 0) sets CCxIF, in the slave modes, too. Writing 0 to the flag
+//!   clears it, writing 1 to others leaves them.
+//! * ICxF = 1111: a level counts after 8 equal samples at fDTS/32, with CKD = 00 256 periods of the timer's clock: 3.1 us on
+//!   the F407 (84 MHz), 1.5 us on the G474 (170 MHz), 1.3 us on the H743 (200 MHz).
 //! * PWM mode 1: the output is high while the count is below the compare value; with 0 never.
 
-use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
-use embassy_stm32::pac::timer::vals::Sms;
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
+use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 use embassy_stm32::{Peri, rcc};
 use slipline_app::bank::BLOCK;
 use slipline_app::ports::Trigger;
 
-use crate::board::{self, TRIGGER_CHANNEL as CHANNEL, TRIGGER_TIMER as TIMER};
+use crate::board::{
+    self, TRIGGER_CHANNEL as CHANNEL, TRIGGER_INPUT_CHANNEL as INPUT, TRIGGER_TIMER as TIMER,
+};
 
 /// The pin is high for so many samples: half a block, so that a program that begins a block later has an edge, too.
 const PULSE: u16 = BLOCK as u16 / 2;
@@ -37,12 +50,16 @@ const PULSE: u16 = BLOCK as u16 / 2;
 /// An output compare mode.
 const PWM_MODE_1: u8 = 0b110;
 
-/// The trigger output.
-pub(crate) struct TriggerPin;
+/// The trigger output and input.
+pub(crate) struct TriggerPins;
 
-impl TriggerPin {
-    /// Gives the pin to the block timer, which keeps it low. Before the sample timer runs.
-    pub(crate) fn start(timer: Peri<'static, board::TriggerTimer>, mut pin: Flex<'static>) -> Self {
+impl TriggerPins {
+    /// Gives the pins to the block timer, which keeps the output low. Before the sample timer runs.
+    pub(crate) fn start(
+        timer: Peri<'static, board::TriggerTimer>,
+        mut output: Flex<'static>,
+        mut input: Flex<'static>,
+    ) -> Self {
         // The timer is this file's from now on.
         let _ = timer;
         rcc::enable_and_reset::<board::TriggerTimer>();
@@ -51,23 +68,45 @@ impl TriggerPin {
             w.set_ocm(CHANNEL % 2, PWM_MODE_1.into());
             w.set_ocpe(CHANNEL % 2, true);
         });
+        // CCxS can be written while the channel is off only.
+        TIMER.ccmr_input(INPUT / 2).modify(|w| {
+            w.set_ccs(INPUT % 2, CcmrInputCcs::TI4);
+            w.set_icf(INPUT % 2, FilterValue::FDTS_DIV32_N8);
+        });
         restart();
-        TIMER.ccer().write(|w| w.set_cce(CHANNEL, true));
+        TIMER.ccer().write(|w| {
+            w.set_cce(CHANNEL, true);
+            w.set_cce(INPUT, true);
+        });
         TIMER.smcr().write(|w| {
             w.set_ts(board::TRIGGER_SOURCE);
             w.set_sms(Sms::EXT_CLOCK_MODE);
         });
         TIMER.cr1().write(|w| w.set_cen(true));
-        pin.set_as_af_unchecked(board::TRIGGER_FUNCTION, AfType::output(OutputType::PushPull, Speed::High));
-        // A `Flex` that is dropped makes its pin an input again.
-        core::mem::forget(pin);
+        let driven = AfType::output(OutputType::PushPull, Speed::High);
+        output.set_as_af_unchecked(board::TRIGGER_FUNCTION, driven);
+        // An input that is not connected stays low.
+        input.set_as_af_unchecked(board::TRIGGER_FUNCTION, AfType::input(Pull::Down));
+        // A `Flex` that is dropped gives its pin up.
+        core::mem::forget((output, input));
         Self
     }
 }
 
-impl Trigger for TriggerPin {
+impl Trigger for TriggerPins {
     fn rise(&mut self) {
         set(PULSE);
+    }
+
+    fn has_risen(&mut self) -> bool {
+        let has_risen = TIMER.sr().read().ccif(INPUT);
+        if has_risen {
+            TIMER.sr().write(|w| {
+                w.0 = u32::MAX;
+                w.set_ccif(INPUT, false);
+            });
+        }
+        has_risen
     }
 }
 

@@ -139,8 +139,8 @@ impl Channel {
     }
 
     /// Whether the device knows this command: one that is newer than its firmware is never sent.
-    pub(crate) const fn is_known(&self, command: &Command) -> bool {
-        self.minor.has(command.since())
+    pub(crate) fn is_known(&self, command: &Command) -> bool {
+        command.is_known(self.minor)
     }
 
     /// Whether a numbered command may be sent now.

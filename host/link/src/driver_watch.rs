@@ -72,7 +72,8 @@ impl DriverWatch {
     /// Asks for a sign of life, and ends the drive without one.
     pub(crate) fn watch(&mut self, queue: &mut CommandQueue, recorder: &mut Recorder, now: Duration) {
         let state = recorder.view.status.map(|status| status.state);
-        let is_armed = matches!(state, Some(State::Armed | State::Driving | State::Stopping));
+        let is_armed =
+            matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping));
         // The link arms a simulated device without being asked, also while the window is still being opened.
         if !self.has_signed
             && recorder.view.may_arm_unasked()

@@ -44,6 +44,7 @@ mod snapshot;
 pub mod table;
 mod trace;
 pub mod transport;
+mod undecided;
 pub mod upkeep;
 
 pub use drive::{DriveError, DriveRequest, ToneRequest};

@@ -8,9 +8,10 @@ use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
 use crate::trace::FRAMES_KEPT;
+use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::command::TravelLimit;
-use slipline_protocol::event::{Maintenance, Status, TableReport};
+use slipline_protocol::command::{Drive, TravelLimit};
+use slipline_protocol::event::{Maintenance, State, Status, TableReport, TriggerReport};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
@@ -26,6 +27,8 @@ pub(crate) struct Recorder {
     pub(crate) view: Snapshot,
     now: Duration,
     entries: u64,
+    /// Drives that wait for the trigger input.
+    undecided: Undecided,
     /// Something changed since the last snapshot.
     changed: bool,
     /// Something changed that is worth a repaint.
@@ -63,8 +66,47 @@ impl Recorder {
         self.enter(at, change, true);
     }
 
-    /// Notes that the device, which has latched a fault at `at`, has stopped by itself what it was sounding.
+    /// Notes a drive that waits for the trigger input, whose rise counts from an index on.
+    pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Arc<Drive>) {
+        self.undecided.wait(from, drive);
+    }
+
+    /// Whether the device must be asked what became of a drive that has waited for the trigger input.
+    pub(crate) fn must_ask_for_trigger(&self) -> bool {
+        let waits = self.view.status.is_some_and(|status| status.state == State::Waiting);
+        self.undecided.is_about_several() || (!waits && !self.undecided.is_empty())
+    }
+
+    /// Takes the device's word on the drive that waits or has waited for the trigger input.
+    pub(crate) fn trigger(&mut self, report: TriggerReport) {
+        self.view.trigger = Some(report);
+        let decided = self.undecided.decide(&report);
+        self.enter_all(decided);
+        self.settle();
+        self.touch();
+    }
+
+    /// The journal is complete up to the status, unless it is not known what became of a drive.
+    fn settle(&mut self) {
+        if !self.must_ask_for_trigger() {
+            let told = self.undecided.waits_still();
+            self.enter_all(told);
+            self.view.settled = self.view.status;
+        }
+    }
+
+    fn enter_all(&mut self, entries: Vec<Held>) {
+        for Held { at, change, is_exact } in entries {
+            self.write(at, change, is_exact);
+        }
+    }
+
+    /// Notes that the device, which has latched a fault at `at`, has stopped by itself what it was sounding. Not before it
+    /// is known what that was.
     pub(crate) fn stopped_by_itself(&mut self, at: SampleIndex) {
+        if !self.undecided.is_empty() {
+            return;
+        }
         let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
             Change::Drive(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
@@ -83,6 +125,14 @@ impl Recorder {
     }
 
     fn enter(&mut self, at: SampleIndex, change: Change, is_exact: bool) {
+        if self.undecided.is_empty() {
+            self.write(at, change, is_exact);
+        } else {
+            self.undecided.hold(Held { at, change, is_exact });
+        }
+    }
+
+    fn write(&mut self, at: SampleIndex, change: Change, is_exact: bool) {
         self.entries += 1;
         let journal = Arc::make_mut(&mut self.view.journal);
         if matches!(change, Change::Limit(_)) {
@@ -171,6 +221,7 @@ impl Recorder {
         }
         self.view.status = Some(status);
         self.view.status_time = self.now;
+        self.settle();
         self.changed = true;
     }
 
@@ -233,11 +284,15 @@ impl Recorder {
 
     /// Forgets what was known of a device that is connected no more.
     pub(crate) fn forget_device(&mut self, error: Option<LinkError>) {
+        let told = self.undecided.give_up();
+        self.enter_all(told);
         let view = &mut self.view;
         view.identity = None;
         view.maintenance = None;
         view.compatibility = None;
         view.status = None;
+        view.settled = None;
+        view.trigger = None;
         view.table = TableReport::default();
         view.confirmed_table = None;
         view.travel_limit = None;

@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use slipline_protocol::Command;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
-use slipline_protocol::event::{Identity, Maintenance, Status, TableReport};
+use slipline_protocol::event::{Identity, Maintenance, Status, TableReport, TriggerReport};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::version::{Compatibility, Version};
 use std::collections::VecDeque;
@@ -111,6 +111,12 @@ pub struct Snapshot {
     pub compatibility: Option<Compatibility>,
     /// Its status, while connected; asked for every fifth of a second.
     pub status: Option<Status>,
+    /// The status up to which the journal is complete: the latest one, unless a drive that had waited for the trigger input
+    /// may have begun before it and the device has not told yet whether and where.
+    pub settled: Option<Status>,
+    /// What the device has told last of the drive that waits, or has waited, for the trigger input; asked for when a drive
+    /// waits no more.
+    pub trigger: Option<TriggerReport>,
     /// The wear of its flash and how its supply is guarded, while connected; `None` with a device of protocol 1.0, which
     /// does not tell it. Told at the start, and anew after each write to the flash.
     pub maintenance: Option<Maintenance>,

@@ -92,9 +92,9 @@ impl Autopilot {
     /// Whether a change of the setup must be sent now.
     #[must_use]
     pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
-        let takes_drives = snapshot
-            .status
-            .is_some_and(|status| matches!(status.state, State::Armed | State::Driving | State::Stopping));
+        let takes_drives = snapshot.status.is_some_and(|status| {
+            matches!(status.state, State::Armed | State::Waiting | State::Driving | State::Stopping)
+        });
         self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
@@ -148,7 +148,9 @@ impl Autopilot {
             }
         }
         let table_changed = before.table.active.map(|header| header.crc) != on_device;
-        if table_changed || !matches!(state, Some(State::Armed | State::Driving | State::Stopping)) {
+        if table_changed
+            || !matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping))
+        {
             self.has_driven = false;
         }
         // The same plate from another file has the same table, so only this flag shows that there are tones to
@@ -228,8 +230,9 @@ pub struct SoundingDrive {
 /// The drive that sounds; `None` when the device is silent or uses a table that this program does not know.
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
-    let is_sounding =
-        snapshot.status.is_some_and(|status| matches!(status.state, State::Driving | State::Armed));
+    let is_sounding = snapshot
+        .status
+        .is_some_and(|status| matches!(status.state, State::Driving | State::Waiting | State::Armed));
     let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
     let mut latest = None;
     for entry in snapshot.journal.iter() {

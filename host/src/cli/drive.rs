@@ -1,13 +1,14 @@
 //! `slipline drive`.
 
 use super::device::Device;
-use super::{DriveArguments, Failure, argument, output};
+use super::{Begin, DriveArguments, Failure, argument, output};
 use crate::signals;
 use serde_json::json;
+use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
-use slipline_link::{DriveRequest, LinkState, Request};
+use slipline_link::{DriveRequest, LinkState, Request, Snapshot};
 use slipline_plate::quantity::{show_frequency, show_place};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// Time between two checks of the device's state.
@@ -27,7 +28,11 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let table = device.use_table(&plate)?;
     table.check_sum(&tones).map_err(Failure::usage)?;
     device.arm()?;
-    let request = DriveRequest { glide_s, ..DriveRequest::at(&tones) };
+    let apply = match arguments.at {
+        Begin::Now => Apply::Next,
+        Begin::Trigger => Apply::AtTrigger,
+    };
+    let request = DriveRequest { glide_s, apply, ..DriveRequest::at(&tones) };
     let at = device.perform_at(Request::Drive(request))?;
 
     let played: Vec<(f64, f64, f64)> = tones
@@ -42,6 +47,9 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
                 let (place, frequency) = (show_place(*boundary_m), show_frequency(*hz));
                 writeln!(out, "Boundary at {place}: {frequency}, level {level}.")?;
             }
+            if arguments.at == Begin::Trigger {
+                writeln!(out, "Waiting for the trigger.")?;
+            }
             match duration_s {
                 Some(seconds) => writeln!(out, "Driving for {seconds} s."),
                 None => {
@@ -51,12 +59,29 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             }
         })?;
     }
-    let driven_s = hold(&device, duration_s)?;
+    let (interrupted, interruption) = channel();
+    let stop = device.handle();
+    let _closing = signals::end_by(move || {
+        // Sent at once, before waiting for anything.
+        stop.send(Request::Stop);
+        let _ = interrupted.send(());
+    });
+    let began = match arguments.at {
+        Begin::Now => Some((at, Instant::now())),
+        Begin::Trigger => wait_for_trigger(&device, &interruption, at)?,
+    };
+    if let Some((at, _)) = began.filter(|_| !as_json && arguments.at == Begin::Trigger) {
+        output::print(false, &json!(null), |out| writeln!(out, "Began at sample {at}."))?;
+    }
+    let driven_s = match began {
+        Some((_, begin)) => hold(&device, &interruption, begin, duration_s)?,
+        None => 0.0,
+    };
     let stopped_at = device.perform_at(Request::Stop)?;
     let value = json!({
         "port": port.to_string(),
         "plate": plate.name(),
-        "at_samples": at,
+        "at_samples": began.map(|(at, _)| at),
         "stopped_at_samples": stopped_at,
         "driven_s": driven_s,
         "tones": played.iter().map(|&(boundary_m, level, frequency_hz)| json!({
@@ -68,23 +93,63 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
 }
 
-/// Waits until the time is over or the user interrupts; returns the driven time in seconds.
-fn hold(device: &Device, duration_s: Option<f64>) -> Result<f64, Failure> {
-    let (interrupted, interruption) = channel();
-    let stop = device.handle();
-    let _closing = signals::end_by(move || {
-        // Sent at once, before waiting for anything.
-        stop.send(Request::Stop);
-        let _ = interrupted.send(());
-    });
-    let begin = Instant::now();
+/// Waits until the drive has begun, at a rise that counts from an index on; returns the index at which it began and when
+/// that was, or nothing if the user interrupts.
+fn wait_for_trigger(
+    device: &Device,
+    interruption: &Receiver<()>,
+    from: u64,
+) -> Result<Option<(u64, Instant)>, Failure> {
+    let rate_hz = f64::from(device.identity()?.sample_rate_hz);
+    let told = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
+    let is_over =
+        watch(
+            device,
+            interruption,
+            |snapshot| {
+                if told(snapshot).is_some() { Duration::ZERO } else { GLANCE }
+            },
+        )?;
+    if !is_over {
+        return Ok(None);
+    }
+    let snapshot = device.snapshot();
+    let began = told(&snapshot).and_then(|report| report.began).filter(|&began| began > from);
+    let began =
+        began.ok_or_else(|| Failure::Failed("the device gave the drive up before the trigger".to_owned()))?;
+    let now = snapshot.status.map_or(began, |status| status.now);
+    let since = Duration::from_secs_f64(now.saturating_sub(began) as f64 / rate_hz);
+    Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
+}
+
+/// Waits until the time since `begin` is over or the user interrupts; returns the driven time in seconds.
+fn hold(
+    device: &Device,
+    interruption: &Receiver<()>,
+    begin: Instant,
+    duration_s: Option<f64>,
+) -> Result<f64, Failure> {
+    let duration = duration_s.map(Duration::from_secs_f64);
+    watch(device, interruption, |_| {
+        duration.map_or(GLANCE, |duration| duration.saturating_sub(begin.elapsed()))
+    })?;
+    Ok(begin.elapsed().as_secs_f64())
+}
+
+/// Waits until no time is `left` or the user interrupts, while it looks after the device; returns whether the time is
+/// over.
+fn watch(
+    device: &Device,
+    interruption: &Receiver<()>,
+    left: impl Fn(&Snapshot) -> Duration,
+) -> Result<bool, Failure> {
     loop {
-        let left = duration_s.map(|s| Duration::from_secs_f64(s).saturating_sub(begin.elapsed()));
-        if left.is_some_and(|left| left.is_zero()) {
-            return Ok(begin.elapsed().as_secs_f64());
+        let left = left(&device.snapshot());
+        if left.is_zero() {
+            return Ok(true);
         }
-        match interruption.recv_timeout(left.unwrap_or(GLANCE).min(GLANCE)) {
-            Ok(()) => return Ok(begin.elapsed().as_secs_f64()),
+        match interruption.recv_timeout(left.min(GLANCE)) {
+            Ok(()) => return Ok(false),
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(GLANCE),
             Err(RecvTimeoutError::Timeout) => {}
         }

@@ -32,7 +32,7 @@ pub use figures::FiguresArguments;
 
 use crate::signals;
 use argument::{Boundary, ToneArgument, Typed};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
@@ -160,11 +160,24 @@ pub struct DriveArguments {
     /// How long the change takes, 5ms to 10s.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.005, 10.0), allow_hyphen_values = true, default_value = "20ms")]
     glide: f64,
+    /// When to begin: now, or with the first block of samples after the device's trigger input rises. Until then the
+    /// device waits, armed; Ctrl-C gives it up.
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = Begin::Now)]
+    at: Begin,
     /// Clear the device's latched faults first.
     #[arg(long)]
     clear_faults: bool,
     #[command(flatten)]
     arming: ArmingArgument,
+}
+
+/// When a drive begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Begin {
+    /// At once.
+    Now,
+    /// When the trigger input rises.
+    Trigger,
 }
 
 /// `respond`.

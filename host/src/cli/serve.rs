@@ -11,8 +11,8 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     use slipline_link::native::{Server, system_clock};
     use slipline_link::simulator::SimulatedDevice;
     use slipline_link::simulator::realtime::RealtimeDevice;
-    use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::{Arc, Mutex, PoisonError};
 
     let options = options(arguments.plate.as_deref())?;
     let mut server = match &arguments.socket {
@@ -26,9 +26,18 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let path = server.path().display().to_string();
     let port = if arguments.socket.is_some() { format!("unix:{path}") } else { path.clone() };
     output::print(as_json, &json!({ "path": path, "port": port }), |out| {
-        writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")
+        writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")?;
+        writeln!(out, "Enter raises its trigger input.")
     })?;
     let device = RealtimeDevice::new(SimulatedDevice::new(options), system_clock());
+    let device = Arc::new(Mutex::new(device));
+    let triggered = Arc::clone(&device);
+    // It ends with the input, or with the program.
+    std::thread::spawn(move || {
+        for _line in std::io::stdin().lines().map_while(Result::ok) {
+            triggered.lock().unwrap_or_else(PoisonError::into_inner).raise_trigger();
+        }
+    });
     server.serve(device, &ended).map_err(Failure::failed)
 }
 

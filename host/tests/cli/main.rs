@@ -10,9 +10,13 @@ mod refusals;
 #[cfg(unix)]
 mod serve;
 #[cfg(unix)]
+mod served;
+#[cfg(unix)]
 mod signals;
 mod terminal;
 mod trace;
+#[cfg(unix)]
+mod trigger;
 #[cfg(unix)]
 mod upkeep;
 

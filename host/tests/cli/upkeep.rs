@@ -1,42 +1,8 @@
 //! A board whose brown-out level is not set, and the wear of its flash.
 
-use super::{failure, file, json, slipline};
-use slipline_link::native::{Server, system_clock};
-use slipline_link::simulator::realtime::RealtimeDevice;
-use slipline_link::simulator::{Options, SimulatedDevice};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
-
-/// A simulated device behind a socket, until it is dropped.
-struct Served {
-    port: String,
-    ended: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Served {
-    fn new(name: &str, options: Options) -> Self {
-        let path = file(name);
-        let mut server = Server::at_socket(&path).unwrap();
-        let ended = Arc::new(AtomicBool::new(false));
-        let is_ended = Arc::clone(&ended);
-        let thread = std::thread::spawn(move || {
-            let device = RealtimeDevice::new(SimulatedDevice::new(options), system_clock());
-            server.serve(device, &is_ended).unwrap();
-        });
-        Self { port: format!("unix:{}", path.display()), ended, thread: Some(thread) }
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        self.ended.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
-}
+use super::served::Served;
+use super::{failure, json, slipline};
+use slipline_link::simulator::Options;
 
 #[test]
 fn a_board_without_a_brown_out_level_is_armed_only_if_the_user_says_that_he_knows_it() {

@@ -4,6 +4,8 @@ RM0090 17.3.10 to 17.3.13 and table 72 (output control bits), RM0440 28.3.17 to 
 38.3.19: the same on the three chips. Dead time is not modelled: an output that waits for it changes at once.
 """
 
+from .inputs import FALLING, Inputs
+
 CCMR1, CCMR2, CCER, BDTR = 0x18, 0x1C, 0x20, 0x44
 FROZEN, ACTIVE_ON_MATCH, INACTIVE_ON_MATCH, TOGGLE, FORCED_INACTIVE, FORCED_ACTIVE, PWM1, PWM2 = range(8)
 DEAD_TIME, LOCK, OFF_STATE_IDLE, OFF_STATE_RUN, BREAK_ENABLED, BREAK_ACTIVE_HIGH, AUTOMATIC, MAIN = (
@@ -30,11 +32,18 @@ class Outputs:
         register = self.modes[CCMR1 if channel < 2 else CCMR2]
         return register >> 8 * (channel & 1) + 4 & 7 | (register >> 8 * (channel & 1) + 16 & 1) << 3
 
+    def byte(self, channel):
+        """A channel's byte of CCMR."""
+        return self.modes[CCMR1 if channel < 2 else CCMR2] >> 8 * (channel & 1) & 0xFF
+
+    def is_input(self, channel):
+        return bool(self.byte(channel) & SELECTION)
+
     def preloads(self, channel):
-        return bool(self.modes[CCMR1 if channel < 2 else CCMR2] >> 8 * (channel & 1) & PRELOAD)
+        return not self.is_input(channel) and bool(self.byte(channel) & PRELOAD)
 
     def is_used(self, channel):
-        return bool(self.enables >> 4 * channel & 0b101)
+        return not self.is_input(channel) and bool(self.enables >> 4 * channel & 0b101)
 
     def has_main(self):
         return self.timer.facts.complementary > 0
@@ -116,12 +125,19 @@ class Outputs:
 
     def write(self, offset, value):
         if offset in self.modes:
-            assert not value & (SELECTION | SELECTION << 8), "input capture is not modelled"
             channels = [channel for channel in range(2 * (offset == CCMR2), 2 * (offset == CCMR2) + 2)]
+            for place, channel in enumerate(channels):
+                byte, was = value >> 8 * place & 0xFF, self.byte(channel)
+                if byte & SELECTION:
+                    Inputs.check(byte, f"TIM{self.timer.number}")
+                is_on = self.enables >> 4 * channel & 1
+                assert not is_on or byte & SELECTION == was & SELECTION, "a channel that is on keeps its selection"
             held = {channel: self.reference(channel) for channel in channels if channel < self.timer.facts.channels}
             frozen = MODES_AND_PRELOADS if self.lock() == 3 else 0
             self.modes[offset] = self.modes[offset] & frozen | value & ~frozen
             for channel, reference in held.items():
+                if self.is_input(channel):
+                    continue
                 assert self.mode(channel) < 8, "only the eight basic compare modes are modelled"
                 self.references[channel] = reference
                 if not self.preloads(channel):
@@ -129,6 +145,9 @@ class Outputs:
         elif offset == CCER:
             frozen = POLARITIES if self.lock() >= 2 else 0
             self.enables = self.enables & frozen | value & ~frozen
+            for channel in range(self.timer.facts.channels):
+                is_falling = self.enables >> 4 * channel & FALLING
+                assert not (self.is_input(channel) and is_falling), "only captures of rising edges are modelled"
         elif offset == BDTR and self.has_main():
             self.write_break(value)
         else:

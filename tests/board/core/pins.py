@@ -70,7 +70,8 @@ class Port:
 
 
 class Pins:
-    """All ports. `alternates` says what a pin's alternate function is: (pin, number) -> (timer, output) or a text."""
+    """All ports. `alternates` says what a pin's alternate function is: (pin, number) -> (timer, output), (timer, "IN" and
+    the input's channel), or a text."""
 
     def __init__(self, board, alternates, resets):
         self.board, self.alternates = board, alternates
@@ -110,12 +111,18 @@ class Pins:
             level = registers[ODR] >> number & 1
         elif mode == ALTERNATE and isinstance(self.alternate(name), tuple):
             timer, output = self.alternate(name)
-            level = self.board.timers[timer].outputs.level(output)
+            level = None if output.startswith("IN") else self.board.timers[timer].outputs.level(output)
         else:
             return None
         # An open drain drives its low level only.
         is_open = registers[OTYPER] >> number & 1
         return None if is_open and level == 1 else level
+
+    def drive(self, name, level):
+        """Something outside drives a pin. Only what is given to a timer's input hears of it."""
+        use = self.alternate(name) if self.mode(name) == ALTERNATE else None
+        if isinstance(use, tuple) and use[1].startswith("IN"):
+            self.board.timers[use[0]].inputs.drive(int(use[1][2:]) - 1, level)
 
     def show(self, letter):
         """Notes what has changed on a port."""

@@ -1,11 +1,12 @@
 """A timer: counts up, updates, compares, triggers others (RM0090 chapters 17 to 20, RM0440 chapters 28 to 31, RM0433
 chapters 38 to 43; the three chips have the same counter).
 
-What the counter does to pins, and the break, is in `outputs`. Of the slave modes there is one: another timer's trigger
+What the counter does to pins, and the break, is in `outputs`; what pins do to flags in `inputs`. Of the slave modes there is one: another timer's trigger
 output as the clock. What is not modelled (counting down, the other slave modes) is a failure when it is switched on.
 """
 from typing import NamedTuple
 
+from .inputs import Inputs
 from .outputs import Outputs
 
 CR1, CR2, SMCR, DIER, SR, EGR, CNT, PSC, ARR, RCR, CCR1 = (
@@ -63,7 +64,7 @@ class Timer:
         self.next_reload, self.next_prescaler, self.next_repetitions = self.max, 0, 0
         self.status = self.enabled = self.control1 = self.control2 = 0
         self.compare, self.next_compare = [0] * self.facts.channels, [0] * self.facts.channels
-        self.outputs = Outputs(self)
+        self.outputs, self.inputs = Outputs(self), Inputs(self)
         self.outputs.show()
 
     # --- counting
@@ -223,7 +224,9 @@ class Timer:
             PSC: self.next_prescaler, ARR: self.next_reload, RCR: self.next_repetitions,
         }  # fmt: skip
         if CCR1 <= offset < CCR1 + 4 * self.facts.channels:
-            return self.next_compare[(offset - CCR1) // 4]
+            channel = (offset - CCR1) // 4
+            assert not self.outputs.is_input(channel), "a captured count is not modelled"
+            return self.next_compare[channel]
         return known[offset] if offset in known else self.outputs.read(offset)
 
     def write(self, offset, value):
@@ -257,6 +260,7 @@ class Timer:
             self.next_repetitions = value & 0xFFFF
         elif CCR1 <= offset < CCR1 + 4 * self.facts.channels:
             channel = (offset - CCR1) // 4
+            assert not self.outputs.is_input(channel), "an input's captured count is read-only"
             self.next_compare[channel] = value & self.max
             if not self.outputs.preloads(channel):
                 self.compare[channel] = self.next_compare[channel]

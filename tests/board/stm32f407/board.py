@@ -26,7 +26,7 @@ DMA_REQUESTS = {"DAC1": (1, 5, 7), "TIM6_UP": (1, 1, 7), "TIM1_UP": (2, 5, 6), "
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
     ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PB1", 1): (1, "3N"), ("PB1", 2): (3, "4"),
-    ("PB1", 3): (8, "3N"), ("PB8", 2): (4, "3"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
+    ("PB1", 3): (8, "3N"), ("PB7", 2): (4, "IN2"), ("PB8", 2): (4, "3"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
 }  # fmt: skip
 MODER, OSPEEDR, PUPDR = pins.MODER, pins.OSPEEDR, pins.PUPDR
 # The ports' registers after a reset (RM0090 8.4.1 to 8.4.4).

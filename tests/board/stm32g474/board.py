@@ -27,7 +27,7 @@ REQUESTS = {"DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 8
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
+    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PA6", 2): (3, "IN1"), ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
 }  # fmt: skip
 # RM0440 9.4.1 to 9.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFG"}

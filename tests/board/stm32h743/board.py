@@ -26,7 +26,7 @@ REQUESTS = {"DAC1": 67, "TIM6_UP": 69, "TIM1_UP": 15, "TIM8_UP": 51}
 # DS12110 tables 10 to 20.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PD15", 2): (4, "4"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
+    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PD14", 2): (4, "IN3"), ("PD15", 2): (4, "4"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
 }  # fmt: skip
 # RM0433 11.4.1 to 11.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFGHIJK"}

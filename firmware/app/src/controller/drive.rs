@@ -73,7 +73,12 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         let (armed, faults) = mailbox.standing();
         self.refuse_unless_armed(armed, faults)?;
         self.excursion.check_glide(drive.glide, &self.timing)?;
-        let at = publish(mailbox, &self.is_outrun, |view, lead| {
+        let waits = drive.apply == Apply::AtTrigger;
+        if waits && !self.system.has_trigger_input() {
+            return Err(Refusal::NotSupported);
+        }
+        let hand_over = if waits { Mailbox::publish_waiting } else { Mailbox::publish };
+        let at = publish(mailbox, &self.is_outrun, hand_over, |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let earliest = view.next.max(view.ready_at);
             let at = match drive.apply {
@@ -83,6 +88,9 @@ impl<F: FlashPages, S: System> Controller<F, S> {
                     in_range(Field::ApplyAt, earliest, latest, at)?;
                     block_at_or_after(at)
                 }
+                // Where nothing that sounds moves any more: what is planned for there holds at every later index.
+                Apply::AtTrigger if view.motion.is_silent_from(earliest) => earliest.saturating_add(lead),
+                Apply::AtTrigger => block_at_or_after(earliest.max(view.motion.end())).saturating_add(lead),
             };
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
             self.excursion.check(&motion, mailbox.slots())?;
@@ -97,9 +105,12 @@ impl<F: FlashPages, S: System> Controller<F, S> {
 ///
 /// `is_outrun` remembers that it was. From then on the first attempt leads by a block, too: an attempt in vain costs
 /// more time than that block.
+///
+/// A motion that waits for the trigger input gives way to one that `make` makes.
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
     is_outrun: &Cell<bool>,
+    hand_over: impl Fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>,
     mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
     for lead in LEADS.into_iter().skip(is_outrun.get().into()) {
@@ -107,11 +118,11 @@ pub(super) fn publish<M: RawMutex>(
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        if view.pending.is_some() {
+        if view.pending.is_some() && !view.waits {
             break;
         }
         let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
-        match mailbox.publish(motion, &view) {
+        match hand_over(mailbox, motion, &view) {
             Ok(()) => return Ok(motion.start()),
             Err(NotPublished::Pending) => break,
             Err(NotPublished::Late) => is_outrun.set(true),

@@ -88,6 +88,8 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             State::Stopping
         } else if !view.armed {
             State::Idle
+        } else if view.waits {
+            State::Waiting
         } else if view.is_silent() {
             State::Armed
         } else {

@@ -28,7 +28,11 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             }
             return Err(refusal);
         }
-        let at = publish(mailbox, &self.is_outrun, |view, lead| {
+        let at = publish(mailbox, &self.is_outrun, Mailbox::publish, |view, lead| {
+            if view.waits {
+                // It was planned by the table in force.
+                return Err(Refusal::Busy(Busy::CommitPending));
+            }
             let at = view.next.saturating_add(lead);
             let motion = self.planner(mailbox, is_stopped).swap(at, table, &view.motion)?;
             self.excursion.check(&motion, mailbox.slots())?;

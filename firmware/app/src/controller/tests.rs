@@ -43,6 +43,10 @@ impl System for Rom {
         true
     }
 
+    fn has_trigger_input(&self) -> bool {
+        false
+    }
+
     fn is_brown_out_guarded(&self) -> bool {
         true
     }

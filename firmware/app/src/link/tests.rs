@@ -33,6 +33,10 @@ impl System for Nothing {
         false
     }
 
+    fn has_trigger_input(&self) -> bool {
+        false
+    }
+
     fn is_brown_out_guarded(&self) -> bool {
         true
     }

@@ -25,28 +25,41 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Takes the orders for the block at `index`, and moves the index on: what is published from now on begins later.
-    /// A motion that begins with this block comes into force if `may_begin` says so; else it is dropped.
+    /// A motion that begins with this block comes into force if `may_begin` says so; else it is dropped. One that waits
+    /// for the trigger input begins if that `has_risen` since the block before.
     ///
     /// All this is one step: a stop that comes a moment later finds the motion in force.
-    pub(crate) fn begin_block(&self, index: SampleIndex, may_begin: impl FnOnce(&Orders) -> bool) -> Orders {
+    pub(crate) fn begin_block(
+        &self,
+        index: SampleIndex,
+        has_risen: bool,
+        may_begin: impl FnOnce(&Orders) -> bool,
+    ) -> Orders {
         let [renderer, _, _] = &self.pulses;
         renderer.fetch_add(1, Ordering::Relaxed);
         self.shared.lock(|shared| {
             shared.next.set(index.saturating_add(BLOCK_SAMPLES));
-            let due = shared.pending.get().filter(|pending| pending.at <= index);
+            let here = shared.pending.get().filter(|pending| pending.at <= index);
+            // What rose before the block at its start was for nobody, or for the drive before it.
+            let listens = here.is_some_and(|pending| pending.waits && (!has_risen || pending.at == index));
+            let due = here.filter(|_| !listens);
             let mut orders = Orders {
                 due,
                 begins: false,
+                listens,
                 stop: shared.stop.take(),
                 armed: shared.armed.get(),
                 ready_at: shared.ready_at.get(),
                 fed_at: shared.fed_at.get(),
                 limit_per_mille: shared.limit_per_mille.get(),
             };
-            if due.is_some() {
+            if let Some(due) = due {
                 shared.pending.set(None);
                 orders.begins = may_begin(&orders);
                 if orders.begins {
+                    if due.waits {
+                        shared.begin_waiting(index);
+                    }
                     shared.live.set(shared.live.get().other());
                     shared.count_change();
                 }

@@ -12,6 +12,8 @@ pub struct Orders {
     pub due: Option<Pending>,
     /// Whether it does: the motion in force is the new one.
     pub begins: bool,
+    /// Whether something waits for a rise of the trigger input from this block on.
+    pub listens: bool,
     /// A ramp to silence that begins with this block.
     pub stop: Option<Stop>,
     /// Whether drives are accepted.

@@ -15,8 +15,10 @@ pub struct View {
     pub motion: Motion,
     /// How often that has changed; wraps.
     pub changes: u32,
-    /// When the pending program begins.
+    /// When the pending program begins, or from when on it waits for the trigger input.
     pub pending: Option<SampleIndex>,
+    /// Whether it waits for the trigger input.
+    pub waits: bool,
     /// A stop has been ordered or is ramping.
     pub stopping: bool,
     /// Whether drives are accepted.

@@ -44,6 +44,11 @@ impl Outline {
         outline
     }
 
+    /// The same at another index.
+    pub(crate) const fn starting_at(self, start: SampleIndex) -> Self {
+        Self { start, ..self }
+    }
+
     /// As [`Motion::end`].
     pub(crate) const fn end(&self) -> SampleIndex {
         self.start.saturating_add(self.glide as u64)

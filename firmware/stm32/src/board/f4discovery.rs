@@ -2,7 +2,7 @@
 //!
 //! Sections and tables are those of RM0090 Rev 21 and of the data sheet DS8626 Rev 12.
 
-use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllSource, Sysclk,
@@ -50,6 +50,8 @@ pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM4;
 pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
 pub(crate) const TRIGGER_CHANNEL: usize = 2;
 pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+// The trigger input is PB7: TIM4's channel 2 (alternate function 2 as well, DS8626 table 9).
+pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 1;
 
 /// DAC_CR.TSEL1: 001 is TIM8 TRGO (RM0090 table 76).
 pub(crate) const DAC_TRIGGER: u8 = 0b001;
@@ -143,6 +145,7 @@ pub(crate) fn take(p: Peripherals) -> Board {
         mute_timer: p.TIM1,
         // PB8 is free on this board's headers.
         trigger: low(p.PB8),
+        trigger_input: Flex::new(p.PB7),
         trigger_timer: p.TIM4,
         // LD4, green.
         lamp: Output::new(p.PD12, Level::Low, Speed::Low),

@@ -2,7 +2,7 @@
 //!
 //! Sections and tables are those of RM0440 Rev 9 and of the data sheet DS12288 Rev 6.
 
-use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk,
@@ -51,6 +51,8 @@ pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM3;
 pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
 pub(crate) const TRIGGER_CHANNEL: usize = 1;
 pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+// The trigger input is PA6: TIM3's channel 1 (alternate function 2 as well, DS12288 table 13).
+pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 0;
 
 /// DAC_CR.TSEL1 of DAC1: 0101 is TIM4 TRGO (RM0440 table 186, dac_chx_trg5).
 pub(crate) const DAC_TRIGGER: u8 = 5;
@@ -166,6 +168,7 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
         mute_timer: p.TIM8,
         // PC7, D9 on the Arduino header.
         trigger: low(p.PC7),
+        trigger_input: Flex::new(p.PA6),
         trigger_timer: p.TIM3,
         // LD2, green.
         lamp: Output::new(p.PA5, Level::Low, Speed::Low),

@@ -2,7 +2,7 @@
 //!
 //! RM0433 is cited by register; tables are those of the data sheet DS12110 Rev 10.
 
-use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
@@ -58,6 +58,8 @@ pub(crate) const TRIGGER_TIMER: pac::timer::TimGp16 = pac::TIM4;
 pub(crate) const TRIGGER_SOURCE: pac::timer::vals::Ts = pac::timer::vals::Ts::ITR3;
 pub(crate) const TRIGGER_CHANNEL: usize = 3;
 pub(crate) const TRIGGER_FUNCTION: u8 = 2;
+// The trigger input is PD14: TIM4's channel 3 (alternate function 2 as well, DS12110 table 12).
+pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 2;
 
 /// DAC_CR.TSEL1: 7 is TIM8 TRGO (RM0433, dac_ch1_trg7).
 pub(crate) const DAC_TRIGGER: u8 = 7;
@@ -165,6 +167,7 @@ pub(crate) fn take(p: Peripherals) -> Board {
         mute_timer: p.TIM1,
         // PD15, D9 on the Arduino header.
         trigger: low(p.PD15),
+        trigger_input: Flex::new(p.PD14),
         trigger_timer: p.TIM4,
         // LD1, green.
         lamp: Output::new(p.PB0, Level::Low, Speed::Low),

@@ -13,6 +13,7 @@ use crate::refusal::Refusal;
 use crate::request::Outcome;
 use crate::snapshot::LinkState;
 use slipline_app::Timing;
+use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Digest, Identity, State, Status};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::units::SampleIndex;
@@ -120,6 +121,7 @@ impl CommandQueue {
         let before = recorder.view.status.as_ref();
         recorder.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
         recorder.status(status);
+        self.ask_for_trigger(recorder);
         // A stop of the user's that is not answered yet may be why.
         if status.state == State::Fault && self.channel.pending_stop().is_none() {
             recorder.stopped_by_itself(status.first_fault_at);
@@ -146,6 +148,7 @@ impl CommandQueue {
             | Event::Maintenance(_)
             | Event::Unchanged(_)
             | Event::TravelLimit(_)
+            | Event::Trigger(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
@@ -173,6 +176,7 @@ impl CommandQueue {
             | Event::Maintenance(_)
             | Event::Unchanged(_)
             | Event::TravelLimit(_)
+            | Event::Trigger(_)
             | Event::Table(_)
             | Event::Digest(_)
             | Event::BootloaderToken(_) => {}
@@ -263,6 +267,15 @@ impl CommandQueue {
                     recorder.finish(task.ticket, Outcome::Done { at: now_at });
                 }
             }
+            Event::Trigger(report) => {
+                recorder.trigger(report);
+                // A fault that stands may have ended what began.
+                let fault = recorder.view.status.filter(|status| status.state == State::Fault);
+                if let Some(status) = fault.filter(|_| self.channel.pending_stop().is_none()) {
+                    recorder.stopped_by_itself(status.first_fault_at);
+                }
+                recorder.finish(task.ticket, Outcome::Done { at: report.began.unwrap_or(0) });
+            }
             Event::Digest(digest) => self.digested(task, digest, recorder, now),
             #[cfg(slipline_next)]
             Event::CoilMeasured(report) => {
@@ -317,10 +330,17 @@ impl CommandQueue {
                 }
             }
             Command::Drive(drive) => {
-                recorder.acknowledge(at, Change::Drive(Arc::new(drive)));
+                let waits = drive.apply == Apply::AtTrigger;
+                if waits {
+                    recorder.wait_for_trigger(at, Arc::new(drive));
+                } else {
+                    recorder.acknowledge(at, Change::Drive(Arc::new(drive)));
+                }
                 if task.is_overtaken {
                     recorder.stop_again(at);
                 }
+                self.ask_for_trigger(recorder);
+                self.status_stale |= waits;
             }
             Command::ClearFaults => self.arm_unasked(recorder),
             Command::DigestStart(_) => {
@@ -343,6 +363,7 @@ impl CommandQueue {
             Command::Maintenance
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
+            | Command::Trigger
             | Command::TableBegin(_)
             | Command::TableChunk(_)
             | Command::TableCommit
@@ -363,6 +384,16 @@ impl CommandQueue {
         let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
         Next::Continue
+    }
+
+    /// Asks what became of a drive that has waited for the trigger input, if that is not known.
+    fn ask_for_trigger(&mut self, recorder: &Recorder) {
+        let asks = |task: &Task| matches!(task.job, Job::Send(Command::Trigger));
+        let is_asked =
+            self.tasks.iter().any(asks) || matches!(&self.current, Some(Current::Task(task)) if asks(task));
+        if recorder.must_ask_for_trigger() && !is_asked {
+            self.tasks.push_front(Task::new(None, Job::Send(Command::Trigger)));
+        }
     }
 
     fn digested(&mut self, mut task: Task, digest: Digest, recorder: &mut Recorder, now: Duration) {

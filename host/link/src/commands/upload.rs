@@ -201,6 +201,7 @@ impl Uploads {
                 | Event::Status(_)
                 | Event::Maintenance(_)
                 | Event::Unchanged(_)
+                | Event::Trigger(_)
                 | Event::Digest(_)
                 | Event::BootloaderToken(_),
                 _,
@@ -229,8 +230,10 @@ fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
 /// A table that the device holds from before this session, as after a restart with a stored one, need not be sent.
 /// From now on it is known, so that the mirror can follow; for this the device has to be silent.
 fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
-    let silent =
-        recorder.view.status.filter(|status| !matches!(status.state, State::Driving | State::Stopping));
+    let silent = recorder
+        .view
+        .status
+        .filter(|status| !matches!(status.state, State::Driving | State::Waiting | State::Stopping));
     let Some(status) =
         silent.filter(|_| is_held(upload, recorder) && recorder.view.confirmed_table.is_none())
     else {

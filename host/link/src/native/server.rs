@@ -95,12 +95,11 @@ impl Server {
         &self.path
     }
 
-    /// Serves the device until `ended` is set.
+    /// Serves the device until `ended` is set. Whoever shares it may act on its pins meanwhile.
     ///
     /// # Errors
     /// What the system says when the listening itself fails; a program that goes away is no error.
-    pub fn serve(&mut self, device: RealtimeDevice, ended: &AtomicBool) -> io::Result<()> {
-        let device = Arc::new(Mutex::new(device));
+    pub fn serve(&mut self, device: Arc<Mutex<RealtimeDevice>>, ended: &AtomicBool) -> io::Result<()> {
         // It is read right after it is written.
         let mut line = RealtimeLine::new(device, Waker::new(|| ()));
         while !ended.load(Ordering::Relaxed) {

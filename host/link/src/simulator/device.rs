@@ -273,6 +273,17 @@ impl SimulatedDevice {
         self.peripherals.lock().flash.clone()
     }
 
+    /// Whether a drive waits for the trigger input.
+    #[must_use]
+    pub fn waits_for_trigger(&self) -> bool {
+        self.mailbox.view().waits
+    }
+
+    /// Raises the trigger input for a moment.
+    pub fn raise_trigger(&mut self) {
+        self.peripherals.lock().has_risen = true;
+    }
+
     /// Lets the next block come too late.
     pub fn inject_underrun(&mut self) {
         self.peripherals.lock().underrun = true;

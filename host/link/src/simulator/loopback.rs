@@ -124,6 +124,11 @@ impl Loopback {
         Err(LoopbackError::NoAnswer)
     }
 
+    /// Raises the device's trigger input for a moment.
+    pub fn raise_trigger(&mut self) {
+        lock(&self.device).raise_trigger();
+    }
+
     /// The device's flash as it is now.
     #[must_use]
     pub fn flash(&self) -> MemoryFlash {

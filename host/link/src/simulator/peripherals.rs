@@ -45,6 +45,8 @@ pub(super) struct PeripheralState {
     pub(super) sent: Option<[u16; BLOCK]>,
     /// The trigger output rises with the block that was sent.
     pub(super) rises: bool,
+    /// The trigger input has risen since the renderer last asked.
+    pub(super) has_risen: bool,
     pub(super) underrun: bool,
     /// The last code played, and whether the DAC is on its way to mid-scale by itself.
     last: u16,
@@ -71,6 +73,7 @@ impl Peripherals {
             room: false,
             sent: None,
             rises: false,
+            has_risen: false,
             underrun: false,
             last: MID_SCALE,
             fading: false,
@@ -172,6 +175,10 @@ impl Trigger for Peripherals {
     fn rise(&mut self) {
         self.lock().rises = true;
     }
+
+    fn has_risen(&mut self) -> bool {
+        std::mem::take(&mut self.lock().has_risen)
+    }
 }
 
 impl FlashPages for Peripherals {
@@ -209,6 +216,10 @@ impl FlashPages for Peripherals {
 
 impl System for Peripherals {
     fn has_bootloader(&self) -> bool {
+        true
+    }
+
+    fn has_trigger_input(&self) -> bool {
         true
     }
 

@@ -7,6 +7,7 @@
 use super::device::SimulatedDevice;
 use crate::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
+use slipline_protocol::units::SampleIndex;
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -34,6 +35,24 @@ impl RealtimeDevice {
     pub fn new(device: SimulatedDevice, clock: Clock) -> Self {
         let since = clock();
         Self { device, clock, since, blocks: 0 }
+    }
+
+    /// Raises its trigger input now, for a moment.
+    pub fn raise_trigger(&mut self) {
+        self.catch_up();
+        self.device.raise_trigger();
+    }
+
+    /// Whether a drive waits for its trigger input.
+    #[must_use]
+    pub fn waits_for_trigger(&self) -> bool {
+        self.device.waits_for_trigger()
+    }
+
+    /// The index of the next code to leave for the DAC, as of the last command or rise.
+    #[must_use]
+    pub const fn now(&self) -> SampleIndex {
+        self.device.now()
     }
 
     fn catch_up(&mut self) {

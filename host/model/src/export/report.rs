@@ -238,6 +238,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
             State::Stopping => "stopping",
             State::Fault => "fault",
             State::SafeMode => "safe mode",
+            State::Waiting => "waiting for the trigger",
         },
     );
     page.line("Faults", faults);

@@ -96,7 +96,8 @@ impl App {
                 return Some(Obstacle { text, page: None });
             }
             State::SafeMode => return Some(crate::view::SAFE_MODE.into()),
-            State::Idle | State::Armed | State::Driving | State::Stopping | State::Fault => {}
+            State::Idle | State::Armed | State::Waiting | State::Driving | State::Stopping | State::Fault => {
+            }
         }
         self.obstacle_of_table(snapshot.is_simulated())
     }

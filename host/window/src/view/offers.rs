@@ -77,8 +77,8 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
             let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
             vec![offer("Arm…", "Unmute the amplifier and accept drives", arm)]
         }
-        (State::Armed | State::Stopping, true) => vec![drive()],
-        (State::Armed, false) => vec![drive(), disarm()],
+        (State::Armed | State::Waiting | State::Stopping, true) => vec![drive()],
+        (State::Armed | State::Waiting, false) => vec![drive(), disarm()],
         (State::Driving | State::Stopping, false) => vec![disarm()],
         (State::Driving, true) => Vec::new(),
         (State::Fault, _) => {

@@ -52,6 +52,9 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
                 State::Idle => ("idle", palette.weak, "Connected, muted: arm it to drive.".to_owned()),
                 State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
                 State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
+                State::Waiting => {
+                    ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())
+                }
                 State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
                 State::Fault => {
                     let help = "Clear the fault once its cause is gone.";

@@ -169,6 +169,8 @@ fn cases() -> Vec<Case> {
         case("real, armed", real(State::Armed), &[("Drive", drives), ("Disarm", disarms)], Ok(drives)),
         case("simulated, armed", simulated(State::Armed), &[("Drive", drives)], Ok(drives)),
         case("real, driving", real(State::Driving), &[("Disarm", disarms), ("STOP", disarms)], Ok(drives)),
+        case("real, waiting", real(State::Waiting), &[("Drive", drives), ("Disarm", disarms)], Ok(drives)),
+        case("simulated, waiting", simulated(State::Waiting), &[("Drive", drives)], Ok(drives)),
         case("simulated, driving", simulated(State::Driving), &[("STOP", stops)], Ok(drives)),
         case("real, stopping", real(State::Stopping), &[("Disarm", disarms)], Ok(drives)),
         case("simulated, stopping", simulated(State::Stopping), &[("Drive", drives)], Ok(drives)),

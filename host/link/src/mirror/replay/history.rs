@@ -16,7 +16,7 @@ pub struct DeviceHistory {
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The table that it is known to hold.
     pub table: Option<Arc<DeviceTable>>,
-    /// The device has rendered up to here.
+    /// The device has rendered up to here, and everything before is in the journal.
     pub now: SampleIndex,
     /// What the thermal fold-back leaves of every amplitude there, per mille.
     pub foldback_per_mille: u16,
@@ -26,7 +26,7 @@ impl DeviceHistory {
     /// The history of the device in a snapshot; `None` while no device has told its status.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
-        let status = snapshot.status?;
+        let status = snapshot.settled?;
         Some(Self {
             sample_rate_hz: snapshot.identity.as_ref()?.sample_rate_hz,
             journal: Arc::clone(&snapshot.journal),

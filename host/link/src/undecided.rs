@@ -1,0 +1,139 @@
+//! Drives that wait for the trigger input, and the journal while it is not known whether they have begun.
+//!
+//! Only the device knows when the input rises. Its status tells that a drive waits; one that waits no more has begun or was
+//! dropped, and the device is asked which ([`Command::Trigger`](slipline_protocol::Command::Trigger)). What it has agreed to
+//! since then is held back until it has answered, so that the journal stays in the order of the indices.
+
+use crate::journal::Change;
+use slipline_protocol::command::Drive;
+use slipline_protocol::event::TriggerReport;
+use slipline_protocol::units::SampleIndex;
+use std::sync::Arc;
+
+/// A change on its way into the journal; the fields are those of [`Acknowledged`](crate::journal::Acknowledged).
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Held {
+    pub(crate) at: SampleIndex,
+    pub(crate) change: Change,
+    pub(crate) is_exact: bool,
+}
+
+/// What is not decided.
+#[derive(Debug, Default)]
+pub(crate) struct Undecided {
+    /// The drives that were accepted, with the index from which on a rise counts. Each has taken the place of the one before
+    /// it, so only the last may wait still.
+    drives: Vec<(SampleIndex, Arc<Drive>)>,
+    held: Vec<Held>,
+}
+
+impl Undecided {
+    /// Whether everything is decided.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.drives.is_empty()
+    }
+
+    /// Whether the device must be asked even while a drive waits: whether the one before it has begun.
+    pub(crate) const fn is_about_several(&self) -> bool {
+        self.drives.len() > 1
+    }
+
+    /// A drive waits; a rise counts from an index on.
+    pub(crate) fn wait(&mut self, from: SampleIndex, drive: Arc<Drive>) {
+        self.drives.push((from, drive));
+    }
+
+    /// Keeps a change until it is decided what was before it.
+    pub(crate) fn hold(&mut self, held: Held) {
+        self.held.push(held);
+    }
+
+    /// A status says that a drive waits: what came before the status came before the drive. Returns what goes into the
+    /// journal.
+    pub(crate) fn waits_still(&mut self) -> Vec<Held> {
+        if self.is_about_several() { Vec::new() } else { std::mem::take(&mut self.held) }
+    }
+
+    /// The device has answered. Returns what goes into the journal, in the order of the indices.
+    pub(crate) fn decide(&mut self, report: &TriggerReport) -> Vec<Held> {
+        let mut decided = std::mem::take(&mut self.drives);
+        if report.waits {
+            self.drives.extend(decided.pop());
+        }
+        let mut entries = std::mem::take(&mut self.held);
+        let last = report.began.and_then(|began| {
+            decided.iter().rposition(|(from, _)| *from < began).map(|place| (began, place))
+        });
+        if let Some((at, place)) = last {
+            let drive = decided.swap_remove(place).1;
+            // Whether those before it had begun, nobody tells any more.
+            entries.push(Held { at, change: Change::Drive(drive), is_exact: place == 0 });
+        }
+        entries.sort_by_key(|held| held.at);
+        entries
+    }
+
+    /// The device is gone and tells nothing any more. Returns what goes into the journal.
+    pub(crate) fn give_up(&mut self) -> Vec<Held> {
+        self.drives.clear();
+        let held = std::mem::take(&mut self.held);
+        held.into_iter().map(|held| Held { is_exact: false, ..held }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_protocol::command::Apply;
+    use slipline_protocol::units::CentiDecibel;
+
+    fn drive(glide: u32) -> Arc<Drive> {
+        let tones = heapless::Vec::new();
+        Arc::new(Drive { tones, master: CentiDecibel(0), glide, apply: Apply::AtTrigger })
+    }
+
+    fn held(at: SampleIndex, change: Change) -> Held {
+        Held { at, change, is_exact: true }
+    }
+
+    #[test]
+    fn a_drive_that_began_goes_before_the_stop_that_was_told_first() {
+        let mut undecided = Undecided::default();
+        undecided.wait(1280, drive(2000));
+        undecided.hold(held(6400, Change::Stop));
+        let began = TriggerReport { waits: false, began: Some(2560) };
+        let entries = undecided.decide(&began);
+        assert_eq!(entries, [held(2560, Change::Drive(drive(2000))), held(6400, Change::Stop)]);
+        assert!(undecided.is_empty());
+    }
+
+    #[test]
+    fn a_drive_that_was_dropped_leaves_no_trace_not_even_where_an_earlier_one_began() {
+        for began in [None, Some(1280)] {
+            let mut undecided = Undecided::default();
+            undecided.wait(1280, drive(2000));
+            undecided.hold(held(6400, Change::Stop));
+            let entries = undecided.decide(&TriggerReport { waits: false, began });
+            assert_eq!(entries, [held(6400, Change::Stop)], "{began:?}");
+        }
+    }
+
+    #[test]
+    fn of_two_drives_the_first_is_known_unless_the_second_has_begun() {
+        let two = || {
+            let mut undecided = Undecided::default();
+            undecided.wait(1280, drive(2000));
+            undecided.wait(6400, drive(3000));
+            assert!(undecided.is_about_several() && undecided.waits_still().is_empty());
+            undecided
+        };
+        let mut undecided = two();
+        let entries = undecided.decide(&TriggerReport { waits: true, began: Some(2560) });
+        assert_eq!(entries, [held(2560, Change::Drive(drive(2000)))]);
+        assert!(!undecided.is_empty(), "the second waits");
+
+        let entries = two().decide(&TriggerReport { waits: false, began: Some(7680) });
+        let unsure = Held { is_exact: false, ..held(7680, Change::Drive(drive(3000))) };
+        assert_eq!(entries, [unsure], "the first may have begun before");
+    }
+}

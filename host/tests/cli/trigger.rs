@@ -1,0 +1,48 @@
+//! `slipline drive --at trigger`.
+
+use super::json;
+use super::served::Served;
+use slipline_link::simulator::Options;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
+    let served = Served::new("trigger.sock", Options::default());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
+        .args("drive --json --plate membrane --boundary 120mm --at trigger --for 50ms --port".split(' '))
+        .arg(&served.port)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    let (mut seen, mut raised_at) = (0, None);
+    while child.try_wait().unwrap().is_none() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "it never began");
+        let mut device = served.device.lock().unwrap();
+        seen += u32::from(device.waits_for_trigger());
+        // It is raised once only, and some blocks after the drive has begun to wait.
+        if raised_at.is_none() && seen == 3 {
+            device.raise_trigger();
+            raised_at = Some(device.now());
+        }
+        drop(device);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["at_samples"].as_u64(), raised_at, "the block that was rendered next");
+    assert!(told["stopped_at_samples"].as_u64() > raised_at);
+    let again = json(&[
+        "drive",
+        "--port",
+        &served.port,
+        "--plate",
+        "membrane",
+        "--boundary",
+        "120mm",
+        "--for",
+        "1ms",
+    ]);
+    assert!(again["at_samples"].as_u64() > raised_at, "and without the option it waits for nothing");
+}
