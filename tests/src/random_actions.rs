@@ -8,7 +8,7 @@ use slipline_link::mirror::Mirror;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::Event;
 use slipline_protocol::refusal::Busy;
-use slipline_protocol::units::{CentiDecibel, Phase};
+use slipline_protocol::units::{CentiDecibel, Gain, Phase};
 use slipline_protocol::{Command, Refusal};
 
 use crate::client::Client;
@@ -67,6 +67,7 @@ pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, 
     rig.hello();
     let mut mirror = Mirror::new(RATE_HZ, 0);
     rig.stage(&tables[0]);
+    let mut table = &tables[0];
     let at = rig.accepted(&Command::TableCommit);
     mirror.acknowledge_table(Arc::from(tables[0].knots.as_slice()), at)?;
     rig.arm();
@@ -80,14 +81,22 @@ pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, 
                     ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead),
                 );
                 match rig.send(&Command::Drive(drive.clone())) {
-                    Event::Accepted(accepted) => mirror.acknowledge_drive(&drive, accepted.at)?,
+                    Event::Accepted(accepted) => {
+                        let sum = sum(table, tones, *master);
+                        prop_assert!(sum <= 1.0 + 1e-3, "accepted with a sum of {}", sum);
+                        mirror.acknowledge_drive(&drive, accepted.at)?;
+                    }
                     Event::Refused(
                         Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_),
                     ) => {}
                     other => return Err(TestCaseError::fail(format!("{other:?}"))),
                 }
             }
-            Action::Table(number) => swap(&mut rig, &mut mirror, &tables[*number])?,
+            Action::Table(number) => {
+                if swap(&mut rig, &mut mirror, &tables[*number])? {
+                    table = &tables[*number];
+                }
+            }
             Action::Stop => {
                 let at = rig.accepted(&Command::Stop);
                 mirror.acknowledge_stop(Stop::Normal, at)?;
@@ -113,14 +122,33 @@ pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, 
     Ok(rig.recording.codes)
 }
 
-/// The levels are scaled so that most drives have the headroom, and some have not.
+/// `tones` share out what most drives have of the headroom, and some have not.
+fn level(level: f64, tones: usize) -> f64 {
+    (level * 1.2 / tones.max(1) as f64).min(1.0)
+}
+
+/// The sum of the tones' amplitudes at their targets, of full scale: gain between two knots by the straight line, times
+/// level and master. It is computed here on its own, so that it is not the device that judges itself.
+fn sum(table: &Table, tones: &[(u8, f64, f64, u16)], master: i16) -> f64 {
+    let last = table.knots.len() - 1;
+    let full = f64::from(Gain::FULL.0);
+    let gain = |position: f64| {
+        let place = position * last as f64;
+        let below = (place as usize).min(last.saturating_sub(1));
+        let [a, b] = [below, below + 1].map(|knot| f64::from(table.knots[knot].gain.0) / full);
+        a + (b - a) * (place - below as f64)
+    };
+    let sum: f64 =
+        tones.iter().map(|&(_, position, share, _)| gain(position) * level(share, tones.len())).sum();
+    sum * 10f64.powf(f64::from(master) / 2000.0)
+}
+
 fn random_drive(tones: &[(u8, f64, f64, u16)], master: i16, glide: u32, at: Option<u64>) -> Drive {
-    let scale = 1.2 / tones.len().max(1) as f64;
     Drive {
         tones: tones
             .iter()
-            .map(|&(slot, position, level, phase)| {
-                let mut tone = tone(slot, position, (level * scale).min(1.0));
+            .map(|&(slot, position, share, phase)| {
+                let mut tone = tone(slot, position, level(share, tones.len()));
                 tone.phase = Phase(phase);
                 tone
             })
@@ -131,9 +159,10 @@ fn random_drive(tones: &[(u8, f64, f64, u16)], master: i16, glide: u32, at: Opti
     }
 }
 
-fn swap(rig: &mut Rig, mirror: &mut Mirror, table: &Table) -> Result<(), TestCaseError> {
+/// Whether the device has taken the table.
+fn swap(rig: &mut Rig, mirror: &mut Mirror, table: &Table) -> Result<bool, TestCaseError> {
     if rig.send(&Command::TableBegin(table.header)) == Event::Refused(Refusal::Busy(Busy::TableInUse)) {
-        return Ok(());
+        return Ok(false);
     }
     for chunk in table.chunks() {
         rig.accepted(&Command::TableChunk(chunk));
@@ -141,9 +170,9 @@ fn swap(rig: &mut Rig, mirror: &mut Mirror, table: &Table) -> Result<(), TestCas
     match rig.send(&Command::TableCommit) {
         Event::Accepted(accepted) => {
             mirror.acknowledge_table(Arc::from(table.knots.as_slice()), accepted.at)?;
+            Ok(true)
         }
-        Event::Refused(Refusal::Headroom { .. } | Refusal::Busy(_)) => {}
-        other => return Err(TestCaseError::fail(format!("{other:?}"))),
+        Event::Refused(Refusal::Headroom { .. } | Refusal::Busy(_)) => Ok(false),
+        other => Err(TestCaseError::fail(format!("{other:?}"))),
     }
-    Ok(())
 }

@@ -217,7 +217,8 @@ pub fn stored(data: &[u8]) {
     let reply = rig.hello();
     let Event::Hello(identity) = reply.event else { panic!("{reply:?}") };
     let Event::Table(report) = rig.send(&Command::TableDigest) else { panic!("no report") };
-    assert_eq!(identity.stored == StoredConfig::Loaded, report.active.is_some());
+    let is_loaded = matches!(identity.stored, StoredConfig::Loaded | StoredConfig::FellBack);
+    assert_eq!(is_loaded, report.active.is_some());
     if rig.status().faults.is_empty() {
         rig.arm();
         if report.active.is_some() {
