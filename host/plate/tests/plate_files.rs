@@ -377,6 +377,10 @@ fn an_end_that_does_not_suit_the_plate_is_refused_with_the_reason() {
             "drive.lead_in.length_m = 0: must be 0.001 to 10 m",
         ),
         (
+            format!("{BENDING}[drive]\n{source}[drive.lead_in]\nlength_m = 0.06\nloss_factor = 3\n"),
+            "drive.lead_in.loss_factor = 3: must be 0 to 2",
+        ),
+        (
             format!("{BENDING}[drive]\n{source}{lead_in}lenght_m = 2\n"),
             "drive.lead_in.lenght_m does not belong here: did you mean length_m?",
         ),

@@ -174,7 +174,9 @@ fn a_measured_actuator_that_does_not_reach_the_frequency_is_amber() {
 
 #[test]
 fn the_drive_ratio_drifts_by_a_fifth_over_an_octave_of_bending() {
-    let plate = preset("al-bending").expect("preset");
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
+    let plate = Plate::new(spec).expect("plate");
     let ratio = |frequency_hz: f64| lights::drive::drive_ratio(&plate, frequency_hz).expect("it enters");
     let matched_hz = plate.spec().drive_end.at_frequency_hz().expect("a resistance");
     assert!((ratio(matched_hz) - 1.0).abs() < 1e-12);

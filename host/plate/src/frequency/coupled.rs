@@ -204,7 +204,7 @@ mod tests {
             let refused = respond_coupled(&plate, frequency_hz, 2001, 3);
             assert!(matches!(refused, Err(RespondError::Frequency(_))), "{frequency_hz}: {refused:?}");
         }
-        let mut spec = preset("al-bending").expect("a preset").spec().clone();
+        let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
         spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
         spec.span_end_m = 0.25;
         let clamped = Plate::new(spec).expect("a valid plate");

@@ -134,7 +134,7 @@ pub(crate) fn solve(grid: &Grid, plate: &Plate, frequency_hz: f64) -> Vec<Comple
     let start = Start::of(&end, grid, y[1], slope);
     let mut field: Vec<Complex64> =
         y[1..=grid.on_plate].iter().zip(&grid.scale).map(|(g, scale)| g * start.gain * *scale).collect();
-    end.near.add(&mut field, plate, grid.step_m, start.value, start.slope);
+    end.near.add(&mut field, &grid.scale, grid.step_m, start.value, start.slope);
     field
 }
 
@@ -225,7 +225,7 @@ pub(crate) fn solve_each(
             }
         }
         for (lane, field) in fields.iter_mut().enumerate().take(frequencies.len()) {
-            driven[lane].near.add(field, plate, grid.step_m, starts[lane].value, starts[lane].slope);
+            driven[lane].near.add(field, &grid.scale, grid.step_m, starts[lane].value, starts[lane].slope);
             visit(group * LANES + lane, field);
         }
     }

@@ -84,17 +84,10 @@ impl Strip {
     }
 
     /// The end whose conditions are `first` = `drive` and `second` = 0, each as coefficients of p(0), p'(0) and e(0).
-    fn end(
-        &self,
-        plate: &Plate,
-        first: [Complex64; 3],
-        second: [Complex64; 3],
-        drive: Complex64,
-    ) -> DrivenEnd {
+    fn end(&self, first: [Complex64; 3], second: [Complex64; 3], drive: Complex64) -> DrivenEnd {
         let per_value = -second[0] / second[2];
         let per_slope = -second[1] / second[2];
-        let wave =
-            NearWave { per_value, per_slope, axial: self.axial, width_number: plate.width_mode(1).number };
+        let wave = NearWave { per_value, per_slope, axial: self.axial, across: self.across };
         DrivenEnd {
             alpha: first[0] + first[2] * per_value,
             beta: first[1] + first[2] * per_slope,
@@ -117,7 +110,7 @@ pub(super) fn moved(plate: &Plate, frequency_hz: f64, narrowing: f64, slope: End
         EndSlope::Held => turn,
         EndSlope::Free => strip.forces()[1],
     };
-    strip.end(plate, value, second, Complex64::ONE)
+    strip.end(value, second, Complex64::ONE)
 }
 
 /// An end on which a source acts, with its lead-in behind it.
@@ -140,5 +133,5 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing: f64, source: 
         Some(EndSlope::Held) => turn,
         Some(EndSlope::Free) | None => forces[1],
     };
-    strip.end(plate, forces[0], second, source_force(plate, source))
+    strip.end(forces[0], second, source_force(plate, source))
 }
