@@ -6,7 +6,7 @@
 
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
-use slipline_plate::{Equation, Sheet, SheetGrid, TimeDomainLine, preset, respond_batch};
+use slipline_plate::{Equation, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch};
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};
 
@@ -109,6 +109,24 @@ fn time_lines(report: &Report) {
         let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
         let factor = codes.len() as f64 / rate / time.as_secs_f64();
         report.row(&format!("time line {points}"), "slipline 1", factor, "x real", check, "");
+        let Ok(mut line) = TimeDomainLine::fitted(&plate, rate, points, 1) else { continue };
+        let time = report.fastest(|| line.push(&codes));
+        let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
+        let factor = codes.len() as f64 / rate / time.as_secs_f64();
+        report.row(&format!("fitted line {points}"), "slipline 1", factor, "x real", check, "");
+    }
+    // How long a line takes to build: by eigenfunctions, and by the fit, which a finger on the plate needs each time it
+    // moves.
+    for preset in presets() {
+        let Ok(plate) = preset.plate() else { continue };
+        for (kind, build) in [
+            ("build line", TimeDomainLine::new as fn(&Plate, f64, usize, u32) -> _),
+            ("build fitted line", TimeDomainLine::fitted),
+        ] {
+            let time = report.fastest(|| drop(build(&plate, rate, 257, 1)));
+            let problem = format!("{kind} {}", preset.name);
+            report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
+        }
     }
 }
 

@@ -88,6 +88,11 @@ impl Grid {
 
 /// The factor by which the grid must be finer than `step_m` for an error of about 1e-9 at `frequency_hz`.
 pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize {
+    refinement_for(plate, frequency_hz, step_m, 1e-9)
+}
+
+/// As [`refinement`], for an error of about `error`.
+pub(crate) fn refinement_for(plate: &Plate, frequency_hz: f64, step_m: f64, error: f64) -> usize {
     let width_mode = plate.width_mode(1);
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(0.0);
@@ -96,7 +101,7 @@ pub(crate) fn refinement(plate: &Plate, frequency_hz: f64, step_m: f64) -> usize
     let tail =
         (width_mode.width_term(plate.length_m()) - width_mode.axial_squared(frequency_hz)).max(0.0).sqrt();
     let steepest = wavenumber.max(kappa).max(0.5 * tail);
-    let wanted = (480.0 * 1e-9 / phase).sqrt().sqrt() / steepest.max(1e-9);
+    let wanted = (480.0 * error / phase).sqrt().sqrt() / steepest.max(1e-9);
     let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
     (step_m / wanted).ceil().clamp(1.0, most) as usize
 }

@@ -71,6 +71,11 @@ impl BandPlan {
         self.sample_rate_hz / (self.coarse * self.fine) as f64
     }
 
+    /// The ends of the band filter, Hz: from there on nothing passes.
+    pub(crate) fn stop_hz(&self) -> (f64, f64) {
+        (self.low_hz - 0.5 * self.transition_hz, self.high_hz + 0.5 * self.transition_hz)
+    }
+
     /// Taps of the band filter, newest sample first; with `rate_of_drive` the filter also differentiates with respect
     /// to time.
     ///

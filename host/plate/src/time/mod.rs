@@ -1,7 +1,14 @@
 //! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
+//!
+//! ```text
+//! galerkin -> modal (eigenfunctions of a thin plate) --+-> poles, residues -> integration -> line -> envelope
+//! frequency domain -> fit (whatever the field is) -----+                                      ^
+//!                                                      DAC codes -> analytic_signal ----------+
+//! ```
 
 mod analytic_signal;
 mod envelope;
+mod fit;
 mod galerkin;
 mod integration;
 mod kernel;

@@ -8,5 +8,5 @@ mod bank;
 mod build;
 mod coupling;
 
-pub(super) use bank::{Input, ModalBank};
-pub(super) use build::build;
+pub(super) use bank::{Input, ModalBank, QuasiStatic};
+pub(super) use build::{build, fits};

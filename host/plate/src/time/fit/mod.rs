@@ -1,0 +1,202 @@
+//! A modal bank by a rational fit of the frequency-domain field, whatever computes that field.
+//!
+//! ```text
+//! field at sampled frequencies --> AAA --> poles --> least squares --> residues at all positions
+//!              ^                                          |
+//!              +---- more samples: where the error is largest, at the poles
+//! ```
+//! field(x, omega) = c0 + c1 (omega - centre) + c2 (omega - centre)^2 + sum of r/(p - omega) over the whole band that
+//! the filter of the drive passes, where only c and r depend on x. The samples of a field are exact, and a field has
+//! many positions: so a resonance is found by samples that are far apart compared with its width.
+
+mod barycentric;
+mod plate;
+mod residues;
+mod samples;
+
+pub(super) use plate::response;
+
+use super::analytic_signal::BandPlan;
+use super::modal::{Input, ModalBank, QuasiStatic};
+use barycentric::Barycentric;
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use residues::{PartialFractions, QUASI_STATIC};
+use samples::{Sample, Samples};
+use std::f64::consts::TAU;
+
+/// Largest error of the sums of positions with which the search for poles ends.
+const POLE_TOLERANCE: f64 = 1e-4;
+/// Largest error of the field, relative to the largest amplitude at the same frequency.
+pub(super) const TOLERANCE: f64 = 2e-4;
+/// Samples at the beginning; every eighth is a support point.
+const FIRST_SAMPLES: usize = 40;
+/// Most support points. A plate of 60 wavelengths, the most that is allowed, has about 200 poles.
+const SUPPORTS_MAX: usize = 320;
+/// Most fits that may miss the tolerance. One or two are usual; a field that grows, or with noise, has no fit.
+const FITS_MAX: usize = 12;
+/// Poles farther from the middle of the band than this many half bands are left to the quasi-static terms.
+const REACH: f64 = 3.5;
+/// A sharp resonance is sampled this near to its pole, in half bands, and not nearer: an error of the pole's frequency
+/// by a part of it is not felt, but the field without loss is infinite there.
+const NEAREST: f64 = 1e-5;
+
+/// A fitted bank.
+pub(super) struct Fit {
+    pub(super) bank: ModalBank,
+    pub(super) quasi_static: QuasiStatic,
+    /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is at most
+    /// [`TOLERANCE`], unless the field has no poles that a fit can find, as with noise.
+    pub(super) error: f64,
+}
+
+/// Fits the field that `response` computes for each of many frequencies (Hz), one value per place, relative to the
+/// drive, over the band of the filter's `plan`.
+///
+/// `response` must be smooth: the same grid at all frequencies. Every pole of the bank decays.
+pub(super) fn bank(
+    mut response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
+    plan: &BandPlan,
+    places: usize,
+) -> Fit {
+    let (low_hz, high_hz) = plan.stop_hz();
+    let scaled = |frequency_hz: f64| (frequency_hz - plan.centre_hz) / plan.half_band_hz;
+    let mut samples = Samples::new(
+        |s: &[f64]| response(&s.iter().map(|s| plan.centre_hz + s * plan.half_band_hz).collect::<Vec<f64>>()),
+        places,
+    );
+    let fit = partial_fractions(&mut samples, places, scaled(low_hz), scaled(high_hz));
+    unscaled(&fit, plan)
+}
+
+/// The fit between `low` and `high`, in its own scale.
+fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>>(
+    samples: &mut Samples<R>,
+    places: usize,
+    low: f64,
+    high: f64,
+) -> PartialFractions {
+    let step = (high - low) / (FIRST_SAMPLES - 1) as f64;
+    samples.take(&(0..FIRST_SAMPLES).map(|i| low + step * i as f64).collect::<Vec<f64>>());
+    // Few supports: a rational function with more poles than the field has spurious ones, which nothing can place.
+    let mut support: Vec<f64> = samples.all().iter().skip(4).step_by(8).map(|sample| sample.s).collect();
+    let mut is_checked = false;
+    let mut best: Option<PartialFractions> = None;
+    let mut fits = 0;
+    loop {
+        let is_support: Vec<bool> = samples.all().iter().map(|sample| support.contains(&sample.s)).collect();
+        let rational = Barycentric::new(samples.all(), &is_support);
+        let mut error: Vec<f64> = samples
+            .all()
+            .iter()
+            .zip(is_support)
+            .map(|(sample, is_support)| if is_support { 0.0 } else { rational.error(sample) })
+            .collect();
+        let is_full = support.len() >= SUPPORTS_MAX;
+        if is_full || error.iter().all(|error| *error < POLE_TOLERANCE) {
+            let pole = stable(&rational.poles());
+            let known = samples.all().len();
+            samples.take(&beside_resonances(&pole, low, high));
+            let fit = PartialFractions::new(samples.all(), pole, places);
+            if fit.worst() < TOLERANCE {
+                return fewest_poles(samples.all(), fit);
+            }
+            error.clone_from(&fit.error);
+            if best.as_ref().is_none_or(|best| fit.worst() < best.worst()) {
+                best = Some(fit);
+            }
+            fits += 1;
+            if let Some(best) = best.take_if(|_| is_full || fits == FITS_MAX) {
+                return best;
+            }
+            // First the weights must fit the new samples. Only if that is not enough are more poles needed.
+            if samples.all().len() > known && !is_checked {
+                is_checked = true;
+                continue;
+            }
+        }
+        is_checked = false;
+        let fresh = refine(samples.all(), &error, &mut support);
+        if fresh.is_empty() {
+            // All samples are support points or without error: nothing can be added.
+            return PartialFractions::new(samples.all(), stable(&rational.poles()), places);
+        }
+        samples.take(&fresh);
+    }
+}
+
+/// The poles near the band. A growing one is replaced by its mirror image, which decays.
+fn stable(poles: &[Complex64]) -> Vec<Complex64> {
+    poles.iter().filter(|p| p.norm() < REACH).map(|p| Complex64::new(p.re, -p.im.abs())).collect()
+}
+
+/// Places on both sides of the poles of the band.
+fn beside_resonances(pole: &[Complex64], low: f64, high: f64) -> Vec<f64> {
+    let sides = pole.iter().flat_map(|p| {
+        let aside = NEAREST.max(-p.im);
+        [p.re - aside, p.re + aside]
+    });
+    sides.filter(|s| *s > low && *s < high).collect()
+}
+
+/// Makes the worst samples support points and returns the places of new samples on both sides of each.
+fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..samples.len()).filter(|&i| !support.contains(&samples[i].s)).collect();
+    order.sort_by(|&a, &b| error[b].total_cmp(&error[a]));
+    // Several at a time, because each time costs a decomposition; fewer near the end, for few poles.
+    let is_far = order.first().is_some_and(|&i| error[i] > 300.0 * POLE_TOLERANCE);
+    let most = (support.len() / if is_far { 4 } else { 12 }).max(1);
+    let mut chosen: Vec<usize> = Vec::new();
+    for i in order {
+        let is_apart = chosen.iter().all(|&other| i.abs_diff(other) > 2);
+        if chosen.len() < most && is_apart && error[i] > POLE_TOLERANCE {
+            chosen.push(i);
+        }
+    }
+    let mut fresh = Vec::new();
+    for i in chosen {
+        support.push(samples[i].s);
+        let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|k| samples.get(k));
+        fresh.extend(neighbours.map(|neighbour| 0.5 * (neighbour.s + samples[i].s)));
+    }
+    fresh
+}
+
+/// Removes the poles with the least effect, as many as the tolerance allows: each costs time in every step.
+fn fewest_poles(samples: &[Sample], all: PartialFractions) -> PartialFractions {
+    let effect = all.effect(samples);
+    let mut order: Vec<usize> = (0..all.pole.len()).collect();
+    order.sort_by(|&a, &b| effect[b].total_cmp(&effect[a]));
+    let places = all.term.ncols();
+    let (mut few, mut fit) = (0, all);
+    let every = fit.pole.clone();
+    while fit.pole.len() - few > 1 {
+        let count = usize::midpoint(few, fit.pole.len());
+        let tried =
+            PartialFractions::new(samples, order[..count].iter().map(|&i| every[i]).collect(), places);
+        if tried.worst() < TOLERANCE {
+            fit = tried;
+        } else {
+            few = count;
+        }
+    }
+    fit
+}
+
+/// The bank of a fit, in rad/s.
+fn unscaled(fit: &PartialFractions, plan: &BandPlan) -> Fit {
+    let half = TAU * plan.half_band_hz;
+    let places = fit.term.ncols();
+    let quasi_static =
+        DMatrix::from_fn(places, QUASI_STATIC, |place, k| fit.term[(k, place)] / half.powi(k as i32));
+    let bank = ModalBank {
+        input: Input::Drive,
+        pole: fit.pole.iter().map(|p| TAU * plan.centre_hz + p * half).collect(),
+        shape: fit.term.rows_range(QUASI_STATIC..).transpose() * Complex64::from(half),
+        direct: DVector::zeros(places),
+    };
+    Fit { bank, quasi_static: QuasiStatic { shape: quasi_static }, error: fit.worst() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! The field at sampled frequencies, in the fit's own scale: s = (omega - centre)/half band.
+
+use num_complex::Complex64;
+
+/// Sums of all positions that stand for the field while the poles are searched.
+pub(super) const SUMS: usize = 4;
+
+/// The field at one frequency.
+pub(super) struct Sample {
+    pub(super) s: f64,
+    /// Field at the positions, relative to the drive.
+    pub(super) field: Vec<Complex64>,
+    /// Largest |field|; errors at this frequency are relative to it.
+    pub(super) top: f64,
+    /// Sums over all positions with different signs.
+    pub(super) sum: [Complex64; SUMS],
+}
+
+/// Largest absolute value.
+pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a Complex64>) -> f64 {
+    values.into_iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt()
+}
+
+/// Samples by rising frequency.
+pub(super) struct Samples<R> {
+    /// The field at each of many s.
+    response: R,
+    /// Sign of each position in each sum, without pattern, so that no mode is missed by all sums.
+    sign: Vec<[f64; SUMS]>,
+    sample: Vec<Sample>,
+}
+
+/// Least distance of two samples.
+const CLOSEST: f64 = 1e-6;
+
+impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>> Samples<R> {
+    pub(super) fn new(response: R, places: usize) -> Self {
+        // A linear congruential generator (Knuth's constants for MMIX): the same signs on every machine.
+        let mut state = 1_u64;
+        let mut next_sign = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            if state >> 63 == 0 { 1.0 } else { -1.0 }
+        };
+        let sign = (0..places).map(|_| std::array::from_fn(|_| next_sign())).collect();
+        Self { response, sign, sample: Vec::new() }
+    }
+
+    pub(super) fn all(&self) -> &[Sample] {
+        &self.sample
+    }
+
+    /// Takes a sample at each `wanted` place that has none yet. A field that is zero or not finite is left out.
+    pub(super) fn take(&mut self, wanted: &[f64]) {
+        let mut fresh: Vec<f64> = Vec::with_capacity(wanted.len());
+        for &s in wanted {
+            let mut taken = self.sample.iter().map(|it| it.s).chain(fresh.iter().copied());
+            if !taken.any(|it| (it - s).abs() < CLOSEST) {
+                fresh.push(s);
+            }
+        }
+        for (&s, field) in fresh.iter().zip((self.response)(&fresh)) {
+            let top = largest(&field);
+            let mut sum = [Complex64::ZERO; SUMS];
+            for (value, signs) in field.iter().zip(&self.sign) {
+                for (sum, sign) in sum.iter_mut().zip(signs) {
+                    *sum += value * *sign;
+                }
+            }
+            if field.len() == self.sign.len() && top > 0.0 && top.is_finite() && largest(&sum) > 0.0 {
+                self.sample.push(Sample { s, field, top, sum });
+            }
+        }
+        self.sample.sort_by(|a, b| a.s.total_cmp(&b.s));
+    }
+}

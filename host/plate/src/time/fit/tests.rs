@@ -1,0 +1,235 @@
+use super::*;
+use crate::frequency::equation::Equation;
+use crate::frequency::respond::respond;
+use crate::spec::actuator::{Actuator, Resonator};
+use crate::spec::plate::Plate;
+use crate::spec::presets::{preset, presets};
+use crate::time::modal;
+use std::f64::consts::PI;
+
+const PLACES: usize = 129;
+
+/// The filter of a line of this plate.
+fn plan_of(plate: &Plate) -> BandPlan {
+    let (low, high) = plate.band_hz();
+    BandPlan::new((10.0 * high).clamp(4e3, 400e3), low, high)
+}
+
+fn fit_of(plate: &Plate, mode: u32) -> (Fit, BandPlan) {
+    let plan = plan_of(plate);
+    (bank(response(plate, mode, PLACES, plan.stop_hz().1), &plan, PLACES), plan)
+}
+
+/// The steady field of a fit.
+fn steady(fit: &Fit, plan: &BandPlan, frequency_hz: f64) -> Vec<Complex64> {
+    let apart = TAU * (frequency_hz - plan.centre_hz);
+    let slow = |row: usize| (0..3).map(move |k| (row, k));
+    let ringing = fit.bank.steady(frequency_hz);
+    let value = |(row, k): (usize, usize)| fit.quasi_static.shape[(row, k)] * apart.powi(k as i32);
+    ringing
+        .iter()
+        .enumerate()
+        .map(|(row, ringing)| ringing + slow(row).map(value).sum::<Complex64>())
+        .collect()
+}
+
+/// Largest difference, relative to the largest amplitude.
+fn difference(exact: &[Complex64], found: &[Complex64]) -> f64 {
+    let apart: Vec<Complex64> = exact.iter().zip(found).map(|(a, b)| a - b).collect();
+    samples::largest(&apart) / samples::largest(exact)
+}
+
+/// Largest difference between a fit and `response` at 301 frequencies over the whole of the filter's band and, with
+/// `resonances`, beside every pole in it.
+fn worst(
+    fit: &Fit,
+    plan: &BandPlan,
+    mut response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
+    resonances: bool,
+) -> f64 {
+    let (low, high) = plan.stop_hz();
+    let mut frequencies: Vec<f64> = (0..301).map(|i| low + (high - low) * f64::from(i) / 300.0).collect();
+    if resonances {
+        let beside =
+            fit.bank.pole.iter().flat_map(|p| [-1.3, -0.6, 0.0, 0.7].map(|k| (p.re + k * p.im) / TAU));
+        frequencies.extend(beside.filter(|f| *f > low && *f < high));
+    }
+    let rows = response(&frequencies);
+    let pairs = frequencies.iter().zip(&rows);
+    pairs.map(|(f, exact)| difference(exact, &steady(fit, plan, *f))).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_fit_of_every_preset_answers_as_the_frequency_domain_solver_with_fewer_poles_than_eigenfunctions() {
+    for preset in presets() {
+        let plate = preset.plate().expect("a preset");
+        let (low, high) = plate.band_hz();
+        let (fit, plan) = fit_of(&plate, 1);
+        assert!(
+            fit.bank.pole.iter().all(|p| p.im < 0.0),
+            "{}: an oscillation that does not decay",
+            preset.name
+        );
+        for i in 0..=10 {
+            let frequency = low + (high - low) * f64::from(i) / 10.0;
+            let exact = respond(&plate, frequency, PLACES, Equation::Corrected).expect("in band");
+            let error = difference(&exact.amplitude, &steady(&fit, &plan, frequency));
+            assert!(error < 1e-3, "{} {frequency} Hz: {error}", preset.name);
+        }
+        let error = worst(&fit, &plan, response(&plate, 1, PLACES, plan.stop_hz().1), true);
+        assert!(error < 5e-4 && fit.error < TOLERANCE, "{}: {error}, {}", preset.name, fit.error);
+        let eigen = modal::build(&plate, 1, 1.3 * high, plan.centre_hz, &[0.0]);
+        let (eigen, _) = eigen.condense(plan.centre_hz, REACH * plan.half_band_hz);
+        let (few, many) = (fit.bank.pole.len(), eigen.pole.len());
+        assert!(few as f64 <= 0.65 * many as f64, "{}: {few} poles, {many} by eigenfunctions", preset.name);
+    }
+}
+
+#[test]
+fn sharp_resonances_are_found_however_sharp() {
+    for loss_factor in [0.002, 1e-4, 0.0] {
+        let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+        spec.loss_factor = loss_factor;
+        let plate = Plate::new(spec).expect("a valid plate");
+        let (fit, plan) = fit_of(&plate, 1);
+        let response = response(&plate, 1, PLACES, plan.stop_hz().1);
+        let error = worst(&fit, &plan, response, loss_factor > 0.0);
+        assert!(error < 5e-4, "loss {loss_factor}: {error}");
+        assert!(fit.bank.pole.iter().all(|p| p.im <= 0.0), "loss {loss_factor}");
+    }
+}
+
+#[test]
+fn an_actuator_of_any_quality_is_a_pair_of_poles_more_at_most() {
+    let plate = preset("al-bending").expect("a preset");
+    let (bare, _) = fit_of(&plate, 1);
+    for quality in [0.5, 12.0, 1000.0] {
+        let mut spec = plate.spec().clone();
+        spec.actuator = Some(Actuator::Resonator(Resonator { resonance_hz: 31e3, quality, travel: None }));
+        let plate = Plate::new(spec).expect("a valid plate");
+        let (fit, plan) = fit_of(&plate, 1);
+        let error = worst(&fit, &plan, response(&plate, 1, PLACES, plan.stop_hz().1), true);
+        assert!(error < 5e-4, "Q {quality}: {error}");
+        let mut exact = respond(&plate, 30.9e3, PLACES, Equation::Corrected).expect("in band").amplitude;
+        let gain = plate.spec().actuator.as_ref().expect("an actuator").response(30.9e3);
+        exact.iter_mut().for_each(|f| *f *= gain);
+        assert!(difference(&exact, &steady(&fit, &plan, 30.9e3)) < 5e-4, "Q {quality}");
+        assert!(fit.bank.pole.len() <= bare.bank.pole.len() + 3, "Q {quality}: {}", fit.bank.pole.len());
+    }
+}
+
+#[test]
+fn a_mode_that_enters_only_in_the_upper_half_of_the_band_gets_no_spurious_poles() {
+    let plate = preset("al-bending-displacement").expect("a preset");
+    let (fit, plan) = fit_of(&plate, 3);
+    let error = worst(&fit, &plan, response(&plate, 3, PLACES, plan.stop_hz().1), true);
+    assert!(error < 5e-4, "{error}");
+    assert!(fit.bank.pole.len() < 16, "{} poles", fit.bank.pole.len());
+}
+
+/// A membrane by finite differences with a patch that resists: f'' + (W'/W) f' + (k^2 + j omega r chi(x)) f = 0, with
+/// f(0) = 1 or with a matched resistance there.
+fn touched(
+    plate: &Plate,
+    touch: Complex64,
+    place_m: f64,
+    is_matched: bool,
+) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
+    const STEPS: usize = 8;
+    let points = (PLACES - 1) * STEPS + 1;
+    let step = plate.length_m() / (points - 1) as f64;
+    let mode = plate.width_mode(1);
+    let k0 = mode.wavenumber_squared(0.0, 140.0).sqrt();
+    move |frequencies| {
+        let field = |frequency: &f64| {
+            let axial = crate::frequency::numerov::lossy_axial_squared(plate, &mode, *frequency);
+            // From the end, where f = 0, to the drive: f[i + 1] = ratio[i] f[i].
+            let mut ratio = vec![Complex64::ZERO; points];
+            let mut robin = Complex64::ZERO;
+            for i in (0..points - 1).rev() {
+                let x = (i as f64) * step;
+                let slope = 0.5 * plate.narrowing_per_m(x) * step;
+                let patch =
+                    if (x - place_m).abs() <= 5e-3 { touch * (TAU * frequency) } else { Complex64::ZERO };
+                let here = (axial - mode.width_term(x) + patch) * step * step - 2.0;
+                let before = -(here + (1.0 + slope) * ratio[i]) / (1.0 - slope);
+                if i > 0 {
+                    ratio[i - 1] = before.inv();
+                } else {
+                    robin = (ratio[0] - before) / (2.0 * step);
+                }
+            }
+            let mut value = Complex64::ONE;
+            if is_matched {
+                let a = Complex64::new(0.0, k0 * frequency / 140.0);
+                value = 2.0 * a / (robin + a);
+            }
+            let mut row = Vec::with_capacity(PLACES);
+            for (i, ratio) in ratio.iter().enumerate() {
+                if i % STEPS == 0 {
+                    row.push(value);
+                }
+                value *= ratio;
+            }
+            row
+        };
+        frequencies.iter().map(field).collect()
+    }
+}
+
+#[test]
+fn a_touch_of_the_plate_is_fitted_as_any_other_field() {
+    let plate = preset("membrane").expect("a preset");
+    let plan = plan_of(&plate);
+    // A resistance, a mass, and both, per unit of tension and length of the patch.
+    for touch in [Complex64::new(0.0, 30.0), Complex64::new(1.5, 0.0), Complex64::new(0.5, 4.0)] {
+        for (place_m, is_matched) in [(0.12, false), (0.12, true), (0.2, true)] {
+            let fit = bank(touched(&plate, touch, place_m, is_matched), &plan, PLACES);
+            let error = worst(&fit, &plan, touched(&plate, touch, place_m, is_matched), true);
+            assert!(error < 5e-4, "{touch} at {place_m}, matched {is_matched}: {error}");
+            assert!(fit.bank.pole.iter().all(|p| p.im < 0.0), "{touch} at {place_m}");
+            let mut free = touched(&plate, Complex64::ZERO, place_m, is_matched);
+            let (free, now) = (&free(&[150.0])[0], steady(&fit, &plan, 150.0));
+            assert!(difference(free, &now) > 0.1, "{touch} at {place_m}: the touch has an effect");
+        }
+    }
+}
+
+#[test]
+fn a_known_rational_field_gives_its_poles_and_a_growing_one_is_turned_to_decay() {
+    let plan = BandPlan::new(400e3, 10e3, 40e3);
+    let wanted = [Complex64::new(1.5e5, -900.0), Complex64::new(1.8e5, -40.0), Complex64::new(2.1e5, -3e4)];
+    let rational = |pole: [Complex64; 3]| {
+        move |frequencies: &[f64]| -> Vec<Vec<Complex64>> {
+            let value = |f: &f64, x: usize| {
+                let parts = pole
+                    .iter()
+                    .enumerate()
+                    .map(|(i, p)| (PI * x as f64 * (i as f64 + 1.0) / 31.0).sin() / (p - TAU * f));
+                0.3e-4 + parts.sum::<Complex64>()
+            };
+            frequencies.iter().map(|f| (0..32).map(|x| value(f, x)).collect()).collect()
+        }
+    };
+    let fit = bank(rational(wanted), &plan, 32);
+    for wanted in wanted {
+        let nearest = fit.bank.pole.iter().map(|p| (p - wanted).norm()).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-3 * -wanted.im, "{wanted}: {nearest}");
+    }
+    let growing = bank(rational([wanted[0], wanted[1].conj(), wanted[2]]), &plan, 32);
+    assert!(growing.bank.pole.iter().all(|p| p.im <= 0.0));
+    assert!(growing.error > TOLERANCE, "it cannot be fitted, and the fit says so");
+}
+
+#[test]
+fn a_field_that_is_zero_or_not_finite_leaves_the_plate_at_rest() {
+    let plan = BandPlan::new(400e3, 10e3, 40e3);
+    for value in [0.0, f64::NAN, f64::INFINITY] {
+        let fit = bank(|f: &[f64]| vec![vec![Complex64::from(value); 20]; f.len()], &plan, 20);
+        assert_eq!((fit.bank.shape.shape(), fit.quasi_static.shape.shape()), ((20, 0), (20, 3)));
+        assert!(fit.quasi_static.shape.iter().all(|value| *value == Complex64::ZERO));
+    }
+    // A field without poles: the quasi-static terms hold it alone.
+    let fit = bank(|f: &[f64]| vec![vec![Complex64::new(0.5, 2.0); 20]; f.len()], &plan, 20);
+    assert!(fit.error < 1e-5 && fit.bank.pole.len() <= 1, "{} {}", fit.error, fit.bank.pole.len());
+}
