@@ -222,12 +222,45 @@ fn a_known_rational_field_gives_its_poles_and_a_growing_one_is_turned_to_decay()
 }
 
 #[test]
+fn a_resonance_a_thousand_times_sharper_than_the_distance_of_the_samples_is_right_at_its_peak() {
+    let plan = BandPlan::new(400e3, 10e3, 40e3);
+    for width in [1.0, 1.5, 5.0, 100.0] {
+        // A broad resonance, and a sharp one of half its size at its peak.
+        let pole = [Complex64::new(1.5e5, -4e4), Complex64::new(1.7e5, -width)];
+        let response = |frequencies: &[f64]| -> Vec<Vec<Complex64>> {
+            let value = |f: &f64, x: usize| {
+                let share = [4e4 * (0.2 + x as f64 / 31.0), 0.5 * width * (0.1 * x as f64).cos()];
+                pole.iter().zip(share).map(|(p, share)| share / (p - TAU * f)).sum::<Complex64>()
+            };
+            frequencies.iter().map(|f| (0..32).map(|x| value(f, x)).collect()).collect()
+        };
+        let fit = bank(response, &plan, 32);
+        for k in [-2.0, -0.5, 0.0, 1.0] {
+            let frequency = (pole[1].re + k * width) / TAU;
+            let error = difference(&response(&[frequency])[0], &steady(&fit, &plan, frequency));
+            assert!(error < 5e-4, "width {width}, {k} beside: {error}");
+        }
+    }
+}
+
+#[test]
 fn a_field_that_is_zero_or_not_finite_leaves_the_plate_at_rest() {
     let plan = BandPlan::new(400e3, 10e3, 40e3);
     for value in [0.0, f64::NAN, f64::INFINITY] {
         let fit = bank(|f: &[f64]| vec![vec![Complex64::from(value); 20]; f.len()], &plan, 20);
         assert_eq!((fit.bank.shape.shape(), fit.quasi_static.shape.shape()), ((20, 0), (20, 3)));
         assert!(fit.quasi_static.shape.iter().all(|value| *value == Complex64::ZERO));
+    }
+    // One bad place is enough to leave a frequency out.
+    for value in [f64::NAN, f64::INFINITY] {
+        let one_bad = |f: &[f64]| {
+            let row = |f: &f64| -> Vec<Complex64> {
+                (0..20).map(|x| Complex64::from(if x == 3 && *f > 30e3 { value } else { 1.0 })).collect()
+            };
+            f.iter().map(row).collect::<Vec<_>>()
+        };
+        let fit = bank(one_bad, &plan, 20);
+        assert!(difference(&[Complex64::ONE; 20], &steady(&fit, &plan, 20e3)) < 1e-4, "{value}");
     }
     // A field without poles: the quasi-static terms hold it alone.
     let fit = bank(|f: &[f64]| vec![vec![Complex64::new(0.5, 2.0); 20]; f.len()], &plan, 20);
