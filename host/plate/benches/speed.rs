@@ -118,7 +118,7 @@ fn time_lines(report: &Report) {
     // How long a line takes to build: by eigenfunctions, and by the fit, which a finger on the plate needs each time it
     // moves.
     for preset in presets() {
-        let Ok(plate) = preset.plate() else { continue };
+        let Some(plate) = preset.plate() else { continue };
         for (kind, build) in [
             ("build line", TimeDomainLine::new as fn(&Plate, f64, usize, u32) -> _),
             ("build fitted line", TimeDomainLine::fitted),

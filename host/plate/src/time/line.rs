@@ -26,6 +26,8 @@ use thiserror::Error;
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
 /// Oscillators farther from the middle of the band than this many half bands are treated as quasi-static.
 const REACH: f64 = 3.5;
+/// Largest error of a rational fit of the field, relative to the largest amplitude at the same frequency.
+const FIT_ERROR_MAX: f64 = 5e-3;
 /// Highest width mode of a line.
 pub const WIDTH_MODE_MAX: u32 = 9;
 
@@ -46,6 +48,12 @@ pub enum LineError {
     /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
+    /// The field over the band is no sum of decaying resonances.
+    #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, FIT_ERROR_MAX * 100.0)]
+    Unfit {
+        /// Largest error, relative to the largest amplitude at the same frequency.
+        error: f64,
+    },
 }
 
 /// One width mode of a plate in the time domain: DAC codes in, displacement over x out.
@@ -87,7 +95,7 @@ impl TimeDomainLine {
     ///
     /// # Errors
     /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
-    /// `mode`.
+    /// `mode`, and for a thick plate that of [`TimeDomainLine::fitted`].
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         if !modal::fits(plate) {
             return Self::fitted(plate, sample_rate_hz, points, mode);
@@ -104,10 +112,24 @@ impl TimeDomainLine {
     /// [`TimeDomainLine::new`] chooses it where the eigenfunctions are not exact.
     ///
     /// # Errors
-    /// Those of [`TimeDomainLine::new`].
+    /// Those of [`TimeDomainLine::new`], and [`LineError::Unfit`] if the fit is off by more than 0.5 % of the amplitude.
     pub fn fitted(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         let plan = plan(plate, sample_rate_hz, points, mode)?;
-        let fit = fit::bank(fit::response(plate, mode, points, plan.stop_hz().1), &plan, points);
+        let response = fit::response(plate, mode, points, plan.stop_hz().1);
+        Self::of_response(plate, plan, points, response)
+    }
+
+    /// The line of a field that `response` computes, see [`fit::bank`].
+    fn of_response(
+        plate: &Plate,
+        plan: BandPlan,
+        points: usize,
+        response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
+    ) -> Result<Self, LineError> {
+        let fit = fit::bank(response, &plan, points);
+        if fit.error > FIT_ERROR_MAX {
+            return Err(LineError::Unfit { error: fit.error });
+        }
         let settle_s = settle_time(&fit.bank, plate);
         Ok(Self::of_bank(plate, plan, points, &fit.bank, &fit.quasi_static, settle_s))
     }
@@ -474,6 +496,18 @@ mod tests {
         let measured = Plate::new(measured).expect("a valid plate");
         let refused = TimeDomainLine::new(&measured, 400e3, 65, 1).err().expect("refused");
         assert!(matches!(refused, LineError::MeasuredActuator { .. }), "{refused}");
+    }
+
+    #[test]
+    fn a_field_that_grows_is_refused() {
+        let plate = preset("al-bending").expect("a preset");
+        let plan = plan(&plate, 400e3, 65, 1).expect("a line");
+        let growing = |frequencies: &[f64]| {
+            let field = |f: &f64| vec![1e3 / (Complex64::new(1.8e5, 1e3) - TAU * f); 65];
+            frequencies.iter().map(field).collect::<Vec<_>>()
+        };
+        let refused = TimeDomainLine::of_response(&plate, plan, 65, growing).err().expect("refused");
+        assert!(matches!(refused, LineError::Unfit { error } if error > 0.1), "{refused}");
     }
 
     #[test]
