@@ -17,6 +17,7 @@ pub mod check;
 pub mod design;
 pub mod frequency;
 pub mod paper;
+pub mod plane;
 mod progress;
 pub mod quantity;
 pub mod sheet;
@@ -28,7 +29,7 @@ pub mod time;
 pub use check::sensation;
 pub use frequency::{
     COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, POINTS_MAX, POINTS_MIN, Peak,
-    PredictedEnvelope, RespondError, Response, ToneDrive, clamped, predict_envelope, reflection,
+    PredictedEnvelope, RespondError, Response, ToneDrive, predict_envelope, reflection,
     resistance_reflection, respond, respond_batch, respond_coupled, respond_range,
 };
 pub use num_complex::Complex64;

@@ -5,7 +5,7 @@
 //! functions that are clamped on both edges, (1 - zeta^2)^2 P(zeta), times Legendre polynomials along x.
 
 use nalgebra::{DMatrix, DVector};
-use slipline_plate::{Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, respond};
+use slipline_plate::{Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, plane, respond};
 use std::f64::consts::{PI, TAU};
 
 const HALF_WIDTH_M: f64 = 0.02;
@@ -154,4 +154,7 @@ fn the_clamped_taper_at_40_khz_peaks_where_the_one_mode_theory_says() {
     println!("2-D peak {:.2} mm, one mode {:.2} mm", places[top] * 1e3, theory * 1e3);
     assert!((theory - 0.1805).abs() < 3e-4, "one mode: {theory}");
     assert!((places[top] - 0.1807).abs() < 4e-4, "two dimensions: {}", places[top]);
+    let own =
+        plane::respond(&plate, 40e3, 801, &plane::Setup::of(&plate)).expect("enters").peak.expect("a peak");
+    assert!((places[top] - own.position_m).abs() < 1e-4, "the crate's own: {}", own.position_m);
 }

@@ -194,6 +194,9 @@ pub struct RespondArguments {
     /// The paper's equation, without the (W'/W) term.
     #[arg(long)]
     paper_mode: bool,
+    /// Solve the plate in two dimensions, and tell where the one-mode equation differs.
+    #[arg(long = "2d", conflicts_with = "paper_mode")]
+    two_dimensions: bool,
     /// Draw the amplitude over x, as SVG or PNG by the file's ending.
     #[arg(long, value_name = "F", value_parser = figure_file)]
     figure: Option<FigureFile>,

@@ -1,11 +1,11 @@
 //! `slipline respond`.
 
 use super::{Failure, RespondArguments, argument, output};
-use serde_json::json;
+use serde_json::{Value, json};
 use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_place};
-use slipline_plate::{Equation, respond, respond_range};
+use slipline_plate::{Complex64, Equation, Plate, Response, plane, reflection, respond, respond_range};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
@@ -15,12 +15,18 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         arguments.freq.within("--freq", respond_range(&plate), Measure::Frequency, &on_plate)?;
     let figure = arguments.figure.as_ref();
     let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
-    let response = respond(&plate, frequency_hz, arguments.points, equation).map_err(Failure::usage)?;
+    let one_mode = respond(&plate, frequency_hz, arguments.points, equation).map_err(Failure::usage)?;
+    let (response, differs) = if arguments.two_dimensions {
+        let (response, differs) = in_two_dimensions(&plate, one_mode, arguments.points)?;
+        (response, Some(differs))
+    } else {
+        (one_mode, None)
+    };
     if let Some((figure, file)) = figure.zip(figure_file) {
         figure.write(&file, &response_figure(&response, plate.name()))?;
     }
     let peak = response.peak;
-    let value = json!({
+    let mut value = json!({
         "plate": plate.name(),
         "frequency_hz": response.frequency_hz,
         "paper_mode": arguments.paper_mode,
@@ -32,6 +38,9 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         "peak_amplitude": peak.map(|peak| peak.amplitude),
         "edge_width_m": response.edge_width_m,
     });
+    if let Some(differs) = &differs {
+        value["two_dimensions"] = differs.as_json();
+    }
     output::print(as_json, &value, |out| {
         let peak_line = peak.map_or_else(
             || "none: the wave has died out before its turning point".to_owned(),
@@ -41,16 +50,78 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
                 format!("{}, {times} times the drive{largest}", show_place(peak.position_m))
             },
         );
-        output::lines(
-            out,
-            &[
-                ("Plate", plate.name().to_owned()),
-                ("Frequency", show_frequency(response.frequency_hz)),
-                ("Turning point", show_place(response.turning_point_m)),
-                ("Peak", peak_line),
-                ("Edge width", format!("{} (peak to a tenth)", show_place(response.edge_width_m))),
-                ("Places", response.position_m.len().to_string()),
-            ],
-        )
+        let mut lines = vec![
+            ("Plate", plate.name().to_owned()),
+            ("Frequency", show_frequency(response.frequency_hz)),
+            ("Turning point", show_place(response.turning_point_m)),
+            ("Peak", peak_line),
+            ("Edge width", format!("{} (peak to a tenth)", show_place(response.edge_width_m))),
+            ("Places", response.position_m.len().to_string()),
+        ];
+        lines.extend(differs.iter().flat_map(Differs::as_lines));
+        output::lines(out, &lines)
     })
+}
+
+/// Where the field in two dimensions differs from that of the one-mode equation.
+struct Differs {
+    comparison: plane::Comparison,
+    /// Magnitude of the reflection at the driven end, by the one-mode equation and in two dimensions.
+    reflection: [Option<f64>; 2],
+}
+
+/// The field in two dimensions at the frequency of a field of the one-mode equation, and where they differ.
+fn in_two_dimensions(
+    plate: &Plate,
+    one_mode: Response,
+    points: usize,
+) -> Result<(Response, Differs), Failure> {
+    let setup = plane::Setup::of(plate);
+    let frequency_hz = one_mode.frequency_hz;
+    let response = plane::respond(plate, frequency_hz, points, &setup).map_err(Failure::usage)?;
+    let in_plane = plane::reflection(plate, frequency_hz, &setup).map_err(Failure::usage)?;
+    let reflection = [reflection(plate, frequency_hz), Some(in_plane)].map(|r| r.map(Complex64::norm));
+    let comparison = plane::Comparison::of(&one_mode, &response);
+    Ok((response, Differs { comparison, reflection }))
+}
+
+impl Differs {
+    fn as_json(&self) -> Value {
+        let Self { comparison, reflection } = self;
+        json!({
+            "peak_shift_m": comparison.peak_shift_m,
+            "level_db": comparison.level_db,
+            "nodes": comparison.nodes[1],
+            "one_mode_nodes": comparison.nodes[0],
+            "reflection": reflection[1],
+            "one_mode_reflection": reflection[0],
+        })
+    }
+
+    fn as_lines(&self) -> [(&'static str, String); 3] {
+        let plane::Comparison { peak_shift_m, level_db, nodes } = self.comparison;
+        let peak = match peak_shift_m.zip(level_db) {
+            None => "one of the two has none".to_owned(),
+            Some((shift_m, level_db)) => format!(
+                "{} mm and {} dB from that of the one-mode equation",
+                with_sign(shift_m * 1e3, 2),
+                with_sign(level_db, 2)
+            ),
+        };
+        let share = |reflection: Option<f64>| {
+            reflection.map_or_else(|| "unknown".to_owned(), |share| with_decimals(share, 2))
+        };
+        let [one_mode, in_plane] = self.reflection.map(share);
+        [
+            ("Peak in 2-D", peak),
+            ("Nodes", format!("{} (one mode: {})", nodes[1], nodes[0])),
+            ("Reflection", format!("{in_plane} at the driven end (one mode: {one_mode})")),
+        ]
+    }
+}
+
+/// A difference with its sign.
+fn with_sign(value: f64, decimals: usize) -> String {
+    let sign = if value < 0.0 { "-" } else { "+" };
+    format!("{sign}{}", with_decimals(value.abs(), decimals))
 }

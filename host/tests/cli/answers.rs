@@ -1,6 +1,6 @@
 //! The output of the subcommands, as JSON and in files.
 
-use super::{file, json, number};
+use super::{file, json, number, slipline};
 use serde_json::Value;
 
 #[test]
@@ -48,6 +48,32 @@ fn respond_gives_the_amplitude_over_x_and_the_turning_point() {
     let ours = json(&["respond", "--plate", "al-bending", "--freq", "40kHz"]);
     assert_ne!(paper["amplitude"][100], ours["amplitude"][100]);
     assert!((number(&ours, "peak_position_m") - number(&ours, "turning_point_m")).abs() < 0.02);
+}
+
+#[test]
+fn respond_in_two_dimensions_tells_where_the_one_mode_equation_differs() {
+    let arguments = ["respond", "--plate", "membrane", "--freq", "138Hz", "--points", "801"];
+    let one_mode = json(&arguments);
+    let two = json(&[&arguments[..], &["--2d"]].concat());
+    assert!(one_mode.get("two_dimensions").is_none());
+    for (field, value) in one_mode.as_object().unwrap() {
+        let found = &two[field];
+        assert_eq!(std::mem::discriminant(found), std::mem::discriminant(value), "{field}: {found}");
+    }
+    let differs = &two["two_dimensions"];
+    let shift_m = number(&two, "peak_position_m") - number(&one_mode, "peak_position_m");
+    assert!((-1e-3..-3e-4).contains(&shift_m), "{shift_m}");
+    assert!((number(differs, "peak_shift_m") - shift_m).abs() < 1e-6);
+    let ratio = number(&two, "peak_amplitude") / number(&one_mode, "peak_amplitude");
+    assert!((number(differs, "level_db") - 20.0 * ratio.log10()).abs() < 0.01);
+    assert_eq!((number(differs, "nodes"), number(differs, "one_mode_nodes")), (3.0, 3.0));
+    assert!(number(differs, "reflection") < 0.01);
+
+    let output = slipline(&["respond", "--plate", "al-bending", "--freq", "28kHz", "--2d"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("mm and -") && text.contains(" dB from that of the one-mode equation"), "{text}");
+    // A damper on a free end in bending.
+    assert!(text.contains("0.57 at the driven end (one mode: 0.0"), "{text}");
 }
 
 #[test]

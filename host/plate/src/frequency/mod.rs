@@ -1,6 +1,5 @@
 //! The plate in the frequency domain: the steady amplitude over x at one frequency, and its peak.
 
-pub mod clamped;
 mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;

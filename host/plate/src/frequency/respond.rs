@@ -60,7 +60,7 @@ pub fn respond(
     let refinement = numerov::refinement(plate, frequency_hz, step);
     let grid = Grid::new(plate, 1, equation, points, refinement);
     let fine = numerov::solve(&grid, plate, frequency_hz);
-    Ok(describe(plate, frequency_hz, points, refinement, &fine))
+    Ok(Response::of(plate, frequency_hz, points, refinement, &fine))
 }
 
 /// Solves the equation at many frequencies on a grid of `points` (8 to 200 001), without refinement.
@@ -102,7 +102,7 @@ fn check(plate: &Plate, frequency_hz: f64, points: usize) -> Result<(), RespondE
 }
 
 /// Refuses a frequency outside [`respond_range`].
-pub(super) fn check_frequency(plate: &Plate, frequency_hz: f64) -> Result<(), RespondError> {
+pub(crate) fn check_frequency(plate: &Plate, frequency_hz: f64) -> Result<(), RespondError> {
     let (cut_off_hz, high) = (plate.cut_off_hz(), respond_range(plate).high);
     let cannot_enter = || RespondError::cannot_enter(plate, frequency_hz);
     let low = FREQUENCY.low.min(cut_off_hz);
@@ -119,23 +119,26 @@ pub(super) fn check_frequency(plate: &Plate, frequency_hz: f64) -> Result<(), Re
     Ok(())
 }
 
-fn describe(
-    plate: &Plate,
-    frequency_hz: f64,
-    points: usize,
-    refinement: usize,
-    fine: &[Complex64],
-) -> Response {
-    let step = plate.length_m() / ((points - 1) * refinement) as f64;
-    let turning_point_m = plate.turning_point_m(frequency_hz).unwrap_or(0.0);
-    let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
-    Response {
-        frequency_hz,
-        position_m: (0..points).map(|i| (i * refinement) as f64 * step).collect(),
-        amplitude: fine.iter().copied().step_by(refinement).collect(),
-        turning_point_m,
-        edge_width_m: crate::special::airy::EDGE_WIDTH / kappa,
-        peak: peak::find(fine, step, turning_point_m, kappa),
-        amplitude_at_turning_point: peak::amplitude_at(fine, step, turning_point_m),
+impl Response {
+    /// Describes a field on a grid `refinement` times as fine as `points` uniform points from 0 to the plate's end.
+    pub(crate) fn of(
+        plate: &Plate,
+        frequency_hz: f64,
+        points: usize,
+        refinement: usize,
+        fine: &[Complex64],
+    ) -> Self {
+        let step = plate.length_m() / ((points - 1) * refinement) as f64;
+        let turning_point_m = plate.turning_point_m(frequency_hz).unwrap_or(0.0);
+        let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
+        Self {
+            frequency_hz,
+            position_m: (0..points).map(|i| (i * refinement) as f64 * step).collect(),
+            amplitude: fine.iter().copied().step_by(refinement).collect(),
+            turning_point_m,
+            edge_width_m: crate::special::airy::EDGE_WIDTH / kappa,
+            peak: peak::find(fine, step, turning_point_m, kappa),
+            amplitude_at_turning_point: peak::amplitude_at(fine, step, turning_point_m),
+        }
     }
 }

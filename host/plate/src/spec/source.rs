@@ -91,7 +91,7 @@ impl Source {
 }
 
 impl LeadIn {
-    fn validate(&self) -> Result<(), PlateError> {
+    pub(crate) fn validate(&self) -> Result<(), PlateError> {
         limits::LEAD_IN_LENGTH.check("drive.lead_in.length_m", self.length_m)?;
         limits::LEAD_IN_LOSS.check("drive.lead_in.loss_factor", self.loss_factor)?;
         let field = "drive.lead_in.end_resistance_n_s_per_m";

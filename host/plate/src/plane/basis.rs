@@ -8,11 +8,23 @@ pub(super) struct Jet {
     pub(super) bend: f64,
 }
 
-/// (1 - b^2)^2 P_2m(b) at b = z/W: symmetric in z, with value and slope zero at the clamped edges b = +-1.
-pub(super) fn across(order: usize, b: f64) -> Jet {
+/// What the deflection obeys exactly at the edges z = +-W.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Edges {
+    /// It is zero: a fixed membrane, or a simply supported plate, whose moment vanishes by the weak form.
+    Supported,
+    /// It is zero and so is its slope.
+    Clamped,
+}
+
+/// (1 - b^2)^e P_2m(b) at b = z/W with e = 1 for supported and 2 for clamped edges: symmetric in z.
+pub(super) fn across(edges: Edges, order: usize, b: f64) -> Jet {
     let legendre = legendre(2 * order, b);
-    let window =
-        Jet { value: (1.0 - b * b).powi(2), slope: -4.0 * b * (1.0 - b * b), bend: 12.0 * b * b - 4.0 };
+    let gap = 1.0 - b * b;
+    let window = match edges {
+        Edges::Supported => Jet { value: gap, slope: -2.0 * b, bend: -2.0 },
+        Edges::Clamped => Jet { value: gap * gap, slope: -4.0 * b * gap, bend: 12.0 * b * b - 4.0 },
+    };
     Jet {
         value: window.value * legendre.value,
         slope: window.slope * legendre.value + window.value * legendre.slope,
@@ -39,14 +51,19 @@ fn legendre(degree: usize, b: f64) -> Jet {
     now
 }
 
-/// The four cubics of an element of length `h` at t = 0..1: value and slope at its start, value and slope at its end.
-pub(super) fn along(t: f64, h: f64) -> [Jet; 4] {
-    let jet = |c0: f64, c1: f64, c2: f64, c3: f64| Jet {
-        value: c0 + t * (c1 + t * (c2 + t * c3)),
-        slope: (c1 + t * (2.0 * c2 + 3.0 * t * c3)) / h,
-        bend: (2.0 * c2 + 6.0 * t * c3) / (h * h),
+/// The four cubics of an element of length `h` at t = 0..1, each as value, first and second derivative along x. They
+/// belong to the value at its start, `unit` times the slope there, and the same at its end: with a `unit` near h the
+/// unknowns are of one size.
+pub(super) fn along(t: f64, h: f64, unit: f64) -> [[f64; 3]; 4] {
+    let jet = |c0: f64, c1: f64, c2: f64, c3: f64| {
+        [
+            c0 + t * (c1 + t * (c2 + t * c3)),
+            (c1 + t * (2.0 * c2 + 3.0 * t * c3)) / h,
+            (2.0 * c2 + 6.0 * t * c3) / (h * h),
+        ]
     };
-    [jet(1.0, 0.0, -3.0, 2.0), jet(0.0, h, -2.0 * h, h), jet(0.0, 0.0, 3.0, -2.0), jet(0.0, 0.0, -h, h)]
+    let u = h / unit;
+    [jet(1.0, 0.0, -3.0, 2.0), jet(0.0, u, -2.0 * u, u), jet(0.0, 0.0, 3.0, -2.0), jet(0.0, 0.0, -u, u)]
 }
 
 /// Nodes and weights of the Gauss-Legendre rule with `count` nodes on 0..1; the roots by Newton's method.
@@ -78,12 +95,24 @@ mod tests {
             assert!((slope - here.slope).abs() < 1e-6 * (1.0 + here.slope.abs()), "{slope} {here:?}");
             assert!((bend - here.bend).abs() < 1e-6 * (1.0 + here.bend.abs()), "{bend} {here:?}");
         };
-        for order in 0..5 {
-            check(&|b| across(order, b), 0.37, 1.0);
+        for edges in [Edges::Supported, Edges::Clamped] {
+            for order in 0..5 {
+                check(&|b| across(edges, order, b), 0.37, 1.0);
+            }
         }
         for number in 0..4 {
-            check(&|t| along(t, 0.2)[number], 0.61, 0.2);
+            let cubic = |t: f64| {
+                let [value, slope, bend] = along(t, 0.2, 0.3)[number];
+                Jet { value, slope, bend }
+            };
+            check(&cubic, 0.61, 0.2);
         }
+    }
+
+    #[test]
+    fn the_slopes_of_an_element_are_counted_in_the_unit() {
+        let (start, end) = (along(0.0, 0.2, 0.3), along(1.0, 0.2, 0.3));
+        assert!((start[1][1] * 0.3 - 1.0).abs() < 1e-12 && (end[3][1] * 0.3 - 1.0).abs() < 1e-12);
     }
 
     #[test]

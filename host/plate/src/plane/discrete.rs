@@ -1,0 +1,159 @@
+//! The sheet divided into elements and polynomials: what the field and the reflection share.
+
+use super::error::PlaneError;
+use super::outline::Outline;
+use super::section::Section;
+use super::setup::{End, Force, Setup};
+use super::strip::{modulus, sheet, wave_impedance};
+use super::system::{Mesh, System};
+use crate::spec::plate::Plate;
+use crate::spec::source::EndSlope;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Largest number of unknowns times the band's width squared: a few seconds of work.
+const WORK_MAX: usize = 4_000_000_000;
+/// Elements per width of a finger, which are as short for one width on both sides of it.
+const ELEMENTS_PER_FINGER: i32 = 4;
+/// Most polynomials more that resolve a finger on a plate that is wide against it.
+const FINGER_ORDERS_MAX: f64 = 12.0;
+
+/// How finely a sheet is divided.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Resolution {
+    /// Elements per wavelength 2 pi/K of the unbounded sheet.
+    pub(super) elements_per_wavelength: f64,
+    /// Polynomials beyond those that the frequency needs.
+    pub(super) extra_orders: usize,
+    /// Half of the rounded length between lead-in and taper, in half-widths.
+    pub(super) rounding: f64,
+}
+
+/// The divided sheet with what is done to it.
+#[derive(Debug, Clone)]
+pub(super) struct Discrete<'a> {
+    plate: &'a Plate,
+    frequency_hz: f64,
+    setup: Setup,
+    outline: Outline<'a>,
+    pub(super) section: Section,
+    pub(super) mesh: Mesh,
+    /// D, or the tension per width.
+    modulus: f64,
+    /// K^4 in bending, K^2 otherwise, without loss.
+    pub(super) level: f64,
+}
+
+impl<'a> Discrete<'a> {
+    /// Divides the sheet from the start of the lead-in to `end_m`.
+    ///
+    /// # Errors
+    /// [`PlaneError::TooFine`]; what is wrong with the setup.
+    pub(super) fn new(
+        plate: &'a Plate,
+        frequency_hz: f64,
+        setup: &Setup,
+        outline: Outline<'a>,
+        end_m: f64,
+        resolution: Resolution,
+    ) -> Result<Self, PlaneError> {
+        setup.validate(plate)?;
+        let model = &plate.spec().model;
+        let (edges, energy, level) = sheet(model, frequency_hz);
+        let wavenumber = model.wavenumber_squared(TAU * frequency_hz).sqrt();
+        let start = -setup.lead_in_m();
+        let mut places = outline.corners();
+        places.extend([start, end_m]);
+        // The field bends around the edges of the finger's patch, along x as across.
+        let mut finger_orders = 0;
+        if let Some(finger) = setup.finger {
+            let reach = 3 * ELEMENTS_PER_FINGER;
+            let share = |i: i32| f64::from(i) / f64::from(2 * ELEMENTS_PER_FINGER);
+            places.extend((-reach..=reach).step_by(2).map(|i| finger.place_m + share(i) * finger.width_m));
+            let widths = 4.0 * outline.at(finger.place_m).value.exp() / finger.width_m;
+            finger_orders = widths.min(FINGER_ORDERS_MAX).ceil() as usize;
+        }
+        places.retain(|place| (start..=end_m).contains(place));
+        places.sort_by(f64::total_cmp);
+
+        // Polynomials that resolve what propagates across the width: pi/2 per wavelength, and a few more.
+        let across = (0.5 * wavenumber * outline.at(0.0).value.exp()).ceil() as usize + 3;
+        let orders = across.saturating_add(resolution.extra_orders + finger_orders);
+        let longest_m = TAU / wavenumber / resolution.elements_per_wavelength;
+        let nodes = ((end_m - start) / longest_m) as usize + places.len();
+        let unknowns = nodes.saturating_mul(2 * orders);
+        let band = orders.saturating_mul(8);
+        let most = WORK_MAX / band.saturating_mul(band);
+        if unknowns > most {
+            return Err(PlaneError::TooFine { frequency_hz, unknowns, most });
+        }
+        Ok(Self {
+            plate,
+            frequency_hz,
+            setup: *setup,
+            section: Section::new(edges, energy, orders, model.width_number(1)),
+            mesh: Mesh::new(&places, longest_m),
+            outline,
+            modulus: modulus(plate, frequency_hz),
+            level,
+        })
+    }
+
+    /// Stiffness and inertia of the sheet with this loss of the wave (see [`Plate::wave_loss`]), the lead-in, the
+    /// finger, and the driven end with a drive of `drive`. The far end is free.
+    pub(super) fn equations(&self, wave_loss: f64, drive: f64) -> System<'_> {
+        let Self { plate, setup, .. } = self;
+        let omega = TAU * self.frequency_hz;
+        let is_bending = plate.spec().model.bending().is_some();
+        // K^2 -> K^2 (1 + j eta), as in the one-mode equation, by a modulus that is 1/(1 + j eta) of the one without
+        // loss; its square in bending, where K^2 goes with the root of the modulus.
+        let compliance = Complex64::new(1.0, wave_loss).powi(if is_bending { 2 } else { 1 });
+        let in_plate = self.modulus / compliance;
+        // A loss layer has the usual E (1 - j eta): the two differ by eta^2, which counts only here.
+        let in_lead_in =
+            self.modulus * Complex64::new(1.0, setup.lead_in.map_or(0.0, |lead_in| -lead_in.loss_factor));
+        let stiffness = |x: f64| if x < 0.0 { in_lead_in } else { in_plate };
+        let inertia = self.modulus * self.level;
+        let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
+        if let Some(finger) = setup.finger {
+            let per_area = finger.impedance.dynamic_stiffness(omega) / finger.width_m.powi(2);
+            system.cover(&self.outline, finger.place_m, 0.5 * finger.width_m, per_area);
+        }
+        if let Some(lead_in) = setup.lead_in {
+            system.resist(0, Complex64::new(0.0, -omega * lead_in.end_resistance_n_s_per_m));
+        }
+
+        let node = self.mesh.node_at(0.0);
+        let impedance = |frequency_hz| wave_impedance(plate, frequency_hz);
+        // Only bending has a condition on the slope.
+        let guided = |slope| slope == EndSlope::Held && is_bending;
+        let narrowing = self.outline.at(0.0).slope;
+        match setup.end {
+            End::Displacement(slope) => {
+                if guided(slope) {
+                    system.guide(node, narrowing);
+                }
+                system.hold(node, drive);
+            }
+            End::Source { impedance: resisting, force, slope } => {
+                let force = match force {
+                    Force::Constant(force) => force,
+                    Force::OfWave { multiple, at_frequency_hz } => {
+                        multiple * TAU * at_frequency_hz * impedance(at_frequency_hz)
+                    }
+                };
+                system.resist(node, resisting.dynamic_stiffness(omega));
+                system.push(node, (drive * force).into());
+                if guided(slope) {
+                    system.guide(node, narrowing);
+                }
+            }
+            End::Damper { ratio, at_frequency_hz } => {
+                let force = Complex64::new(0.0, -omega * ratio * impedance(at_frequency_hz));
+                system.resist(node, force);
+                system.push(node, 2.0 * drive * force);
+            }
+        }
+        system
+    }
+}

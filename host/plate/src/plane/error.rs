@@ -1,0 +1,37 @@
+//! Why no two-dimensional field was computed.
+
+use crate::frequency::RespondError;
+use crate::quantity::{OutOfRange, must_be, number_format::typed};
+use crate::spec::error::PlateError;
+use thiserror::Error;
+
+/// Why the two-dimensional field was not computed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PlaneError {
+    /// The frequency does not enter the plate, or the frequency or the number of points is out of range.
+    #[error(transparent)]
+    Respond(#[from] RespondError),
+    /// A number of the setup is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// A number of the lead-in is out of range, or something in newtons acts on a membrane or SH plate whose tension or
+    /// thickness is not told.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// A lead-in on a membrane or SH plate.
+    #[error("{}", must_be("drive.lead_in on a plate that is not in bending", "absent"))]
+    LeadInWithoutBending,
+    /// The field has too many waves along and across the plate.
+    #[error("{}", must_be(
+        format_args!("unknowns of the two-dimensional field at {} Hz = {unknowns}", typed(*.frequency_hz)),
+        format_args!("at most {most}"),
+    ))]
+    TooFine {
+        /// The frequency, Hz.
+        frequency_hz: f64,
+        /// How many unknowns the field has.
+        unknowns: usize,
+        /// How many are allowed for a band of this width.
+        most: usize,
+    },
+}

@@ -1,0 +1,128 @@
+//! The field of a plate at one frequency.
+
+use super::discrete::{Discrete, Resolution};
+use super::error::PlaneError;
+use super::outline::{self, Outline};
+use super::section::Section;
+use super::setup::Setup;
+use super::system::{Mesh, amplitudes};
+use crate::frequency::respond::check_frequency;
+use crate::frequency::{POINTS_MAX, POINTS_MIN, RespondError, Response};
+use crate::quantity::OutOfRange;
+use crate::spec::plate::Plate;
+use num_complex::Complex64;
+
+/// Exponents of decay beyond the turning point after which the sheet is clamped: what returns from there has twice as
+/// many. The one-mode equation continues the taper beyond the plate's end in the same way.
+const TAIL_EXPONENTS: f64 = 14.0;
+/// Positions per element at which the peak is looked for.
+const PLACES: f64 = 8.0;
+/// Elements and polynomials for an error of the peak below 1e-4 (`the_field_does_not_depend_on_the_resolution`).
+const RESOLUTION: Resolution =
+    Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: outline::ROUNDING };
+
+/// The complex deflection w(x, z) of a plate at one frequency, relative to the drive; the displacement is
+/// Re(w e^(-j omega t)).
+#[derive(Debug, Clone)]
+pub struct Field {
+    frequency_hz: f64,
+    plate: Plate,
+    lead_in_m: f64,
+    rounding: f64,
+    section: Section,
+    mesh: Mesh,
+    unknowns: Vec<Complex64>,
+}
+
+impl Field {
+    /// Solves the plate at `frequency_hz` as it is set up. The drive end of the plate's specification counts only if
+    /// [`Setup::of`] took it over; the actuator does not.
+    ///
+    /// # Errors
+    /// [`PlaneError::Respond`] for a frequency that [`crate::respond`] refuses, [`PlaneError::TooFine`] for a plate so
+    /// wide or long in wavelengths that the system would be too large, and what is wrong with the setup.
+    pub fn solve(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Self, PlaneError> {
+        Self::solve_with(plate, frequency_hz, setup, RESOLUTION)
+    }
+
+    pub(super) fn solve_with(
+        plate: &Plate,
+        frequency_hz: f64,
+        setup: &Setup,
+        resolution: Resolution,
+    ) -> Result<Self, PlaneError> {
+        check_frequency(plate, frequency_hz)?;
+        let outline = Outline::of(&plate.width, setup.lead_in_m(), resolution.rounding);
+        let end_m = far_end(plate, frequency_hz);
+        let discrete = Discrete::new(plate, frequency_hz, setup, outline, end_m, resolution)?;
+        let mut system = discrete.equations(plate.wave_loss(), 1.0);
+        system.clamp(discrete.mesh.elements());
+        let unknowns = system.solve();
+        let Discrete { section, mesh, .. } = discrete;
+        Ok(Self {
+            frequency_hz,
+            plate: plate.clone(),
+            lead_in_m: setup.lead_in_m(),
+            rounding: resolution.rounding,
+            section,
+            mesh,
+            unknowns,
+        })
+    }
+
+    /// The deflection at `x_m` from the driven end and `z_m` from the centre line; zero beside the plate and beyond its
+    /// end. Negative `x_m` is on the lead-in.
+    #[must_use]
+    pub fn at(&self, x_m: f64, z_m: f64) -> Complex64 {
+        let width = Outline::of(&self.plate.width, self.lead_in_m, self.rounding).at(x_m).value.exp();
+        let is_on_sheet = (-self.lead_in_m..=self.plate.length_m()).contains(&x_m) && z_m.abs() <= width;
+        if is_on_sheet { self.mapped(x_m, &self.section.values(z_m / width)) } else { Complex64::ZERO }
+    }
+
+    /// The deflection where the polynomials have these values.
+    fn mapped(&self, x: f64, values: &[f64]) -> Complex64 {
+        if x > self.mesh.nodes[self.mesh.elements()] {
+            // The tail has died out before.
+            return Complex64::ZERO;
+        }
+        amplitudes(&self.section, &self.mesh, &self.unknowns, x)
+            .iter()
+            .zip(values)
+            .map(|(amplitude, value)| amplitude * value)
+            .sum()
+    }
+
+    /// The centre line on `points` (8 to 200 001) uniform positions from 0 to the plate's end, and its peak, in the
+    /// form of the one-mode [`crate::respond`].
+    ///
+    /// The peak is looked for on a finer grid near the turning point of the one-mode theory.
+    ///
+    /// # Errors
+    /// [`PlaneError::Respond`] for `points`.
+    pub fn centre_line(&self, points: usize) -> Result<Response, PlaneError> {
+        OutOfRange::check_count("points", points, POINTS_MIN..=POINTS_MAX).map_err(RespondError::from)?;
+        let step_m = self.plate.length_m() / (points - 1) as f64;
+        let refinement = (PLACES * step_m / self.mesh.unit_m).ceil().max(1.0) as usize;
+        let fine_m = step_m / refinement as f64;
+        let centre = self.section.values(0.0);
+        let fine: Vec<Complex64> = (0..=(points - 1) * refinement)
+            .map(|place| self.mapped(place as f64 * fine_m, &centre))
+            .collect();
+        Ok(Response::of(&self.plate, self.frequency_hz, points, refinement, &fine))
+    }
+}
+
+/// Where the mesh ends: so far beyond the turning point that nothing returns. The taper is continued beyond the
+/// plate's end if it must.
+fn far_end(plate: &Plate, frequency_hz: f64) -> f64 {
+    let mode = plate.width_mode(1);
+    let turning_point_m = mode.turning_point_m(frequency_hz);
+    let reach_m = plate.width.reach_m() * (1.0 - 1e-6);
+    let step = 0.02 / mode.fall(turning_point_m).cbrt();
+    let (mut place, mut exponents) = (turning_point_m, 0.0);
+    while exponents < TAIL_EXPONENTS && place + step < reach_m {
+        place += step;
+        exponents += (-mode.wavenumber_squared(place, frequency_hz)).max(0.0).sqrt() * step;
+    }
+    place
+}

@@ -1,0 +1,197 @@
+//! What is done to the plate: its driven end, a lead-in behind it, a finger on it.
+
+use super::error::PlaneError;
+use crate::quantity::{OutOfRange, Range};
+use crate::spec::drive::DriveEnd;
+use crate::spec::limits;
+use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, LeadIn, Source};
+use num_complex::Complex64;
+
+/// A mechanical impedance R - j omega m + j s/omega, force over velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Impedance {
+    /// Resistance R, N s/m (0 to 1e9).
+    pub resistance_n_s_per_m: f64,
+    /// Mass m, kg (0 to 1000).
+    pub mass_kg: f64,
+    /// Stiffness s, N/m (0 to 1e12).
+    pub stiffness_n_per_m: f64,
+}
+
+impl Impedance {
+    /// Force per deflection at angular frequency `omega`: s - omega^2 m - j omega R.
+    pub(super) fn dynamic_stiffness(&self, omega: f64) -> Complex64 {
+        let elastic = self.stiffness_n_per_m - omega * omega * self.mass_kg;
+        Complex64::new(elastic, -omega * self.resistance_n_s_per_m)
+    }
+
+    fn is_nothing(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn validate(&self) -> Result<(), OutOfRange> {
+        OutOfRange::check("resistance_n_s_per_m", self.resistance_n_s_per_m, limits::MECHANICAL_RESISTANCE)?;
+        OutOfRange::check("mass_kg", self.mass_kg, limits::MOVING_MASS)?;
+        OutOfRange::check("stiffness_n_per_m", self.stiffness_n_per_m, limits::END_STIFFNESS)
+    }
+}
+
+/// The force at a driven end, for a drive of 1; the same at every frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Force {
+    /// In newtons.
+    Constant(f64),
+    /// A multiple of omega Z at one frequency; Z is the wave impedance at x = 0. Twice omega Z launches a wave of
+    /// amplitude 1 into a matched plate at that frequency; omega Z alone does so on an end that nothing resists.
+    OfWave {
+        /// The multiple (1e-9 to 1e9).
+        multiple: f64,
+        /// The frequency, Hz (above the cut-off at x = 0).
+        at_frequency_hz: f64,
+    },
+}
+
+/// The driven end at x = 0. It acts on the first width mode: force and velocity are those of the deflection's
+/// projection on the mode at its cut-off (half a cosine; with clamped edges the clamped beam's), 1 on the centre line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// The deflection is held to the width mode with 1 on the centre line.
+    Displacement(EndSlope),
+    /// A force on an end that resists.
+    Source {
+        /// What resists.
+        impedance: Impedance,
+        /// The force.
+        force: Force,
+        /// What holds the slope; not used for a membrane, whose end has no such condition.
+        slope: EndSlope,
+    },
+    /// A damper whose other side moves by 2; the slope is free. A membrane launches a wave of amplitude 1 at `ratio` 1.
+    Damper {
+        /// R over the wave impedance Z at `at_frequency_hz` (0.01 to 100).
+        ratio: f64,
+        /// Where the ratio holds, Hz (above the cut-off at x = 0).
+        at_frequency_hz: f64,
+    },
+}
+
+/// A finger on the centre line: a square patch that resists with impedance/width^2 per area.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finger {
+    /// Middle of the patch, metres from the driven end (0 to the plate's length).
+    pub place_m: f64,
+    /// Resistance and mass (and stiffness, if any) of the whole patch.
+    pub impedance: Impedance,
+    /// Side of the patch, metres (0.001 to 0.1). Where the plate is narrower the patch ends at its edges.
+    pub width_m: f64,
+}
+
+/// What the two-dimensional solver needs beside the plate.
+///
+/// ```
+/// use slipline_plate::{LeadIn, plane, preset};
+///
+/// let plate = preset("al-bending").unwrap();
+/// let damper = plane::Setup::of(&plate);
+/// let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.0 };
+/// let soft = plane::End::Source {
+///     impedance: plane::Impedance::default(),
+///     force: plane::Force::OfWave { multiple: 2.0, at_frequency_hz: 28e3 },
+///     slope: slipline_plate::EndSlope::Free,
+/// };
+/// let setup = plane::Setup { end: soft, lead_in: Some(lead_in), finger: None };
+/// let reflected = |setup| plane::reflection(&plate, 28e3, setup).unwrap().norm();
+/// assert!(reflected(&setup) < 0.3 && reflected(&damper) > 0.5);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// The driven end.
+    pub end: End,
+    /// The strip behind it: bending only. The law of its loss is E (1 - j eta), and its damper acts on the width mode.
+    pub lead_in: Option<LeadIn>,
+    /// The finger.
+    pub finger: Option<Finger>,
+}
+
+impl Setup {
+    /// The drive end of the plate's specification, without a finger.
+    ///
+    /// `Displacement` leaves the slope free, and `Force` and `Resistance` are a free end with a force or a damper: on a
+    /// plate in bending their near field makes them differ from the one-mode equation, which has none.
+    #[must_use]
+    pub fn of(plate: &Plate) -> Self {
+        let mut lead_in = None;
+        let end = match plate.spec().drive_end {
+            DriveEnd::Displacement => End::Displacement(EndSlope::Free),
+            DriveEnd::DisplacementAndSlope { slope } => End::Displacement(slope),
+            DriveEnd::Force { at_frequency_hz } => End::Source {
+                impedance: Impedance::default(),
+                force: Force::OfWave { multiple: 1.0, at_frequency_hz },
+                slope: EndSlope::Free,
+            },
+            DriveEnd::Resistance { ratio, at_frequency_hz } => End::Damper { ratio, at_frequency_hz },
+            DriveEnd::Source(source) => {
+                lead_in = source.lead_in;
+                let Source { resistance_n_s_per_m, mass_kg, stiffness_n_per_m, at_frequency_hz, .. } = source;
+                End::Source {
+                    impedance: Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m },
+                    force: Force::OfWave { multiple: 2.0, at_frequency_hz },
+                    slope: source.slope.unwrap_or(EndSlope::Free),
+                }
+            }
+        };
+        Self { end, lead_in, finger: None }
+    }
+
+    /// Length of the lead-in, metres; 0 without one.
+    pub(super) fn lead_in_m(&self) -> f64 {
+        self.lead_in.map_or(0.0, |lead_in| lead_in.length_m)
+    }
+
+    pub(super) fn validate(&self, plate: &Plate) -> Result<(), PlaneError> {
+        let entering = Range::new(plate.cut_off_hz() * 1.0001, limits::FREQUENCY.high, "Hz");
+        // The field that is in newtons, if there is one.
+        let mut absolute = None;
+        match self.end {
+            End::Displacement(_) => {}
+            End::Source { impedance, force, .. } => {
+                impedance.validate()?;
+                if !impedance.is_nothing() {
+                    absolute = Some("a source");
+                }
+                match force {
+                    Force::Constant(force) => {
+                        OutOfRange::check("force", force, Range::new(-1e12, 1e12, "N"))?;
+                        absolute = Some("a source");
+                    }
+                    Force::OfWave { multiple, at_frequency_hz } => {
+                        OutOfRange::check("multiple", multiple, Range::new(1e-9, 1e9, ""))?;
+                        OutOfRange::check("at_frequency_hz", at_frequency_hz, entering)?;
+                    }
+                }
+            }
+            End::Damper { ratio, at_frequency_hz } => {
+                OutOfRange::check("ratio", ratio, limits::DRIVE_RATIO)?;
+                OutOfRange::check("at_frequency_hz", at_frequency_hz, entering)?;
+            }
+        }
+        if let Some(lead_in) = self.lead_in {
+            if plate.spec().model.bending().is_none() {
+                return Err(PlaneError::LeadInWithoutBending);
+            }
+            lead_in.validate()?;
+        }
+        if let Some(finger) = self.finger {
+            OutOfRange::check("finger.place_m", finger.place_m, Range::new(0.0, plate.length_m(), "m"))?;
+            OutOfRange::check("finger.width_m", finger.width_m, Range::new(1e-3, 0.1, "m"))?;
+            finger.impedance.validate()?;
+            if !finger.impedance.is_nothing() {
+                absolute = Some("a finger");
+            }
+        }
+        // Whatever is in newtons acts on a sheet whose mass per area is known.
+        absolute.map_or(Ok(()), |needed_by| plate.spec().model.surface_density(needed_by).map(drop))?;
+        Ok(())
+    }
+}

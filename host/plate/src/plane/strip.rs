@@ -1,0 +1,197 @@
+//! The waves of a parallel strip: wavenumber, shape and impedance of its width modes, from the same polynomials.
+//!
+//! A wave w = p(z) e^(jkx) obeys (k^4 A + k^2 B + C) p = K^4 M p in bending and (k^2 A + C) p = K^2 M p otherwise, with
+//! the forms of [`Section`] at W' = 0. For a given k^2 that is a symmetric eigenproblem; for a given frequency k^2 of
+//! each mode is found by Newton's method, because its slope is known from the eigenvector.
+
+use super::basis::Edges;
+use super::section::{Energy, Section};
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use crate::spec::taper::LogWidth;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// The sheet's edges and energy, and K^4 (bending) or K^2 without loss, at a frequency.
+pub(super) fn sheet(model: &Model, frequency_hz: f64) -> (Edges, Energy, f64) {
+    let squared = model.wavenumber_squared(TAU * frequency_hz);
+    match model {
+        Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
+            (Edges::Supported, Energy::Tension, squared)
+        }
+        Model::BendingSupported(bending) => {
+            (Edges::Supported, Energy::Bending(bending.poisson_ratio), squared * squared)
+        }
+        Model::BendingClamped(bending) => {
+            (Edges::Clamped, Energy::Bending(bending.poisson_ratio), squared * squared)
+        }
+    }
+}
+
+/// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not tell it).
+///
+/// Where shear and rotary inertia are included, D is the value that makes the power of a wave right with Mindlin's K:
+/// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate.
+pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
+    let (model, width_mode, omega) = (&plate.spec().model, plate.width_mode(1), TAU * frequency_hz);
+    let Ok(surface_density) = model.surface_density("an impedance") else { return 1.0 };
+    match model.wave_speed_m_per_s() {
+        Some(speed) => surface_density * speed * speed,
+        None => {
+            // The width mode's a K^2 and its slope have the factor a.
+            let squares = width_mode.axial_squared(frequency_hz) * plate.axial_rise(frequency_hz);
+            surface_density * omega * width_mode.slope.powi(2) / squares
+        }
+    }
+}
+
+/// One width mode of a strip at one frequency.
+#[derive(Debug, Clone)]
+pub(super) struct StripMode {
+    /// k^2, 1/m^2; negative if the mode decays.
+    pub(super) square: f64,
+    /// Coefficients of the polynomials; 1 on the centre line.
+    pub(super) shape: Vec<f64>,
+    /// d(K^4)/d(k^2), or d(K^2)/d(k^2).
+    rise: f64,
+    /// Integral of the shape's square over the width, metres.
+    norm_m: f64,
+}
+
+impl StripMode {
+    /// The impedance Z, N s/m, of a source that moves the mode by its centre line: a wave of amplitude A carries the power
+    /// (1/2) Z omega^2 A^2.
+    pub(super) fn impedance(&self, modulus: f64, omega: f64) -> f64 {
+        // omega^2 = (modulus/surface density) K^4, and Z = surface density x group speed x norm.
+        modulus * self.rise * self.square.max(0.0).sqrt() * self.norm_m / omega
+    }
+}
+
+/// Width mode `number` (0 is the first even one, 1 the second) of a strip of half-width W at `level` = K^4 or K^2.
+///
+/// `None` if it decays faster than e^(-x/W).
+pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: usize) -> Option<StripMode> {
+    let orders = section.orders;
+    let width = log_half_width.exp();
+    let mut form = section.form();
+    section.fill(LogWidth { value: log_half_width, slope: 0.0, curvature: 0.0 }, &mut form);
+    let matrix = |values: &[f64]| DMatrix::from_row_slice(orders, orders, values);
+    let [[c, _, fb], [_, ss, _], [_, _, a]] =
+        form.terms.each_ref().map(|row| row.each_ref().map(|t| matrix(t)));
+    // f'' = -k^2 f and f' = jk f.
+    let b = ss - &fb - fb.transpose();
+    let mass = matrix(&section.mass) * width;
+    let root = mass.cholesky()?;
+    let inverse = root.l().try_inverse()?;
+    let turned = |matrix: &DMatrix<f64>| &inverse * matrix * inverse.transpose();
+    let (a, b, c) = (turned(&a), turned(&b), turned(&c));
+
+    let slowest = -width.powi(-2);
+    let start = match section.energy {
+        Energy::Tension => level,
+        Energy::Bending(_) => level.sqrt(),
+    };
+    let mut square = start;
+    for _ in 0..60 {
+        let eigen = (&a * (square * square) + &b * square + &c).symmetric_eigen();
+        let mut ranked: Vec<usize> = (0..orders).collect();
+        ranked.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let at = *ranked.get(number)?;
+        let vector: DVector<f64> = eigen.eigenvectors.column(at).into();
+        let rise = 2.0 * square * vector.dot(&(&a * &vector)) + vector.dot(&(&b * &vector));
+        let step = (level - eigen.eigenvalues[at]) / rise;
+        // The level is a convex function of k^2: from above Newton's method does not overshoot.
+        square += step;
+        if square.is_nan() || square < slowest {
+            return None;
+        }
+        // The step after one as small as this would be below rounding.
+        if step.abs() <= 1e-8 * start {
+            let raw = inverse.transpose() * vector;
+            let centre: f64 = raw.iter().zip(section.values(0.0)).map(|(share, value)| share * value).sum();
+            return Some(StripMode {
+                square,
+                shape: raw.iter().map(|share| share / centre).collect(),
+                rise,
+                norm_m: centre.powi(-2),
+            });
+        }
+    }
+    None
+}
+
+/// The wave impedance Z of the first width mode at x = 0, N s/m (per N/m of tension where that is not known); 0 below
+/// the cut-off. With clamped edges it is that of the exact dispersion relation.
+pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
+    let model = &plate.spec().model;
+    let (edges, energy, level) = sheet(model, frequency_hz);
+    let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
+    mode(&section, plate.width.at(0.0).value, level, 0)
+        .map_or(0.0, |mode| mode.impedance(modulus(plate, frequency_hz), TAU * frequency_hz))
+}
+
+/// Polynomials for the first width mode alone.
+const ORDERS_OF_A_MODE: usize = 7;
+
+#[cfg(test)]
+mod tests {
+    use super::super::basis::gauss;
+    use super::*;
+
+    const W: f64 = 0.02;
+
+    fn section(edges: Edges, orders: usize) -> Section {
+        Section::new(edges, Energy::Bending(0.33), orders, 2.365_020_372_431_352)
+    }
+
+    #[test]
+    fn a_clamped_strip_obeys_the_exact_dispersion_relation() {
+        // K over that of the cut-off, and k over that of the law near the cut-off, by the physics page.
+        for (ratio, page) in [(1.005, 0.995), (1.05, 0.957), (1.22, 0.879), (1.41, 0.839), (2.0, 0.788)] {
+            let (q, squared) = (2.365_020_372_431_352, (2.365_020_372_431_352 * ratio / W).powi(2));
+            let found = mode(&section(Edges::Clamped, 9), W.ln(), squared * squared, 0).unwrap();
+            let (inner, outer) = (W * W * (squared - found.square), W * W * (squared + found.square));
+            let (p, r) = (inner.sqrt(), outer.sqrt());
+            let residual = p * p.tan() + r * r.tanh();
+            assert!(residual.abs() < 1e-4, "{ratio}: {residual}");
+            let near_cut_off = 1.818_58 * (squared - (q / W).powi(2));
+            assert!(((found.square / near_cut_off).sqrt() - page).abs() < 1.5e-3, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn the_impedance_is_that_of_the_power_flow() {
+        let (squared, step, omega) = (300.0_f64.powi(2), 1e-4, 1e5);
+        for edges in [Edges::Supported, Edges::Clamped] {
+            let section = section(edges, 9);
+            let at = |squared: f64| mode(&section, W.ln(), squared * squared, 0).unwrap();
+            let k = |squared: f64| at(squared).square.sqrt();
+            let (inner, outer) = (squared - at(squared).square, squared + at(squared).square);
+            let (p, r) = (W * inner.sqrt(), W * outer.sqrt());
+            let shape = |b: f64| match edges {
+                Edges::Supported => (p * b).cos(),
+                Edges::Clamped => (p * b).cos() - (r * b).cosh() / r.cosh() * p.cos(),
+            };
+            let square = |(b, weight): (f64, f64)| 2.0 * W * weight * (shape(b) / shape(0.0)).powi(2);
+            let norm: f64 = gauss(30).into_iter().map(square).sum();
+            // omega = a K^2 with a = sqrt(D/sigma): Z = sigma (d omega/d k) norm = (D/omega) K^2 (d(K^2)/d k) norm.
+            let slope = 2.0 * step * squared / (k(squared * (1.0 + step)) - k(squared * (1.0 - step)));
+            let wanted = 50.0 / omega * squared * slope * norm;
+            let found = at(squared).impedance(50.0, omega);
+            assert!((found / wanted - 1.0).abs() < 1e-5, "{edges:?}: {found} {wanted}");
+        }
+        // 2 W k sqrt(D sigma) between supported edges, D = 50, sigma = D K^4/omega^2.
+        let exact =
+            2.0 * W * (squared - (std::f64::consts::PI / (2.0 * W)).powi(2)).sqrt() * 50.0 * squared / omega;
+        let found = mode(&section(Edges::Supported, 9), W.ln(), squared * squared, 0).unwrap();
+        assert!((found.impedance(50.0, omega) / exact - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_mode_that_decays_at_once_is_none() {
+        let section = section(Edges::Supported, 6);
+        let squared: f64 = 1.3 * (std::f64::consts::PI / (2.0 * W)).powi(2);
+        assert!(mode(&section, W.ln(), squared * squared, 0).is_some_and(|mode| mode.square > 0.0));
+        assert!(mode(&section, W.ln(), squared * squared, 1).is_none());
+    }
+}
