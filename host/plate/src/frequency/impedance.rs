@@ -1,6 +1,5 @@
 //! The wave impedance at the driven end.
 
-use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
@@ -17,24 +16,15 @@ impl Plate {
         let width_mode = self.width_mode(1);
         let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
         let group_speed = 2.0 * k0 / self.axial_rise(frequency_hz);
-        Some(surface_density * group_speed * mode_square(&self.spec().model) * self.half_width_m(0.0))
+        Some(surface_density * group_speed * width_mode.mode_square(0.0, frequency_hz) * self.half_width_m(0.0))
     }
 
     /// d(k^2)/d omega, s/m^2, by central difference: k^2 is smooth in omega in every model.
     pub(crate) fn axial_rise(&self, frequency_hz: f64) -> f64 {
         let width_mode = self.width_mode(1);
         let step = 1e-4;
-        let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
-            - width_mode.axial_squared(frequency_hz * (1.0 - step));
+        let rise = width_mode.wavenumber_squared(0.0, frequency_hz * (1.0 + step))
+            - width_mode.wavenumber_squared(0.0, frequency_hz * (1.0 - step));
         rise / (2.0 * step * TAU * frequency_hz)
-    }
-}
-
-/// Integral of the first width mode's square over the width, in half-widths; the mode is 1 on the centre line.
-fn mode_square(model: &Model) -> f64 {
-    match model {
-        // Normalised to a mean square of 1, the clamped beam's first mode is 1.588 in the middle.
-        Model::BendingClamped(_) => 2.0 / (1.588_15 * 1.588_15),
-        _ => 1.0,
     }
 }

@@ -9,6 +9,7 @@ pub(crate) mod numerov;
 pub(crate) mod peak;
 mod prediction;
 pub(crate) mod respond;
+mod strip_grid;
 pub(crate) mod sweep;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};

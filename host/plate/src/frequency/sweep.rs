@@ -1,8 +1,10 @@
 //! Numerov's recursion for eight frequencies at once, in vector registers.
 //!
-//! The barrier is real and the loss does not depend on x, so 1/(1 + h^2 Q/12) takes one real division per position and
-//! frequency. The recursion itself consists of products and sums.
+//! 1/(1 + h^2 Q/12) takes one real division per position and frequency; the recursion itself consists of products and
+//! sums. Q comes from a [`Medium`]: a frequency less a barrier where the two separate, the law of the clamped strip where
+//! they do not.
 
+use crate::spec::strip_table::StripTable;
 use pulp::{Simd, WithSimd};
 
 /// Frequencies that are computed together.
@@ -10,19 +12,78 @@ pub(crate) const LANES: usize = 8;
 
 type Lanes = [f64; LANES];
 
-/// One sweep from the tail to the driven end.
-pub(crate) struct Sweep<'a> {
+/// What the wave of each frequency meets along the plate.
+pub(crate) trait Medium {
+    /// Real and imaginary part of 1 + h^2 Q/12 at a grid point for each frequency.
+    fn factor(&self, point: usize) -> (Lanes, Lanes);
+    /// Number of grid points.
+    fn points(&self) -> usize;
+}
+
+/// Q = a K^2 (1 + j eta) - barrier: the loss does not depend on x, and the barrier not on the frequency.
+pub(crate) struct Separable<'a> {
     /// h^2/12 times the barrier at each grid point, from point -1 on.
     pub(crate) barrier: &'a [f64],
     /// 1 + h^2/12 times a K^2 (1 + j eta) of each frequency.
     pub(crate) axial_re: Lanes,
     pub(crate) axial_im: Lanes,
+}
+
+impl Medium for Separable<'_> {
+    #[inline(always)]
+    fn factor(&self, point: usize) -> (Lanes, Lanes) {
+        let barrier = self.barrier[point];
+        let mut re = self.axial_re;
+        for re in &mut re {
+            *re -= barrier;
+        }
+        (re, self.axial_im)
+    }
+
+    fn points(&self) -> usize {
+        self.barrier.len()
+    }
+}
+
+/// Q = s/W^2 - barrier with s by the law of the clamped strip.
+pub(crate) struct Strip<'a> {
+    pub(crate) law: &'a StripTable,
+    /// ln W^2, h^2/12 over W^2, and 1 less h^2/12 times the barrier, at each grid point from point -1 on.
+    pub(crate) log_square: &'a [f64],
+    pub(crate) inverse_square: &'a [f64],
+    pub(crate) rest: &'a [f64],
+    /// ln K^2 of each frequency, without loss.
+    pub(crate) log_wavenumber: Lanes,
+}
+
+impl Medium for Strip<'_> {
+    #[inline(always)]
+    fn factor(&self, point: usize) -> (Lanes, Lanes) {
+        let (log_square, scale, rest) =
+            (self.log_square[point], self.inverse_square[point], self.rest[point]);
+        let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let s = self.law.wavenumber_squared(log_square + self.log_wavenumber[lane]);
+            re[lane] = rest + scale * s.re;
+            im[lane] = scale * s.im;
+        }
+        (re, im)
+    }
+
+    fn points(&self) -> usize {
+        self.rest.len()
+    }
+}
+
+/// One sweep from the tail to the driven end.
+pub(crate) struct Sweep<'a, M> {
+    pub(crate) medium: M,
     /// Index at which the sweep of each frequency begins, and the ratio of its first two values, that of a decaying
     /// tail.
     pub(crate) start: [usize; LANES],
     pub(crate) ratio_re: Lanes,
     pub(crate) ratio_im: Lanes,
-    /// g at each grid point (of length `barrier.len()`); zero beyond the start of a frequency.
+    /// g at each grid point; zero beyond the start of a frequency.
     pub(crate) g_re: &'a mut [Lanes],
     pub(crate) g_im: &'a mut [Lanes],
 }
@@ -39,12 +100,12 @@ pub(crate) struct Ends {
     pub(crate) difference_im: Lanes,
 }
 
-impl WithSimd for Sweep<'_> {
+impl<M: Medium> WithSimd for Sweep<'_, M> {
     type Output = Ends;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Ends {
-        let last = self.barrier.len() - 1;
+        let last = self.medium.points() - 1;
         let (mut y_re, mut y_im) = ([0.0; LANES], [0.0; LANES]);
         let (mut next_re, mut next_im) = ([0.0; LANES], [0.0; LANES]);
         let mut side_re = [[0.0; LANES]; 3];
@@ -65,15 +126,14 @@ impl WithSimd for Sweep<'_> {
                 }
                 begins = self.start.iter().copied().filter(|&start| start < i).max();
             }
-            let barrier = self.barrier[i];
+            let (factor_re, factor_im) = self.medium.factor(i);
             let (mut g_re, mut g_im) = ([0.0; LANES], [0.0; LANES]);
             let mut before_re = [0.0; LANES];
             let mut before_im = [0.0; LANES];
             for lane in 0..LANES {
                 // p = 1 + h^2 Q/12; y[i-1] = (12/p - 10) y[i] - y[i+1]; g = y/p. The recursion is in y and not in g,
                 // because that has fewer operations between y[i] and y[i-1], which must wait for it.
-                let re = self.axial_re[lane] - barrier;
-                let im = self.axial_im[lane];
+                let (re, im) = (factor_re[lane], factor_im[lane]);
                 let inverse = 1.0 / (re * re + im * im);
                 let (inv_re, inv_im) = (re * inverse, -im * inverse);
                 g_re[lane] = y_re[lane] * inv_re - y_im[lane] * inv_im;

@@ -1,6 +1,7 @@
 //! The specification of a plate: taper, material, driven end and span, read from a file or given as numbers.
 
 pub(crate) mod actuator;
+pub(crate) mod clamped_strip;
 pub(crate) mod drive;
 pub(crate) mod error;
 mod file;
@@ -11,6 +12,7 @@ pub(crate) mod presets;
 pub(crate) mod response_curve;
 pub(crate) mod sample_rate;
 pub(crate) mod source;
+pub(crate) mod strip_table;
 pub(crate) mod taper;
 pub(crate) mod travel;
 mod turning;

@@ -9,8 +9,11 @@ use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;
+use crate::spec::strip_table::{self, StripTable};
 use crate::spec::taper::{Taper, WidthLaw};
+use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// The description of a plate, before validation. Lengths in metres, frequencies in hertz.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +57,8 @@ pub struct PlateSpec {
 pub struct Plate {
     spec: PlateSpec,
     pub(crate) width: WidthLaw,
+    /// The law of the first width mode between clamped edges, with the plate's loss; `None` for other edges.
+    strip: Option<Arc<StripTable>>,
 }
 
 impl Plate {
@@ -64,13 +69,22 @@ impl Plate {
     /// # Errors
     /// [`PlateError`] names the first field that is out of range and the allowed range.
     pub fn new(spec: PlateSpec) -> Result<Self, PlateError> {
-        let plate = Self::with_any_band(spec)?;
+        Self::sharing(spec, None)
+    }
+
+    /// As [`Plate::new`]; `strip` is the law between clamped edges of a plate with the same loss.
+    fn sharing(spec: PlateSpec, strip: Option<Arc<StripTable>>) -> Result<Self, PlateError> {
+        let plate = Self::unbanded(spec, strip)?;
         plate.validate_band()?;
         Ok(plate)
     }
 
     /// As [`Plate::new`], but the band of the span and the drive end's frequency are not checked.
     pub(super) fn with_any_band(spec: PlateSpec) -> Result<Self, PlateError> {
+        Self::unbanded(spec, None)
+    }
+
+    fn unbanded(spec: PlateSpec, strip: Option<Arc<StripTable>>) -> Result<Self, PlateError> {
         limits::NAME.check_text("name", &spec.name)?;
         limits::DESCRIPTION.check_text("description", &spec.description)?;
         limits::LENGTH.check("length_m", spec.length_m)?;
@@ -88,7 +102,11 @@ impl Plate {
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
         let width = WidthLaw::new(&spec.taper, spec.length_m);
-        Ok(Self { spec, width })
+        let mut plate = Self { spec, width, strip: None };
+        if let Model::BendingClamped(_) = plate.spec.model {
+            plate.strip = strip.or_else(|| Some(Arc::new(StripTable::new(plate.wave_loss()))));
+        }
+        Ok(plate)
     }
 
     fn validate_band(&self) -> Result<(), PlateError> {
@@ -196,7 +214,7 @@ impl Plate {
                 bending.youngs_modulus_pa *= factor.powi(4);
             }
         }
-        Self::new(spec)
+        Self::sharing(spec, self.strip.clone())
     }
 
     /// Width mode `mode` of this plate (1 is the first).
@@ -205,11 +223,13 @@ impl Plate {
             plate: self,
             number: self.spec.model.width_number(mode),
             slope: self.spec.model.width_slope(mode),
+            strip: self.strip.as_ref().filter(|_| mode <= 1),
         }
     }
 }
 
-/// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2).
+/// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2). The first mode between clamped edges follows the
+/// strip's exact law instead, of which that is the tangent at the cut-off.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WidthMode<'a> {
     pub(crate) plate: &'a Plate,
@@ -217,6 +237,8 @@ pub(crate) struct WidthMode<'a> {
     pub(crate) number: f64,
     /// a, see [`Model::width_slope`].
     pub(crate) slope: f64,
+    /// The exact law of the first mode between clamped edges, with the plate's loss; `None` for all other modes.
+    pub(crate) strip: Option<&'a Arc<StripTable>>,
 }
 
 impl WidthMode<'_> {
@@ -232,7 +254,51 @@ impl WidthMode<'_> {
 
     /// Local k^2 without loss, 1/m^2; negative beyond the turning point.
     pub(crate) fn wavenumber_squared(&self, x: f64, frequency_hz: f64) -> f64 {
+        if self.strip.is_some() {
+            let (log_t, log_square) = self.strip_place(x, frequency_hz);
+            return strip_table::lossless().wavenumber_squared(log_t).re * (-log_square).exp();
+        }
         self.axial_squared(frequency_hz) - self.width_term(x)
+    }
+
+    /// Local k^2 with loss, 1/m^2.
+    pub(crate) fn lossy_wavenumber_squared(&self, x: f64, frequency_hz: f64) -> Complex64 {
+        if let Some(strip) = self.strip {
+            let (log_t, log_square) = self.strip_place(x, frequency_hz);
+            return strip.wavenumber_squared(log_t) * (-log_square).exp();
+        }
+        self.axial_squared(frequency_hz) * Complex64::new(1.0, self.plate.wave_loss()) - self.width_term(x)
+    }
+
+    /// Integral over the width at `x` of the square of the mode that is 1 on the centre line, in half-widths: Omega ds/dt
+    /// of the clamped strip, 1 for other edges.
+    pub(crate) fn mode_square(&self, x: f64, frequency_hz: f64) -> f64 {
+        if self.strip.is_none() {
+            return 1.0;
+        }
+        let (log_t, _) = self.strip_place(x, frequency_hz);
+        let law = strip_table::lossless();
+        law.rise(log_t).re * (-log_t).exp() / law.spread(log_t).re.powi(2)
+    }
+
+    /// d(k^2)/d ln(K^2) at `x` without loss, 1/m^2: a K^2 except between clamped edges.
+    pub(crate) fn wavenumber_rise(&self, x: f64, frequency_hz: f64) -> f64 {
+        if self.strip.is_some() {
+            let (log_t, log_square) = self.strip_place(x, frequency_hz);
+            return strip_table::lossless().rise(log_t).re * (-log_square).exp();
+        }
+        self.axial_squared(frequency_hz)
+    }
+
+    /// ln (W K)^2 and ln W^2, in metres, at `x`.
+    fn strip_place(&self, x: f64, frequency_hz: f64) -> (f64, f64) {
+        let log_square = self.log_square(x);
+        (log_square + self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).ln(), log_square)
+    }
+
+    /// ln W^2 at `x`, W in metres.
+    pub(crate) fn log_square(&self, x: f64) -> f64 {
+        2.0 * self.plate.width.at(x).value
     }
 
     /// Frequency whose wave turns at `x`, Hz.

@@ -18,22 +18,22 @@ pub(super) const POINTS: usize = 513;
 /// Loss integral I: the integral of Im k from the driven end to the boundary at `boundary_m` metres, at the boundary's
 /// frequency. The wave arrives with e^-I of its amplitude.
 ///
-/// With k^2 = a (K^2 (1 + j eta) - (q/W)^2) and small eta, I is the integral of a K^2 eta/(2 k). For the exponential
-/// taper with a = 1 it is (eta/2) nu acosh(nu/s0), where nu = K/d and s0 = q/(W0 d).
+/// With small eta, I is the integral of eta d(k^2)/d ln(K^2)/(2 k); the derivative is a K^2 except between clamped edges.
+/// For the exponential taper with a = 1 it is (eta/2) nu acosh(nu/s0), where nu = K/d and s0 = q/(W0 d).
 pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
     let width_mode = plate.width_mode(1);
     let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
-    let numerator = 0.5 * plate.wave_loss() * width_mode.axial_squared(frequency_hz);
     // 1/k has an inverse-square-root singularity at the turning point, which x = boundary (1 - u^2) removes.
     let steps = 400;
     let total: f64 = (0..steps)
         .map(|i| {
             let u = (f64::from(i) + 0.5) / f64::from(steps);
             let place = boundary_m * (1.0 - u * u);
-            2.0 * u / width_mode.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt()
+            let wavenumber = width_mode.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt();
+            2.0 * u * width_mode.wavenumber_rise(place, frequency_hz) / wavenumber
         })
         .sum();
-    numerator * total * boundary_m / f64::from(steps)
+    0.5 * plate.wave_loss() * total * boundary_m / f64::from(steps)
 }
 
 pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {

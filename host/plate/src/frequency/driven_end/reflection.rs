@@ -1,7 +1,6 @@
 //! How much of the returning wave the driven end sends back.
 
 use super::DrivenEnd;
-use crate::frequency::numerov::lossy_axial_squared;
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
@@ -18,8 +17,7 @@ pub fn reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
     if width_mode.wavenumber_squared(0.0, frequency_hz) <= 0.0 || !frequency_hz.is_finite() {
         return None;
     }
-    let axial = lossy_axial_squared(plate, &width_mode, frequency_hz);
-    let k0 = (axial - width_mode.width_term(0.0)).sqrt();
+    let k0 = width_mode.lossy_wavenumber_squared(0.0, frequency_hz).sqrt();
     let DrivenEnd { alpha, beta, .. } = DrivenEnd::with_narrowing(plate, frequency_hz, 0.0);
     let step = Complex64::I * k0 * beta;
     Some((step - alpha) / (step + alpha))

@@ -1,0 +1,89 @@
+//! Clamped plates in bending: the one-mode equation with the strip's exact law against the plate in two dimensions.
+
+use slipline_plate::{
+    Bending, Complex64, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, clamped, respond,
+};
+
+/// An aluminium plate of 2 mm between clamped edges, moved at x = 0.
+fn plate(half_width_m: f64, rate_per_m: f64, loss_factor: f64) -> Plate {
+    let length_m = 1.6 / rate_per_m;
+    Plate::new(PlateSpec {
+        name: "clamped".to_owned(),
+        description: String::new(),
+        taper: Taper::Exponential { half_width_m, rate_per_m },
+        length_m,
+        model: Model::BendingClamped(Bending {
+            youngs_modulus_pa: 70e9,
+            poisson_ratio: 0.33,
+            density_kg_per_m3: 2700.0,
+            thickness_m: 0.002,
+            thick_plate: false,
+        }),
+        loss_factor,
+        wave_speed_tolerance: 0.0,
+        drive_end: DriveEnd::Displacement,
+        actuator: None,
+        full_scale_m: 1e-6,
+        span_start_m: 0.1 * length_m,
+        span_end_m: 0.9 * length_m,
+    })
+    .expect("a valid plate")
+}
+
+/// Place and height of each maximum of |f| up to `end_m`.
+fn antinodes(field: &[Complex64], step_m: f64, end_m: f64) -> Vec<(f64, f64)> {
+    let value: Vec<f64> = field.iter().map(|f| f.norm()).collect();
+    (1..value.len() - 1)
+        .filter(|&i| (i as f64) * step_m < end_m && value[i] > value[i - 1] && value[i] >= value[i + 1])
+        .map(|i| {
+            let (before, here, after) = (value[i - 1], value[i], value[i + 1]);
+            let offset = 0.5 * (before - after) / (before - 2.0 * here + after);
+            ((i as f64 + offset) * step_m, here - 0.25 * (before - after) * offset)
+        })
+        .collect()
+}
+
+/// Place beyond `peak` where |f| has fallen to `share` of it.
+fn fallen(field: &[Complex64], step_m: f64, peak: (f64, f64), share: f64) -> f64 {
+    let wanted = share * peak.1;
+    let from = (peak.0 / step_m).ceil() as usize;
+    let i = (from..field.len() - 1).find(|&i| field[i + 1].norm() < wanted).expect("the tail reaches it");
+    let (a, b) = (field[i].norm(), field[i + 1].norm());
+    (i as f64 + (a - wanted) / (a - b)) * step_m
+}
+
+#[test]
+fn antinodes_and_edge_are_where_the_plate_in_two_dimensions_has_them() {
+    for (half_width_m, rate_per_m, loss) in
+        [(0.02, 4.62, 0.002), (0.012, 8.0, 0.002), (0.02, 4.9, 0.03), (0.03, 3.3, 0.01)]
+    {
+        let plate = plate(half_width_m, rate_per_m, loss);
+        for share in [0.35, 0.6, 0.85] {
+            let boundary_m = share * plate.length_m();
+            let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+            let truth = clamped::respond(&plate, frequency_hz).expect("clamped").expect("enters");
+            let points = 8001;
+            let one = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
+            let step_m = plate.length_m() / (points - 1) as f64;
+            let end_m = plate.turning_point_m(frequency_hz).expect("enters");
+            let found = antinodes(&one.amplitude, step_m, end_m);
+            let wanted = antinodes(&truth.deflection, truth.position_m[1], end_m);
+            // The near field of the end reaches as far as the first antinode, which the one-mode equation may lack.
+            let at = format!("W0 {half_width_m} d {rate_per_m} boundary {boundary_m}");
+            let far = |all: &[(f64, f64)]| all.iter().filter(|it| it.0 > half_width_m).count();
+            assert_eq!(far(&found), far(&wanted), "{at}: antinodes");
+            let (peak, true_peak) = (found[found.len() - 1], wanted[wanted.len() - 1]);
+            assert!((peak.0 - true_peak.0).abs() < 5e-4, "{at}: peak {} for {}", peak.0, true_peak.0);
+            for (a, b) in found.iter().rev().zip(wanted.iter().rev()).take(far(&wanted)) {
+                assert!((a.0 - b.0).abs() < 5e-4, "{at}: antinode at {} for {}", a.0, b.0);
+                let level_db = 20.0 * (a.1 / peak.1 / (b.1 / true_peak.1)).log10();
+                assert!(level_db.abs() < 0.5, "{at}: {level_db} dB at {}", a.0);
+            }
+            for share in [0.5, 0.25, 0.1] {
+                let edge = fallen(&one.amplitude, step_m, peak, share);
+                let true_edge = fallen(&truth.deflection, truth.position_m[1], true_peak, share);
+                assert!((edge - true_edge).abs() < 8e-4, "{at}: {share} at {edge} for {true_edge}");
+            }
+        }
+    }
+}
