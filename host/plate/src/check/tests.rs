@@ -1,7 +1,7 @@
 //! The lights on the presets, against numbers worked out by hand.
 
 use super::*;
-use crate::{DriveEnd, Plate, Taper, preset, presets};
+use crate::{DriveEnd, Model, Plate, Taper, preset, presets};
 
 fn report(name: &str, boundary_m: f64) -> Report {
     let plate = preset(name).expect("a preset");
@@ -374,4 +374,25 @@ fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
     assert!(checker.at(plate.span_m().1).is_ok());
     assert!(checker.over_span().is_ok());
     assert!(crate::sensitivity_per_percent(&plate, sample_rate_hz).is_ok());
+}
+
+#[test]
+fn the_loss_of_a_clamped_plate_is_the_decay_of_its_wave() {
+    let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+    spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+    (spec.span_start_m, spec.span_end_m) = (0.1, 0.24);
+    let plate = Plate::new(spec).expect("a valid plate");
+    let boundary_m = 0.2;
+    let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+    let steps = 20_000;
+    let decay: f64 = (0..steps)
+        .map(|i| {
+            let u = (f64::from(i) + 0.5) / f64::from(steps);
+            let x = boundary_m * (1.0 - u * u);
+            let k = plate.width_mode(1).lossy_wavenumber_squared(x, frequency_hz).sqrt();
+            2.0 * u * boundary_m * k.im / f64::from(steps)
+        })
+        .sum();
+    let found = loss_integral(&plate, boundary_m);
+    assert!((found / decay - 1.0).abs() < 0.03, "{found} for {decay}");
 }

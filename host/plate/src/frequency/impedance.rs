@@ -15,16 +15,23 @@ impl Plate {
         let surface_density = self.spec().model.surface_density("an impedance").ok()?;
         let width_mode = self.width_mode(1);
         let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-        let group_speed = 2.0 * k0 / self.axial_rise(frequency_hz);
-        Some(surface_density * group_speed * width_mode.mode_square(0.0, frequency_hz) * self.half_width_m(0.0))
+        // d(k^2)/d omega: the part of K in it, and that of the strip's law.
+        let law = width_mode.wavenumber_rise(0.0, frequency_hz) / width_mode.axial_squared(frequency_hz);
+        let group_speed = 2.0 * k0 / (self.axial_rise(frequency_hz) * law);
+        Some(
+            surface_density
+                * group_speed
+                * width_mode.mode_square(0.0, frequency_hz)
+                * self.half_width_m(0.0),
+        )
     }
 
-    /// d(k^2)/d omega, s/m^2, by central difference: k^2 is smooth in omega in every model.
+    /// d(a K^2)/d omega, s/m^2, by central difference: K^2 is smooth in omega in every model.
     pub(crate) fn axial_rise(&self, frequency_hz: f64) -> f64 {
         let width_mode = self.width_mode(1);
         let step = 1e-4;
-        let rise = width_mode.wavenumber_squared(0.0, frequency_hz * (1.0 + step))
-            - width_mode.wavenumber_squared(0.0, frequency_hz * (1.0 - step));
+        let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
+            - width_mode.axial_squared(frequency_hz * (1.0 - step));
         rise / (2.0 * step * TAU * frequency_hz)
     }
 }

@@ -32,13 +32,12 @@ pub enum DriveEnd {
         at_frequency_hz: f64,
     },
     /// The displacement of an end in bending is prescribed, f(0) = 1, and its slope is free or held: hinged and moved,
-    /// or clamped and moved. Supported edges only.
+    /// or clamped and moved.
     DisplacementAndSlope {
         /// What holds the slope.
         slope: EndSlope,
     },
     /// A force on a driven end with a mechanical impedance of its own, and in bending with a lead-in behind it.
-    /// Bending: supported edges only.
     Source(Source),
 }
 
@@ -48,8 +47,7 @@ impl DriveEnd {
             Self::Resistance { ratio, .. } => limits::DRIVE_RATIO.check("drive.ratio", *ratio),
             Self::Displacement | Self::Force { .. } => Ok(()),
             Self::DisplacementAndSlope { .. } => match model {
-                Model::BendingSupported(_) => Ok(()),
-                Model::BendingClamped(_) => Err(refused("drive.slope", SUPPORTED_ONLY)),
+                Model::BendingSupported(_) | Model::BendingClamped(_) => Ok(()),
                 Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
                     Err(refused("drive.slope", BENDING_ONLY))
                 }
@@ -71,8 +69,6 @@ impl DriveEnd {
 
 /// Why a slope or a lead-in is refused for membranes and shear waves.
 pub(super) const BENDING_ONLY: &str = "only the end of a plate in bending has a slope";
-/// Why the ends with a near field are refused for clamped edges.
-pub(super) const SUPPORTED_ONLY: &str = "the near field at the driven end is known for supported edges only";
 
 pub(super) fn refused(field: &str, reason: &str) -> PlateError {
     PlateError::Unexpected { field: field.to_owned(), reason: reason.to_owned() }

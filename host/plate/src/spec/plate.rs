@@ -337,3 +337,55 @@ impl WidthMode<'_> {
         total * end / f64::from(steps)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::presets::preset;
+
+    fn clamped() -> Plate {
+        let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+        spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+        (spec.span_start_m, spec.span_end_m) = (0.1, 0.24);
+        Plate::new(spec).expect("a valid plate")
+    }
+
+    #[test]
+    fn between_clamped_edges_the_wavenumber_is_that_of_the_strips_exact_law() {
+        let plate = clamped();
+        let width_mode = plate.width_mode(1);
+        let frequency_hz = plate.frequency_for_boundary_hz(0.24);
+        let turning_m = plate.turning_point_m(frequency_hz).expect("enters");
+        let place = |ratio: f64| turning_m - ratio.ln() / 4.62;
+        for (ratio, share) in [(1.05, 0.9559), (1.41, 0.8389), (2.0, 0.7880)] {
+            let x = place(ratio);
+            let near = width_mode.axial_squared(frequency_hz) - width_mode.width_term(x);
+            let found = (width_mode.wavenumber_squared(x, frequency_hz) / near).sqrt();
+            assert!((found - share).abs() < 2e-4, "{ratio}: {found}");
+            // K^2 goes with the frequency in a thin plate.
+            let step = 1e-5;
+            let at = |factor: f64| width_mode.wavenumber_squared(x, frequency_hz * factor);
+            let rise = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step);
+            assert!((width_mode.wavenumber_rise(x, frequency_hz) / rise - 1.0).abs() < 1e-6, "{ratio}");
+            let lossy = width_mode.lossy_wavenumber_squared(x, frequency_hz);
+            assert!((lossy.im / (rise * plate.wave_loss()) - 1.0).abs() < 1e-5, "{ratio}: {lossy}");
+        }
+        for (ratio, square) in [(1.0, 0.792_96), (2.0, 0.866_7)] {
+            let found = width_mode.mode_square(place(ratio), frequency_hz);
+            assert!((found - square).abs() < 1e-3, "{ratio}: {found}");
+        }
+        // The turning point and kappa are those of the cut-off, where both laws agree.
+        let slope = (width_mode.wavenumber_squared(turning_m - 1e-5, frequency_hz)
+            - width_mode.wavenumber_squared(turning_m + 1e-5, frequency_hz))
+            / 2e-5;
+        assert!((width_mode.fall(turning_m) / slope - 1.0).abs() < 1e-3, "{slope}");
+    }
+
+    #[test]
+    fn plates_of_one_loss_share_the_law() {
+        let plate = clamped();
+        let faster = plate.with_wave_speed(1.01).expect("in range");
+        let (own, shared) = (plate.strip.expect("clamped"), faster.strip.expect("clamped"));
+        assert!(Arc::ptr_eq(&own, &shared));
+    }
+}

@@ -1,6 +1,6 @@
 //! A source with a mechanical impedance of its own, and the damped lead-in behind it.
 
-use crate::spec::drive::{BENDING_ONLY, SUPPORTED_ONLY, refused};
+use crate::spec::drive::{BENDING_ONLY, refused};
 use crate::spec::error::PlateError;
 use crate::spec::limits;
 use crate::spec::model::Model;
@@ -67,16 +67,15 @@ impl Source {
         limits::MOVING_MASS.check("drive.mass_kg", self.mass_kg)?;
         limits::END_STIFFNESS.check("drive.stiffness_n_per_m", self.stiffness_n_per_m)?;
         match model {
-            Model::BendingSupported(_) if self.slope.is_none() => Err(PlateError::Missing {
-                field: "drive.slope".to_owned(),
-                needed: "a plate in bending needs it: \"free\" or \"held\"".to_owned(),
-            }),
-            Model::BendingSupported(_) => self.lead_in.map_or(Ok(()), |lead_in| lead_in.validate()),
-            Model::BendingClamped(_) => Err(PlateError::UnknownKind {
-                field: "drive.end".to_owned(),
-                value: "\"source\"".to_owned(),
-                allowed: format!("one of \"displacement\", \"force\", \"resistance\": {SUPPORTED_ONLY}"),
-            }),
+            Model::BendingSupported(_) | Model::BendingClamped(_) if self.slope.is_none() => {
+                Err(PlateError::Missing {
+                    field: "drive.slope".to_owned(),
+                    needed: "a plate in bending needs it: \"free\" or \"held\"".to_owned(),
+                })
+            }
+            Model::BendingSupported(_) | Model::BendingClamped(_) => {
+                self.lead_in.map_or(Ok(()), |lead_in| lead_in.validate())
+            }
             Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.slope.is_some() => {
                 Err(refused("drive.slope", BENDING_ONLY))
             }

@@ -11,12 +11,15 @@
 //! DriveEnd -+- displacement, force, resistance: one-mode conditions        (one_mode)
 //!           +- source on a membrane or shear wave: its impedance            (one_mode)
 //!           +- slope, source on supported bending: supported strip          (supported), its lead-in (lead_in)
+//!           +- slope, source on clamped bending: all waves of the strip       (clamped, strip_waves)
 //! ```
 
+mod clamped;
 mod lead_in;
 mod near_field;
 mod one_mode;
 mod reflection;
+mod strip_waves;
 mod supported;
 
 use crate::spec::drive::DriveEnd;
@@ -52,6 +55,12 @@ impl DrivenEnd {
             }
             (DriveEnd::Source(source), Model::BendingSupported(_)) => {
                 supported::sourced(plate, frequency_hz, narrowing_per_m, &source)
+            }
+            (DriveEnd::DisplacementAndSlope { slope }, Model::BendingClamped(_)) => {
+                clamped::moved(plate, frequency_hz, slope)
+            }
+            (DriveEnd::Source(source), Model::BendingClamped(_)) => {
+                clamped::sourced(plate, frequency_hz, &source)
             }
             (DriveEnd::Source(source), _) => one_mode::sourced(plate, frequency_hz, &source),
             _ => one_mode::driven(plate, frequency_hz),

@@ -21,8 +21,8 @@ pub(crate) struct NearWave {
     pub(crate) per_slope: Complex64,
     /// K^2 of the plate, 1/m^2.
     pub(crate) axial: Complex64,
-    /// (q/W0)^2 of the width mode, 1/m^2.
-    pub(crate) across: f64,
+    /// What the width adds to gamma^2 at x = 0, 1/m^2: (q/W0)^2 between supported edges.
+    pub(crate) across: Complex64,
 }
 
 impl NearField {

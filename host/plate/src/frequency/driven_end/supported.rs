@@ -87,7 +87,7 @@ impl Strip {
     fn end(&self, first: [Complex64; 3], second: [Complex64; 3], drive: Complex64) -> DrivenEnd {
         let per_value = -second[0] / second[2];
         let per_slope = -second[1] / second[2];
-        let wave = NearWave { per_value, per_slope, axial: self.axial, across: self.across };
+        let wave = NearWave { per_value, per_slope, axial: self.axial, across: self.across.into() };
         DrivenEnd {
             alpha: first[0] + first[2] * per_value,
             beta: first[1] + first[2] * per_slope,

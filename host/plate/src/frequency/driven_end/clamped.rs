@@ -1,0 +1,272 @@
+//! The driven end of a bending plate with clamped edges: every wave of the strip, every polynomial across the width.
+//!
+//! The waves of a strip between clamped edges have different shapes across the width ([`strip_waves`]), so the end's
+//! conditions hold for each polynomial p_i by itself. An agent at x = 0 of a plate on x > 0 exerts on w = sum w_i p_i
+//!
+//! ```text
+//! on w_i:    F =  D (W w''' - (2 - nu) B w'/W)      Kirchhoff's force
+//! on w_i':   M = -D (W w'' - nu B w/W)              the moment
+//! ```
+//! The source acts on the share of the width mode at its cut-off: its force on w_i is F P_i, and it is moved by the sum of
+//! P_i w_i. The propagating wave enters by p(0) and p'(0), the other 2 N - 1 waves by their amplitudes; with the drive that
+//! makes 2 N unknowns for 2 N conditions, linear in p(0) and p'(0). The strip has the width of the end: what the taper
+//! changes within the reach of the near field, less than W, is left out.
+
+use super::DrivenEnd;
+use super::near_field::{NearField, NearWave};
+use super::one_mode::{source_force, source_stiffness};
+use super::strip_waves::{ORDERS, Section, Wave, section};
+use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, LeadIn, Source};
+use nalgebra::{DMatrix, DVector};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+const ROWS: usize = 2 * ORDERS;
+
+/// The strip at the driven end at one frequency.
+struct Strip {
+    section: &'static Section,
+    omega: f64,
+    half_width: f64,
+    /// K^2 without loss, 1/m^2.
+    lossless: f64,
+    /// K^2 with loss, 1/m^2.
+    axial: Complex64,
+    /// D without loss, N m. Where shear and rotary inertia are included, what makes the power of the wave right.
+    rigidity: f64,
+    poisson: f64,
+}
+
+/// Value, slope, force and moment for each polynomial.
+struct End {
+    value: DVector<Complex64>,
+    turn: DVector<Complex64>,
+    force: DVector<Complex64>,
+    moment: DVector<Complex64>,
+}
+
+impl Strip {
+    fn new(plate: &Plate, frequency_hz: f64) -> Self {
+        let omega = TAU * frequency_hz;
+        let model = &plate.spec().model;
+        let lossless = model.wavenumber_squared(omega);
+        // The width mode's a K^2 has the factor a.
+        let rise = plate.axial_rise(frequency_hz) / plate.width_mode(1).slope;
+        let surface_density = model.surface_density("a source").unwrap_or(f64::NAN);
+        Self {
+            section: section(),
+            omega,
+            half_width: plate.half_width_m(0.0),
+            lossless,
+            axial: lossless * Complex64::new(1.0, plate.wave_loss()),
+            rigidity: surface_density * omega / (lossless * rise),
+            poisson: model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),
+        }
+    }
+
+    /// D for a wavenumber K^2 = `axial` with loss: K^4 D is real.
+    fn lossy_rigidity(&self, axial: Complex64) -> Complex64 {
+        let ratio = self.lossless / axial;
+        self.rigidity * ratio * ratio
+    }
+
+    /// The waves for K^2 = `axial`; `propagating` is k^2 of the first, 1/m^2.
+    fn waves(&self, axial: Complex64, propagating: Complex64) -> Vec<Wave> {
+        let square = self.half_width * self.half_width;
+        self.section.waves(axial * square, self.half_width, propagating * square)
+    }
+
+    /// What w with the derivatives `w`[n] of order n, all with the shape `shape`, asks of an agent at x = 0.
+    fn end(&self, rigidity: Complex64, shape: &DVector<Complex64>, w: [Complex64; 4]) -> End {
+        let across = self.section.slope.map(Complex64::from) * shape / Complex64::from(self.half_width);
+        let along = shape * Complex64::from(self.half_width);
+        End {
+            value: shape * w[0],
+            turn: shape * w[1],
+            force: (&along * w[3] - &across * (w[1] * (2.0 - self.poisson))) * rigidity,
+            moment: -(&along * w[2] - &across * (w[0] * self.poisson)) * rigidity,
+        }
+    }
+
+    /// The same of a wave.
+    fn wave_end(&self, rigidity: Complex64, wave: &Wave) -> End {
+        let rate = Complex64::I * wave.wavenumber;
+        self.end(rigidity, &wave.shape, [Complex64::ONE, rate, rate * rate, rate * rate * rate])
+    }
+
+    /// P P^T x, the generalised forces of an agent that opposes the motion of the width mode with a force of 1.
+    fn on_mode(&self, value: &DVector<Complex64>) -> DVector<Complex64> {
+        let share: Complex64 = value.iter().zip(&self.section.projection).map(|(w, p)| w * p).sum();
+        self.section.projection.map(|p| share * p)
+    }
+}
+
+/// The columns of the conditions: p(0), p'(0) and each evanescent wave.
+struct Columns<'a> {
+    strip: &'a Strip,
+    ends: Vec<End>,
+    near: Vec<Wave>,
+}
+
+impl<'a> Columns<'a> {
+    fn new(strip: &'a Strip, propagating: Complex64) -> Self {
+        let mut waves = strip.waves(strip.axial, propagating);
+        let rigidity = strip.lossy_rigidity(strip.axial);
+        let near = waves.split_off(1);
+        let shape = waves.first().map_or_else(|| DVector::zeros(ORDERS), |wave| &wave.shape / wave.centre);
+        // With p'' = -k^2 p.
+        let by_value = [Complex64::ONE, Complex64::ZERO, -propagating, Complex64::ZERO];
+        let by_slope = [Complex64::ZERO, Complex64::ONE, Complex64::ZERO, -propagating];
+        let mut ends = vec![strip.end(rigidity, &shape, by_value), strip.end(rigidity, &shape, by_slope)];
+        ends.extend(near.iter().map(|wave| strip.wave_end(rigidity, wave)));
+        Self { strip, ends, near }
+    }
+
+    /// The end whose conditions are `first` = `drive` x drive and `second` = 0 for each polynomial.
+    fn solve(
+        &self,
+        first: impl Fn(&End) -> DVector<Complex64>,
+        second: impl Fn(&End) -> DVector<Complex64>,
+        drive: &DVector<Complex64>,
+    ) -> DrivenEnd {
+        let column = |end: &End| {
+            let (first, second) = (first(end), second(end));
+            DVector::from_iterator(ROWS, first.iter().chain(second.iter()).copied())
+        };
+        let columns: Vec<DVector<Complex64>> = self.ends.iter().map(column).collect();
+        let mut matrix = DMatrix::<Complex64>::zeros(ROWS, ROWS);
+        for (index, column) in columns[2..].iter().enumerate() {
+            matrix.set_column(index, column);
+        }
+        for (row, drive) in drive.iter().enumerate() {
+            matrix[(row, ROWS - 1)] = -drive;
+        }
+        let mut right = DMatrix::<Complex64>::zeros(ROWS, 2);
+        right.set_column(0, &-&columns[0]);
+        right.set_column(1, &-&columns[1]);
+        // Rows of one size: a force and a moment differ by a length.
+        for row in 0..ROWS {
+            let size = matrix.row(row).iter().map(|term| term.norm()).fold(f64::MIN_POSITIVE, f64::max);
+            matrix.row_mut(row).scale_mut(size.recip());
+            right.row_mut(row).scale_mut(size.recip());
+        }
+        let found = matrix.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(ROWS, 2));
+        let waves = self.near.iter().enumerate().map(|(index, wave)| {
+            let decay = -Complex64::I * wave.wavenumber;
+            NearWave {
+                per_value: found[(index, 0)] * wave.centre,
+                per_slope: found[(index, 1)] * wave.centre,
+                axial: self.strip.axial,
+                across: decay * decay - self.strip.axial,
+            }
+        });
+        DrivenEnd {
+            alpha: found[(ROWS - 1, 0)],
+            beta: found[(ROWS - 1, 1)],
+            drive: Complex64::ONE,
+            near: NearField { waves: waves.collect() },
+        }
+    }
+}
+
+/// k^2 of the propagating wave with loss at x = 0.
+fn propagating(plate: &Plate, frequency_hz: f64) -> Complex64 {
+    plate.width_mode(1).lossy_wavenumber_squared(0.0, frequency_hz)
+}
+
+/// An end whose deflection is that of the width mode, 1 on the centre line, and whose slope is free or held.
+pub(super) fn moved(plate: &Plate, frequency_hz: f64, slope: EndSlope) -> DrivenEnd {
+    let strip = Strip::new(plate, frequency_hz);
+    let columns = Columns::new(&strip, propagating(plate, frequency_hz));
+    let drive = strip.section.mode.map(Complex64::from);
+    columns.solve(
+        |end| end.value.clone(),
+        |end| match slope {
+            EndSlope::Held => end.turn.clone(),
+            EndSlope::Free => end.moment.clone(),
+        },
+        &drive,
+    )
+}
+
+/// An end on which a source acts, with its lead-in behind it.
+pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> DrivenEnd {
+    let strip = Strip::new(plate, frequency_hz);
+    let propagating = propagating(plate, frequency_hz);
+    let columns = Columns::new(&strip, propagating);
+    let behind = source.lead_in.map(|lead_in| dynamic_stiffness(&strip, &lead_in, propagating));
+    let load = -source_stiffness(source, strip.omega);
+    let loaded = |end: &End| -> (DVector<Complex64>, DVector<Complex64>) {
+        let mut force = &end.force + strip.on_mode(&end.value) * load;
+        let mut moment = end.moment.clone();
+        if let Some(behind) = &behind {
+            let motion = DVector::from_iterator(ROWS, end.value.iter().chain(end.turn.iter()).copied());
+            let reaction = behind * motion;
+            force += reaction.rows(0, ORDERS);
+            moment += reaction.rows(ORDERS, ORDERS);
+        }
+        (force, moment)
+    };
+    let drive = strip.section.projection.map(|share| source_force(plate, source) * share);
+    columns.solve(
+        |end| loaded(end).0,
+        |end| match source.slope {
+            Some(EndSlope::Held) => end.turn.clone(),
+            Some(EndSlope::Free) | None => loaded(end).1,
+        },
+        &drive,
+    )
+}
+
+/// The forces on (w_i, w_i') at the junction that move the strip behind it, per unit of w_i and w_i'.
+///
+/// With y = -x the strip lies at y = 0..l. Each wave runs away from either end; at the far end the moment is zero and a
+/// damper takes the force on the width mode.
+fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn, propagating: Complex64) -> DMatrix<Complex64> {
+    // D (1 - j eta) with K^4 D the same: K^2 goes with the inverse root.
+    let axial = strip.lossless / Complex64::new(1.0, -lead_in.loss_factor).sqrt();
+    let rigidity = strip.lossy_rigidity(axial);
+    let waves = strip.waves(axial, propagating);
+    let damper = Complex64::new(0.0, strip.omega * lead_in.end_resistance_n_s_per_m);
+    let mut conditions = DMatrix::<Complex64>::zeros(2 * ROWS, 2 * ROWS);
+    let mut forces = DMatrix::<Complex64>::zeros(ROWS, 2 * ROWS);
+    for (index, wave) in waves.iter().enumerate() {
+        let through = (Complex64::I * wave.wavenumber * lead_in.length_m).exp();
+        for (column, near, far, wavenumber) in [
+            (2 * index, Complex64::ONE, through, wave.wavenumber),
+            (2 * index + 1, through, Complex64::ONE, -wave.wavenumber),
+        ] {
+            let directed = Wave { wavenumber, shape: wave.shape.clone(), centre: wave.centre };
+            let end = strip.wave_end(rigidity, &directed);
+            // The agent at the far end is on the other side: -F takes the damper's force j omega R w.
+            let far_force = &end.force + strip.on_mode(&end.value) * damper;
+            for row in 0..ORDERS {
+                conditions[(row, column)] = near * end.value[row];
+                conditions[(ORDERS + row, column)] = near * end.turn[row];
+                conditions[(ROWS + row, column)] = far * far_force[row];
+                conditions[(ROWS + ORDERS + row, column)] = far * end.moment[row];
+                forces[(row, column)] = near * end.force[row];
+                forces[(ORDERS + row, column)] = near * end.moment[row];
+            }
+        }
+    }
+    let mut right = DMatrix::<Complex64>::zeros(2 * ROWS, ROWS);
+    right.fill_diagonal(Complex64::ONE);
+    for row in 0..2 * ROWS {
+        let size = conditions.row(row).iter().map(|term| term.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        conditions.row_mut(row).scale_mut(size.recip());
+        right.row_mut(row).scale_mut(size.recip());
+    }
+    let amplitude = conditions.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(2 * ROWS, ROWS));
+    let mut stiffness = forces * amplitude;
+    // y = -x: w' and the force on it change their signs.
+    for row in 0..ROWS {
+        for column in 0..ROWS {
+            if (row < ORDERS) != (column < ORDERS) {
+                stiffness[(row, column)] = -stiffness[(row, column)];
+            }
+        }
+    }
+    stiffness
+}

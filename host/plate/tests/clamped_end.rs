@@ -1,0 +1,158 @@
+//! The driven end of a clamped plate in bending, with all waves of its strip: what an end without loss and a lead-in must
+//! do whatever the numbers, and
+//! what the plate in two dimensions does.
+
+use slipline_plate::{
+    Bending, Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, Taper, plane,
+    reflection, respond,
+};
+
+/// From just above the cut-off to where the next symmetric width mode can leave the end, which would take power with it.
+const FREQUENCIES_HZ: [f64; 4] = [8e3, 15e3, 28e3, 36e3];
+
+/// An aluminium plate of 2 mm between clamped edges.
+fn plate(drive_end: DriveEnd, loss_factor: f64) -> Plate {
+    Plate::new(PlateSpec {
+        name: "clamped".to_owned(),
+        description: String::new(),
+        taper: Taper::Exponential { half_width_m: 0.02, rate_per_m: 4.62 },
+        length_m: 0.34,
+        model: Model::BendingClamped(Bending {
+            youngs_modulus_pa: 70e9,
+            poisson_ratio: 0.33,
+            density_kg_per_m3: 2700.0,
+            thickness_m: 0.002,
+            thick_plate: false,
+        }),
+        loss_factor,
+        wave_speed_tolerance: 0.0,
+        drive_end,
+        actuator: None,
+        full_scale_m: 1e-6,
+        span_start_m: 0.05,
+        span_end_m: 0.25,
+    })
+    .expect("a valid plate")
+}
+
+/// A source of `resistance` times Z at 28 kHz, with a free slope.
+fn source(resistance: f64, lead_in: Option<LeadIn>) -> Source {
+    let plain = plate(DriveEnd::Displacement, 0.0);
+    let impedance = plain.wave_impedance_n_s_per_m(28e3).expect("bending");
+    let soft = Source::soft(&plain.spec().model, 28e3);
+    Source { resistance_n_s_per_m: resistance * impedance, lead_in, ..soft }
+}
+
+fn reflected(source: Source, frequency_hz: f64) -> Complex64 {
+    reflection(&plate(DriveEnd::Source(source), 0.0), frequency_hz).expect("enters")
+}
+
+#[test]
+fn an_end_that_takes_no_power_reflects_all_of_it() {
+    let loaded = Source { mass_kg: 1e-3, stiffness_n_per_m: 3e6, ..source(0.0, None) };
+    let ends = [
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Held },
+        DriveEnd::Source(source(0.0, None)),
+        DriveEnd::Source(Source { slope: Some(EndSlope::Held), ..source(0.0, None) }),
+        DriveEnd::Source(loaded),
+    ];
+    let mut seen: Vec<Complex64> = Vec::new();
+    for end in ends {
+        for frequency_hz in FREQUENCIES_HZ {
+            let r = reflection(&plate(end, 0.0), frequency_hz).expect("enters");
+            assert!((r.norm() - 1.0).abs() < 1e-4, "{end:?} {frequency_hz}: {r}");
+        }
+        let phase = reflection(&plate(end, 0.0), 28e3).expect("enters");
+        assert!(seen.iter().all(|other| (other - phase).norm() > 0.02), "{end:?} is like another end");
+        seen.push(phase);
+    }
+}
+
+#[test]
+fn a_damper_of_the_waves_impedance_reflects_half_of_the_amplitude_and_a_weaker_one_less() {
+    let dampers = [0.1, 0.37, 1.0, 3.0];
+    let norms: Vec<f64> = dampers.iter().map(|&it| reflected(source(it, None), 28e3).norm()).collect();
+    assert!(norms.iter().all(|norm| *norm < 1.0), "{norms:?}");
+    // A real end reflects most of what a damper of its own Z would take in the one-mode equation.
+    assert!(norms[2] > 0.4 && norms[2] < 0.7, "{norms:?}");
+    assert!(norms[1] < norms[0] && norms[1] < norms[2] && norms[2] < norms[3], "{norms:?}");
+}
+
+#[test]
+fn a_lead_in_like_the_plate_moves_the_end_back_by_its_length() {
+    // Without loss and without a damper the strip behind the drive is more of the same strip, with the free end there.
+    for frequency_hz in FREQUENCIES_HZ {
+        let free = reflected(source(0.0, None), frequency_hz);
+        let strip = plate(DriveEnd::Displacement, 0.0);
+        let lengths = [0.06, 0.09];
+        let behind = lengths.map(|length_m| {
+            let lead_in = LeadIn { length_m, loss_factor: 0.0, end_resistance_n_s_per_m: 0.0 };
+            reflected(source(0.0, Some(lead_in)), frequency_hz) / free
+        });
+        // k by the difference of a response far from the ends is not needed: the phase of 30 mm more, three times.
+        let step = behind[1] / behind[0];
+        assert!((behind[0] - step * step).norm() < 2e-3, "{frequency_hz}: {behind:?} of {}", strip.name());
+        assert!((step.norm() - 1.0).abs() < 1e-4, "{frequency_hz}: {step}");
+    }
+}
+
+#[test]
+fn a_damped_lead_in_matches_the_band() {
+    let largest = |length_m: f64, loss_factor: f64, damper: f64| {
+        let end_resistance_n_s_per_m = source(damper, None).resistance_n_s_per_m;
+        let lead_in = LeadIn { length_m, loss_factor, end_resistance_n_s_per_m };
+        (0..=20)
+            .map(|i| reflected(source(0.0, Some(lead_in)), 19.4e3 + 1030.0 * f64::from(i)).norm())
+            .fold(0.0, f64::max)
+    };
+    let (short, long, damped) = (largest(0.06, 0.2, 0.0), largest(0.15, 0.3, 0.0), largest(0.06, 0.2, 0.37));
+    assert!(short < 0.45 && long < 0.12 && damped < 0.2 && damped < short, "{short} {long} {damped}");
+}
+
+#[test]
+fn every_end_reflects_as_the_strip_in_two_dimensions() {
+    let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 30.0 };
+    let ends = [
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
+        DriveEnd::DisplacementAndSlope { slope: EndSlope::Held },
+        DriveEnd::Source(source(0.37, None)),
+        DriveEnd::Source(Source { slope: Some(EndSlope::Held), mass_kg: 2e-4, ..source(0.74, None) }),
+        DriveEnd::Source(source(0.0, Some(lead_in))),
+    ];
+    for end in ends {
+        let plate = plate(end, 0.0);
+        for frequency_hz in FREQUENCIES_HZ {
+            let found = reflection(&plate, frequency_hz).expect("enters");
+            let truth = plane::reflection(&plate, frequency_hz, &plane::Setup::of(&plate)).expect("enters");
+            assert!((found - truth).norm() < 0.01, "{end:?} {frequency_hz}: {found} for {truth}");
+        }
+    }
+}
+
+#[test]
+fn a_moved_end_gives_the_field_of_the_plate_in_two_dimensions() {
+    for slope in [EndSlope::Free, EndSlope::Held] {
+        let plate = plate(DriveEnd::DisplacementAndSlope { slope }, 0.05);
+        for boundary_m in [0.1, 0.13, 0.16] {
+            let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+            let points = 3401;
+            let truth =
+                plane::respond(&plate, frequency_hz, points, &plane::Setup::of(&plate)).expect("enters");
+            let one = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
+            let (peak, true_peak) = (one.peak.expect("a peak"), truth.peak.expect("a peak"));
+            // The level is absolute: it has the share of the drive that becomes the wave.
+            let level_db = 20.0 * (peak.amplitude / true_peak.amplitude).log10();
+            assert!(level_db.abs() < 0.5, "{slope:?} {boundary_m}: {level_db} dB");
+            assert!(
+                (peak.position_m - true_peak.position_m).abs() < 5e-4,
+                "{slope:?} {boundary_m}: {peak:?}"
+            );
+            // Within W of the drive, where the evanescent waves are as large as the propagating one.
+            let scale = truth.amplitude.iter().take(200).map(|w| w.norm()).fold(0.0, f64::max);
+            for (i, (f, w)) in one.amplitude.iter().zip(&truth.amplitude).enumerate().take(200) {
+                assert!((f - w).norm() < 0.08 * scale, "{slope:?} {boundary_m} at {i}: {f} for {w}");
+            }
+        }
+    }
+}
