@@ -6,7 +6,9 @@
 
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
-use slipline_plate::{Equation, Model, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch};
+use slipline_plate::{
+    Equation, Model, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch,
+};
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};
 

@@ -27,8 +27,8 @@ fn shared_pole(centre: f64) -> Complex64 {
 /// Whether the eigenfunctions describe this plate well: a thin plate in bending exactly, a membrane or SH waves exactly
 /// at each resonance.
 ///
-/// Mindlin's dispersion of a thick plate has no exact partial fractions: the bank would be off by up to 3 %. The near
-/// field and the impedance of a source are not among the eigenfunctions.
+/// Mindlin's dispersion of a thick plate has no exact partial fractions: the bank would be off by up to 3 %. The law of the
+/// clamped strip does not separate into a frequency and a place, so it has no eigenfunctions at all. The near field and the impedance of a source are not among the eigenfunctions.
 pub(crate) fn fits(plate: &Plate) -> bool {
     let spec = plate.spec();
     let is_thick = spec.model.bending().is_some_and(|bending| bending.thick_plate);
@@ -36,7 +36,8 @@ pub(crate) fn fits(plate: &Plate) -> bool {
         DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => true,
         DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => false,
     };
-    has_end && !is_thick
+    let is_clamped = matches!(spec.model, Model::BendingClamped(_));
+    has_end && !is_thick && !is_clamped
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
