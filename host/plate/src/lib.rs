@@ -28,9 +28,9 @@ pub mod time;
 
 pub use check::sensation;
 pub use frequency::{
-    COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, POINTS_MAX, POINTS_MIN, Peak,
-    PredictedEnvelope, RespondError, Response, ToneDrive, predict_envelope, reflection,
-    resistance_reflection, respond, respond_batch, respond_coupled, respond_range,
+    CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,
+    POINTS_MIN, Peak, PredictedEnvelope, RespondError, Response, ToneDrive, predict_envelope, reflection,
+    resistance_reflection, respond, respond_batch, respond_coupled, respond_range, respond_touched,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};

@@ -174,9 +174,9 @@ fn tones_superpose_and_each_keeps_its_peak() {
         amplitude,
         phase_rad: 0.3,
     });
-    let both = predict_envelope(&plate, &tones, 400e3, 321).expect("enter");
-    let one = predict_envelope(&plate, &tones[..1], 400e3, 321).expect("enters");
-    let two = predict_envelope(&plate, &tones[1..], 400e3, 321).expect("enters");
+    let both = predict_envelope(&plate, None, &tones, 400e3, 321).expect("enter");
+    let one = predict_envelope(&plate, None, &tones[..1], 400e3, 321).expect("enters");
+    let two = predict_envelope(&plate, None, &tones[1..], 400e3, 321).expect("enters");
     for i in 0..321 {
         let sum = (one.rms_m[i].powi(2) + two.rms_m[i].powi(2)).sqrt();
         assert!((both.rms_m[i] - sum).abs() <= 1e-12 * sum.max(1e-12));

@@ -213,7 +213,7 @@ impl Simulation<'_> {
         // The counter travels in the status, which is read again after a request.
         chain.perform(Request::Refresh, |_| ())?;
         let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
-        let predicted = predict_envelope(self.actual, &sounding, rate_hz, PLACES)?;
+        let predicted = predict_envelope(self.actual, None, &sounding, rate_hz, PLACES)?;
         let fields = demodulator.fields();
         let tones = self
             .tones

@@ -2,6 +2,7 @@
 
 use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::quantity::{OutOfRange, Range, must_be};
+use crate::spec::error::PlateError;
 use crate::spec::plate::Plate;
 use thiserror::Error;
 
@@ -24,7 +25,10 @@ pub enum RespondError {
     /// The frequency is too low, too high or not a number.
     #[error("{0} for this plate")]
     Frequency(OutOfRange),
-    /// The number of points or of width modes, or the sample rate, is out of range.
+    /// The plate file does not tell how heavy its wave is, which a finger needs.
+    #[error("{0}")]
+    Untold(PlateError),
+    /// The number of points or of width modes, the sample rate, or a field of the finger, is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
 }

@@ -4,6 +4,7 @@ mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;
 pub(crate) mod error;
+mod finger;
 mod impedance;
 pub(crate) mod numerov;
 pub(crate) mod peak;
@@ -16,6 +17,7 @@ pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respon
 pub use driven_end::{reflection, resistance_reflection};
 pub use equation::Equation;
 pub use error::RespondError;
+pub use finger::{CONTACT_M, Finger};
 pub use peak::Peak;
 pub use prediction::{PredictedEnvelope, ToneDrive, predict_envelope};
-pub use respond::{POINTS_MAX, POINTS_MIN, Response, respond, respond_batch, respond_range};
+pub use respond::{POINTS_MAX, POINTS_MIN, Response, respond, respond_batch, respond_range, respond_touched};

@@ -2,7 +2,8 @@
 
 use super::equation::Equation;
 use super::error::RespondError;
-use super::respond::{POINTS_MAX, POINTS_MIN, check_frequency, respond};
+use super::finger::Finger;
+use super::respond::{POINTS_MAX, POINTS_MIN, check_frequency, respond_touched};
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
@@ -33,7 +34,7 @@ pub struct PredictedEnvelope {
     pub tones: Vec<Vec<Complex64>>,
 }
 
-/// The settled envelope of `tones` on `plate`, driven by a DAC of `sample_rate_hz`, at `points` uniform positions (8 to
+/// The settled envelope of `tones` on `plate`, perhaps with a finger on it, driven by a DAC of `sample_rate_hz`, at `points` uniform positions (8 to
 /// 200 001).
 ///
 /// Each tone is multiplied by the hold's droop sinc(f/fs), by the actuator's response and by the full-scale
@@ -44,6 +45,7 @@ pub struct PredictedEnvelope {
 /// for the first tone that has one.
 pub fn predict_envelope(
     plate: &Plate,
+    finger: Option<&Finger>,
     tones: &[ToneDrive],
     sample_rate_hz: f64,
     points: usize,
@@ -60,7 +62,7 @@ pub fn predict_envelope(
     let mut bound = vec![0.0; points];
     let mut fields = Vec::with_capacity(tones.len());
     for tone in tones {
-        let response = respond(plate, tone.frequency_hz, points, Equation::Corrected)?;
+        let response = respond_touched(plate, finger, tone.frequency_hz, points, Equation::Corrected)?;
         let turn = std::f64::consts::PI * tone.frequency_hz / sample_rate_hz;
         let droop = turn.sin() / turn;
         let actuator =
@@ -94,7 +96,7 @@ mod tests {
         let plate = preset("membrane").expect("a preset");
         let tones = [ToneDrive { frequency_hz: 150.0, amplitude: 1.0, phase_rad: 0.0 }];
         let refused = |tones: &[ToneDrive], rate: f64, points: usize| {
-            predict_envelope(&plate, tones, rate, points).expect_err("out of range").to_string()
+            predict_envelope(&plate, None, tones, rate, points).expect_err("out of range").to_string()
         };
         for points in [0, 7, usize::MAX] {
             let error = refused(&tones, 400e3, points);

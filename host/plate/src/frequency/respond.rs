@@ -2,6 +2,7 @@
 
 use super::equation::Equation;
 use super::error::RespondError;
+use super::finger::{self, Finger};
 use super::numerov::{self, Grid};
 use super::peak::{self, Peak};
 use crate::quantity::{OutOfRange, Range};
@@ -55,11 +56,35 @@ pub fn respond(
     points: usize,
     equation: Equation,
 ) -> Result<Response, RespondError> {
+    respond_touched(plate, None, frequency_hz, points, equation)
+}
+
+/// As [`respond`], with a finger on the plate.
+///
+/// The finger's force moves the propagating wave and, on the straight strip of the width at the finger, everything that
+/// dies out around it. The peak is that of the touched plate: a finger that rests on it may leave none.
+///
+/// # Errors
+/// As [`respond`]; [`RespondError::OutOfRange`] for a field of the finger, [`RespondError::Untold`] if the plate file
+/// does not tell the membrane's tension or the sheet's thickness.
+pub fn respond_touched(
+    plate: &Plate,
+    finger: Option<&Finger>,
+    frequency_hz: f64,
+    points: usize,
+    equation: Equation,
+) -> Result<Response, RespondError> {
     check(plate, frequency_hz, points)?;
+    if let Some(finger) = finger {
+        finger.check(plate)?;
+    }
     let step = plate.length_m() / (points - 1) as f64;
     let refinement = numerov::refinement(plate, frequency_hz, step);
     let grid = Grid::new(plate, 1, equation, points, refinement);
-    let fine = numerov::solve(&grid, plate, frequency_hz);
+    let fine = match finger {
+        None => numerov::solve(&grid, plate, frequency_hz),
+        Some(finger) => finger::touched(&grid, plate, finger, frequency_hz),
+    };
     Ok(Response::of(plate, frequency_hz, points, refinement, &fine))
 }
 

@@ -69,8 +69,8 @@ impl<'a> Discrete<'a> {
         if let Some(finger) = setup.finger {
             let reach = 3 * ELEMENTS_PER_FINGER;
             let share = |i: i32| f64::from(i) / f64::from(2 * ELEMENTS_PER_FINGER);
-            places.extend((-reach..=reach).step_by(2).map(|i| finger.place_m + share(i) * finger.width_m));
-            let widths = 4.0 * outline.at(finger.place_m).value.exp() / finger.width_m;
+            places.extend((-reach..=reach).step_by(2).map(|i| finger.place_m + share(i) * finger.contact_m));
+            let widths = 4.0 * outline.at(finger.place_m).value.exp() / finger.contact_m;
             finger_orders = widths.min(FINGER_ORDERS_MAX).ceil() as usize;
         }
         places.retain(|place| (start..=end_m).contains(place));
@@ -116,8 +116,8 @@ impl<'a> Discrete<'a> {
         let inertia = self.modulus * self.level;
         let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
         if let Some(finger) = setup.finger {
-            let per_area = finger.impedance.dynamic_stiffness(omega) / finger.width_m.powi(2);
-            system.cover(&self.outline, finger.place_m, 0.5 * finger.width_m, per_area);
+            let per_area = finger.dynamic_stiffness(omega) / finger.contact_m.powi(2);
+            system.cover(&self.outline, finger.place_m, 0.5 * finger.contact_m, per_area);
         }
         if let Some(lead_in) = setup.lead_in {
             system.resist(0, Complex64::new(0.0, -omega * lead_in.end_resistance_n_s_per_m));

@@ -1,6 +1,7 @@
 //! What is done to the plate: its driven end, a lead-in behind it, a finger on it.
 
 use super::error::PlaneError;
+use crate::frequency::Finger;
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::drive::DriveEnd;
 use crate::spec::limits;
@@ -76,17 +77,6 @@ pub enum End {
     },
 }
 
-/// A finger on the centre line: a square patch that resists with impedance/width^2 per area.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Finger {
-    /// Middle of the patch, metres from the driven end (0 to the plate's length).
-    pub place_m: f64,
-    /// Resistance and mass (and stiffness, if any) of the whole patch.
-    pub impedance: Impedance,
-    /// Side of the patch, metres (0.001 to 0.1). Where the plate is narrower the patch ends at its edges.
-    pub width_m: f64,
-}
-
 /// What the two-dimensional solver needs beside the plate.
 ///
 /// ```
@@ -110,7 +100,7 @@ pub struct Setup {
     pub end: End,
     /// The strip behind it: bending only. The law of its loss is E (1 - j eta), and its damper acts on the width mode.
     pub lead_in: Option<LeadIn>,
-    /// The finger.
+    /// A finger on the centre line, which resists locally: everywhere in its contact with the same impedance per area.
     pub finger: Option<Finger>,
 }
 
@@ -183,12 +173,7 @@ impl Setup {
             lead_in.validate()?;
         }
         if let Some(finger) = self.finger {
-            OutOfRange::check("finger.place_m", finger.place_m, Range::new(0.0, plate.length_m(), "m"))?;
-            OutOfRange::check("finger.width_m", finger.width_m, Range::new(1e-3, 0.1, "m"))?;
-            finger.impedance.validate()?;
-            if !finger.impedance.is_nothing() {
-                absolute = Some("a finger");
-            }
+            finger.check(plate)?;
         }
         // Whatever is in newtons acts on a sheet whose mass per area is known.
         absolute.map_or(Ok(()), |needed_by| plate.spec().model.surface_density(needed_by).map(drop))?;

@@ -56,6 +56,8 @@ pub const END_STIFFNESS: Range = Range::new(0.0, 1e12, "N/m");
 pub const LEAD_IN_LENGTH: Range = Range::new(1e-3, 10.0, "m");
 /// Loss factor of a lead-in with its layer.
 pub const LEAD_IN_LOSS: Range = Range::new(0.0, 2.0, "");
+/// Side of the contact of a finger.
+pub const CONTACT: Range = Range::new(5e-4, 0.1, "m");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 

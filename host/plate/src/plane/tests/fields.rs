@@ -6,7 +6,7 @@ use super::super::strip::wave_impedance;
 use super::super::*;
 use super::{aluminium, with_tension};
 use crate::{
-    Complex64, EndSlope as Slope, Equation, LeadIn, Model, Plate, RespondError, Taper, preset,
+    Complex64, EndSlope as Slope, Equation, Finger, LeadIn, Model, Plate, RespondError, Taper, preset,
     respond as one_mode,
 };
 use nalgebra::{DMatrix, DVector};
@@ -97,8 +97,7 @@ fn matched(plate: &Plate, frequency_hz: f64) -> Setup {
 }
 
 fn touched(setup: Setup, place_m: f64, resistance_n_s_per_m: f64, mass_kg: f64) -> Setup {
-    let impedance = Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m: 0.0 };
-    Setup { finger: Some(Finger { place_m, width_m: 0.01, impedance }), ..setup }
+    Setup { finger: Some(Finger { resistance_n_s_per_m, mass_kg, ..Finger::light(place_m) }), ..setup }
 }
 
 #[test]
@@ -241,14 +240,16 @@ fn what_cannot_be_solved_is_refused_by_its_field() {
         told(&plate, 28e3, &with_lead_in(endless)),
         "drive.lead_in.length_m = nan: must be 0.001 to 10 m"
     );
-    let finger = touched(Setup::of(&membrane), 0.1, 1.0, 0.0);
+    let mut spec = membrane.spec().clone();
+    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None };
+    let untold = Plate::new(spec).unwrap();
     assert_eq!(
-        told(&membrane, 150.0, &finger),
+        told(&untold, 150.0, &touched(Setup::of(&untold), 0.1, 1.0, 0.0)),
         "model.tension_n_per_m is missing: a finger needs it: the force per metre of width, in N/m"
     );
     assert_eq!(
         told(&plate, 28e3, &touched(base, 0.5, 1.0, 0.0)),
-        "finger.place_m = 0.5 m: must be 0 to 0.34 m"
+        "finger place = 0.5 m: must be 0 to 0.34 m"
     );
     let damper = Setup { end: End::Damper { ratio: 1.0, at_frequency_hz: 100.0 }, ..base };
     assert!(told(&plate, 28e3, &damper).starts_with("at_frequency_hz = 100 Hz: must be "));

@@ -1,0 +1,94 @@
+//! A finger on the plate: a mechanical impedance at a place on the centre line.
+//!
+//! ```text
+//! Finger -> respond_touched, predict_envelope: the plate's own field and what the finger's force adds to it  (touch)
+//!                                              the near field of that force                                  (contact)
+//! ```
+//!
+//! The finger moves with the plate under it and pushes back with the force F = -Z v, Z = R - j omega m, where v is the
+//! velocity under its contact, a square of the side a; it resists locally, everywhere in the contact with the same
+//! impedance per area Z/a^2. All values are illustrative: fingers differ, and one finger differs from minute to minute.
+
+mod contact;
+mod touch;
+
+use super::error::RespondError;
+use crate::quantity::{OutOfRange, Range};
+use crate::spec::limits;
+use crate::spec::plate::Plate;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+pub(super) use touch::touched;
+
+/// Side of the contact of a fingertip, metres.
+pub const CONTACT_M: f64 = 0.01;
+
+/// A finger that rests on the plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finger {
+    /// Middle of the contact on the centre line, metres from the driven end (0 to the plate's length).
+    pub place_m: f64,
+    /// Damping R, N s/m (0 to 1e9).
+    pub resistance_n_s_per_m: f64,
+    /// Mass m that moves with the plate, kg (0 to 1000).
+    pub mass_kg: f64,
+    /// Side a of the square contact, metres (0.0005 to 0.1).
+    pub contact_m: f64,
+}
+
+impl Finger {
+    /// A light touch, as of a finger that strokes: 0.1 N s/m, 0.01 g. Illustrative.
+    pub fn light(place_m: f64) -> Self {
+        Self { place_m, resistance_n_s_per_m: 0.1, mass_kg: 1e-5, contact_m: CONTACT_M }
+    }
+
+    /// A firm press: 1 N s/m, 0.1 g. Illustrative.
+    pub fn firm(place_m: f64) -> Self {
+        Self { place_m, resistance_n_s_per_m: 1.0, mass_kg: 1e-4, contact_m: CONTACT_M }
+    }
+
+    /// Mechanical impedance R - j omega m at `frequency_hz`, N s/m.
+    pub fn impedance_n_s_per_m(&self, frequency_hz: f64) -> Complex64 {
+        Complex64::new(self.resistance_n_s_per_m, -TAU * frequency_hz * self.mass_kg)
+    }
+
+    /// Force per deflection at angular frequency `omega`: -omega^2 m - j omega R, N/m.
+    pub(crate) fn dynamic_stiffness(&self, omega: f64) -> Complex64 {
+        Complex64::new(-omega * omega * self.mass_kg, -omega * self.resistance_n_s_per_m)
+    }
+
+    /// How heavy the finger is for the plate's wave: |Z| over the wave impedance at the driven end, at `frequency_hz`.
+    ///
+    /// A finger of much less than 1 leaves the wave alone; one of more than 1 takes the peak down.
+    ///
+    /// # Errors
+    /// [`RespondError::Untold`] if the plate file does not tell what the wave impedance needs.
+    pub fn load(&self, plate: &Plate, frequency_hz: f64) -> Result<f64, RespondError> {
+        plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
+        let wave = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
+        Ok(self.impedance_n_s_per_m(frequency_hz).norm() / wave)
+    }
+
+    /// Refuses what is out of range, and a plate whose file does not tell how heavy its wave is.
+    pub(crate) fn check(&self, plate: &Plate) -> Result<(), RespondError> {
+        let places = Range::new(0.0, plate.length_m(), "m");
+        OutOfRange::check("finger place", self.place_m, places)?;
+        let resistances = limits::MECHANICAL_RESISTANCE;
+        OutOfRange::check("finger resistance", self.resistance_n_s_per_m, resistances)?;
+        OutOfRange::check("finger mass", self.mass_kg, limits::MOVING_MASS)?;
+        OutOfRange::check("finger contact", self.contact_m, limits::CONTACT)?;
+        plate.spec().model.surface_density("a finger").map(drop).map_err(RespondError::Untold)
+    }
+
+    /// How far the contact reaches to each side of the centre line at `x`, metres: no farther than the plate.
+    fn half_across(&self, plate: &Plate, x: f64) -> f64 {
+        (0.5 * self.contact_m).min(plate.half_width_m(x))
+    }
+
+    /// Where the contact begins and ends on the plate, metres.
+    fn reach(&self, plate: &Plate) -> (f64, f64) {
+        let half = 0.5 * self.contact_m;
+        ((self.place_m - half).max(0.0), (self.place_m + half).min(plate.length_m()))
+    }
+}
