@@ -43,6 +43,7 @@ use slipline_model::field::time_domain::{Measured, TimeDomainJob};
 use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
+use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::setup::Setup;
 use slipline_model::setup::undo::History;
@@ -78,6 +79,8 @@ pub struct Parts {
     pub tables: JobQueue<TableJob, TableState>,
     /// Computes validity lights.
     pub checks: JobQueue<CheckJob, Checked>,
+    /// Computes the plate in two dimensions.
+    pub planes: JobQueue<PlaneJob, PlaneChecked>,
     /// Designs plates.
     pub designs: JobQueue<Draft, Designed>,
     /// Runs the 2-D sheet.
@@ -246,6 +249,7 @@ impl App {
             waveform: &self.playback.waveform,
             measured: self.current_measured(),
             background: &self.background.shown,
+            plane_job: self.plane_job(),
             sheet: self.shown_sheet(),
             waiting: self.background.waiting(&self.parts),
             settings: &self.settings,

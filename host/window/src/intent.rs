@@ -122,6 +122,8 @@ pub enum Intent {
     SaveDesign,
     /// Save the cut files of the designed plate and its frame.
     SaveCutFiles,
+    /// Compute the plate on the screen in two dimensions.
+    CheckPlane,
     /// Cancel the work in progress.
     CancelWork,
     /// Compute the table whose computation was cancelled.

@@ -8,6 +8,7 @@ use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
+use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::setup::Setup;
 use slipline_model::waveform::Waveform;
@@ -39,6 +40,8 @@ pub struct Scene<'a> {
     pub measured: Option<&'a Measured>,
     /// The lights, the designer and what the wave is drawn from.
     pub background: &'a Background,
+    /// The plate and boundary that would be computed in two dimensions.
+    pub plane_job: Option<PlaneJob>,
     /// The sheet, if the wave is drawn from it.
     pub sheet: Option<&'a Frame>,
     /// The work that the user waits for.
@@ -90,6 +93,10 @@ pub struct Background {
     pub checked: Option<Checked>,
     /// The latest request for lights.
     pub asked: Option<CheckJob>,
+    /// The latest request for the plate in two dimensions; `None` if that was cancelled.
+    pub plane_asked: Option<PlaneJob>,
+    /// The latest result in two dimensions, with the plate and boundary it belongs to.
+    pub plane: Option<PlaneChecked>,
     /// The draft in the designer.
     pub draft: Draft,
     /// The result of the draft.

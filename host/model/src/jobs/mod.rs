@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod design;
+pub mod plane;
 pub mod table;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

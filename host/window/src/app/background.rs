@@ -1,5 +1,5 @@
-//! Work that takes longer than a frame: the validity lights, the designer, the 2-D sheet; their progress and their
-//! cancellation.
+//! Work that takes longer than a frame: the validity lights, the plate in two dimensions, the designer, the
+//! 2-D sheet; their progress and their cancellation.
 
 use super::{App, Parts};
 use crate::scene::{Background, DesignState, Waiting};
@@ -9,6 +9,7 @@ use slipline_model::field::sheet::{self, Frame, SheetJob, Source, SourceChoice};
 use slipline_model::field::time_domain::TimeDomainJob;
 use slipline_model::jobs::check::CheckJob;
 use slipline_model::jobs::design::Draft;
+use slipline_model::jobs::plane::PlaneJob;
 use slipline_model::jobs::table::{TableMade, TableState};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::Plate;
@@ -60,6 +61,7 @@ fn under_way(parts: &Parts) -> Option<Waiting> {
     [
         ("table", parts.tables.progress()),
         ("design", parts.designs.progress()),
+        ("two dimensions", parts.planes.progress()),
         ("sheet", parts.sheets.progress()),
         ("check", parts.checks.progress()),
     ]
@@ -130,6 +132,20 @@ impl App {
         }
     }
 
+    /// The plate and boundary on the screen, to be computed in two dimensions.
+    pub(super) fn plane_job(&self) -> Option<PlaneJob> {
+        let tone = self.setup.tone(self.selected)?;
+        Some(PlaneJob { plate: Arc::clone(&self.setup.plate), boundary_m: tone.position_m })
+    }
+
+    /// Requests the plate on the screen in two dimensions.
+    pub(super) fn check_plane(&mut self) {
+        if let Some(job) = self.plane_job() {
+            self.background.shown.plane_asked = Some(job.clone());
+            self.parts.planes.ask(job);
+        }
+    }
+
     /// Passes this drive to the sheet, if the wave is drawn from it.
     pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
@@ -166,6 +182,9 @@ impl App {
         if let Some(checked) = self.parts.checks.take() {
             self.background.shown.checked = Some(checked);
         }
+        if let Some(checked) = self.parts.planes.take() {
+            self.background.shown.plane = Some(checked);
+        }
         if let Some(designed) = self.parts.designs.take()
             && designed.draft == self.background.shown.draft
         {
@@ -200,6 +219,10 @@ impl App {
             Some("design") => {
                 self.parts.designs.cancel();
                 self.background.shown.design = DesignState::Cancelled;
+            }
+            Some("two dimensions") => {
+                self.parts.planes.cancel();
+                self.background.shown.plane_asked = None;
             }
             Some("sheet") => {
                 self.parts.sheets.cancel();

@@ -82,6 +82,7 @@ impl App {
                         self.parts.files.begin(FileJob::SaveFolder(cut_files(&designed)));
                     }
                 }
+                Intent::CheckPlane => self.check_plane(),
                 Intent::CancelWork => self.cancel_work(),
                 Intent::MakeTable => {
                     self.table_asked = None;

@@ -96,6 +96,7 @@ fn open(
         link: Box::new(worker),
         tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
         checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
+        planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
         designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
         sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
         waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,

@@ -20,6 +20,7 @@ mod log;
 mod meters;
 mod notices;
 mod offers;
+mod plane_check;
 mod plate;
 mod plate_panel;
 mod plots;

@@ -3,7 +3,7 @@
 mod numbers;
 
 use super::field::row;
-use super::{Scene, ViewState, designer, theme, validity};
+use super::{Scene, ViewState, designer, plane_check, theme, validity};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
@@ -41,7 +41,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     match view.plate_page {
         Page::Plate => this_plate(ui, scene, view, intents),
-        Page::Validity => validity::show(ui, scene),
+        Page::Validity => {
+            plane_check::show(ui, scene, intents);
+            validity::show(ui, scene);
+        }
         Page::Designer => designer::show(ui, scene, view, intents),
     }
 }

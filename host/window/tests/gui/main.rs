@@ -8,6 +8,7 @@ mod hang;
 mod notices;
 mod painter;
 mod paths;
+mod plane_check;
 mod plots;
 mod port_help;
 mod reasons;

@@ -14,6 +14,7 @@ use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check;
 use slipline_model::jobs::design;
+use slipline_model::jobs::plane::{self, PlaneChecked};
 use slipline_model::jobs::table;
 use slipline_model::setup::file as setup_file;
 use slipline_model::waveform;
@@ -224,6 +225,8 @@ pub(crate) struct TestApp {
     pub(crate) files: FakeFiles,
     /// Number of jobs for the 2-D sheet so far.
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
+    /// Why the computation in two dimensions is refused; `None` while it is not.
+    pub(crate) plane_refusal: Rc<RefCell<Option<String>>>,
     worker: Rc<RefCell<SteppedWorker>>,
 }
 
@@ -302,9 +305,15 @@ impl TestApp {
         let files = FakeFiles::default();
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
         let sheet_jobs = Rc::default();
-        let parts = parts(link, &files, tables, &sheet_jobs);
+        let plane_refusal: Rc<RefCell<Option<String>>> = Rc::default();
+        let refusal = Rc::clone(&plane_refusal);
+        let mut parts = parts(link, &files, tables, &sheet_jobs);
+        parts.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
+            Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
+            None => plane::work(job, task),
+        });
         let window = open_window_with(parts, theme, builder);
-        Self { window, files, sheet_jobs, worker }
+        Self { window, files, sheet_jobs, plane_refusal, worker }
     }
 
     /// Lets this many milliseconds pass, with a frame of the window every 50 ms.
@@ -435,6 +444,7 @@ fn parts(
         link,
         tables,
         checks: JobQueue::inline(check::work()),
+        planes: JobQueue::inline(plane::work),
         designs: JobQueue::inline(design::work),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);

@@ -1,0 +1,61 @@
+//! The check in two dimensions, on the page of the lights.
+
+use crate::background::open_page;
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_plate::plane::{self, Comparison, Setup};
+use slipline_plate::{Equation, respond};
+
+const BUTTON: &str = "Check in two dimensions";
+
+fn press(app: &mut TestApp) {
+    app.window.get_by_label(BUTTON).click();
+    app.wait(100);
+}
+
+#[test]
+fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
+    let mut app = TestApp::driving();
+    open_page(&mut app, "Validity");
+    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none());
+    press(&mut app);
+    let setup = app.window.state().setup();
+    let (plate, hertz) = (&setup.plate, setup.plate.frequency_for_boundary_hz(setup.tones[0].position_m));
+    let one_mode = respond(plate, hertz, 2049, Equation::Corrected).unwrap();
+    let two_dimensions = plane::respond(plate, hertz, 2049, &Setup::of(plate)).unwrap();
+    let differs = Comparison::of(&one_mode, &two_dimensions);
+    let shift_mm = format!("{:.1} mm", 1e3 * differs.peak_shift_m.unwrap().abs());
+    let level = format!("{:.1} dB", differs.level_db.unwrap().abs());
+    let nodes = format!("{} node", differs.nodes[1]);
+    for part in [shift_mm, level, nodes] {
+        let words = app.window.get_by_label_contains("In two dimensions the peak");
+        let words = words.accesskit_node().value().unwrap_or_default();
+        assert!(words.contains(&part), "{part}: {words}");
+    }
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+    app.wait(100);
+    type_into(&mut app, "Boundary position", "120 mm");
+    open_page(&mut app, "Validity");
+    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none(), "it is obsolete");
+    press(&mut app);
+    assert!(app.window.query_by_label_contains("At 120.0 mm: In two dimensions").is_some());
+}
+
+#[test]
+fn what_is_refused_tells_the_reason_and_the_button_waits_for_another_boundary() {
+    let mut app = TestApp::driving();
+    open_page(&mut app, "Validity");
+    assert!(!app.window.get_by_label(BUTTON).accesskit_node().is_disabled());
+    *app.plane_refusal.borrow_mut() = Some("unknowns = 9: must be at most 8".to_owned());
+    press(&mut app);
+    assert!(app.window.query_by_label("Not computed: unknowns = 9: must be at most 8.").is_some());
+    assert!(app.window.get_by_label(BUTTON).accesskit_node().is_disabled(), "it would be refused again");
+    app.plane_refusal.take();
+    app.window.get_by_role_and_label(Role::Slider, "Boundary").focus();
+    app.window.key_press(Key::ArrowRight);
+    app.wait(100);
+    press(&mut app);
+    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_some());
+}
