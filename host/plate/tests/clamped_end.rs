@@ -26,6 +26,7 @@ fn plate(drive_end: DriveEnd, loss_factor: f64) -> Plate {
         }),
         loss_factor,
         wave_speed_tolerance: 0.0,
+        loss_tolerance: None,
         drive_end,
         actuator: None,
         full_scale_m: 1e-6,

@@ -21,6 +21,7 @@ fn plate(half_width_m: f64, rate_per_m: f64, loss_factor: f64) -> Plate {
         }),
         loss_factor,
         wave_speed_tolerance: 0.0,
+        loss_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         full_scale_m: 1e-6,

@@ -138,6 +138,7 @@ fn the_clamped_taper_at_40_khz_peaks_where_the_one_mode_theory_says() {
         model: Model::BendingClamped(bending.clone()),
         loss_factor: 0.0,
         wave_speed_tolerance: 0.0,
+        loss_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         full_scale_m: 1e-6,

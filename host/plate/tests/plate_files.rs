@@ -240,6 +240,29 @@ fn what_is_missing_is_told_with_its_meaning_and_range_and_all_at_once() {
 }
 
 #[test]
+fn a_loss_tolerance_is_read_written_and_refused_by_its_range() {
+    let plate = Plate::from_toml(GOOD).expect("good");
+    assert_eq!(plate.spec().loss_tolerance, None);
+    assert!(!plate.to_toml().contains("loss_tolerance"));
+    let told = GOOD.replace("loss_factor = 0.01", "loss_factor = 0.01\nloss_tolerance = 1.5");
+    let plate = Plate::from_toml(&told).expect("told");
+    assert_eq!(plate.spec().loss_tolerance, Some(1.5));
+    assert_eq!(Plate::from_toml(&plate.to_toml()).expect("written"), plate);
+    assert_refused(&[
+        (
+            "loss_factor = 0.01",
+            "loss_factor = 0.01\nloss_tolerance = 4.5",
+            "loss_tolerance = 4.5: must be 0 to 4",
+        ),
+        (
+            "loss_factor = 0.01",
+            "loss_factor = 0.01\nloss_tolerance = -0.1",
+            "line 5: loss_tolerance = -0.1: must be 0 to 4",
+        ),
+    ]);
+}
+
+#[test]
 fn the_travel_of_an_actuator_is_given_as_a_whole_and_refused_by_field_and_range() {
     let with = |fields: &str| {
         Plate::from_toml(&format!("{GOOD}[actuator]\nresonance_hz = 40\nquality = 2\n{fields}"))

@@ -255,6 +255,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 model,
                 loss_factor: loss,
                 wave_speed_tolerance: 0.0,
+                loss_tolerance: None,
                 drive_end: DriveEnd::Displacement,
                 actuator: None,
                 full_scale_m: 1e-5,

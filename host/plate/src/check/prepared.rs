@@ -2,10 +2,11 @@
 
 use super::conditions::Conditions;
 use super::error::CheckError;
+use super::thresholds::LOSS_TOLERANCE;
 use crate::progress::Progress;
 use crate::spec::actuator::Actuator;
 use crate::spec::plate::Plate;
-use crate::table::level::{DriveToPeak, other_speeds};
+use crate::table::level::{DriveToPeak, other_plates};
 use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
@@ -18,8 +19,10 @@ pub(super) struct Prepared {
     pub(super) conditions: Conditions,
     /// The plate with a wave speed 1 % and 0.5 % lower and higher.
     pub(super) detuned: Vec<Plate>,
-    /// The plate at the other wave speeds within its tolerance, over which its table is levelled.
-    pub(super) speeds: Vec<Plate>,
+    /// The plate with the lowest and the highest loss that it may have.
+    pub(super) lossy: [Plate; 2],
+    /// The plate at the other wave speeds and losses within its tolerances, over which its table is levelled.
+    pub(super) others: Vec<Plate>,
     /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
     pub(super) lowest_gain: f64,
     /// What the actuator's peak travel leaves of that level.
@@ -50,11 +53,13 @@ impl Prepared {
         // At the end of a material's allowed range some of these speeds are not allowed.
         let detuned =
             [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
+        let loss_factor = 1.0 + plate.spec().loss_tolerance.unwrap_or(LOSS_TOLERANCE);
         Ok(Self {
             plate: plate.clone(),
             conditions,
             detuned,
-            speeds: other_speeds(plate),
+            lossy: [loss_factor.recip(), loss_factor].map(|factor| plate.with_loss(factor)),
+            others: other_plates(plate),
             lowest_gain,
             travel_scale: travel::scale(lowest_gain * largest_share),
         })

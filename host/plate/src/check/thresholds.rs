@@ -34,9 +34,13 @@ pub const FINGERTIP_M: f64 = 0.01;
 /// wider than a hand and feels like a slow fade, not like a boundary.
 pub const EDGE_WIDTH: Limits = Limits { green: 4.0, amber: 15.0 };
 
-/// Change of the peak per 1 % of wave speed, dB. Vibration has to change by about 1 dB to be noticed; 6 dB is a factor
-/// of two, and temperature or tension alone move the wave speed by a per cent.
+/// Change of the peak, dB, where the wave speed is off by 1 % or the loss by its tolerance. Vibration has to change by
+/// about 1 dB to be noticed; 6 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
 pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.0 };
+
+/// Relative uncertainty of the loss factor where the plate file does not tell it: halved or doubled. Loss factors in
+/// tables and from one sheet to the next differ by as much, and mounting adds to them.
+pub const LOSS_TOLERANCE: f64 = 1.0;
 
 /// |r| of the drive end, the share of the returning wave's amplitude that it sends back. A resistance that is wrong by a
 /// factor of 1.41 sends 17 % back, one that is wrong by 2 a third. On a plate of low loss 1 % of wave speed changes the

@@ -103,6 +103,7 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
         model,
         loss_factor: request.material.loss_factor,
         wave_speed_tolerance: WAVE_SPEED_TOLERANCE,
+        loss_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         full_scale_m: request.full_scale_m,

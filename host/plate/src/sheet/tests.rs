@@ -17,6 +17,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
         model: Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None },
         loss_factor: loss,
         wave_speed_tolerance: 0.0,
+        loss_tolerance: None,
         drive_end: end,
         actuator: None,
         full_scale_m: 1e-3,

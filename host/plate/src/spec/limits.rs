@@ -8,6 +8,8 @@ pub const LENGTH: Range = Range::new(0.005, 10.0, "m");
 pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
 /// Relative uncertainty of the wave speed.
 pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
+/// Relative uncertainty of the loss factor, which may be wrong by a factor of 1 to 5.
+pub const LOSS_TOLERANCE: Range = Range::new(0.0, 4.0, "");
 /// Displacement of the drive at DAC full scale.
 pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 /// Half-width anywhere on a plate.

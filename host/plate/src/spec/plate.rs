@@ -33,6 +33,9 @@ pub struct PlateSpec {
     /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
     /// this tolerance, not only for the nominal one. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
+    /// Relative uncertainty t of the loss factor (0 to 4): the true one lies between `loss_factor`/(1 + t) and
+    /// (1 + t) `loss_factor`, so 1 is "halved or doubled". `None` if nobody has said how well it is known.
+    pub loss_tolerance: Option<f64>,
     /// What is held at x = 0.
     pub drive_end: DriveEnd,
     /// The actuator's response, if it matters.
@@ -92,6 +95,9 @@ impl Plate {
         spec.model.validate()?;
         limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
         limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
+        if let Some(tolerance) = spec.loss_tolerance {
+            limits::LOSS_TOLERANCE.check("loss_tolerance", tolerance)?;
+        }
         spec.drive_end.validate(&spec.model)?;
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
@@ -215,6 +221,13 @@ impl Plate {
             }
         }
         Self::sharing(spec, self.strip.clone())
+    }
+
+    /// The same plate with a loss factor `factor` times as high, but at most the highest that a plate may have.
+    pub(crate) fn with_loss(&self, factor: f64) -> Self {
+        let mut plate = self.clone();
+        plate.spec.loss_factor = (factor * plate.spec.loss_factor).min(limits::LOSS_FACTOR.high);
+        plate
     }
 
     /// Width mode `mode` of this plate (1 is the first).

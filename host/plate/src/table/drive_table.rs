@@ -9,7 +9,7 @@
 
 use super::error::{KNOTS_MAX, TableError};
 use super::knots::{balance_errors, make_increasing, move_onto_resonances};
-use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_speeds};
+use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_plates};
 use super::travel::TableTravel;
 use crate::progress::Progress;
 use crate::quantity::OutOfRange;
@@ -91,13 +91,13 @@ impl DriveTable {
         let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
         // Knots at even indices, the positions half-way between them at odd ones.
         let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
-        let others = other_speeds(plate);
+        let others = other_plates(plate);
         let others = drives_to_peak(&others, sample_rate_hz);
-        // The stages take progress in proportion to the frequencies they solve: 2 per knot, 1 per knot and speed, the
+        // The stages take progress in proportion to the frequencies they solve: 2 per knot, 1 per knot and plate, the
         // same half-way between the knots, then 4 per knot.
-        let speeds = 1.0 + others.len() as f64;
-        let whole = 2.0 + 2.0 * speeds + 4.0;
-        let ends = [0.0, 2.0, 2.0 + speeds, 2.0 + 2.0 * speeds, whole].map(|end| end / whole);
+        let plates = 1.0 + others.len() as f64;
+        let whole = 2.0 + 2.0 * plates + 4.0;
+        let ends = [0.0, 2.0, 2.0 + plates, 2.0 + 2.0 * plates, whole].map(|end| end / whole);
         let levels = drive_to_peak.levels_at(&halves, &mut progress.part(ends[0], ends[1]))?;
         let shifted = move_onto_resonances(&drive_to_peak, &places, &halves, &levels);
 

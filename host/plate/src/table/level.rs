@@ -3,7 +3,8 @@
 //! An imperfect match of the drive end leaves a ripple of the peak along the plate, and an error of the wave speed
 //! shifts that ripple. A table that cancels the ripple at the nominal speed can double it at another one. So with a
 //! tolerance each knot is levelled to the middle, in dB, of the lowest and the highest peak at all speeds within the
-//! tolerance. The largest error is then the ripple itself, whatever the true speed.
+//! tolerance. The largest error is then the ripple itself, whatever the true speed. Loss that is known within a tolerance
+//! is treated alike: the middle halves the largest error at each knot, whatever the true loss.
 
 use super::error::TableError;
 use crate::frequency::equation::Equation;
@@ -116,8 +117,8 @@ impl<'a> DriveToPeak<'a> {
 }
 
 /// The amplitude that a table for `plate` makes equal at one frequency, per unit of DAC amplitude: the level of
-/// [`mid_levels`], where `others` are the plate's [`other_speeds`].
-pub(crate) fn level_over_speeds(
+/// [`mid_levels`], where `others` are the plate's [`other_plates`].
+pub(crate) fn level_over_tolerances(
     plate: &Plate,
     others: &[Plate],
     sample_rate_hz: f64,
@@ -129,17 +130,28 @@ pub(crate) fn level_over_speeds(
     Ok(levels[0].amplitude)
 }
 
-/// The plate at the other wave speeds within its tolerance. Speeds that make the plate invalid are left out.
-pub(crate) fn other_speeds(plate: &Plate) -> Vec<Plate> {
+/// The plate at the other wave speeds and losses within its tolerances. Speeds that make the plate invalid are left out.
+///
+/// At each place the level is monotone in the loss but for the ripple, which is largest at the lowest loss: so every
+/// speed is taken with the lowest and the highest loss, too.
+pub(crate) fn other_plates(plate: &Plate) -> Vec<Plate> {
     let tolerance = plate.spec().wave_speed_tolerance;
-    if tolerance == 0.0 {
-        return Vec::new();
-    }
-    let half = (SPEEDS / 2) as f64;
-    (0..SPEEDS)
-        .filter(|&number| number != SPEEDS / 2)
-        .filter_map(|number| plate.with_wave_speed(1.0 + tolerance * (number as f64 / half - 1.0)).ok())
-        .collect()
+    let half = if tolerance == 0.0 { 0 } else { SPEEDS / 2 };
+    let speeds = (0..=2 * half).filter_map(|number| {
+        // The nominal speed itself, without rounding.
+        if number == half {
+            return Some(plate.clone());
+        }
+        plate.with_wave_speed(1.0 + tolerance * (number as f64 / half as f64 - 1.0)).ok()
+    });
+    let lossy = |plate: Plate| match plate.spec().loss_tolerance {
+        Some(tolerance) if tolerance > 0.0 => {
+            let [low, high] = [(1.0 + tolerance).recip(), 1.0 + tolerance].map(|f| plate.with_loss(f));
+            vec![plate, low, high]
+        }
+        _ => vec![plate],
+    };
+    speeds.flat_map(lossy).filter(|other| other != plate).collect()
 }
 
 pub(super) fn drives_to_peak(plates: &[Plate], sample_rate_hz: f64) -> Vec<DriveToPeak<'_>> {
@@ -153,12 +165,12 @@ pub(super) fn mid_levels(
     frequencies_hz: &[f64],
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Level>, TableError> {
-    let speeds = 1.0 + others.len() as f64;
-    let levels = nominal.levels(frequencies_hz, &mut progress.part(0.0, 1.0 / speeds))?;
+    let plates = 1.0 + others.len() as f64;
+    let levels = nominal.levels(frequencies_hz, &mut progress.part(0.0, 1.0 / plates))?;
     let mut ranges: Vec<_> = levels.iter().map(|level| (level.amplitude, level.amplitude)).collect();
     for (number, drive_to_peak) in others.iter().enumerate() {
         let done = 1.0 + number as f64;
-        let part = &mut progress.part(done / speeds, (done + 1.0) / speeds);
+        let part = &mut progress.part(done / plates, (done + 1.0) / plates);
         for ((low, high), other) in ranges.iter_mut().zip(drive_to_peak.levels(frequencies_hz, part)?) {
             *low = low.min(other.amplitude);
             *high = high.max(other.amplitude);

@@ -10,7 +10,7 @@ use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
-use crate::table::level::{DriveToPeak, level_over_speeds};
+use crate::table::level::{DriveToPeak, level_over_tolerances};
 
 /// r = R omega/(T k0) at `frequency_hz`: the source's resistance over the plate's wave impedance at x = 0.
 ///
@@ -98,24 +98,44 @@ fn hides_its_match(site: &Site<'_>, source: Source) -> bool {
     soft.is_some_and(|r| r.norm() <= DRIVE_REFLECTION.green)
 }
 
+/// The peak against the table's level where the plate is not quite the file's: the worse of speed and loss.
 pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Result<Finding, CheckError> {
     let rate = site.prepared.conditions.sample_rate_hz;
-    let intended = level_over_speeds(site.plate, &site.prepared.speeds, rate, site.frequency_hz)?;
-    let mut worst: f64 = 0.0;
-    for actual in &site.prepared.detuned {
-        // The band of the detuned plate may end a little above what the sample rate carries; this frequency does not.
-        let found = DriveToPeak::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
-        worst = worst.max((20.0 * (found / intended).log10()).abs());
-    }
+    let intended = level_over_tolerances(site.plate, &site.prepared.others, rate, site.frequency_hz)?;
+    let worst_of = |plates: &[Plate]| -> Result<f64, CheckError> {
+        plates.iter().try_fold(0.0, |worst: f64, actual| {
+            // The band of another plate may end a little above what the sample rate carries; this frequency does not.
+            let found = DriveToPeak::unchecked(actual, rate).level(site.frequency_hz)?.amplitude;
+            Ok(worst.max((20.0 * (found / intended).log10()).abs()))
+        })
+    };
+    let (speed, loss) = (worst_of(&site.prepared.detuned)?, worst_of(&site.prepared.lossy)?);
+    let worst = speed.max(loss);
+    let off = if loss <= speed {
+        "A wave speed that is 1 % off".to_owned()
+    } else {
+        match site.plate.spec().loss_tolerance {
+            Some(tolerance) => {
+                format!("A loss that is {} times as high or as low", with_decimals(1.0 + tolerance, 2))
+            }
+            None => {
+                "A loss that is halved or doubled (the plate file does not tell loss_tolerance)".to_owned()
+            }
+        }
+    };
     Ok(site.graded(
         "sensitivity",
         worst,
-        "dB per % of wave speed",
+        "dB",
         SENSITIVITY_DB,
         [
-            format!("A wave speed that is 1 % off changes the peak by {} dB: the table can be trusted.", with_decimals(worst, 2)),
-            format!("A wave speed that is 1 % off changes the peak by {worst:.1} dB: calibrate on your own plate."),
-            format!("A wave speed that is 1 % off changes the peak by {worst:.0} dB: no table holds that, match the drive end."),
+            format!("{off} changes the peak by {} dB: the table can be trusted.", with_decimals(worst, 2)),
+            format!("{off} changes the peak by {worst:.1} dB: calibrate on your own plate."),
+            if loss <= speed {
+                format!("{off} changes the peak by {worst:.0} dB: no table holds that, match the drive end.")
+            } else {
+                format!("{off} changes the peak by {worst:.0} dB: no table holds that, measure the loss.")
+            },
         ],
     ))
 }

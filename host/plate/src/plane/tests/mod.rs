@@ -23,6 +23,7 @@ fn aluminium(clamped: bool, loss_factor: f64) -> Plate {
         model: if clamped { Model::BendingClamped(bending) } else { Model::BendingSupported(bending) },
         loss_factor,
         wave_speed_tolerance: 0.0,
+        loss_tolerance: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,
         full_scale_m: 1e-6,

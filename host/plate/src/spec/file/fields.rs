@@ -86,6 +86,11 @@ pub(super) const PLATE: Section = Section {
             "how well the wave speed is known",
         ),
         field(
+            "loss_tolerance",
+            FieldType::Number(limits::LOSS_TOLERANCE),
+            "how well the loss factor is known",
+        ),
+        field(
             "full_scale_m",
             FieldType::Number(limits::FULL_SCALE),
             "the drive's displacement at DAC full scale",

@@ -61,6 +61,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         model,
         loss_factor: plate.required("loss_factor")?,
         wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
+        loss_tolerance: plate.number("loss_tolerance")?,
         actuator: actuator?.as_ref().map(actuator_of).transpose()?,
         full_scale_m: plate.number("full_scale_m")?.unwrap_or(1e-6),
         span_start_m: 0.0,

@@ -15,6 +15,8 @@ struct PlateText {
     length_m: f64,
     loss_factor: f64,
     wave_speed_tolerance: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    loss_tolerance: Option<f64>,
     full_scale_m: f64,
     span_start_m: f64,
     span_end_m: f64,
@@ -109,6 +111,7 @@ impl Plate {
             length_m: spec.length_m,
             loss_factor: spec.loss_factor,
             wave_speed_tolerance: spec.wave_speed_tolerance,
+            loss_tolerance: spec.loss_tolerance,
             full_scale_m: spec.full_scale_m,
             span_start_m: spec.span_start_m,
             span_end_m: spec.span_end_m,
