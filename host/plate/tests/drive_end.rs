@@ -131,7 +131,7 @@ fn the_sensitivity_tells_a_matched_plate_from_a_held_one() {
     let membrane = sensitivity_per_percent(&preset("membrane").expect("a preset"), 400e3).expect("a table");
     assert!(membrane.worst_db < 0.25, "{membrane:?}");
     let matched = sensitivity_per_percent(&preset("al-bending").expect("a preset"), 400e3).expect("a table");
-    assert!(matched.worst_db < 0.9, "a constant damper over an octave: {matched:?}");
+    assert!(matched.worst_db < 0.92, "a lead-in over an octave: {matched:?}");
     let held = sensitivity_per_percent(&preset("al-bending-displacement").expect("a preset"), 400e3)
         .expect("a table");
     assert!(held.worst_db > 20.0, "{held:?}");

@@ -206,17 +206,31 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
                 show_si(designed.single_boundary_off_centre_to_m, "m")
             ),
         ),
-        (
+    ];
+    let resistance = show_si(damper.resistance_n_s_per_m, "N s/m");
+    match damper.lead_in {
+        Some(lead_in) => lines.push((
+            "lead-in",
+            format!(
+                "{} behind the drive with a loss factor of {}, R = {resistance} at its far end",
+                show_si(lead_in.length_m, "m"),
+                lead_in.loss_factor
+            ),
+        )),
+        None => lines.push((
             "damper",
             format!(
-                "R = {} matches at {}; r = {:.2} to {:.2} over the band",
-                show_si(damper.resistance_n_s_per_m, "N s/m"),
+                "R = {resistance} matches at {}; r = {:.2} to {:.2} over the band",
                 show_frequency(damper.match_frequency_hz),
                 damper.ratio_range.0,
                 damper.ratio_range.1
             ),
-        ),
-    ];
+        )),
+    }
+    if let Some(reflection) = damper.largest_reflection {
+        lines
+            .push(("match", format!("at most {:.0} % of the returning wave comes back", 100.0 * reflection)));
+    }
     if let Some(tension) = designed.tension_n_per_m {
         lines.push(("tension", format!("{} of width", show_si(tension, "N/m"))));
     }

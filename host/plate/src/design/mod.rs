@@ -54,7 +54,7 @@ pub struct BandEnd {
 /// A designed plate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// The plate; its drive end is the damper.
+    /// The plate; its drive end is matched by the damper.
     pub plate: Plate,
     /// Rate d of the taper, 1/m.
     pub rate_per_m: f64,
@@ -69,7 +69,7 @@ pub struct Design {
     pub single_boundary_to_m: f64,
     /// The same for a drive off the centre line, metres; it may lie before the nearest boundary.
     pub single_boundary_off_centre_to_m: f64,
-    /// The damper that matches the drive end.
+    /// What absorbs the returning wave: a damper at the driven end, or a lead-in with a damper behind the drive.
     pub damper: Damper,
     /// Tension of a membrane, N per metre of width; `None` for a plate that needs none.
     pub tension_n_per_m: Option<f64>,
@@ -111,12 +111,10 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
         span_end_m: taper.far_m,
     };
     let undamped = Plate::new(spec.clone())?;
-    let (match_frequency_hz, ratio_range) = damper::best_match(&undamped, request.band_hz);
-    spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: match_frequency_hz };
+    let (drive_end, damper) = damper::matched(&undamped, request.band_hz);
+    spec.drive_end = drive_end;
     let plate = Plate::new(spec)?;
     let surface_density = request.material.density_kg_per_m3 * request.thickness_m;
-    // The material gives the tension or the thickness, so there is an impedance.
-    let resistance_n_s_per_m = plate.wave_impedance_n_s_per_m(match_frequency_hz).unwrap_or(f64::NAN);
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
     let alone_to = |mode: u32| {
@@ -130,7 +128,7 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
         loss_factor_limit: loss_factor_limit(&plate)?,
         single_boundary_to_m: alone_to(3),
         single_boundary_off_centre_to_m: alone_to(2),
-        damper: Damper { resistance_n_s_per_m, match_frequency_hz, ratio_range },
+        damper,
         tension_n_per_m: match request.wave {
             Wave::Membrane { wave_speed_m_per_s } => Some(surface_density * wave_speed_m_per_s.powi(2)),
             Wave::Bending { .. } | Wave::ShearHorizontal => None,

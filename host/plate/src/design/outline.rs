@@ -7,7 +7,11 @@
 
 use super::drawing::{Drawing, Shape, wrapped};
 use super::mounting::Mounting;
+use crate::quantity::number_format::rounded;
+use crate::quantity::show_si;
+use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
+use crate::spec::source::{LeadIn, Source};
 
 /// How far a plate with supported edges extends beyond the window, mm: several times a cutter's kerf, so that the plate
 /// cannot fall through, and short enough to rotate freely. At 40 kHz in 2 mm of aluminium (K = 0.28 /mm) the moment of
@@ -23,6 +27,19 @@ const DRIVE_GAP_MM: f64 = 15.0;
 const BOLT_MM: f64 = 4.3;
 /// Longest distance between bolt holes along an edge, mm.
 const BOLT_PITCH_MM: f64 = 60.0;
+
+/// The lead-in behind the drive, where the plate goes on with the width of its driven end.
+fn lead_in(plate: &Plate) -> Option<LeadIn> {
+    match plate.spec().drive_end {
+        DriveEnd::Source(Source { lead_in, .. }) => lead_in,
+        _ => None,
+    }
+}
+
+/// Length of the lead-in, mm; 0 if there is none.
+fn lead_in_mm(plate: &Plate) -> f64 {
+    lead_in(plate).map_or(0.0, |lead_in| lead_in.length_m * 1e3)
+}
 
 /// The upper edge of the taper from x = 0 to the plate's end, mm.
 fn edge(plate: &Plate) -> Vec<[f64; 2]> {
@@ -41,15 +58,19 @@ fn edge(plate: &Plate) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Outline of the window, mm: from before the driven end along the taper, around the narrow end and back.
+/// Outline of the window, mm: from before the sheet's wide end along the taper, around the narrow end and back.
 fn window(plate: &Plate) -> Vec<[f64; 2]> {
     let wide = plate.half_width_m(0.0) * 1e3;
-    closed(std::iter::once([-DRIVE_GAP_MM, wide]).chain(edge(plate)).collect())
+    let start = -lead_in_mm(plate) - DRIVE_GAP_MM;
+    closed(std::iter::once([start, wide]).chain(edge(plate)).collect())
 }
 
-/// Outline of the taper with a lip on all sides except the driven end, mm.
+/// Outline of the taper and of the lead-in before it, with a lip on all sides except the wide end, mm.
 fn lipped(plate: &Plate) -> Vec<[f64; 2]> {
     let mut upper = edge(plate);
+    if lead_in(plate).is_some() {
+        upper.insert(0, [-lead_in_mm(plate), plate.half_width_m(0.0) * 1e3]);
+    }
     upper.extend(upper.last().map(|&[x, z]| [x + LIP_MM, z]));
     closed(upper.into_iter().map(|[x, z]| [x, z + LIP_MM]).collect())
 }
@@ -60,11 +81,11 @@ fn closed(upper: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     [upper, lower].concat()
 }
 
-/// Bolt holes in the rim along both long sides and the narrow end, mm.
-fn bolts(wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Iterator<Item = Shape> {
+/// Bolt holes in the rim along both long sides and the narrow end, mm; the sheet's wide end is at `start_mm`.
+fn bolts(start_mm: f64, wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Iterator<Item = Shape> {
     let line = wide_mm + 0.5 * rim_mm;
-    // The first two holes lie half a rim's width behind the sheet's edge at the driven end.
-    let (first, last) = (0.5 * rim_mm, length_mm + 0.5 * rim_mm);
+    // The first two holes lie half a rim's width behind the sheet's edge at its wide end.
+    let (first, last) = (start_mm + 0.5 * rim_mm, length_mm + 0.5 * rim_mm);
     let along = ((last - first) / BOLT_PITCH_MM).ceil().max(1.0) as usize;
     let across = (2.0 * line / BOLT_PITCH_MM).ceil().max(1.0) as usize;
     let sides = (0..=along).flat_map(move |i| {
@@ -82,17 +103,19 @@ pub(super) fn plate(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let narrow = plate.half_width_m(plate.length_m()) * 1e3;
     let mut shapes = Vec::new();
     let margin = if mounting == Mounting::Lip { LIP_MM } else { rim };
-    let (half, end) = (wide + margin, length + margin);
+    let (half, end, start) = (wide + margin, length + margin, -lead_in_mm(plate));
     if mounting == Mounting::Lip {
         shapes.push(Shape::Outline { points: lipped(plate) });
         shapes.push(vertical(end + 12.0, narrow + margin));
     } else {
-        shapes.push(Shape::Outline { points: vec![[0.0, half], [end, half], [end, -half], [0.0, -half]] });
-        shapes.extend(bolts(wide, length, rim));
+        shapes
+            .push(Shape::Outline { points: vec![[start, half], [end, half], [end, -half], [start, -half]] });
+        shapes.extend(bolts(start, wide, length, rim));
     }
-    shapes.push(horizontal(0.0, end, -half - 12.0));
-    shapes.push(vertical(-8.0, half));
-    shapes.extend(notes(mounting, 0.0, -half - 24.0));
+    shapes.push(horizontal(start, end, -half - 12.0));
+    shapes.push(vertical(start - 8.0, half));
+    shapes.extend(lead_in_marks(plate, half));
+    shapes.extend(notes(plate, mounting, start, -half - 24.0));
     Drawing { title: format!("{}: plate, to lie between two frames", plate.name()), shapes }
 }
 
@@ -101,26 +124,48 @@ pub(super) fn frame(plate: &Plate, rim_m: f64, mounting: Mounting) -> Drawing {
     let (length, rim) = (plate.length_m() * 1e3, rim_m * 1e3);
     let wide = plate.half_width_m(0.0) * 1e3;
     let narrow = plate.half_width_m(plate.length_m()) * 1e3;
-    let (left, right, half) = (-DRIVE_GAP_MM - rim, length + rim, wide + rim);
+    let start = -lead_in_mm(plate);
+    let (left, right, half) = (start - DRIVE_GAP_MM - rim, length + rim, wide + rim);
     let mut shapes = vec![
         Shape::Outline { points: vec![[left, half], [right, half], [right, -half], [left, -half]] },
         Shape::Outline { points: window(plate) },
     ];
-    shapes.extend(bolts(wide, length, rim));
+    shapes.extend(bolts(start, wide, length, rim));
     shapes.push(horizontal(left, right, -half - 24.0));
     shapes.push(horizontal(0.0, length, -half - 12.0));
     shapes.push(vertical(left - 8.0, half));
     shapes.push(vertical(left - 20.0, wide));
     shapes.push(vertical(right + 12.0, narrow));
-    shapes.extend(notes(mounting, left, -half - 36.0));
+    shapes.extend(lead_in_marks(plate, half));
+    shapes.extend(notes(plate, mounting, left, -half - 36.0));
     Drawing { title: format!("{}: frame, to be cut twice", plate.name()), shapes }
 }
 
+/// The line on which the drive acts, and the length of the lead-in before it.
+fn lead_in_marks(plate: &Plate, half: f64) -> Vec<Shape> {
+    if lead_in(plate).is_none() {
+        return Vec::new();
+    }
+    let drive = Shape::Dimension { from: [0.0, -half], to: [0.0, half], text: "drive".to_owned() };
+    vec![drive, horizontal(-lead_in_mm(plate), 0.0, half + 12.0)]
+}
+
 /// How to assemble the parts, as lines of text from (`x`, `z`) down.
-fn notes(mounting: Mounting, x: f64, z: f64) -> impl Iterator<Item = Shape> {
+fn notes(plate: &Plate, mounting: Mounting, x: f64, z: f64) -> impl Iterator<Item = Shape> {
     const LINE_MM: f64 = 6.0;
-    let sentences =
-        format!("{} The lines are finished edges: let the cutter allow for its kerf.", mounting.sentence());
+    let lead_in = lead_in(plate).map_or_else(String::new, |lead_in| {
+        format!(
+            " Drive the plate on the marked line. Cover the {} mm before it with a damping layer until that strip has \
+             a loss factor of {}, and put a damper of {} on its end, spread over the width.",
+            rounded(lead_in.length_m * 1e3, 4),
+            lead_in.loss_factor,
+            show_si(lead_in.end_resistance_n_s_per_m, "N s/m")
+        )
+    });
+    let sentences = format!(
+        "{}{lead_in} The lines are finished edges: let the cutter allow for its kerf.",
+        mounting.sentence()
+    );
     let lines = wrapped(&sentences).into_iter().enumerate();
     lines.map(move |(row, text)| Shape::Note { at: [x, z - LINE_MM * row as f64], text })
 }

@@ -92,16 +92,34 @@ fn the_damper_is_the_membranes_wave_impedance_and_is_off_by_the_same_factor_at_b
 }
 
 #[test]
-fn a_bending_plates_damper_is_twice_its_flux_over_its_wavenumber() {
+fn a_bending_plate_gets_the_shortest_lead_in_that_matches_its_whole_band() {
+    for thick_plate in [false, true] {
+        let mut request = aluminium();
+        request.wave = Wave::Bending { edge: Edge::Supported, thick_plate };
+        let designed = design(&request).expect("possible");
+        let damper = designed.damper;
+        let lead_in = damper.lead_in.expect("a lead-in");
+        assert_eq!(lead_in.end_resistance_n_s_per_m, damper.resistance_n_s_per_m);
+        let largest = (0..=400)
+            .map(|i| 20e3 + 50.0 * f64::from(i))
+            .map(|hz| crate::reflection(&designed.plate, hz).expect("enters").norm())
+            .fold(0.0, f64::max);
+        assert!(largest < 0.095, "{largest}");
+        assert!((damper.largest_reflection.expect("known") - largest).abs() < 0.01, "{largest} {damper:?}");
+        assert!(lead_in.length_m < 0.15, "{lead_in:?}");
+    }
+}
+
+#[test]
+fn the_wave_impedance_of_a_thin_supported_plate_is_twice_its_flux_over_its_wavenumber() {
     let mut request = aluminium();
     request.wave = Wave::Bending { edge: Edge::Supported, thick_plate: false };
     let designed = design(&request).expect("possible");
     // omega = s (k^2 + (q/W)^2): v_g = 2 s k0 with s = sqrt(D/rho h) = 3.114 m^2/s.
     let wide = designed.plate.half_width_m(0.0);
-    let omega = TAU * designed.damper.match_frequency_hz;
-    let k0 = (omega / 3.114 - (std::f64::consts::FRAC_PI_2 / wide).powi(2)).sqrt();
+    let k0 = (TAU * 28e3 / 3.114 - (std::f64::consts::FRAC_PI_2 / wide).powi(2)).sqrt();
     let resistance = 2700.0 * 2e-3 * wide * 2.0 * 3.114 * k0;
-    let found = designed.damper.resistance_n_s_per_m;
+    let found = designed.plate.wave_impedance_n_s_per_m(28e3).expect("bending");
     assert!((found / resistance - 1.0).abs() < 2e-3, "{found} {resistance}");
 }
 
@@ -155,18 +173,19 @@ fn the_svg_is_well_formed_and_as_large_as_the_part_in_millimetres() {
     for request in [aluminium(), membrane()] {
         let designed = design(&request).expect("possible");
         let (wide, length) = (designed.plate.half_width_m(0.0) * 1e3, request.length_m * 1e3);
+        let start = -designed.damper.lead_in.map_or(0.0, |lead_in| lead_in.length_m * 1e3);
         let frame = designed.frame_drawing();
-        let expected = [-35.0, -wide - 20.0, length + 20.0, wide + 20.0];
+        let expected = [start - 35.0, -wide - 20.0, length + 20.0, wide + 20.0];
         close(&svg_cut_extents(&frame.to_svg()), &expected);
         close(&frame.cut_extents_mm(), &expected);
         let plate = designed.plate_drawing();
         let expected = if designed.mounting == Mounting::Lip {
-            [0.0, -wide - 1.0, length + 1.0, wide + 1.0]
+            [start, -wide - 1.0, length + 1.0, wide + 1.0]
         } else {
-            [0.0, -wide - 20.0, length + 20.0, wide + 20.0]
+            [start, -wide - 20.0, length + 20.0, wide + 20.0]
         };
         close(&svg_cut_extents(&plate.to_svg()), &expected);
-        assert!(plate.to_svg().contains(&format!("{:.2} mm", expected[2])), "the length is written");
+        assert!(plate.to_svg().contains(&format!("{:.2} mm", expected[2] - start)), "the length is written");
     }
 }
 
@@ -221,14 +240,15 @@ fn a_plate_that_may_turn_lies_on_the_frame_all_around_the_window_and_clear_of_th
         let pair = upper.windows(2).find(|p| p[0][0] <= x && x < p[1][0]).expect("on it");
         pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / (pair[1][0] - pair[0][0])
     };
-    for step in 0..300 {
-        let x = f64::from(step);
+    let lead_in_mm = designed.damper.lead_in.expect("a lead-in").length_m * 1e3;
+    for step in 0..300 + lead_in_mm as u32 {
+        let x = f64::from(step) - lead_in_mm;
         let lip = half_at(sheet, x) - half_at(window, x);
         assert!((lip - outline::LIP_MM).abs() < 1e-6, "{x}: {lip}");
     }
-    // Closed by a lip at the narrow end, free at the driven one.
+    // Closed by a lip at the narrow end, free at the lead-in's.
     assert_eq!(plate.cut_extents_mm()[2], 300.0 + outline::LIP_MM);
-    assert_eq!(plate.cut_extents_mm()[0], 0.0);
+    assert_eq!(plate.cut_extents_mm()[0], -lead_in_mm);
     for shape in &frame.shapes {
         if let Shape::Hole { centre: [x, z], diameter } = *shape {
             let is_clear = x - 0.5 * diameter > 300.5 + outline::LIP_MM

@@ -4,6 +4,7 @@ use crate::spec::drive::{BENDING_ONLY, refused};
 use crate::spec::error::PlateError;
 use crate::spec::limits;
 use crate::spec::model::Model;
+use serde::Serialize;
 
 /// A force F on a driven end that carries a damper, a mass and a spring: F - Z_s v acts on the plate, with v the velocity
 /// of the centre line and Z_s = R - j omega m + j s/omega.
@@ -39,7 +40,7 @@ pub enum EndSlope {
 
 /// A strip of the half-width W(0) and of the plate's material behind the drive, with a layer that dissipates. It takes in
 /// what the driven end lets through: the broadband match of a plate in bending.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LeadIn {
     /// Length, metres (0.001 to 10).
     pub length_m: f64,

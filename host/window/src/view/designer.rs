@@ -89,9 +89,17 @@ fn figures(ui: &mut egui::Ui, design: &Design) {
     row(ui, "Loss margin", format!("{} of {:.3}", plate.spec().loss_factor, design.loss_factor_limit));
     row(ui, "Mode-free travel", show_length(design.mode_free_travel_m()));
     let damper = &design.damper;
-    row(ui, "Damper", format!("{:.3} N s/m", damper.resistance_n_s_per_m));
-    row(ui, "   matches at", show_frequency(damper.match_frequency_hz));
-    row(ui, "   r over the band", format!("{:.2} to {:.2}", damper.ratio_range.0, damper.ratio_range.1));
+    if let Some(lead_in) = damper.lead_in {
+        row(ui, "Lead-in", format!("{}, loss factor {}", show_length(lead_in.length_m), lead_in.loss_factor));
+        row(ui, "   damper at its end", format!("{:.3} N s/m", damper.resistance_n_s_per_m));
+    } else {
+        row(ui, "Damper", format!("{:.3} N s/m", damper.resistance_n_s_per_m));
+        row(ui, "   matches at", show_frequency(damper.match_frequency_hz));
+        row(ui, "   r over the band", format!("{:.2} to {:.2}", damper.ratio_range.0, damper.ratio_range.1));
+    }
+    if let Some(reflection) = damper.largest_reflection {
+        row(ui, "   comes back", format!("at most {:.0} %", 100.0 * reflection));
+    }
     if let Some(tension) = design.tension_n_per_m {
         row(ui, "Tension", format!("{tension:.1} N/m"));
     }

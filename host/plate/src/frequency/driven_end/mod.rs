@@ -28,6 +28,7 @@ use crate::spec::plate::Plate;
 use num_complex::Complex64;
 
 pub(crate) use near_field::NearField;
+pub(crate) use reflection::source_reflection;
 pub use reflection::{reflection, resistance_reflection};
 
 /// The condition alpha p(0) + beta p'(0) = drive for a drive of 1, and the near field.

@@ -78,6 +78,9 @@ fn the_fit_of_every_preset_answers_as_the_frequency_domain_solver_with_fewer_pol
         }
         let error = worst(&fit, &plan, response(&plate, 1, PLACES, plan.stop_hz().1), true);
         assert!(error < 5e-4 && fit.error < TOLERANCE, "{}: {error}, {}", preset.name, fit.error);
+        if !modal::fits(&plate) {
+            continue;
+        }
         let eigen = modal::build(&plate, 1, 1.3 * high, plan.centre_hz, &[0.0]);
         let (eigen, _) = eigen.condense(plan.centre_hz, REACH * plan.half_band_hz);
         let (few, many) = (fit.bank.pole.len(), eigen.pole.len());

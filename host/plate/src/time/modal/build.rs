@@ -152,17 +152,19 @@ mod tests {
     use crate::spec::presets::presets;
 
     #[test]
-    fn the_bank_of_every_preset_answers_as_the_frequency_domain_solver() {
-        for preset in presets() {
-            let plate = preset.plate().expect("a preset");
+    fn the_bank_of_every_preset_that_has_one_answers_as_the_frequency_domain_solver() {
+        let plates: Vec<Plate> = presets().iter().map(|preset| preset.plate().expect("a preset")).collect();
+        // All but the one with a lead-in.
+        assert_eq!(plates.iter().filter(|plate| !fits(plate)).count(), 1);
+        for plate in plates.iter().filter(|plate| fits(plate)) {
             let (low, high) = plate.band_hz();
             let places: Vec<f64> = (0..65).map(|i| plate.length_m() * f64::from(i) / 64.0).collect();
-            let bank = build(&plate, 1, 1.2 * high, (low * high).sqrt(), &places);
-            assert!(bank.pole.iter().all(|p| p.im <= 0.0), "{}: an oscillation that grows", preset.name);
+            let bank = build(plate, 1, 1.2 * high, (low * high).sqrt(), &places);
+            assert!(bank.pole.iter().all(|p| p.im <= 0.0), "{}: an oscillation that grows", plate.name());
             let mut worst: f64 = 0.0;
             for i in 0..=10 {
                 let frequency = low + (high - low) * f64::from(i) / 10.0;
-                let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("in band");
+                let exact = respond(plate, frequency, 65, Equation::Corrected).expect("in band");
                 let peak = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
                 for (a, b) in exact.amplitude.iter().zip(bank.steady(frequency)) {
                     worst = worst.max((a - b).norm() / peak);
@@ -171,7 +173,7 @@ mod tests {
             assert!(
                 worst < if plate.spec().loss_factor > 0.05 { 3e-3 } else { 1e-3 },
                 "{}: {worst}",
-                preset.name
+                plate.name()
             );
         }
     }
