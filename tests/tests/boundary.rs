@@ -3,7 +3,9 @@
 //! description.
 
 use proptest::prelude::*;
-use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, table_for};
+use slipline_model::field::simulation::{
+    SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, Solver, table_for,
+};
 use slipline_plate::{
     Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, TableError, Taper, preset, presets,
     respond,
@@ -11,7 +13,8 @@ use slipline_plate::{
 
 fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_gains: bool) -> Simulated {
     let tones = [(boundary_m, 0.8)];
-    Simulation { plate, actual, tones: &tones, has_gains, seconds: None }.run_with(table).unwrap()
+    let solver = Solver::Line;
+    Simulation { plate, actual, tones: &tones, has_gains, seconds: None, solver }.run_with(table).unwrap()
 }
 
 /// A place of the span by its share.

@@ -56,8 +56,9 @@ impl From<SimulationError> for Failure {
             | SimulationError::DeviceTable(_)
             | SimulationError::Respond(_)
             | SimulationError::Sum(_)
-            | SimulationError::Line(_) => Self::usage(error),
-            SimulationError::Loopback(_) => Self::failed(error),
+            | SimulationError::Line(_)
+            | SimulationError::Sheet(_) => Self::usage(error),
+            SimulationError::Stopped(_) | SimulationError::Loopback(_) => Self::failed(error),
         }
     }
 }

@@ -10,6 +10,7 @@ mod design;
 mod design_argument;
 mod destination;
 mod device;
+mod differs;
 mod drive;
 mod failure;
 mod figure_file;
@@ -195,7 +196,7 @@ pub struct RespondArguments {
     #[arg(long)]
     paper_mode: bool,
     /// Solve the plate in two dimensions, and tell where the one-mode equation differs.
-    #[arg(long = "2d", conflicts_with = "paper_mode")]
+    #[arg(long = "2d")]
     two_dimensions: bool,
     /// Draw the amplitude over x, as SVG or PNG by the file's ending.
     #[arg(long, value_name = "F", value_parser = figure_file)]
@@ -238,6 +239,10 @@ pub struct SimulateArguments {
     /// Leave the table's gains out: every tone at the same DAC amplitude.
     #[arg(long)]
     no_table: bool,
+    /// Run the whole sheet in two dimensions instead of the first width mode, and tell where the two differ: membranes
+    /// and shear waves.
+    #[arg(long)]
+    sheet: bool,
     /// Write the envelope over x as CSV.
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,

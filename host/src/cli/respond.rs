@@ -1,6 +1,6 @@
 //! `slipline respond`.
 
-use super::{Failure, RespondArguments, argument, output};
+use super::{Failure, RespondArguments, argument, differs, output};
 use serde_json::{Value, json};
 use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
@@ -8,6 +8,13 @@ use slipline_plate::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::{Complex64, Equation, Plate, Response, plane, reflection, respond, respond_range};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
+    if arguments.two_dimensions && arguments.paper_mode {
+        return Err(Failure::Usage(
+            "--paper-mode cannot be used with --2d: the paper's equation leaves out a term of the one-mode equation, and \
+             the plate in two dimensions has all of them"
+                .to_owned(),
+        ));
+    }
     let plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
     let on_plate = format!(" on the plate {:?}", plate.name());
@@ -88,40 +95,22 @@ fn in_two_dimensions(
 impl Differs {
     fn as_json(&self) -> Value {
         let Self { comparison, reflection } = self;
-        json!({
-            "peak_shift_m": comparison.peak_shift_m,
-            "level_db": comparison.level_db,
-            "nodes": comparison.nodes[1],
-            "one_mode_nodes": comparison.nodes[0],
-            "reflection": reflection[1],
-            "one_mode_reflection": reflection[0],
-        })
+        let mut value = differs::value(comparison);
+        value["reflection"] = json!(reflection[1]);
+        value["one_mode_reflection"] = json!(reflection[0]);
+        value
     }
 
     fn as_lines(&self) -> [(&'static str, String); 3] {
-        let plane::Comparison { peak_shift_m, level_db, nodes } = self.comparison;
-        let peak = match peak_shift_m.zip(level_db) {
-            None => "one of the two has none".to_owned(),
-            Some((shift_m, level_db)) => format!(
-                "{} mm and {} dB from that of the one-mode equation",
-                with_sign(shift_m * 1e3, 2),
-                with_sign(level_db, 2)
-            ),
-        };
+        let plane::Comparison { nodes, .. } = self.comparison;
         let share = |reflection: Option<f64>| {
             reflection.map_or_else(|| "unknown".to_owned(), |share| with_decimals(share, 2))
         };
         let [one_mode, in_plane] = self.reflection.map(share);
         [
-            ("Peak in 2-D", peak),
+            ("Peak in 2-D", differs::peak(&self.comparison)),
             ("Nodes", format!("{} (one mode: {})", nodes[1], nodes[0])),
             ("Reflection", format!("{in_plane} at the driven end (one mode: {one_mode})")),
         ]
     }
-}
-
-/// A difference with its sign.
-fn with_sign(value: f64, decimals: usize) -> String {
-    let sign = if value < 0.0 { "-" } else { "+" };
-    format!("{sign}{}", with_decimals(value.abs(), decimals))
 }

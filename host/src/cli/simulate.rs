@@ -1,19 +1,23 @@
 //! `slipline simulate`.
 
 use super::destination::Destination;
-use super::{Failure, SimulateArguments, argument, output, progress};
+use super::{Failure, SimulateArguments, argument, differs, output, progress};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
-use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, ToneResult};
+use slipline_model::field::simulation::{
+    SAMPLE_RATE_HZ, Simulated, Simulation, Solver, ToneResult, sheet_grid,
+};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
-use slipline_plate::table_sensitivity;
+use slipline_plate::{Plate, SheetError, table_sensitivity};
 use std::io::Write;
+use std::thread::available_parallelism;
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
     let tones = arguments.tones.on(&plate)?;
+    let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
     let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
     let figure = arguments.figure.as_ref();
     let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
@@ -32,8 +36,10 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         tones: &tones,
         has_gains: !arguments.no_table,
         seconds: arguments.seconds,
+        solver,
     };
-    let result = simulation.run_with(&table)?;
+    let what = if arguments.sheet { "sheet" } else { "plate" };
+    let result = progress::watched(what, |progress| simulation.run_watched(&table, progress))?;
     if let Some(file) = csv_file {
         file.write(|out| Ok(csv(&result, out)?))?;
     }
@@ -41,7 +47,14 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         figure.write(&file, &envelope_figure(&result, plate.name()))?;
     }
 
-    let mut value = result.tones.first().map_or(json!({}), tone_value);
+    let of_tone = |tone: &ToneResult| {
+        let mut value = tone_value(tone);
+        if arguments.sheet {
+            value["two_dimensions"] = differs::value(&tone.differs);
+        }
+        value
+    };
+    let mut value = result.tones.first().map_or(json!({}), of_tone);
     if let Value::Object(fields) = &mut value {
         let mut put = |name: &str, value: Value| drop(fields.insert(name.to_owned(), value));
         put("plate", json!(plate.name()));
@@ -54,7 +67,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
         put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
         if result.tones.len() > 1 {
-            put("tones", json!(result.tones.iter().map(tone_value).collect::<Vec<_>>()));
+            put("tones", json!(result.tones.iter().map(of_tone).collect::<Vec<_>>()));
         }
     }
     output::print(as_json, &value, |out| {
@@ -72,8 +85,33 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
             writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
         }
         writeln!(out)?;
-        output::table(out, &rows(&result))
+        output::table(out, &rows(&result))?;
+        if arguments.sheet {
+            writeln!(out)?;
+            for tone in &result.tones {
+                let [one_mode, sheet] = tone.differs.nodes;
+                let (at, peak) = (show_place(tone.boundary_m), differs::peak(&tone.differs));
+                writeln!(
+                    out,
+                    "On the sheet, the peak for {at}: {peak}; {sheet} nodes (one mode: {one_mode})."
+                )?;
+            }
+        }
+        Ok(())
     })
+}
+
+/// The sheet of a plate, on all processors, or why it has none.
+fn sheet_of(plate: &Plate) -> Result<Solver, Failure> {
+    let threads = available_parallelism().map_or(1, |count| count.get().min(64));
+    match sheet_grid(plate, plate.band_hz().1, threads).cost(plate, f64::from(SAMPLE_RATE_HZ)) {
+        Ok(_) => Ok(Solver::Sheet { threads }),
+        Err(SheetError::Bends { plate }) => Err(Failure::Usage(format!(
+            "--sheet carries membranes and shear waves, and {plate:?} is a plate in bending: slipline respond --2d solves \
+             it in two dimensions"
+        ))),
+        Err(error) => Err(Failure::Usage(format!("--sheet: {error}"))),
+    }
 }
 
 fn tone_value(tone: &ToneResult) -> Value {

@@ -127,6 +127,33 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
 }
 
 #[test]
+fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
+    let arguments = ["simulate", "--plate", "membrane", "--boundary", "160mm"];
+    let sheet = json(&[&arguments[..], &["--sheet"]].concat());
+    let line = json(&arguments);
+    assert!(line.get("two_dimensions").is_none());
+    for (field, value) in line.as_object().unwrap() {
+        let found = &sheet[field];
+        assert_eq!(std::mem::discriminant(found), std::mem::discriminant(value), "{field}: {found}");
+    }
+    let differs = &sheet["two_dimensions"];
+    let shift_m = number(&sheet, "measured_peak_position_m") - number(&sheet, "peak_position_m");
+    assert!((number(differs, "peak_shift_m") - shift_m).abs() < 1e-5);
+    let frequency = format!("{}Hz", number(&sheet, "frequency_hz"));
+    let plane = json(&["respond", "--plate", "membrane", "--freq", &frequency, "--2d"]);
+    let expected = &plane["two_dimensions"];
+    for (field, tolerance) in
+        [("peak_shift_m", 1e-4), ("level_db", 0.05), ("nodes", 0.0), ("one_mode_nodes", 0.0)]
+    {
+        let (found, wanted) = (number(differs, field), number(expected, field));
+        assert!((found - wanted).abs() <= tolerance, "{field}: {found}, not {wanted}");
+    }
+    let text = slipline(&[&arguments[..], &["--sheet", "--seconds", "300ms"]].concat()).stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains("On the sheet, the peak for 160.0 mm: -0."), "{text}");
+}
+
+#[test]
 fn simulate_lists_several_tones_and_runs_on_another_plate() {
     let run = json(&[
         "simulate",

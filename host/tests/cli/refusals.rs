@@ -38,6 +38,14 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["'2Hz' for '--freq'", "60.01 Hz to 1.052 kHz"],
         ),
         (&["respond", "--plate", "membrane", "--freq", "120Hz", "--points", "1"], &["points"]),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--2d", "--paper-mode"],
+            &["--paper-mode cannot be used with --2d: the paper's equation"],
+        ),
+        (
+            &["simulate", "--plate", "al-bending", "--boundary", "240mm", "--sheet"],
+            &["\"al-bending\" is a plate in bending", "respond --2d"],
+        ),
         (&["respond", "--plate", "membrane", "--freq", "12 parsec"], &["Hz, kHz or MHz"]),
         (&["table", "--plate", "membrane", "--knots", "1026"], &["1025"]),
         (

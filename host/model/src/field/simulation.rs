@@ -2,31 +2,35 @@
 //! domain.
 //!
 //! ```text
-//! boundary -> table of the table's plate -> Loopback -> DAC codes -> TimeDomainLine of the actual plate -> demodulation
-//!                                                        |                                           |
-//!                                       frequency played +--> respond(actual plate) --- compared ----+
+//! boundary -> table of the table's plate -> Loopback -> DAC codes -> line or sheet of the actual plate -> demodulation
+//!                                                        |                                          |
+//!                                       frequency played +--> respond(actual plate) --- compared ---+
 //! ```
 //! After the plate has settled, the field at each place is multiplied by the phasor of each tone and averaged
 //! under a Hann window. The result is the complex amplitude of that tone, even if other tones sound.
 
 mod demodulator;
+mod waves;
+
+pub use waves::{Solver, sheet_grid};
 
 use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
 use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
-use slipline_link::{DriveError, DriveRequest, OutOfRange, Request};
+use slipline_link::{BLOCK, DriveError, DriveRequest, OutOfRange, Request};
 use slipline_plate::{
-    Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, TableError,
-    TableTravel, TimeDomainLine, ToneDrive, predict_envelope, respond,
+    Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, SheetError,
+    Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond,
 };
 use std::sync::Arc;
+use waves::Waves;
 
 /// Samples per second of the simulated device, in Hz.
 pub const SAMPLE_RATE_HZ: u32 = 400_000;
 /// Number of knots of a table: the most a device takes.
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
-/// Number of places along the plate at which the field is measured.
+/// Number of places along the plate at which the field of a line is measured; a sheet is measured at its stations.
 pub const PLACES: usize = 513;
 /// The longest simulation, in seconds.
 pub const MAX_SECONDS: f64 = 600.0;
@@ -34,6 +38,8 @@ pub const MAX_SECONDS: f64 = 600.0;
 const PERIODS: f64 = 12.0;
 /// The window is no longer than this, in seconds.
 const MAX_WINDOW_S: f64 = 2.0;
+/// Parts of a run after which the progress is told.
+const PARTS: u64 = 200;
 
 /// A simulation to run.
 #[derive(Clone, Debug)]
@@ -48,6 +54,8 @@ pub struct Simulation<'a> {
     pub has_gains: bool,
     /// How long the drive lasts, in seconds; `None` means until the plate has settled and the window is full.
     pub seconds: Option<f64>,
+    /// What solves the actual plate in time.
+    pub solver: Solver,
 }
 
 /// Why a simulation cannot be run.
@@ -65,6 +73,12 @@ pub enum SimulationError {
     /// The plate cannot be simulated in the time domain.
     #[error(transparent)]
     Line(#[from] LineError),
+    /// The plate has no sheet.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// Nobody wants the result any more.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// The sum of the tones exceeds the DAC's range.
     #[error("{0}")]
     Sum(Refusal),
@@ -93,6 +107,8 @@ pub struct ToneResult {
     /// The place where the measured amplitude has fallen to the share of the peak that it has at the turning
     /// point, in metres.
     pub measured_turning_point_m: Option<f64>,
+    /// Where the measured field differs from the predicted one.
+    pub differs: plane::Comparison,
 }
 
 /// The result of a simulation.
@@ -182,6 +198,18 @@ impl Simulation<'_> {
     /// # Errors
     /// [`SimulationError`]: what does not fit, and why.
     pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
+        self.run_watched(table, &mut Progress::new(&mut |_| true))
+    }
+
+    /// [`Simulation::run_with`] with progress reports, and the possibility to stop it.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_with`], and [`SimulationError::Stopped`].
+    pub fn run_watched(
+        &self,
+        table: &DriveTable,
+        progress: &mut Progress<'_>,
+    ) -> Result<Simulated, SimulationError> {
         let device_table =
             Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
         device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
@@ -189,15 +217,15 @@ impl Simulation<'_> {
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;
 
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
-        let mut line = TimeDomainLine::new(self.actual, rate_hz, PLACES, 1)?;
+        let sounding = self.sounding(&device_table)?;
+        let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
+        let mut waves = Waves::new(self.actual, self.solver, rate_hz, &frequencies)?;
         let drive = DriveRequest::at(self.tones);
         // With a limit of the travel the link makes the glide longer.
         let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
-        chain.perform(Request::Drive(drive), |codes| line.push_codes(codes, 12))?;
+        chain.perform(Request::Drive(drive), |codes| waves.push(codes))?;
 
-        let sounding = self.sounding(&device_table)?;
-        let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
-        let settle_s = glide_s + line.settle_time_s();
+        let settle_s = glide_s + waves.settle_time_s();
         let (settle_s, window_s) = match self.seconds {
             None => (settle_s, window_s(&frequencies)),
             Some(seconds) => {
@@ -205,15 +233,19 @@ impl Simulation<'_> {
                 (settle_s, (seconds - settle_s).min(MAX_WINDOW_S))
             }
         };
-        chain.pass(in_samples(settle_s), |codes| line.push_codes(codes, 12));
-        line.reset_envelope();
-        let mut demodulator = Demodulator::new(&line, rate_hz, &frequencies, window_s);
-        chain.pass(in_samples(window_s), |codes| demodulator.push(&mut line, codes));
+        let settled = settle_s / (settle_s + window_s);
+        let settling = &mut progress.part(0.0, settled);
+        pass(&mut chain, in_samples(settle_s), settling, |codes| waves.push(codes))?;
+        waves.reset_envelope();
+        let mut demodulator = Demodulator::new(&waves, rate_hz, &frequencies, window_s);
+        let measuring = &mut progress.part(settled, 1.0);
+        pass(&mut chain, in_samples(window_s), measuring, |codes| demodulator.push(&mut waves, codes))?;
 
         // The counter travels in the status, which is read again after a request.
         chain.perform(Request::Refresh, |_| ())?;
         let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
-        let predicted = predict_envelope(self.actual, None, &sounding, rate_hz, PLACES)?;
+        let position_m = waves.positions_m().to_vec();
+        let predicted = predict_envelope(self.actual, None, &sounding, rate_hz, position_m.len())?;
         let fields = demodulator.fields();
         let tones = self
             .tones
@@ -225,11 +257,12 @@ impl Simulation<'_> {
                 self.tone_result(boundary_m, level, tone.frequency_hz, field_m, predicted_field)
             })
             .collect::<Result<_, _>>()?;
+        let (maximum_m, rms_m) = waves.envelope_m();
         Ok(Simulated {
             tones,
-            position_m: line.positions_m().to_vec(),
-            maximum_m: line.envelope().maximum_m(),
-            rms_m: line.envelope().rms_m(),
+            position_m,
+            maximum_m,
+            rms_m,
             predicted_rms_m: predicted.rms_m,
             clipped_samples,
             seconds: settle_s + window_s,
@@ -266,13 +299,21 @@ impl Simulation<'_> {
         field_m: Vec<Complex64>,
         predicted_field: &[Complex64],
     ) -> Result<ToneResult, RespondError> {
-        let predicted = respond(self.actual, frequency_hz, PLACES, Equation::Corrected)?;
+        let predicted = respond(self.actual, frequency_hz, field_m.len(), Equation::Corrected)?;
         let measured = Peak::of(&field_m, self.actual, frequency_hz);
-        let predicted_peak_m =
-            Peak::of(predicted_field, self.actual, frequency_hz).map(|peak| peak.amplitude);
+        let predicted_peak = Peak::of(predicted_field, self.actual, frequency_hz);
+        let in_metres = |amplitude: &[Complex64], peak: Option<Peak>| Response {
+            amplitude: amplitude.to_vec(),
+            peak,
+            ..predicted.clone()
+        };
+        let differs = plane::Comparison::of(
+            &in_metres(predicted_field, predicted_peak),
+            &in_metres(&field_m, measured),
+        );
         let measured_turning_point_m = measured.zip(predicted.peak).and_then(|(measured, peak)| {
             let share = predicted.amplitude_at_turning_point / peak.amplitude;
-            let step_m = self.actual.length_m() / (PLACES - 1) as f64;
+            let step_m = self.actual.length_m() / (field_m.len() - 1) as f64;
             falls_to(&field_m, step_m, measured.position_m, share * measured.amplitude)
         });
         Ok(ToneResult {
@@ -280,12 +321,32 @@ impl Simulation<'_> {
             level,
             frequency_hz,
             predicted,
-            predicted_peak_m,
+            predicted_peak_m: predicted_peak.map(|peak| peak.amplitude),
             field_m,
             measured,
             measured_turning_point_m,
+            differs,
         })
     }
+}
+
+/// Lets so many samples pass, rounded up to blocks, and tells how far it has come.
+fn pass(
+    chain: &mut Loopback,
+    samples: u64,
+    progress: &mut Progress<'_>,
+    mut sink: impl FnMut(&[u16]),
+) -> Result<(), Stopped> {
+    let blocks = samples.div_ceil(BLOCK as u64);
+    let at_once = blocks.div_ceil(PARTS).max(1);
+    let mut passed = 0;
+    while passed < blocks {
+        let count = at_once.min(blocks - passed);
+        chain.pass(count * BLOCK as u64, &mut sink);
+        passed += count;
+        progress.at(passed as f64 / blocks as f64)?;
+    }
+    Ok(())
 }
 
 fn in_samples(seconds: f64) -> u64 {
@@ -326,6 +387,7 @@ mod tests {
             tones: &[(0.16, 0.8)],
             has_gains: true,
             seconds: None,
+            solver: Solver::Line,
         };
         let result = run.run().unwrap();
         let tone = &result.tones[0];
@@ -342,11 +404,56 @@ mod tests {
         assert_eq!(result.clipped_samples, 0);
     }
 
+    /// The tone at `boundary_m` of a plate, on the sheet.
+    fn on_the_sheet(name: &str, boundary_m: f64) -> ToneResult {
+        let plate = slipline_plate::preset(name).unwrap();
+        let tones = [(boundary_m, 0.8)];
+        let run = Simulation {
+            plate: &plate,
+            actual: &plate,
+            tones: &tones,
+            has_gains: true,
+            seconds: None,
+            solver: Solver::Sheet { threads: 1 },
+        };
+        let (table, _) = table_for(&plate, SAMPLE_RATE_HZ).unwrap();
+        let result = run.run_with(&table).unwrap();
+        result.tones[0].clone()
+    }
+
+    #[test]
+    fn the_sheet_differs_from_the_one_mode_equation_as_the_plane_in_the_frequency_domain_says() {
+        for (name, boundary_m, tolerance_m, tolerance_db) in
+            [("membrane", 0.16, 1e-4, 0.05), ("al-sh", 0.24, 3e-4, 0.25)]
+        {
+            let plate = slipline_plate::preset(name).unwrap();
+            let tone = on_the_sheet(name, boundary_m);
+            let setup = plane::Setup::of(&plate);
+            let two = plane::respond(&plate, tone.frequency_hz, tone.field_m.len(), &setup).unwrap();
+            let expected = plane::Comparison::of(&tone.predicted, &two);
+            let found = tone.differs;
+            assert_eq!(found.nodes, expected.nodes, "{name}");
+            let shift_m = found.peak_shift_m.unwrap() - expected.peak_shift_m.unwrap();
+            let level_db = found.level_db.unwrap() - expected.level_db.unwrap();
+            assert!(
+                shift_m.abs() < tolerance_m && level_db.abs() < tolerance_db,
+                "{name}: {shift_m} m, {level_db} dB"
+            );
+        }
+    }
+
     #[test]
     fn tones_together_are_told_apart() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let tones = [(0.12, 0.4), (0.2, 0.3)];
-        let run = Simulation { plate: &plate, actual: &plate, tones: &tones, has_gains: true, seconds: None };
+        let run = Simulation {
+            plate: &plate,
+            actual: &plate,
+            tones: &tones,
+            has_gains: true,
+            seconds: None,
+            solver: Solver::Line,
+        };
         let result = run.run().unwrap();
         for tone in &result.tones {
             let (measured, predicted_m) = (tone.measured.unwrap(), tone.predicted_peak_m.unwrap());

@@ -1,13 +1,14 @@
 //! The demodulator: separates the complex amplitude of each tone from the field of all tones.
 
-use slipline_plate::{Complex64, TimeDomainLine};
+use super::waves::Waves;
+use slipline_plate::Complex64;
 use std::f64::consts::TAU;
 
 /// Separates the complex amplitude of each tone from the field.
 pub(super) struct Demodulator {
-    /// Codes per step of the line; a new field exists after each step.
+    /// Samples per field.
     stride: usize,
-    /// Phase per step of each tone, in turns.
+    /// Phase per field of each tone, in turns.
     turns: Vec<f64>,
     sums: Vec<Vec<Complex64>>,
     field: Vec<Complex64>,
@@ -18,39 +19,43 @@ pub(super) struct Demodulator {
 }
 
 impl Demodulator {
-    pub(super) fn new(line: &TimeDomainLine, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
-        let places = line.positions_m().len();
+    pub(super) fn new(waves: &Waves, rate_hz: f64, frequencies: &[f64], window_s: f64) -> Self {
+        let places = waves.positions_m().len();
+        let stride = waves.stride(rate_hz);
+        let field_rate_hz = rate_hz * waves.held() as f64 / stride as f64;
         Self {
-            stride: (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
-            turns: frequencies.iter().map(|frequency| frequency / line.step_rate_hz()).collect(),
+            stride,
+            turns: frequencies.iter().map(|frequency| frequency / field_rate_hz).collect(),
             sums: vec![vec![Complex64::ZERO; places]; frequencies.len()],
             field: vec![Complex64::ZERO; places],
             step: 0,
-            steps: ((window_s * line.step_rate_hz()) as u64).max(1),
+            steps: ((window_s * field_rate_hz) as u64).max(1),
             weight: 0.0,
             waiting: 0,
         }
     }
 
-    pub(super) fn push(&mut self, line: &mut TimeDomainLine, mut codes: &[u16]) {
-        while !codes.is_empty() {
-            let count = (self.stride - self.waiting).min(codes.len());
-            let (now, later) = codes.split_at(count);
-            codes = later;
-            line.push_codes(now, 12);
+    pub(super) fn push(&mut self, waves: &mut Waves, codes: &[u16]) {
+        let samples = waves.samples(codes);
+        let mut samples = samples.as_slice();
+        while !samples.is_empty() {
+            let count = (self.stride - self.waiting).min(samples.len());
+            let (now, later) = samples.split_at(count);
+            samples = later;
+            waves.push_samples(now);
             self.waiting += count;
             if self.waiting == self.stride {
                 self.waiting = 0;
-                self.take(line);
+                self.take(waves);
             }
         }
     }
 
-    fn take(&mut self, line: &TimeDomainLine) {
+    fn take(&mut self, waves: &mut Waves) {
         if self.step >= self.steps {
             return;
         }
-        line.analytic_m(&mut self.field);
+        waves.field_m(&mut self.field);
         let place = (self.step as f64 + 0.5) / self.steps as f64;
         let window = 1.0 - (TAU * place).cos();
         self.weight += window;

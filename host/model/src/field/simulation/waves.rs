@@ -1,0 +1,170 @@
+//! What the waves run on: the modal line or the 2-D sheet. Both take DAC codes.
+
+use super::{PLACES, SimulationError};
+use slipline_plate::{Complex64, LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
+use std::iter::repeat_n;
+
+/// Bits of the device's DAC.
+const DAC_BITS: u32 = 12;
+/// Cells of a sheet on the half-width at the end of the span: the peak of the membrane preset is then within 0.1 mm and
+/// 0.05 dB of the two-dimensional solver of the frequency domain, that of al-sh within 0.3 mm and 0.25 dB.
+const CELLS: f64 = 10.0;
+/// Fewest fields per period of the highest tone, so that a real field's mirror image at -f is far from every tone.
+const FIELDS_PER_PERIOD: f64 = 8.0;
+
+/// What solves the plate in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// The first width mode along the plate.
+    #[default]
+    Line,
+    /// The wave equation on the whole sheet, for membranes and shear waves, on so many threads (1 to 64).
+    Sheet {
+        /// Threads; the result is the same for every number.
+        threads: usize,
+    },
+}
+
+/// The cells of the sheet of a plate whose loss factor is the plate's at `loss_at_hz`.
+#[must_use]
+pub fn sheet_grid(plate: &Plate, loss_at_hz: f64, threads: usize) -> SheetGrid {
+    let cell = plate.half_width_m(plate.span_m().1) / CELLS;
+    let count = |length_m: f64, low: f64, high: f64| (length_m / cell).ceil().clamp(low, high) as usize;
+    let (along, across) =
+        (count(plate.length_m(), 64.0, 16384.0), count(plate.half_width_m(0.0), 8.0, 4096.0));
+    SheetGrid { loss_at_hz: Some(loss_at_hz), threads, ..SheetGrid::new(along, across) }
+}
+
+/// A plate in time.
+pub(super) enum Waves {
+    Line(Box<TimeDomainLine>),
+    Sheet(Box<SheetWaves>),
+}
+
+/// A sheet, read on its centre line.
+pub(super) struct SheetWaves {
+    sheet: Sheet,
+    /// Samples for which a code is held: the steps of a fine sheet. Its fields are read at every step, because at the
+    /// rate of the codes the images of a tone, which a held code has at every multiple of that rate, would look like the
+    /// tone itself.
+    held: usize,
+    /// Samples between two fields: whole steps of the sheet.
+    stride: usize,
+    settle_s: f64,
+    codes: Vec<f32>,
+    field_m: Vec<f32>,
+}
+
+impl Waves {
+    /// The plate at rest, for tones of these frequencies.
+    pub(super) fn new(
+        plate: &Plate,
+        solver: Solver,
+        rate_hz: f64,
+        frequencies: &[f64],
+    ) -> Result<Self, SimulationError> {
+        let Solver::Sheet { threads } = solver else {
+            return Ok(Self::Line(Box::new(TimeDomainLine::new(plate, rate_hz, PLACES, 1)?)));
+        };
+        let (low_hz, high_hz) =
+            frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));
+        let grid = sheet_grid(plate, (low_hz * high_hz).sqrt(), threads);
+        let held = (grid.cost(plate, rate_hz)?.step_rate_hz / rate_hz).round().max(1.0);
+        let sheet = Sheet::new(plate, rate_hz * held, grid)?;
+        let samples_per_step = (rate_hz * held / sheet.step_rate_hz()).round().max(1.0);
+        let steps = if held > 1.0 {
+            1.0
+        } else {
+            (rate_hz / (FIELDS_PER_PERIOD * high_hz * samples_per_step)).floor().max(1.0)
+        };
+        let settle_s = TimeDomainLine::new(plate, rate_hz, LINE_POINTS.0, 1)?.settle_time_s();
+        let field_m = vec![0.0; sheet.positions_m().len()];
+        let (held, stride) = (held as usize, (steps * samples_per_step) as usize);
+        Ok(Self::Sheet(Box::new(SheetWaves { sheet, held, stride, settle_s, codes: Vec::new(), field_m })))
+    }
+
+    pub(super) fn positions_m(&self) -> &[f64] {
+        match self {
+            Self::Line(line) => line.positions_m(),
+            Self::Sheet(waves) => waves.sheet.positions_m(),
+        }
+    }
+
+    /// Time after which the transient of a change has decayed to a thousandth, seconds.
+    pub(super) fn settle_time_s(&self) -> f64 {
+        match self {
+            Self::Line(line) => line.settle_time_s(),
+            Self::Sheet(waves) => waves.settle_s,
+        }
+    }
+
+    /// Samples for which a code is held.
+    pub(super) fn held(&self) -> usize {
+        match self {
+            Self::Line(_) => 1,
+            Self::Sheet(waves) => waves.held,
+        }
+    }
+
+    /// Samples from one field to the next.
+    pub(super) fn stride(&self, rate_hz: f64) -> usize {
+        match self {
+            Self::Line(line) => (rate_hz / line.step_rate_hz()).round().max(1.0) as usize,
+            Self::Sheet(waves) => waves.stride,
+        }
+    }
+
+    /// Takes the codes of one block.
+    pub(super) fn push(&mut self, codes: &[u16]) {
+        self.push_samples(&self.samples(codes));
+    }
+
+    /// Each code as often as it is held.
+    pub(super) fn samples(&self, codes: &[u16]) -> Vec<u16> {
+        codes.iter().flat_map(|&code| repeat_n(code, self.held())).collect()
+    }
+
+    pub(super) fn push_samples(&mut self, codes: &[u16]) {
+        match self {
+            Self::Line(line) => line.push_codes(codes, DAC_BITS),
+            Self::Sheet(waves) => {
+                let half = f32::from(1_u16 << (DAC_BITS - 1));
+                waves.codes.clear();
+                waves.codes.extend(codes.iter().map(|&code| (f32::from(code) - half) / half));
+                waves.sheet.push(&waves.codes);
+            }
+        }
+    }
+
+    /// Writes a field whose demodulation at a tone gives the tone's complex amplitude at each place, metres: the
+    /// analytic field, or twice the real one.
+    pub(super) fn field_m(&mut self, out: &mut [Complex64]) {
+        match self {
+            Self::Line(line) => line.analytic_m(out),
+            Self::Sheet(waves) => {
+                waves.sheet.centre_line_m(&mut waves.field_m);
+                for (out, &value) in out.iter_mut().zip(&waves.field_m) {
+                    *out = Complex64::from(2.0 * f64::from(value));
+                }
+            }
+        }
+    }
+
+    pub(super) fn reset_envelope(&mut self) {
+        match self {
+            Self::Line(line) => line.reset_envelope(),
+            Self::Sheet(waves) => waves.sheet.reset_envelope(),
+        }
+    }
+
+    /// Largest and RMS displacement at each place since the reset, metres.
+    pub(super) fn envelope_m(&self) -> (Vec<f32>, Vec<f32>) {
+        match self {
+            Self::Line(line) => (line.envelope().maximum_m(), line.envelope().rms_m()),
+            Self::Sheet(waves) => {
+                let envelope = waves.sheet.envelope();
+                (envelope.maximum_m, envelope.rms_m)
+            }
+        }
+    }
+}
