@@ -3,7 +3,7 @@
 use super::conditions::Conditions;
 use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
-use super::lights::{drive, shape, sound, wave};
+use super::lights::{drive, shape, sound, thickness, touch, wave};
 use super::prepared::{Prepared, SPAN_PLACES, places};
 use super::report::Report;
 use crate::progress::Progress;
@@ -119,20 +119,24 @@ impl Checker {
         on_plate(self.plate(), "boundary", boundary_m)?;
         let frequency_hz = self.plate().frequency_for_boundary_hz(boundary_m);
         let site = Site { prepared: &self.prepared, plate: self.plate(), boundary_m, frequency_hz };
+        let response = wave::response(&site)?;
         Ok(vec![
             shape::slope_light(&site),
             shape::curvature_light(&site),
             shape::wavelengths_light(&site),
-            wave::loss_light(&site),
-            wave::peak_light(&site)?,
+            wave::loss_light(&site, &response),
+            wave::peak_light(&site, &response),
             shape::edge_light(&site),
+            touch::width_light(&site),
+            touch::finger_load_light(&site),
             shape::ghost_light(&site),
-            wave::thin_plate_light(&site),
+            thickness::thin_plate_light(&site),
             drive::match_light(&site),
             drive::sensitivity_light(&site)?,
             drive::actuator_light(&site),
             drive::excursion_light(&site)?,
-            sound::level_light(&site)?,
+            drive::resolution_light(&site)?,
+            sound::level_light(&site, &response),
             sound::beat_light(&site),
         ])
     }

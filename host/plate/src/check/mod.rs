@@ -4,8 +4,10 @@
 //! ```text
 //! Plate + Conditions -> Checker -> at(boundary) or over_span() -> Report { lights }
 //!   lights/shape.rs  edge slope, edge curvature, wavelengths, edge width, ghost boundaries
-//!   lights/wave.rs   loss, peak, thin plate
-//!   lights/drive.rs  actuator band, excursion, drive match, sensitivity
+//!   lights/wave.rs   loss, peak
+//!   lights/thickness.rs  thin plate
+//!   lights/touch.rs  width, finger load
+//!   lights/drive.rs  actuator band, excursion, DAC resolution, drive match, sensitivity
 //!   lights/sound.rs  sound level, beat
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.

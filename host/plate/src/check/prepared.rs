@@ -20,13 +20,13 @@ pub(super) struct Prepared {
     /// The plate with a wave speed 1 % and 0.5 % lower and higher.
     pub(super) detuned: Vec<Plate>,
     /// The plate with the lowest and the highest loss that it may have.
-    pub(super) lossy: [Plate; 2],
+    pub(super) lossy: Vec<Plate>,
     /// The plate at the other wave speeds and losses within its tolerances, over which its table is levelled.
     pub(super) others: Vec<Plate>,
     /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
     pub(super) lowest_gain: f64,
     /// What the actuator's peak travel leaves of that level.
-    travel_scale: f64,
+    pub(super) travel_scale: f64,
 }
 
 impl Prepared {
@@ -58,7 +58,10 @@ impl Prepared {
             plate: plate.clone(),
             conditions,
             detuned,
-            lossy: [loss_factor.recip(), loss_factor].map(|factor| plate.with_loss(factor)),
+            lossy: [loss_factor.recip(), loss_factor]
+                .iter()
+                .filter_map(|&f| plate.with_loss(f).ok())
+                .collect(),
             others: other_plates(plate),
             lowest_gain,
             travel_scale: travel::scale(lowest_gain * largest_share),

@@ -9,9 +9,9 @@ pub struct Limits {
     pub amber: f64,
 }
 
-/// |W'|. The one-mode equation neglects (1/4 + pi^2/12) (W'/W)^2 beside the width term (pi/2W)^2. That is 0.435 W'^2 of
-/// the term: 2.7 % at 0.25, which moves the boundary by 1.4 % of 1/d, a few millimetres; 11 % at 0.5, which moves it by
-/// 5 % of 1/d, a finger's width.
+/// |W'| at the boundary. Between edges at an angle the wave's fronts are arcs, and it turns where half of the arc,
+/// W atan(W')/W', is what W is between parallel edges: so the law of the plain width is off by W'^2/3 of the width, which is
+/// 2.1 % at 0.25 and 8.3 % at 0.5. The place is off by that part of 1/d, 4 and 17 mm at d = 5 per metre.
 pub const EDGE_SLOPE: Limits = Limits { green: 0.25, amber: 0.5 };
 
 /// W |W''|. In every term that the amplitude equation neglects it appears beside W'^2, so its limits are the squares of
@@ -23,9 +23,18 @@ pub const EDGE_CURVATURE: Limits = Limits { green: 0.0625, amber: 0.25 };
 /// With less than 0.109 there is no room for the peak; with less than 0.379 there is no room for one whole antinode.
 pub const WAVELENGTHS: Limits = Limits { green: 0.379, amber: 0.109 };
 
+/// Wavelengths from the driven end to the boundary below which a peak is not sure. It lies 0.109 of them before the turning
+/// point, so at twice that it stands half-way; nearer to the drive the two-dimensional solver has found none where the
+/// one-mode equation has one.
+pub const PEAK_ROOM: f64 = 0.218;
+
 /// Loss integral I: the amplitude falls by e^-I on the way to the boundary. From about 3 on the peak is no longer the
 /// largest amplitude on the plate; at about 6 there is no peak.
 pub const LOSS: Limits = Limits { green: 3.0, amber: 6.0 };
+
+/// Loss integral up to which the loss light does not ask for the peak: the wave arrives with more than a third of its
+/// amplitude, and the narrowing plate raises it by about as much. Beyond it the light takes the computed peak's colour.
+pub const LOSS_SMALL: f64 = 1.0;
 
 /// Width of a fingertip's contact, metres: the unit of the edge width.
 pub const FINGERTIP_M: f64 = 0.01;
@@ -35,8 +44,8 @@ pub const FINGERTIP_M: f64 = 0.01;
 pub const EDGE_WIDTH: Limits = Limits { green: 4.0, amber: 15.0 };
 
 /// Change of the peak, dB, where the wave speed is off by 1 % or the loss by its tolerance. Vibration has to change by
-/// about 1 dB to be noticed; 6 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
-pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.0 };
+/// about 1 dB to be noticed; 6.02 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
+pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.02 };
 
 /// Relative uncertainty of the loss factor where the plate file does not tell it: halved or doubled. Loss factors in
 /// tables and from one sheet to the next differ by as much, and mounting adds to them.
@@ -58,6 +67,26 @@ pub const EXCURSION_PERCENT: Limits = Limits { green: 100.0, amber: 1000.0 };
 /// How much larger the thick plate's wavenumber (Mindlin) is than the thin plate's, %. 1 % moves a boundary by 1 % of
 /// 1/d, about 2 mm at d = 5 per metre; 5 % moves it by a fingertip.
 pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 5.0 };
+
+/// Thickness over width, h/2W, at the boundary. What a plate theory leaves out of the stresses at an edge decays within
+/// about h/pi of it. At 0.2, textbooks' limit of a moderately thick plate, both edges' layers take 13 % of the width; at 0.5
+/// they take a third, and half a wave across the plate is only two thicknesses long.
+pub const THICKNESS_SHARE: Limits = Limits { green: 0.2, amber: 0.5 };
+
+/// Width of the plate at the boundary in fingertips; green from `green` up, amber from `amber` up. A plate narrower than
+/// the contact carries part of the fingertip on its edges, below half of it most of the fingertip.
+pub const WIDTH: Limits = Limits { green: 1.0, amber: 0.5 };
+
+/// |Z_f|/Z, the impedance of a light touch over the wave's. On the presets a peak falls by about 20 lg(1 + 2.6 |Z_f|/Z): by
+/// 2 dB at 0.1, and by 11 dB at 1, which leaves less than a third.
+pub const FINGER_LOAD: Limits = Limits { green: 0.1, amber: 1.0 };
+
+/// Steps of the device's 12-bit DAC from the middle to full scale.
+pub const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
+
+/// DAC steps of a tone's amplitude at level 1; green from `green` up, amber from `amber` up. One step changes an amplitude
+/// of 16 steps by 0.5 dB, half of what vibration has to change to be noticed, and one of 4 steps by 2 dB.
+pub const DAC_STEPS: Limits = Limits { green: 16.0, amber: 4.0 };
 
 /// From this frequency on, Hz, a tone is inaudible and can make a surface slippery.
 pub const ULTRASONIC_HZ: f64 = 20e3;

@@ -224,10 +224,10 @@ impl Plate {
     }
 
     /// The same plate with a loss factor `factor` times as high, but at most the highest that a plate may have.
-    pub(crate) fn with_loss(&self, factor: f64) -> Self {
-        let mut plate = self.clone();
-        plate.spec.loss_factor = (factor * plate.spec.loss_factor).min(limits::LOSS_FACTOR.high);
-        plate
+    pub(crate) fn with_loss(&self, factor: f64) -> Result<Self, PlateError> {
+        let mut spec = self.spec.clone();
+        spec.loss_factor = (factor * spec.loss_factor).min(limits::LOSS_FACTOR.high);
+        Self::new(spec)
     }
 
     /// Width mode `mode` of this plate (1 is the first).

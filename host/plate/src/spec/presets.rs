@@ -23,7 +23,7 @@ impl Preset {
     }
 }
 
-const PRESETS: [Preset; 6] = [
+const PRESETS: [Preset; 7] = [
     Preset { name: "membrane", toml: include_str!("../../presets/membrane.toml") },
     Preset { name: "al-bending", toml: include_str!("../../presets/al-bending.toml") },
     Preset {
@@ -32,6 +32,7 @@ const PRESETS: [Preset; 6] = [
     },
     Preset { name: "paper-rubber", toml: include_str!("../../presets/paper-rubber.toml") },
     Preset { name: "paper-as-printed", toml: include_str!("../../presets/paper-as-printed.toml") },
+    Preset { name: "membrane-heavy", toml: include_str!("../../presets/membrane-heavy.toml") },
     Preset { name: "al-sh", toml: include_str!("../../presets/al-sh.toml") },
 ];
 

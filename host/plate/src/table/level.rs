@@ -146,8 +146,8 @@ pub(crate) fn other_plates(plate: &Plate) -> Vec<Plate> {
     });
     let lossy = |plate: Plate| match plate.spec().loss_tolerance {
         Some(tolerance) if tolerance > 0.0 => {
-            let [low, high] = [(1.0 + tolerance).recip(), 1.0 + tolerance].map(|f| plate.with_loss(f));
-            vec![plate, low, high]
+            let others = [(1.0 + tolerance).recip(), 1.0 + tolerance].map(|f| plate.with_loss(f).ok());
+            std::iter::once(plate).chain(others.into_iter().flatten()).collect()
         }
         _ => vec![plate],
     };

@@ -3,7 +3,9 @@
 use crate::check::error::CheckError;
 use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{ACTUATOR_LOSS_DB, DRIVE_REFLECTION, EXCURSION_PERCENT, SENSITIVITY_DB};
+use crate::check::thresholds::{
+    ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, DRIVE_REFLECTION, EXCURSION_PERCENT, SENSITIVITY_DB,
+};
 use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::actuator::Actuator;
@@ -204,4 +206,29 @@ pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Result<Finding, Chec
             format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: what it allows is less than a tenth of the level."),
         ],
     ))
+}
+
+/// How many steps of the DAC the amplitude of a tone at level 1 has.
+pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Result<Finding, CheckError> {
+    let prepared = site.prepared;
+    let rate = prepared.conditions.sample_rate_hz;
+    let level = DriveToPeak::unchecked(site.plate, rate).level(site.frequency_hz)?.amplitude;
+    let steps = DAC_AMPLITUDE_STEPS * prepared.lowest_gain / level * prepared.travel_scale;
+    let judged = if steps >= DAC_STEPS.green {
+        Colour::Green
+    } else if steps >= DAC_STEPS.amber {
+        Colour::Amber
+    } else {
+        Colour::Red
+    };
+    let has = format!("At level 1 the amplitude has {} steps of the 12-bit DAC", with_decimals(steps, 0));
+    let sentence = pick(
+        judged,
+        [
+            format!("{has}."),
+            format!("{has}: lower levels are coarse, even out the plate's peaks by its drive end."),
+            format!("{has}: too few for any level, even out the plate's peaks by its drive end."),
+        ],
+    );
+    Ok(site.judged("DAC resolution", Some(steps), "LSB", judged, -steps, sentence))
 }

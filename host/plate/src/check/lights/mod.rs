@@ -3,4 +3,6 @@
 pub(super) mod drive;
 pub(super) mod shape;
 pub(super) mod sound;
+pub(super) mod thickness;
+pub(super) mod touch;
 pub(super) mod wave;

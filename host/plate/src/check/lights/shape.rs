@@ -12,11 +12,10 @@ const TAPER_PLACES: usize = 201;
 /// Highest width mode that is checked for ghost boundaries.
 const MODES_MAX: u32 = 9;
 
-/// Largest |W'| between the driven end and `to_m` metres (clamped to the plate).
-///
-/// The paper's lemma requires |W'| << 1. For the exponential taper the result is d W0.
-pub fn edge_slope(plate: &Plate, to_m: f64) -> f64 {
-    largest(plate, to_m, |x| (plate.narrowing_per_m(x) * plate.half_width_m(x)).abs())
+/// |W'| at `x` metres (clamped to the plate), where the wave turns; d W for the exponential taper.
+pub fn edge_slope(plate: &Plate, x: f64) -> f64 {
+    let x = x.clamp(0.0, plate.length_m());
+    (plate.narrowing_per_m(x) * plate.half_width_m(x)).abs()
 }
 
 /// Largest W |W''| between the driven end and `to_m` metres (clamped to the plate); d^2 W0^2 for the exponential taper.
@@ -43,9 +42,8 @@ fn largest(plate: &Plate, to_m: f64, value: impl Fn(f64) -> f64) -> f64 {
 
 pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
     let slope = edge_slope(site.plate, site.boundary_m);
-    // The neglected part of the width term is 0.435 W'^2 of it (see EDGE_SLOPE). The term goes with 1/W^2, so the
-    // turning width changes by half of that: 21.7 W'^2 percent.
-    let off = 21.7 * slope * slope;
+    // W'^2/3 of the width (see EDGE_SLOPE), in percent.
+    let off = 100.0 / 3.0 * slope * slope;
     site.graded(
         "edge slope",
         slope,
@@ -53,15 +51,15 @@ pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
         EDGE_SLOPE,
         [
             format!(
-                "The edges converge slowly (|W'| up to {}): the amplitude equation holds to {} % of the width.",
+                "The edges converge slowly (|W'| = {} at the boundary): the amplitude equation holds to {} % of the width.",
                 with_decimals(slope, 2),
                 with_decimals(off, 1)
             ),
             format!(
-                "|W'| reaches {slope:.2}, which is not small: the turning width may be off by {off:.0} %, measure before you trust the boundary."
+                "|W'| is {slope:.2} at the boundary, which is not small: the turning width may be off by {off:.0} %, measure before you trust the boundary."
             ),
             format!(
-                "|W'| reaches {slope:.2}: the edges converge too fast for one width mode and the amplitude equation."
+                "|W'| is {slope:.2} at the boundary: the edges converge too fast for one width mode and the amplitude equation."
             ),
         ],
     )

@@ -1,7 +1,5 @@
 //! Lights for sound: the sound level of one tone and the beat of two.
 
-use super::wave::response;
-use crate::check::error::CheckError;
 use crate::check::grading::{Finding, Site};
 use crate::check::report::Colour;
 use crate::check::thresholds::{
@@ -60,8 +58,8 @@ fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
     rayleigh.min(plane_wave_level_db(site.frequency_hz, largest))
 }
 
-pub(in crate::check) fn level_light(site: &Site<'_>) -> Result<Finding, CheckError> {
-    let bound = bound_db(site, &response(site)?);
+pub(in crate::check) fn level_light(site: &Site<'_>, response: &Response) -> Finding {
+    let bound = bound_db(site, response);
     let (value, unit, limits) = if site.frequency_hz < ULTRASONIC_HZ {
         (bound + a_weighting_db(site.frequency_hz), "dB(A)", AUDIBLE_DB_A)
     } else if site.frequency_hz < NEAR_ULTRASOUND_END_HZ {
@@ -71,7 +69,7 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Result<Finding, CheckErr
     };
     // At level 0 the sound level is minus infinity; 0 dB stands for it.
     let value = value.max(0.0);
-    Ok(site.graded(
+    site.graded(
         "sound level",
         value,
         unit,
@@ -85,7 +83,7 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Result<Finding, CheckErr
                 "Up to {value:.0} {unit} of sound at half a metre: lower the level or enclose the plate."
             ),
         ],
-    ))
+    )
 }
 
 pub(in crate::check) fn beat_light(site: &Site<'_>) -> Finding {

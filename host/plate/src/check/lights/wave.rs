@@ -1,16 +1,15 @@
-//! Lights that depend on the computed amplitude and on the material.
+//! Lights that depend on the computed amplitude.
 
+use super::shape::wavelengths;
 use crate::check::error::CheckError;
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{LOSS, THIN_PLATE_PERCENT};
+use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::{Response, respond};
 use crate::quantity::number_format::with_decimals;
-use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use crate::table::error::TableError;
-use std::f64::consts::TAU;
 
 /// Points of the computed amplitude; the solver's own grid is finer where needed.
 pub(super) const POINTS: usize = 513;
@@ -36,25 +35,44 @@ pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
     0.5 * plate.wave_loss() * total * boundary_m / f64::from(steps)
 }
 
-pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
+/// From [`LOSS_SMALL`] on the light takes its colour from the computed peak, so that the two never contradict each other.
+pub(in crate::check) fn loss_light(site: &Site<'_>, response: &Response) -> Finding {
+    let name = "loss";
     let loss = loss_integral(site.plate, site.boundary_m);
     let percent = 100.0 * (-loss).exp();
-    let percent_left = if percent < 0.01 { "Less than 0.01 %".to_owned() } else { format!("{percent:.2} %") };
-    site.graded(
-        "loss",
-        loss,
-        "",
-        LOSS,
+    let arrives = if percent < 0.01 {
+        "Less than 0.01 % of the wave's amplitude arrives at the boundary".to_owned()
+    } else {
+        format!("{} % of the wave's amplitude arrives at the boundary", with_decimals(percent, 1))
+    };
+    if loss <= LOSS_SMALL {
+        let sentence = format!("{arrives}: little is lost on the way.");
+        return site.judged(name, Some(loss), "", Colour::Green, loss, sentence);
+    }
+    let colour = peak_colour(site, response);
+    let sentence = pick(
+        colour,
         [
-            format!(
-                "{percent:.0} % of the wave's amplitude arrives at the boundary: the peak stands above the rest."
-            ),
-            format!(
-                "Only {percent:.1} % of the wave's amplitude arrives at the boundary: the drive end vibrates more than the peak."
-            ),
-            format!("{percent_left} of the wave's amplitude arrives: there is no peak left to feel."),
+            format!("{arrives}: the peak still stands above the rest."),
+            format!("{arrives}: the peak does not stand out."),
+            format!("{arrives}: there is no peak left to feel."),
         ],
-    )
+    );
+    site.judged(name, Some(loss), "", colour, loss, sentence)
+}
+
+/// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
+/// none.
+fn peak_colour(site: &Site<'_>, response: &Response) -> Colour {
+    match response.peak {
+        Some(peak) if peak.is_largest && has_room(site) => Colour::Green,
+        Some(_) => Colour::Amber,
+        None => Colour::Red,
+    }
+}
+
+fn has_room(site: &Site<'_>) -> bool {
+    wavelengths(site.plate, site.boundary_m) >= PEAK_ROOM
 }
 
 /// The amplitude over the plate at the site's frequency.
@@ -64,17 +82,12 @@ pub(in crate::check) fn response(site: &Site<'_>) -> Result<Response, CheckError
     })
 }
 
-pub(in crate::check) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckError> {
-    let response = response(site)?;
-    let (value, colour) = match response.peak {
-        Some(peak) if peak.is_largest => (Some(peak.amplitude), Colour::Green),
-        Some(peak) => (Some(peak.amplitude), Colour::Amber),
-        None => (None, Colour::Red),
-    };
+pub(in crate::check) fn peak_light(site: &Site<'_>, response: &Response) -> Finding {
+    let (value, colour) = (response.peak.map(|peak| peak.amplitude), peak_colour(site, response));
     let amplitude = value.unwrap_or(0.0);
     let times = with_decimals(amplitude, 2);
     let at_mm = response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
-    Ok(site.judged(
+    site.judged(
         "peak",
         value,
         "times the drive",
@@ -82,48 +95,12 @@ pub(in crate::check) fn peak_light(site: &Site<'_>) -> Result<Finding, CheckErro
         -amplitude,
         pick(colour, [
             format!("The peak stands at {at_mm:.0} mm with {times} times the drive, the largest amplitude on the plate."),
-            format!("The peak at {at_mm:.0} mm has {times} times the drive, but other places on the plate vibrate more."),
+            if has_room(site) {
+                format!("The peak at {at_mm:.0} mm has {times} times the drive, but other places on the plate vibrate more.")
+            } else {
+                format!("The peak at {at_mm:.0} mm has {times} times the drive, but stands so near the drive that a real plate may have none.")
+            },
             "There is no peak before this boundary: the amplitude just falls from the drive on.".to_owned(),
-        ]),
-    ))
-}
-
-pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
-    let name = "thin plate";
-    let bending = match &site.plate.spec().model {
-        Model::BendingSupported(bending) | Model::BendingClamped(bending) => bending,
-        Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
-            let sentence = "The wave's speed does not depend on the thickness.".to_owned();
-            return site.judged(name, None, "%", Colour::Green, 0.0, sentence);
-        }
-    };
-    let mut thick = bending.clone();
-    thick.thick_plate = true;
-    let mut thin = bending.clone();
-    thin.thick_plate = false;
-    let omega = TAU * site.frequency_hz;
-    let percent = 100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
-    if bending.thick_plate {
-        let sentence = format!(
-            "Shear and rotary inertia are included; without them the wavenumber would be {percent:.1} % too small."
-        );
-        return site.judged(name, Some(0.0), "%", Colour::Green, 0.0, sentence);
-    }
-    let colour = colour(percent, THIN_PLATE_PERCENT);
-    site.judged(
-        name,
-        Some(percent),
-        "%",
-        colour,
-        percent,
-        pick(colour, [
-            format!("The plate is thin for this wave: the thin-plate wavenumber is {percent:.1} % too small."),
-            format!(
-                "The thin-plate wavenumber is {percent:.1} % too small here: take it as a thick plate (thick_plate = true) to place the boundary better."
-            ),
-            format!(
-                "The thin-plate wavenumber is {percent:.1} % too small: this is a thick plate for the wave, take it as one (thick_plate = true)."
-            ),
         ]),
     )
 }
