@@ -14,7 +14,8 @@ use slipline_plate::{
 fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_gains: bool) -> Simulated {
     let tones = [(boundary_m, 0.8)];
     let solver = Solver::Line;
-    Simulation { plate, actual, tones: &tones, has_gains, seconds: None, solver }.run_with(table).unwrap()
+    let run = Simulation { plate, actual, tones: &tones, has_gains, seconds: None, solver, finger: None };
+    run.run_with(table).unwrap()
 }
 
 /// A place of the span by its share.

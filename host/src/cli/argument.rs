@@ -6,7 +6,7 @@ use slipline_plate::quantity::{
     self, Count, Counted, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, must_be,
     only, show_range,
 };
-use slipline_plate::{PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
+use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
 
 /// A value whose range depends on the plate or the device, with its typed text.
@@ -163,6 +163,48 @@ pub(super) fn tones(
             Err(Failure::Usage(must_be(format_args!("{count} {}", allowed.of), allowed)))
         }
         _ => Ok(all),
+    }
+}
+
+/// A finger on the command line; `None` for none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FingerArgument(pub(super) Option<Finger>);
+
+/// `120mm:light`, a place and what rests there: none, light, firm, or resistance, mass and width of the contact.
+pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
+    let form = "write PLACE:KIND, such as 120mm:light; the kinds are none, light, firm, or R,M,WIDTH such as \
+                0.5Ns/m,0.1g,10mm";
+    let (place, kind) = text.split_once(':').ok_or(form)?;
+    let place_m = quantity::length_m(place).map_err(|error| format!("its place: {error}"))?;
+    let finger = match kind.trim() {
+        "none" => None,
+        "light" => Some(Finger::light(place_m)),
+        "firm" => Some(Finger::firm(place_m)),
+        parts => {
+            let parts: Vec<&str> = parts.split(',').map(str::trim).collect();
+            let [resistance, mass, width] = parts[..] else { return Err(form.to_owned()) };
+            let resistance = resistance.replace(' ', "");
+            Some(Finger {
+                place_m,
+                resistance_n_s_per_m: quantity::plain(&resistance, "Ns/m")
+                    .map_err(|error| format!("its resistance: {error}"))?,
+                mass_kg: mass_kg(mass).map_err(|error| format!("its mass: {error}"))?,
+                // In metres without a unit, as the others are SI.
+                contact_m: quantity::plain(width, "m")
+                    .or_else(|_| quantity::length_m(width))
+                    .map_err(|error| format!("its width: {error}"))?,
+            })
+        }
+    };
+    Ok(FingerArgument(finger))
+}
+
+/// A mass, in kilograms without a unit.
+fn mass_kg(text: &str) -> Result<f64, QuantityError> {
+    let scaled = [("mg", 1e-6), ("kg", 1.0), ("g", 1e-3)];
+    match scaled.iter().find(|(unit, _)| text.ends_with(unit)) {
+        Some((unit, scale)) => quantity::plain(text, unit).map(|number| number * scale),
+        None => quantity::plain(text, "kg"),
     }
 }
 

@@ -32,7 +32,7 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 
 use crate::signals;
-use argument::{Boundary, ToneArgument, Typed};
+use argument::{Boundary, FingerArgument, ToneArgument, Typed};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
@@ -198,6 +198,10 @@ pub struct RespondArguments {
     /// Solve the plate in two dimensions, and tell where the one-mode equation differs.
     #[arg(long = "2d")]
     two_dimensions: bool,
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
+    /// All values are illustrative.
+    #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
+    finger: Option<FingerArgument>,
     /// Draw the amplitude over x, as SVG or PNG by the file's ending.
     #[arg(long, value_name = "F", value_parser = figure_file)]
     figure: Option<FigureFile>,
@@ -243,6 +247,10 @@ pub struct SimulateArguments {
     /// and shear waves.
     #[arg(long)]
     sheet: bool,
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
+    /// All values are illustrative.
+    #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
+    finger: Option<FingerArgument>,
     /// Write the envelope over x as CSV.
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,

@@ -5,7 +5,9 @@ use serde_json::{Value, json};
 use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_place};
-use slipline_plate::{Complex64, Equation, Plate, Response, plane, reflection, respond, respond_range};
+use slipline_plate::{
+    Complex64, Equation, Finger, Plate, Response, plane, reflection, respond_range, respond_touched,
+};
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     if arguments.two_dimensions && arguments.paper_mode {
@@ -22,9 +24,11 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         arguments.freq.within("--freq", respond_range(&plate), Measure::Frequency, &on_plate)?;
     let figure = arguments.figure.as_ref();
     let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
-    let one_mode = respond(&plate, frequency_hz, arguments.points, equation).map_err(Failure::usage)?;
+    let finger = arguments.finger.and_then(|argument| argument.0);
+    let one_mode = respond_touched(&plate, finger.as_ref(), frequency_hz, arguments.points, equation)
+        .map_err(Failure::usage)?;
     let (response, differs) = if arguments.two_dimensions {
-        let (response, differs) = in_two_dimensions(&plate, one_mode, arguments.points)?;
+        let (response, differs) = in_two_dimensions(&plate, finger, one_mode, arguments.points)?;
         (response, Some(differs))
     } else {
         (one_mode, None)
@@ -80,10 +84,11 @@ struct Differs {
 /// The field in two dimensions at the frequency of a field of the one-mode equation, and where they differ.
 fn in_two_dimensions(
     plate: &Plate,
+    finger: Option<Finger>,
     one_mode: Response,
     points: usize,
 ) -> Result<(Response, Differs), Failure> {
-    let setup = plane::Setup::of(plate);
+    let setup = plane::Setup { finger, ..plane::Setup::of(plate) };
     let frequency_hz = one_mode.frequency_hz;
     let response = plane::respond(plate, frequency_hz, points, &setup).map_err(Failure::usage)?;
     let in_plane = plane::reflection(plate, frequency_hz, &setup).map_err(Failure::usage)?;

@@ -154,6 +154,35 @@ fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
 }
 
 #[test]
+fn a_finger_takes_the_peak_down_in_every_solver() {
+    let at = ["--plate", "membrane", "--finger"];
+    let respond = |finger: &str, more: &[&str]| {
+        json(&[&["respond", "--freq", "130Hz"], &at[..], &[finger], more].concat())
+    };
+    let free = number(&respond("150mm:none", &[]), "peak_amplitude");
+    let light = respond("150mm:light", &[]);
+    // The same by its numbers, with units and without.
+    for same in ["150mm:0.1,1e-5,0.01", "15cm:0.1Ns/m, 10mg, 10mm"] {
+        assert!(
+            (number(&respond(same, &[]), "peak_amplitude") / number(&light, "peak_amplitude") - 1.0).abs()
+                < 1e-9
+        );
+    }
+    let plane = respond("150mm:light", &["--2d"]);
+    assert!(number(&light, "peak_amplitude") < 0.8 * free);
+    assert!(number(&plane["two_dimensions"], "level_db").abs() < 1.0);
+    let simulated = json(&[&["simulate", "--boundary", "160mm"], &at[..], &["150mm:light"]].concat());
+    let off_m = number(&simulated, "measured_peak_position_m") - number(&simulated, "peak_position_m");
+    assert!(off_m.abs() < number(&simulated, "edge_width_m") / 20.0, "{off_m}");
+    let untouched = json(&["simulate", "--boundary", "160mm", "--plate", "membrane"]);
+    let ratio =
+        number(&simulated, "measured_peak_amplitude_m") / number(&untouched, "measured_peak_amplitude_m");
+    assert!(ratio < 0.85, "{ratio}");
+    let predicted = number(&simulated, "peak_amplitude_m") / number(&simulated, "measured_peak_amplitude_m");
+    assert!((predicted - 1.0).abs() < 0.01, "{predicted}");
+}
+
+#[test]
 fn simulate_lists_several_tones_and_runs_on_another_plate() {
     let run = json(&[
         "simulate",

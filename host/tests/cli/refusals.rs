@@ -43,6 +43,19 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["--paper-mode cannot be used with --2d: the paper's equation"],
         ),
         (
+            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", "150mm:light"],
+            &["--finger cannot be used with --sheet"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "150mm:heavy"],
+            &["--finger", "none, light, firm, or R,M,WIDTH"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "9m:light"],
+            &["finger place", "0 to 0.32"],
+        ),
+        (&["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm:1,1t,1mm"], &["its mass"]),
+        (
             &["simulate", "--plate", "al-bending", "--boundary", "240mm", "--sheet"],
             &["\"al-bending\" is a plate in bending", "respond --2d"],
         ),

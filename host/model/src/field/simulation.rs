@@ -20,8 +20,8 @@ use slipline_link::simulator::loopback::{Loopback, LoopbackError};
 use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
 use slipline_link::{BLOCK, DriveError, DriveRequest, OutOfRange, Request};
 use slipline_plate::{
-    Complex64, DriveTable, Equation, LineError, Peak, Plate, Progress, RespondError, Response, SheetError,
-    Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond,
+    Complex64, DriveTable, Equation, Finger, LineError, Peak, Plate, Progress, RespondError, Response,
+    SheetError, Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond_touched,
 };
 use std::sync::Arc;
 use waves::Waves;
@@ -56,6 +56,8 @@ pub struct Simulation<'a> {
     pub seconds: Option<f64>,
     /// What solves the actual plate in time.
     pub solver: Solver,
+    /// A finger that rests on the actual plate; the sheet has none.
+    pub finger: Option<Finger>,
 }
 
 /// Why a simulation cannot be run.
@@ -219,7 +221,7 @@ impl Simulation<'_> {
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
         let sounding = self.sounding(&device_table)?;
         let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
-        let mut waves = Waves::new(self.actual, self.solver, rate_hz, &frequencies)?;
+        let mut waves = Waves::new(self.actual, self.finger.as_ref(), self.solver, rate_hz, &frequencies)?;
         let drive = DriveRequest::at(self.tones);
         // With a limit of the travel the link makes the glide longer.
         let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
@@ -245,7 +247,8 @@ impl Simulation<'_> {
         chain.perform(Request::Refresh, |_| ())?;
         let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
         let position_m = waves.positions_m().to_vec();
-        let predicted = predict_envelope(self.actual, None, &sounding, rate_hz, position_m.len())?;
+        let predicted =
+            predict_envelope(self.actual, self.finger.as_ref(), &sounding, rate_hz, position_m.len())?;
         let fields = demodulator.fields();
         let tones = self
             .tones
@@ -299,7 +302,13 @@ impl Simulation<'_> {
         field_m: Vec<Complex64>,
         predicted_field: &[Complex64],
     ) -> Result<ToneResult, RespondError> {
-        let predicted = respond(self.actual, frequency_hz, field_m.len(), Equation::Corrected)?;
+        let predicted = respond_touched(
+            self.actual,
+            self.finger.as_ref(),
+            frequency_hz,
+            field_m.len(),
+            Equation::Corrected,
+        )?;
         let measured = Peak::of(&field_m, self.actual, frequency_hz);
         let predicted_peak = Peak::of(predicted_field, self.actual, frequency_hz);
         let in_metres = |amplitude: &[Complex64], peak: Option<Peak>| Response {
@@ -388,6 +397,7 @@ mod tests {
             has_gains: true,
             seconds: None,
             solver: Solver::Line,
+            finger: None,
         };
         let result = run.run().unwrap();
         let tone = &result.tones[0];
@@ -415,6 +425,7 @@ mod tests {
             has_gains: true,
             seconds: None,
             solver: Solver::Sheet { threads: 1 },
+            finger: None,
         };
         let (table, _) = table_for(&plate, SAMPLE_RATE_HZ).unwrap();
         let result = run.run_with(&table).unwrap();
@@ -453,6 +464,7 @@ mod tests {
             has_gains: true,
             seconds: None,
             solver: Solver::Line,
+            finger: None,
         };
         let result = run.run().unwrap();
         for tone in &result.tones {

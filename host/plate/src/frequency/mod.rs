@@ -4,7 +4,7 @@ mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;
 pub(crate) mod error;
-mod finger;
+pub(crate) mod finger;
 mod impedance;
 pub(crate) mod numerov;
 pub(crate) mod peak;

@@ -12,6 +12,8 @@ use super::fit;
 use super::integration::prepare;
 use super::kernel::{self, ModalStates};
 use super::modal::{self, Input, ModalBank, QuasiStatic};
+use crate::frequency::error::RespondError;
+use crate::frequency::finger::Finger;
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
@@ -48,6 +50,9 @@ pub enum LineError {
     /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
+    /// A finger that the plate cannot have.
+    #[error(transparent)]
+    Finger(RespondError),
     /// The field over the band is no sum of decaying resonances.
     #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, FIT_ERROR_MAX * 100.0)]
     Unfit {
@@ -116,6 +121,22 @@ impl TimeDomainLine {
     pub fn fitted(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         let plan = plan(plate, sample_rate_hz, points, mode)?;
         let response = fit::response(plate, mode, points, plan.stop_hz().1);
+        Self::of_response(plate, plan, points, response)
+    }
+
+    /// As [`TimeDomainLine::new`] for the first width mode, with a finger that rests on the plate.
+    ///
+    /// # Errors
+    /// Those of [`TimeDomainLine::fitted`], and [`LineError::Finger`] for a finger that the plate cannot have.
+    pub fn touched(
+        plate: &Plate,
+        finger: &Finger,
+        sample_rate_hz: f64,
+        points: usize,
+    ) -> Result<Self, LineError> {
+        let plan = plan(plate, sample_rate_hz, points, 1)?;
+        finger.check(plate).map_err(LineError::Finger)?;
+        let response = fit::touched_response(plate, finger, points, plan.stop_hz().1);
         Self::of_response(plate, plan, points, response)
     }
 
@@ -341,7 +362,7 @@ fn settle_time(bank: &ModalBank, plate: &Plate) -> f64 {
 mod tests {
     use super::*;
     use crate::frequency::equation::Equation;
-    use crate::frequency::respond::respond;
+    use crate::frequency::respond::respond_touched;
     use crate::spec::model::{Bending, Model};
     use crate::spec::plate::PlateSpec;
     use crate::spec::presets::{preset, presets};
@@ -349,7 +370,17 @@ mod tests {
     use crate::spec::source::{EndSlope, LeadIn, Source};
 
     /// Settles tones of the band on a line and compares amplitude and peak with the frequency domain.
-    fn settled_tones_agree(plate: &Plate, mut line: TimeDomainLine, rate: f64) {
+    fn settled_tones_agree(plate: &Plate, line: TimeDomainLine, rate: f64) {
+        settled_tones_agree_touched(plate, None, line, rate);
+    }
+
+    /// As [`settled_tones_agree`], perhaps with a finger.
+    fn settled_tones_agree_touched(
+        plate: &Plate,
+        finger: Option<&Finger>,
+        mut line: TimeDomainLine,
+        rate: f64,
+    ) {
         let name = plate.name();
         let (low, high) = plate.band_hz();
         for frequency in [low * 1.05, (low * high).sqrt(), high] {
@@ -362,7 +393,7 @@ mod tests {
             line.reset_envelope();
             let codes: Vec<f32> = (settle..settle + measure).map(tone).collect();
             line.push(&codes);
-            let exact = respond(plate, frequency, 257, Equation::Corrected).expect("in band");
+            let exact = respond_touched(plate, finger, frequency, 257, Equation::Corrected).expect("in band");
             let turn = std::f64::consts::PI * frequency / rate;
             let scale = plate.spec().full_scale_m * turn.sin() / turn;
             let top = exact.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
@@ -481,6 +512,20 @@ mod tests {
                 TimeDomainLine::new(&plate, rate, 257, 1).unwrap_or_else(|error| panic!("{end:?}: {error}"));
             settled_tones_agree(&plate, line, rate);
         }
+    }
+
+    #[test]
+    fn a_settled_tone_on_a_touched_line_has_the_amplitude_of_the_touched_plate() {
+        let [membrane, bending] = ["membrane", "al-bending"].map(|name| preset(name).expect("a preset"));
+        for (plate, finger) in
+            [(&membrane, Finger::light(0.16)), (&membrane, Finger::firm(0.2)), (&bending, Finger::firm(0.24))]
+        {
+            let rate = (10.0 * plate.band_hz().1).clamp(4e3, 400e3);
+            let line = TimeDomainLine::touched(plate, &finger, rate, 257).expect("a line");
+            settled_tones_agree_touched(plate, Some(&finger), line, rate);
+        }
+        let off = TimeDomainLine::touched(&membrane, &Finger::light(2.0), 4e3, 257).err().expect("refused");
+        assert!(off.to_string().starts_with("finger place = "), "{off}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the waves run on: the modal line or the 2-D sheet. Both take DAC codes.
 
 use super::{PLACES, SimulationError};
-use slipline_plate::{Complex64, LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
+use slipline_plate::{Complex64, Finger, LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
 use std::iter::repeat_n;
 
 /// Bits of the device's DAC.
@@ -59,12 +59,17 @@ impl Waves {
     /// The plate at rest, for tones of these frequencies.
     pub(super) fn new(
         plate: &Plate,
+        finger: Option<&Finger>,
         solver: Solver,
         rate_hz: f64,
         frequencies: &[f64],
     ) -> Result<Self, SimulationError> {
         let Solver::Sheet { threads } = solver else {
-            return Ok(Self::Line(Box::new(TimeDomainLine::new(plate, rate_hz, PLACES, 1)?)));
+            let line = match finger {
+                None => TimeDomainLine::new(plate, rate_hz, PLACES, 1)?,
+                Some(finger) => TimeDomainLine::touched(plate, finger, rate_hz, PLACES)?,
+            };
+            return Ok(Self::Line(Box::new(line)));
         };
         let (low_hz, high_hz) =
             frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));

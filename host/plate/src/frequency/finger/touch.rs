@@ -19,12 +19,7 @@ const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// f at the grid points on the plate, relative to the drive, with `finger` on it.
-pub(in crate::frequency) fn touched(
-    grid: &Grid,
-    plate: &Plate,
-    finger: &Finger,
-    frequency_hz: f64,
-) -> Vec<Complex64> {
+pub(crate) fn touched(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz: f64) -> Vec<Complex64> {
     let (begins_m, ends_m) = finger.reach(plate);
     let (mut field, solutions) = numerov::solve_with_both(grid, plate, frequency_hz, ends_m);
     if ends_m > begins_m {

@@ -14,7 +14,7 @@ mod plate;
 mod residues;
 mod samples;
 
-pub(super) use plate::response;
+pub(super) use plate::{response, touched_response};
 
 use super::analytic_signal::BandPlan;
 use super::modal::{Input, ModalBank, QuasiStatic};

@@ -1,6 +1,7 @@
 //! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator.
 
 use crate::frequency::equation::Equation;
+use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use crate::spec::plate::Plate;
 use num_complex::Complex64;
@@ -16,19 +17,39 @@ pub(crate) fn response(
     points: usize,
     top_hz: f64,
 ) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
-    let step = plate.length_m() / (points - 1) as f64;
-    let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
-    let grid = Grid::new(plate, mode, Equation::Corrected, points, refinement);
+    let (grid, refinement) = grid(plate, mode, points, top_hz);
     move |frequencies_hz| {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
         numerov::solve_each(&grid, plate, frequencies_hz, |number, field| {
-            let actuator = plate
-                .spec()
-                .actuator
-                .as_ref()
-                .map_or(Complex64::ONE, |it| it.response(frequencies_hz[number]));
-            rows.push(field.iter().step_by(refinement).map(|value| value * actuator).collect());
+            rows.push(row(plate, frequencies_hz[number], field, refinement));
         });
         rows
     }
+}
+
+/// As [`response`], of the first width mode with a finger on the plate.
+pub(crate) fn touched_response(
+    plate: &Plate,
+    finger: &Finger,
+    points: usize,
+    top_hz: f64,
+) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
+    let (grid, refinement) = grid(plate, 1, points, top_hz);
+    move |frequencies_hz| {
+        let touched = |hz: f64| row(plate, hz, &finger::touched(&grid, plate, finger, hz), refinement);
+        frequencies_hz.iter().map(|&hz| touched(hz)).collect()
+    }
+}
+
+/// A grid for frequencies up to `top_hz`, and how much finer than `points` it is.
+fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
+    let step = plate.length_m() / (points - 1) as f64;
+    let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
+    (Grid::new(plate, mode, Equation::Corrected, points, refinement), refinement)
+}
+
+/// The field at the positions, relative to the actuator's input.
+fn row(plate: &Plate, frequency_hz: f64, fine: &[Complex64], refinement: usize) -> Vec<Complex64> {
+    let actuator = plate.spec().actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
+    fine.iter().step_by(refinement).map(|value| value * actuator).collect()
 }
