@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{
     Actuator, Bending, Complex64, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec,
-    Resonator, Taper, TimeDomainLine, preset, presets, respond,
+    Resonator, Source, Taper, TimeDomainLine, preset, presets, respond,
 };
 use std::f64::consts::TAU;
 
@@ -96,17 +96,32 @@ fn dragged_in_steps_with_the_table_the_settled_peak_stays_within_1_db_for_every_
 }
 
 #[test]
-fn thick_clamped_and_actuated_plates_ring_as_the_frequency_domain_says() {
+fn a_line_between_clamped_edges_peaks_where_the_frequency_domain_puts_it() {
+    // Its law is that of the wave near the cut-off: the place of the peak is the same, its level in a resonance is not.
+    let mut spec = preset("al-bending").expect("a preset").spec().clone();
+    spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+    let end = Source::soft(&spec.model, 60e3);
+    for (drive_end, loss_factor) in [(DriveEnd::Displacement, 0.02), (DriveEnd::Source(end), 0.02)] {
+        let plate = Plate::new(PlateSpec { drive_end, loss_factor, ..spec.clone() }).expect("a valid plate");
+        let mut line = TimeDomainLine::new(&plate, 400e3, 257, 1).expect("a line");
+        for x in [0.21, 0.25] {
+            let frequency_hz = plate.frequency_for_boundary_hz(x);
+            settle(&mut line, 400e3, frequency_hz, 0.5);
+            let found = line.envelope().peak(&plate, frequency_hz).expect("a peak").position_m;
+            let exact = respond(&plate, frequency_hz, 513, Equation::Corrected).expect("enters");
+            let wanted = exact.peak.expect("a peak").position_m;
+            assert!((found - wanted).abs() < 1e-3, "{drive_end:?} {x}: {found} for {wanted}");
+        }
+    }
+}
+
+#[test]
+fn thick_and_actuated_plates_ring_as_the_frequency_domain_says() {
     let base = preset("al-bending").expect("a preset").spec().clone();
     let bending = base.model.bending().expect("bending").clone();
     let variations = [
         PlateSpec {
-            model: Model::BendingSupported(Bending { thick_plate: true, ..bending.clone() }),
-            ..base.clone()
-        },
-        PlateSpec {
-            model: Model::BendingClamped(bending),
-            drive_end: DriveEnd::Displacement,
+            model: Model::BendingSupported(Bending { thick_plate: true, ..bending }),
             ..base.clone()
         },
         PlateSpec {
@@ -216,7 +231,7 @@ fn the_third_width_mode_dies_out_before_the_first() {
 fn any_plate() -> impl Strategy<Value = Plate> {
     let taper = (0.01..0.2_f64, 1.0..8.0_f64, 0..3_u8);
     let end = (0..3_u8, 0.3..3.0_f64);
-    (taper, 0.15..0.8_f64, 0..4_u8, 0.002..0.12_f64, end, 0.05..0.35_f64, 0.7..0.98_f64).prop_filter_map(
+    (taper, 0.15..0.8_f64, 0..3_u8, 0.002..0.12_f64, end, 0.05..0.35_f64, 0.7..0.98_f64).prop_filter_map(
         "a plate that can be made",
         |((half_width, rate, shape), length, model, loss, (end, ratio), start, stop)| {
             let width = |x: f64| half_width * (-rate * x).exp();
@@ -244,8 +259,8 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                     density_kg_per_m3: 1100.0,
                     thickness_m: None,
                 },
-                2 => Model::BendingSupported(bending),
-                _ => Model::BendingClamped(bending),
+                // Between clamped edges a line has a law of its own, see `TimeDomainLine::new`.
+                _ => Model::BendingSupported(bending),
             };
             let mut spec = PlateSpec {
                 name: "random".to_owned(),

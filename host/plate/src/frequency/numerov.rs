@@ -16,9 +16,11 @@ use crate::frequency::equation::Equation;
 use crate::frequency::strip_grid::StripGrid;
 use crate::frequency::sweep::{LANES, Medium, Separable, Strip, Sweep};
 use crate::spec::plate::{Plate, WidthMode};
+use crate::spec::strip_table::StripTable;
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Most points of a refined grid. A plate that would need more has a tail so steep that its error is invisible.
 const GRID_POINTS_MAX: usize = 400_000;
@@ -65,10 +67,31 @@ impl Grid {
         points: usize,
         refinement: usize,
     ) -> Self {
+        let law = plate.width_mode(mode).strip.filter(|_| equation == Equation::Corrected);
+        Self::with_law(plate, mode, equation, points, refinement, law)
+    }
+
+    /// As [`Grid::new`] with `Equation::Corrected`, but between clamped edges with the tangent of the strip's law at the
+    /// cut-off.
+    ///
+    /// The exact law of one mode has a branch point in its tail, and whatever real function takes its place there has
+    /// singularities at complex frequencies of both signs. A sum of decaying resonances has them on one side only: a fit of
+    /// the exact law's field is off by 2 to 13 %. That of the tangent is such a sum.
+    pub(crate) fn tangent(plate: &Plate, mode: u32, points: usize, refinement: usize) -> Self {
+        Self::with_law(plate, mode, Equation::Corrected, points, refinement, None)
+    }
+
+    fn with_law(
+        plate: &Plate,
+        mode: u32,
+        equation: Equation,
+        points: usize,
+        refinement: usize,
+        law: Option<&Arc<StripTable>>,
+    ) -> Self {
         let width_mode = plate.width_mode(mode);
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
-        let law = width_mode.strip.filter(|_| equation == Equation::Corrected);
         let barrier_at = |x: f64| match equation {
             Equation::Corrected if law.is_some() => plate.width.at(x).root_curvature(),
             Equation::Corrected => width_mode.width_term(x) + plate.width.at(x).root_curvature(),

@@ -98,6 +98,9 @@ impl TimeDomainLine {
     /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, for width mode `mode` (1
     /// to 9; 1 is the first). The sample rate must be one of [`crate::sample_rates`].
     ///
+    /// Between clamped edges the line has the law of the wave near its cut-off, not the exact one of the frequency domain,
+    /// whose tail is no sum of decaying resonances: turning points and edges agree, the places of resonances do not.
+    ///
     /// # Errors
     /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
     /// `mode`, and for a thick plate that of [`TimeDomainLine::fitted`].

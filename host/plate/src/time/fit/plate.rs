@@ -1,6 +1,5 @@
 //! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator.
 
-use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use crate::spec::plate::Plate;
@@ -10,7 +9,8 @@ use num_complex::Complex64;
 const ERROR: f64 = 1e-6;
 
 /// Computes the field of width mode `mode` at `points` uniform positions from 0 to the plate's end, relative to the
-/// actuator's input, for each of many frequencies up to `top_hz`.
+/// actuator's input, for each of many frequencies up to `top_hz`. Between clamped edges the plate has the tangent of the
+/// strip's law, see [`Grid::tangent`].
 pub(crate) fn response(
     plate: &Plate,
     mode: u32,
@@ -45,7 +45,7 @@ pub(crate) fn touched_response(
 fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
     let step = plate.length_m() / (points - 1) as f64;
     let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
-    (Grid::new(plate, mode, Equation::Corrected, points, refinement), refinement)
+    (Grid::tangent(plate, mode, points, refinement), refinement)
 }
 
 /// The field at the positions, relative to the actuator's input.

@@ -27,8 +27,9 @@ fn shared_pole(centre: f64) -> Complex64 {
 /// Whether the eigenfunctions describe this plate well: a thin plate in bending exactly, a membrane or SH waves exactly
 /// at each resonance.
 ///
-/// Mindlin's dispersion of a thick plate has no exact partial fractions: the bank would be off by up to 3 %. The law of the
-/// clamped strip does not separate into a frequency and a place, so it has no eigenfunctions at all. The near field and the impedance of a source are not among the eigenfunctions.
+/// Mindlin's dispersion of a thick plate has no exact partial fractions: the bank would be off by up to 3 %. The near
+/// field and the impedance of a source are not among the eigenfunctions. Between clamped edges they are those of the
+/// law's tangent, see [`Grid::tangent`](crate::frequency::numerov::Grid::tangent).
 pub(crate) fn fits(plate: &Plate) -> bool {
     let spec = plate.spec();
     let is_thick = spec.model.bending().is_some_and(|bending| bending.thick_plate);
@@ -36,8 +37,7 @@ pub(crate) fn fits(plate: &Plate) -> bool {
         DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => true,
         DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => false,
     };
-    let is_clamped = matches!(spec.model, Model::BendingClamped(_));
-    has_end && !is_thick && !is_clamped
+    has_end && !is_thick
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
@@ -149,7 +149,8 @@ mod tests {
     use super::*;
     use crate::frequency::equation::Equation;
     use crate::frequency::respond::respond;
-    use crate::spec::presets::presets;
+    use crate::spec::presets::{preset, presets};
+    use crate::time::fit;
 
     #[test]
     fn the_bank_of_every_preset_that_has_one_answers_as_the_frequency_domain_solver() {
@@ -175,6 +176,26 @@ mod tests {
                 "{}: {worst}",
                 plate.name()
             );
+        }
+    }
+
+    #[test]
+    fn between_clamped_edges_bank_and_fit_answer_as_the_tangent_of_the_law() {
+        let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+        spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+        (spec.span_start_m, spec.span_end_m, spec.loss_factor) = (0.15, 0.22, 0.02);
+        let plate = Plate::new(spec).expect("a valid plate");
+        assert!(fits(&plate));
+        let (low, high) = plate.band_hz();
+        let places: Vec<f64> = (0..65).map(|i| plate.length_m() * f64::from(i) / 64.0).collect();
+        let bank = build(&plate, 1, 1.2 * high, (low * high).sqrt(), &places);
+        let frequencies = [low, (low * high).sqrt(), high];
+        let fields = fit::response(&plate, 1, 65, high)(&frequencies);
+        for (frequency_hz, field) in frequencies.into_iter().zip(fields) {
+            let largest = field.iter().map(|f| f.norm()).fold(0.0, f64::max);
+            for (a, b) in field.iter().zip(bank.steady(frequency_hz)) {
+                assert!((a - b).norm() < 1e-3 * largest, "{frequency_hz}: {a} {b}");
+            }
         }
     }
 }
