@@ -17,6 +17,7 @@ use crate::frequency::finger::Finger;
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::actuator::Actuator;
 use crate::spec::drive::DriveEnd;
+use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::{self, SampleRateError};
 use num_complex::Complex64;
@@ -44,6 +45,14 @@ pub enum LineError {
         "{plate}: a plate in the time domain cannot have a measured curve of the actuator: give a resonator"
     )]
     MeasuredActuator {
+        /// Name of the plate.
+        plate: String,
+    },
+    /// The end of a clamped plate has a near field. It belongs to the exact law of the strip, which a line does not have.
+    #[error(
+        "{plate}: a clamped plate in the time domain cannot have a source or a slope at its driven end: give end = \"displacement\", \"force\" or \"resistance\" without a slope"
+    )]
+    ClampedEnd {
         /// Name of the plate.
         plate: String,
     },
@@ -103,7 +112,7 @@ impl TimeDomainLine {
     ///
     /// # Errors
     /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
-    /// `mode`, and for a thick plate that of [`TimeDomainLine::fitted`].
+    /// `mode`, [`LineError::ClampedEnd`] for a clamped plate whose end has a near field, and for a thick plate that of [`TimeDomainLine::fitted`].
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         if !modal::fits(plate) {
             return Self::fitted(plate, sample_rate_hz, points, mode);
@@ -336,6 +345,9 @@ fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<
     // A source excites the first mode alone, and the near field is that of the first mode.
     let modes = Range::new(1.0, if has_near_field { 1.0 } else { f64::from(WIDTH_MODE_MAX) }, "");
     OutOfRange::check("width mode", f64::from(mode), modes)?;
+    if has_near_field && matches!(plate.spec().model, Model::BendingClamped(_)) {
+        return Err(LineError::ClampedEnd { plate: plate.name().to_owned() });
+    }
     if let Some(Actuator::Measured(_)) = plate.spec().actuator {
         return Err(LineError::MeasuredActuator { plate: plate.name().to_owned() });
     }
