@@ -11,6 +11,7 @@ mod background;
 mod device;
 mod eframe_log;
 mod event_loop;
+mod finger;
 mod input;
 mod no_display;
 mod notices;
@@ -125,6 +126,7 @@ pub struct App {
     table_asked: Option<(Arc<Plate>, u32)>,
     /// The field that the setup would produce on its plate.
     predicted: SteadyField,
+    finger: finger::OnPlate,
     playback: Playback,
     background: background::Work,
     notices: Notices,
@@ -162,6 +164,7 @@ impl App {
             table: TableState::Waiting,
             table_asked: None,
             predicted: SteadyField::default(),
+            finger: finger::OnPlate::default(),
             playback: Playback::default(),
             background: background::Work::default(),
             notices: Notices::default(),
@@ -241,6 +244,9 @@ impl App {
             selected: self.selected,
             grab: self.grab,
             snapshot: &self.snapshot,
+            touch: self.finger.touch,
+            finger: self.finger(),
+            trace: &self.finger.trace,
             drive_wanted: self.autopilot.wants_drive(),
             predicted: &self.predicted,
             sounding: self.sounding_on_screen(),

@@ -6,15 +6,25 @@ use crate::settings::ThemeChoice;
 use slipline_link::Request;
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::SourceChoice;
+use slipline_model::field::touch::Touch;
 use slipline_model::jobs::design::Draft;
 use slipline_model::setup::edit::Edit;
 use std::path::PathBuf;
 
-/// The tone that the pointer drags: every later move of the pointer moves this tone.
+/// What the pointer drags on the stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// The boundary of the tone in this slot.
+    Tone(u8),
+    /// The finger.
+    Finger,
+}
+
+/// A drag: every later move of the pointer moves what it holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grab {
-    /// The tone.
-    pub slot: u8,
+    /// What is dragged.
+    pub held: Held,
     /// The axis it was grabbed on.
     pub axis: Axis,
     /// Distance of the pointer from the line at the start of the drag, in points; it stays constant.
@@ -98,6 +108,10 @@ pub enum Intent {
     Disarm,
     /// Select this tone.
     Select(u8),
+    /// Put this finger on the plate, or take it off.
+    Touch(Touch),
+    /// Move the finger to this place, in metres from the driven end.
+    MoveFinger(f64),
     /// The pointer took a handle.
     Grab(Grab),
     /// Undo the latest change.

@@ -6,12 +6,14 @@ use slipline_link::{PortInfo, Snapshot, upkeep};
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
+use slipline_model::field::touch::{Touch, Trace};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::setup::Setup;
 use slipline_model::waveform::Waveform;
+use slipline_plate::Finger;
 use std::sync::Arc;
 
 /// Everything the views show.
@@ -20,12 +22,18 @@ pub struct Scene<'a> {
     pub setup: &'a Setup,
     /// The slot of the tone that the boundary panel and the arrow keys change.
     pub selected: u8,
-    /// The tone that the pointer drags.
+    /// What the pointer drags.
     pub grab: Option<Grab>,
     /// The state of link and device.
     pub snapshot: &'a Snapshot,
     /// Whether the user wants the plate driven.
     pub drive_wanted: bool,
+    /// The finger that is chosen.
+    pub touch: Touch,
+    /// The finger on the plate, if there is one.
+    pub finger: Option<Finger>,
+    /// What the finger has met.
+    pub trace: &'a Trace,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
     /// The plate under the tones that the device has acknowledged and sounds.

@@ -113,7 +113,7 @@ fn centre(steady: &SteadyField, wave: &Wave<'_>) -> Vec<f64> {
 }
 
 /// Displacement across the plate at beta = z/W, -1..=1, for the first width mode: 1 on the centre line.
-fn mode_shape(model: &Model, beta: f64) -> f64 {
+pub(crate) fn mode_shape(model: &Model, beta: f64) -> f64 {
     match model {
         Model::BendingClamped(_) => {
             // First mode of a beam with both ends clamped: q = 2.36502 solves tan q + tanh q = 0.

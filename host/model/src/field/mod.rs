@@ -5,3 +5,4 @@ pub mod sheet;
 pub mod simulation;
 pub mod steady_field;
 pub mod time_domain;
+pub mod touch;

@@ -3,7 +3,7 @@
 //! One solution costs tens of microseconds, so the field is solved again for every step of a drag.
 
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
-use slipline_plate::{Complex64, Equation, Plate, respond};
+use slipline_plate::{Complex64, Equation, Finger, Plate, respond, respond_touched};
 
 /// Number of points along the plate.
 pub const POINTS: usize = 401;
@@ -28,8 +28,10 @@ pub struct ToneWave {
     pub turning_point_m: f64,
     /// Distance from the peak to the place where the amplitude is a tenth of it, in metres.
     pub edge_width_m: f64,
-    /// Where the peak is, in metres; `None` where loss or a near drive leaves none.
+    /// Where the peak is, in metres; `None` where loss, a near drive or a finger leaves none.
     pub peak_position_m: Option<f64>,
+    /// How high it is, in metres: less than the tone's own peak under a finger.
+    pub peak_height_m: Option<f64>,
     /// Displacement amplitude at each of [`POINTS`] places, in metres: u = Re(f e^(-j omega t)).
     pub wave: Vec<Complex64>,
 }
@@ -51,7 +53,14 @@ impl SteadyField {
     /// Solves for these tones. Tones that cannot enter the plate are left out.
     #[must_use]
     pub fn solve(plate: &Plate, tones: &[SteadyTone]) -> Self {
-        let tones: Vec<ToneWave> = tones.iter().filter_map(|tone| solve_tone(plate, tone)).collect();
+        Self::solve_touched(plate, tones, None)
+    }
+
+    /// As [`Self::solve`], with a finger on the plate. The drive stays that of the untouched plate, because neither
+    /// table nor device knows of the finger. A finger that the solver refuses leaves every tone out.
+    #[must_use]
+    pub fn solve_touched(plate: &Plate, tones: &[SteadyTone], finger: Option<&Finger>) -> Self {
+        let tones: Vec<ToneWave> = tones.iter().filter_map(|tone| solve_tone(plate, tone, finger)).collect();
         let mut bound_m = vec![0.0; POINTS];
         let mut square = vec![0.0; POINTS];
         for tone in &tones {
@@ -109,17 +118,22 @@ pub fn interpolate(samples: &[f64], share: f64) -> f64 {
     samples[i] + (next - samples[i]) * (t - t.floor())
 }
 
-fn solve_tone(plate: &Plate, tone: &SteadyTone) -> Option<ToneWave> {
+fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
     let response = respond(plate, tone.frequency_hz, POINTS, Equation::Corrected).ok()?;
     // Without a peak the table sets the amplitude at the turning point, which is 66.28 % of an Airy peak.
     let reference =
         response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
+    let response = match finger {
+        None => response,
+        Some(_) => respond_touched(plate, finger, tone.frequency_hz, POINTS, Equation::Corrected).ok()?,
+    };
     Some(ToneWave {
         tone: *tone,
         turning_point_m: response.turning_point_m,
         edge_width_m: response.edge_width_m,
         peak_position_m: response.peak.as_ref().map(|peak| peak.position_m),
+        peak_height_m: response.peak.as_ref().map(|peak| peak.amplitude * scale),
         wave: response.amplitude.into_iter().map(|amplitude| amplitude * scale).collect(),
     })
 }

@@ -2,7 +2,7 @@
 
 use crate::jobs::Task;
 use slipline_plate::plane::{self, Comparison, PlaneError, Setup};
-use slipline_plate::{Equation, Plate, respond};
+use slipline_plate::{Equation, Finger, Plate, respond_touched};
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -22,11 +22,15 @@ pub struct PlaneJob {
     pub plate: Arc<Plate>,
     /// The boundary, in metres.
     pub boundary_m: f64,
+    /// The finger on the plate.
+    pub finger: Option<Finger>,
 }
 
 impl PartialEq for PlaneJob {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.plate, &other.plate) && self.boundary_m == other.boundary_m
+        Arc::ptr_eq(&self.plate, &other.plate)
+            && self.boundary_m == other.boundary_m
+            && self.finger == other.finger
     }
 }
 
@@ -49,11 +53,13 @@ pub fn work(job: PlaneJob, task: &Task) -> Option<PlaneChecked> {
 
 fn compare(job: &PlaneJob, task: &Task) -> Result<Option<Comparison>, PlaneError> {
     let frequency_hz = job.plate.frequency_for_boundary_hz(job.boundary_m);
-    let one_mode = respond(&job.plate, frequency_hz, POINTS, Equation::Corrected)?;
+    let finger = job.finger.as_ref();
+    let one_mode = respond_touched(&job.plate, finger, frequency_hz, POINTS, Equation::Corrected)?;
     if !task.tell(ONE_MODE_SHARE) {
         return Ok(None);
     }
-    let two_dimensions = plane::respond(&job.plate, frequency_hz, POINTS, &Setup::of(&job.plate))?;
+    let setup = Setup { finger: job.finger, ..Setup::of(&job.plate) };
+    let two_dimensions = plane::respond(&job.plate, frequency_hz, POINTS, &setup)?;
     Ok(task.tell(1.0).then(|| Comparison::of(&one_mode, &two_dimensions)))
 }
 
@@ -116,20 +122,24 @@ mod tests {
     }
 
     #[test]
-    fn the_comparison_is_that_of_the_two_solvers_at_the_boundarys_frequency() {
+    fn the_comparison_is_that_of_the_two_solvers_at_the_boundarys_frequency_with_the_finger() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
-        let job = PlaneJob { plate: Arc::clone(&plate), boundary_m: 0.18 };
-        let done = work(job, &Task::default()).unwrap().result.unwrap();
         let hertz = plate.frequency_for_boundary_hz(0.18);
-        let one_mode = respond(&plate, hertz, POINTS, Equation::Corrected).unwrap();
-        let two_dimensions = plane::respond(&plate, hertz, POINTS, &Setup::of(&plate)).unwrap();
-        assert_eq!(done, Comparison::of(&one_mode, &two_dimensions));
+        for finger in [None, Some(Finger::firm(0.1))] {
+            let job = PlaneJob { plate: Arc::clone(&plate), boundary_m: 0.18, finger };
+            let done = work(job, &Task::default()).unwrap().result.unwrap();
+            let one_mode =
+                respond_touched(&plate, finger.as_ref(), hertz, POINTS, Equation::Corrected).unwrap();
+            let setup = Setup { finger, ..Setup::of(&plate) };
+            let two_dimensions = plane::respond(&plate, hertz, POINTS, &setup).unwrap();
+            assert_eq!(done, Comparison::of(&one_mode, &two_dimensions));
+        }
     }
 
     #[test]
     fn a_boundary_off_the_plate_has_a_reason_and_a_cancelled_task_no_result() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
-        let job = |boundary_m| PlaneJob { plate: Arc::clone(&plate), boundary_m };
+        let job = |boundary_m| PlaneJob { plate: Arc::clone(&plate), boundary_m, finger: None };
         let reason = work(job(f64::NAN), &Task::default()).unwrap().result.unwrap_err();
         assert!(reason.contains("frequency"), "{reason}");
         let over = Task::default();

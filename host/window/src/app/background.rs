@@ -135,7 +135,8 @@ impl App {
     /// The plate and boundary on the screen, to be computed in two dimensions.
     pub(super) fn plane_job(&self) -> Option<PlaneJob> {
         let tone = self.setup.tone(self.selected)?;
-        Some(PlaneJob { plate: Arc::clone(&self.setup.plate), boundary_m: tone.position_m })
+        let plate = Arc::clone(&self.setup.plate);
+        Some(PlaneJob { plate, boundary_m: tone.position_m, finger: self.finger() })
     }
 
     /// Requests the plate on the screen in two dimensions.
@@ -150,7 +151,10 @@ impl App {
     pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
-        if self.background.shown.source == Some(Source::Sheet) && Arc::ptr_eq(&drive.plate, &self.setup.plate)
+        // The sheet has no finger.
+        if self.background.shown.source == Some(Source::Sheet)
+            && Arc::ptr_eq(&drive.plate, &self.setup.plate)
+            && self.finger().is_none()
         {
             self.parts.sheets.ask(SheetJob { drive, time_s: self.background.plate_time_s });
         }
@@ -171,8 +175,18 @@ impl App {
         }
     }
 
+    /// Runs the sheet on, after the finger was taken off.
+    pub(super) fn resume_sheet(&mut self) {
+        if let Some(job) = self.background.driven.clone() {
+            self.run_sheet(job);
+        }
+    }
+
     /// The sheet, if the wave of the plate on the screen is drawn from it.
     pub(super) fn shown_sheet(&self) -> Option<&Frame> {
+        if self.finger().is_some() {
+            return None;
+        }
         let frame =
             self.background.frame.as_ref().filter(|_| self.background.shown.source == Some(Source::Sheet))?;
         frame.plate.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate)).then_some(frame)

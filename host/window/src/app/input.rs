@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::files::FileJob;
-use crate::intent::{Dialog, Grab, Intent, Intents};
+use crate::intent::{Dialog, Grab, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
 use slipline_model::field::steady_field::turning_point_for;
@@ -60,7 +60,12 @@ impl App {
                 }
             }
             // A slider or field that has the focus uses the arrow keys itself.
-            if focused.is_none() || self.view.is_handle(focused) {
+            if self.view.is_finger(focused) {
+                let step_m = arrow_step_m(input);
+                if step_m != 0.0 {
+                    asked.push(Intent::MoveFinger(self.finger.place_m + step_m));
+                }
+            } else if focused.is_none() || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
                     && let Some(tone) = self.setup.tone(self.selected)
@@ -75,7 +80,7 @@ impl App {
         self.perform(ctx, asked);
     }
 
-    /// During a drag, each move of the pointer moves the tone, and is sent before anything is painted.
+    /// During a drag, each move of the pointer moves what it holds: a tone is sent before anything is painted.
     pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
         let Some(grab) = self.grab else { return };
         let (moves, is_down) = ctx.input(|input| {
@@ -95,8 +100,9 @@ impl App {
     }
 
     fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
-        let Some(tone) = self.setup.tone(grab.slot) else { return };
         let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
+        let Held::Tone(slot) = grab.held else { return self.move_finger(shown_m) };
+        let Some(tone) = self.setup.tone(slot) else { return };
         let plate = &self.setup.plate;
         let position_m = self
             .full_peak_m()
@@ -104,7 +110,7 @@ impl App {
             .and_then(|peak_m| turning_point_for(plate, shown_m, peak_m, self.setup.boundary))
             .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
         self.settings.has_dragged = true;
-        self.edit(&Edit::Move { slot: grab.slot, position_m });
+        self.edit(&Edit::Move { slot, position_m });
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {

@@ -37,6 +37,8 @@ impl App {
                 Intent::Stop => self.press_stop(ctx.input(|input| input.time)),
                 Intent::Disarm => self.disarm(),
                 Intent::Select(slot) => self.selected = slot,
+                Intent::Touch(touch) => self.touch(touch),
+                Intent::MoveFinger(place_m) => self.move_finger(place_m),
                 Intent::Grab(grab) => {
                     self.grab = Some(grab);
                 }

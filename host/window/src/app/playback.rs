@@ -35,7 +35,7 @@ pub(super) struct Sounding {
     /// The number of the journal's entry.
     pub(super) number: u64,
     /// The plate of the solution: the screen may already show another one, whose table is not on the device yet.
-    plate: Arc<Plate>,
+    pub(super) plate: Arc<Plate>,
     /// The steady field on that plate.
     pub(super) steady: SteadyField,
 }
@@ -71,7 +71,7 @@ impl App {
         // The device sounds a newer drive, so an earlier refusal no longer matters.
         self.notices.driven();
         let plate = Arc::clone(&self.setup.plate);
-        let steady = SteadyField::solve(&plate, &acknowledged.tones);
+        let steady = SteadyField::solve_touched(&plate, &acknowledged.tones, self.finger().as_ref());
         self.playback.sounding =
             Some(Sounding { number: acknowledged.number, plate: Arc::clone(&plate), steady });
         let Some(identity) = &self.snapshot.identity else { return };
@@ -124,6 +124,7 @@ impl App {
         if self.settings.animate {
             let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
             self.playback.wave_time_s += step;
+            self.trace_finger();
             self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {

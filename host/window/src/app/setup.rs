@@ -58,7 +58,7 @@ impl App {
     pub(super) fn predict(&mut self) {
         // While the height is not known, the shape is drawn with unit height.
         let tones = steady_tones(&self.setup, self.full_peak_m().unwrap_or(1.0));
-        self.predicted = SteadyField::solve(&self.setup.plate, &tones);
+        self.predicted = SteadyField::solve_touched(&self.setup.plate, &tones, self.finger().as_ref());
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::field::{InputField, UNKNOWN, row};
 use super::slider::Quantity;
-use super::{Scene, ViewState, stage, theme};
+use super::{Scene, ViewState, finger, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, text::LayoutJob};
 use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
@@ -64,7 +64,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     range(ui, plate, reason);
     if let Some(wave) = scene.predicted.tone(slot) {
         row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
-        row(ui, "Peak height", steady.map_or(UNKNOWN.to_owned(), |steady| show_length(steady.peak_m)));
+        let height_m =
+            if scene.finger.is_some() { wave.peak_height_m } else { steady.map(|steady| steady.peak_m) };
+        let height_m = height_m.filter(|_| steady.is_some());
+        row(ui, "Peak height", height_m.map_or(UNKNOWN.to_owned(), show_length));
         row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));
     }
     ui.add_space(6.0);
@@ -79,6 +82,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, view, intents);
     Quantity::master(setup.master_db).show(ui, setup, view, intents);
     Quantity::glide(setup.glide_s).show(ui, setup, view, intents);
+
+    ui.add_space(6.0);
+    ui.separator();
+    finger::choice(ui, scene, intents);
 }
 
 /// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason

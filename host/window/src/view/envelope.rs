@@ -48,7 +48,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
         painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
-    if let Some(measured) = scene.measured.filter(|_| is_known) {
+    if let Some(measured) = scene.measured.filter(|_| is_known && scene.finger.is_none()) {
         for (x_m, metres) in measured.points().step_by(2) {
             let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
             painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
@@ -114,7 +114,8 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     let font = FontId::proportional(11.5);
     let Some(peak_m) = wave.peak_position_m else {
         let place = pos2(axis.screen_from_place(wave.turning_point_m) - 8.0, height.rect.top() + 6.0);
-        let text = "no peak: the loss leaves none here";
+        let cause = if scene.finger.is_some() { "finger" } else { "loss" };
+        let text = format!("no peak: the {cause} leaves none here");
         painter.text(place, Align2::RIGHT_TOP, text, font, palette.warn);
         return;
     };
@@ -143,7 +144,9 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         sample(drawn.left() - 24.0);
         right = drawn.left() - 38.0;
     };
-    if scene.measured.is_some() {
+    if scene.measured.is_some() && scene.finger.is_some() {
+        entry("simulated plate: not with a finger yet", &|_| ());
+    } else if scene.measured.is_some() {
         entry("simulated plate", &|left| {
             painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, palette.text));
         });
@@ -155,7 +158,8 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         });
     }
     let what = if scene.predicted.tones.len() > 1 { "largest, predicted" } else { "predicted" };
-    entry(what, &|left| {
+    let touched = if scene.finger.is_some() { " with the finger" } else { "" };
+    entry(&format!("{what}{touched}"), &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
     });
     let behind = Rect::from_min_max(pos2(right + 8.0, y - 9.0), pos2(axis.screen().max, y + 9.0));

@@ -16,6 +16,7 @@ mod dialogs;
 mod envelope;
 mod felt_strip;
 mod field;
+mod finger;
 mod log;
 mod meters;
 mod notices;
@@ -48,6 +49,7 @@ pub struct ViewState {
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
     pub(crate) focused_handle: Option<egui::Id>,
+    pub(crate) focused_finger: Option<egui::Id>,
     pub(crate) notices: notices::Seen,
     pub(crate) typed_path: Option<dialogs::TypedPath>,
 }
@@ -67,6 +69,11 @@ impl ViewState {
     fn open_validity(&mut self) {
         self.tab = side_panel::Tab::Plate;
         self.plate_page = plate_panel::Page::Validity;
+    }
+
+    /// Whether the focus is on the finger.
+    pub(crate) fn is_finger(&self, focused: Option<egui::Id>) -> bool {
+        focused.is_some() && self.focused_finger == focused
     }
 
     /// Whether the focus is on a boundary handle.

@@ -4,6 +4,7 @@ use super::{Scene, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::jobs::plane::sentence;
+use slipline_plate::Finger;
 use slipline_plate::quantity::show_place;
 
 const NAME: &str = "Check in two dimensions";
@@ -30,9 +31,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
         intents.push(Intent::CheckPlane);
     }
     let words = match result.map(|checked| (&checked.job, &checked.result)) {
-        Some((job, Ok(differs))) => {
-            Some((format!("At {}: {}", show_place(job.boundary_m), sentence(differs)), palette.text))
-        }
+        Some((job, Ok(differs))) => Some((
+            format!("At {}{}: {}", show_place(job.boundary_m), finger_words(job.finger), sentence(differs)),
+            palette.text,
+        )),
         Some((_, Err(reason))) => Some((format!("Not computed: {reason}."), palette.warn)),
         None => None,
     };
@@ -41,4 +43,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     }
     ui.add_space(4.0);
     ui.separator();
+}
+
+fn finger_words(finger: Option<Finger>) -> String {
+    finger.map_or_else(String::new, |finger| format!(", with the finger at {}", show_place(finger.place_m)))
 }

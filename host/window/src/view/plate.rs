@@ -65,7 +65,9 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
                 return;
             }
             let shown = ui.add(egui::Label::new(text).truncate());
-            if let Some(Source::Lines(Some(reason))) = &scene.background.source {
+            if scene.finger.is_some() {
+                shown.on_hover_text("Modal lines: the 2-D sheet cannot take a finger yet");
+            } else if let Some(Source::Lines(Some(reason))) = &scene.background.source {
                 shown.on_hover_text(format!("Modal lines: {reason}"));
             }
         });
@@ -98,7 +100,11 @@ fn drawn(scene: &Scene<'_>) -> String {
         let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
     };
-    let source = if scene.sheet.is_some() { "2-D sheet" } else { "modal lines" };
+    let source = match (scene.sheet, scene.finger) {
+        (Some(_), _) => "2-D sheet",
+        (None, Some(_)) => "modal lines, touched",
+        (None, None) => "modal lines",
+    };
     if scene.settings.show_amplitude {
         return format!("{source}, largest");
     }

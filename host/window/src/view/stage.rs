@@ -1,8 +1,8 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
-use super::{Scene, ViewState, envelope, felt_strip, plate, theme};
+use super::{Scene, ViewState, envelope, felt_strip, finger, plate, theme};
 use crate::axis::Axis;
-use crate::intent::{Grab, Intent, Intents};
+use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{
     self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
     vec2,
@@ -73,6 +73,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     for slot in order {
         handle(ui, scene, &layout, slot, view, intents);
     }
+    finger::handle(ui, scene, &layout.axis, layout.plate, view, intents);
     // Drawn over the lines of the tones.
     hint(ui, scene, &layout);
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
@@ -179,7 +180,7 @@ fn handle(
     let response = ui
         .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    let is_held = scene.grab.is_some_and(|grab| grab.slot == slot);
+    let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Tone(slot));
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, tone.position_m * 1e3, &name));
     if response.is_pointer_button_down_on()
@@ -188,7 +189,7 @@ fn handle(
     {
         response.request_focus();
         intents.push(Intent::Select(slot));
-        intents.push(Intent::Grab(Grab { slot, axis: layout.axis, offset: pointer.x - x }));
+        intents.push(Intent::Grab(Grab { held: Held::Tone(slot), axis: layout.axis, offset: pointer.x - x }));
     }
     if response.has_focus() {
         // Left and right move the boundary instead of the focus.
@@ -199,7 +200,9 @@ fn handle(
             intents.push(Intent::Select(slot));
         }
     }
-    by_assistive_technology(ui, id, slot, tone.position_m, intents);
+    if let Some(position_m) = by_assistive_technology(ui, id, tone.position_m) {
+        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+    }
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
@@ -231,8 +234,8 @@ fn end_of_span((start, end): (f64, f64), position_m: f64) -> &'static str {
     }
 }
 
-/// Increment, decrement and set-value from a screen reader or a switch.
-fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, slot: u8, position_m: f64, intents: &mut Intents) {
+/// The place after increment, decrement and set-value from a screen reader or a switch, in metres.
+pub(super) fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, position_m: f64) -> Option<f64> {
     use egui::accesskit::{Action, ActionData};
     let mut to = None;
     ui.input(|input| {
@@ -247,9 +250,7 @@ fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, slot: u8, position_m: f6
             }
         }
     });
-    if let Some(position_m) = to {
-        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
-    }
+    to
 }
 
 #[derive(Clone, Copy)]

@@ -3,6 +3,7 @@
 mod background;
 mod drive_time;
 mod exports;
+mod finger;
 mod focus;
 mod hang;
 mod notices;

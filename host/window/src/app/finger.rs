@@ -1,0 +1,69 @@
+//! The finger on the plate: a choice of the view, like the colours. It is not part of the setup, so it is neither saved
+//! nor undone, nothing of it is sent, and the drive does not change.
+
+use super::App;
+use slipline_model::field::steady_field::{SteadyField, SteadyTone};
+use slipline_model::field::touch::{Met, Touch, Trace, refusal};
+use slipline_plate::Finger;
+
+/// The state of the finger.
+#[derive(Default)]
+pub(super) struct OnPlate {
+    /// Which finger, if any.
+    pub(super) touch: Touch,
+    /// Where it is or was last, in metres from the driven end.
+    pub(super) place_m: f64,
+    /// What it has met.
+    pub(super) trace: Trace,
+}
+
+impl App {
+    /// The finger on the plate, if there is one: on a plate that cannot be touched there is none.
+    pub(super) fn finger(&self) -> Option<Finger> {
+        let plate = &self.setup.plate;
+        let finger = self.finger.touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
+        refusal(plate).is_none().then_some(finger)
+    }
+
+    /// Puts a finger on the plate or takes it off. It begins where the selected tone has its peak.
+    pub(super) fn touch(&mut self, touch: Touch) {
+        if self.finger.touch == Touch::None {
+            self.finger.trace.clear();
+            let wave = self.predicted.tone(self.selected);
+            let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
+            self.finger.place_m = peak_m.unwrap_or(0.5 * self.setup.plate.length_m());
+        }
+        self.finger.touch = touch;
+        self.solve_touched();
+        if touch == Touch::None {
+            self.resume_sheet();
+        }
+    }
+
+    /// Moves the finger to a place, in metres from the driven end; it stays on the plate.
+    pub(super) fn move_finger(&mut self, place_m: f64) {
+        if place_m.is_finite() {
+            self.finger.place_m = place_m.clamp(0.0, self.setup.plate.length_m());
+            self.solve_touched();
+        }
+    }
+
+    /// Solves again what is predicted and what sounds.
+    fn solve_touched(&mut self) {
+        self.predict();
+        let finger = self.finger();
+        if self.sounding_on_screen().is_some()
+            && let Some(sounding) = &mut self.playback.sounding
+        {
+            let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
+            sounding.steady = SteadyField::solve_touched(&sounding.plate, &tones, finger.as_ref());
+        }
+    }
+
+    /// Adds what the finger meets now to its trace; called only while the wave moves.
+    pub(super) fn trace_finger(&mut self) {
+        let (Some(finger), Some(field)) = (self.finger(), self.sounding_on_screen()) else { return };
+        let met = Met::of(field, &self.setup.plate, &finger, self.playback.wave_time_s);
+        self.finger.trace.push(met);
+    }
+}

@@ -1,0 +1,95 @@
+//! The finger on the plate: it moves by pointer and keys, the field under it follows, and nothing of it is sent.
+
+use crate::background::open_plate;
+use crate::test_app::TestApp;
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_link::Request;
+
+fn choose(app: &mut TestApp, name: &str) {
+    app.window.get_by_role_and_label(Role::RadioButton, name).click_accesskit();
+    app.wait(100);
+}
+
+fn finger_mm(app: &TestApp) -> f64 {
+    let finger = app.window.get_by_role_and_label(Role::Slider, "Finger");
+    finger.accesskit_node().numeric_value().unwrap()
+}
+
+/// The peak height that the boundary panel shows, in micrometres.
+fn height(app: &TestApp) -> String {
+    let texts = crate::plots::words(app.window.output());
+    let (_, name) = texts.iter().find(|(text, _)| text == "Peak height").unwrap().clone();
+    let beside = texts
+        .iter()
+        .find(|(_, at)| (at.center().y - name.center().y).abs() < 4.0 && at.left() > name.right());
+    beside.unwrap().0.clone()
+}
+
+#[test]
+fn a_finger_is_dragged_along_the_plate_and_the_field_follows() {
+    let mut app = TestApp::driving();
+    let untouched = height(&app);
+    assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_none());
+    app.take_sent();
+    let before = app.setup_text();
+    choose(&mut app, "Firm");
+    let on_peak = height(&app);
+    assert_ne!(on_peak, untouched);
+    assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
+    let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
+    let place_mm = finger_mm(&app);
+    app.window.drag_at(finger);
+    app.window.step();
+    app.window.hover_at(finger - vec2(120.0, 0.0));
+    app.wait(50);
+    assert!(finger_mm(&app) < place_mm - 40.0, "{place_mm} {}", finger_mm(&app));
+    assert_ne!(height(&app), on_peak);
+    app.window.hover_at(finger - vec2(2000.0, 0.0));
+    app.wait(50);
+    assert_eq!(finger_mm(&app), 0.0, "it stays on the plate");
+    app.window.drop_at(finger - vec2(2000.0, 0.0));
+    app.wait(50);
+    choose(&mut app, "None");
+    assert_eq!(height(&app), untouched);
+    assert_eq!(app.setup_text(), before, "the finger is no part of the setup");
+    assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Drive(_))));
+}
+
+#[test]
+fn the_keys_move_the_finger_and_not_the_boundary() {
+    let mut app = TestApp::driving();
+    choose(&mut app, "Light");
+    let (place_mm, boundary_mm) = (finger_mm(&app), crate::boundary_mm(&app));
+    app.window.get_by_role_and_label(Role::Slider, "Finger").focus();
+    app.wait(50);
+    app.window.key_press(Key::ArrowRight);
+    app.wait(50);
+    assert!((finger_mm(&app) - place_mm - 1.0).abs() < 1e-6);
+    assert_eq!(crate::boundary_mm(&app), boundary_mm);
+}
+
+#[test]
+fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
+    let mut app = TestApp::driving();
+    let said = |app: &TestApp, text: &str| {
+        crate::plots::words(app.window.output()).iter().any(|(word, _)| word == text)
+    };
+    assert!(said(&app, "simulated plate") && said(&app, "predicted"));
+    choose(&mut app, "Firm");
+    assert!(said(&app, "simulated plate: not with a finger yet") && said(&app, "predicted with the finger"));
+    assert!(!said(&app, "simulated plate"));
+}
+
+#[test]
+fn a_plate_of_unknown_weight_takes_no_finger_and_says_why() {
+    let mut app = TestApp::driving();
+    choose(&mut app, "Firm");
+    let text = slipline_plate::preset("membrane").unwrap().to_toml();
+    open_plate(&mut app, text.replace("tension_n_per_m = 40.0\n", ""));
+    app.wait(500);
+    assert!(app.window.get_by_role_and_label(Role::RadioButton, "Firm").accesskit_node().is_disabled());
+    assert!(app.window.query_by_label_contains("tension_n_per_m").is_some());
+    assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_none());
+}
