@@ -175,6 +175,11 @@ impl App {
         }
     }
 
+    /// Forgets the sheet's state, because it is no longer that of the drive.
+    pub(super) fn drop_sheet(&mut self) {
+        self.background.frame = None;
+    }
+
     /// Runs the sheet on, after the finger was taken off.
     pub(super) fn resume_sheet(&mut self) {
         if let Some(job) = self.background.driven.clone() {

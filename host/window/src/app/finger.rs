@@ -48,6 +48,17 @@ impl App {
         }
     }
 
+    /// Does something on the plate without the finger, and puts the finger back.
+    pub(super) fn without_finger(&mut self, act: impl FnOnce(&mut Self)) {
+        let touch = std::mem::take(&mut self.finger.touch);
+        // The sheet did not follow the drive while the plate was touched.
+        self.drop_sheet();
+        self.solve_touched();
+        act(self);
+        self.finger.touch = touch;
+        self.solve_touched();
+    }
+
     /// Solves again what is predicted and what sounds.
     fn solve_touched(&mut self) {
         self.predict();

@@ -161,6 +161,11 @@ impl App {
     }
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
+        if matches!(what, Export::Figure(_) | Export::Envelope) && self.finger().is_some() {
+            // The simulated plate beside the prediction has no finger.
+            self.notices.tell("The export shows the plate without the finger".to_owned());
+            return self.without_finger(|app| app.export(ctx, what));
+        }
         match what {
             Export::Figure(format) => {
                 let Some(full_peak_m) = self.full_peak_m() else { return self.fail_unknown() };
