@@ -151,7 +151,8 @@ fn any_model() -> impl Strategy<Value = (Model, f64)> {
     prop_oneof![
         (4.0..40.0, 0.03..0.08)
             .prop_map(|(speed, w)| (Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: None }, w)),
-        (5e-4..3e-3, 0.015..0.03, any::<bool>()).prop_map(|(thickness_m, w, is_clamped)| {
+        // Between clamped edges the line has a law of its own, see `TimeDomainLine::new`.
+        (5e-4..3e-3, 0.015..0.03).prop_map(|(thickness_m, w)| {
             let sheet = Bending {
                 youngs_modulus_pa: 70e9,
                 poisson_ratio: 0.33,
@@ -159,7 +160,7 @@ fn any_model() -> impl Strategy<Value = (Model, f64)> {
                 thickness_m,
                 thick_plate: false,
             };
-            (if is_clamped { Model::BendingClamped(sheet) } else { Model::BendingSupported(sheet) }, w)
+            (Model::BendingSupported(sheet), w)
         }),
     ]
 }

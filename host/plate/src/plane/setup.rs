@@ -83,7 +83,8 @@ pub enum End {
 /// use slipline_plate::{LeadIn, plane, preset};
 ///
 /// let plate = preset("al-bending").unwrap();
-/// let damper = plane::Setup::of(&plate);
+/// let end = plane::End::Damper { ratio: 1.0, at_frequency_hz: 28e3 };
+/// let damper = plane::Setup { end, lead_in: None, finger: None };
 /// let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.0 };
 /// let soft = plane::End::Source {
 ///     impedance: plane::Impedance::default(),

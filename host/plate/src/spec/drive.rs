@@ -5,7 +5,7 @@
 use crate::spec::error::PlateError;
 use crate::spec::limits;
 use crate::spec::model::Model;
-use crate::spec::source::{EndSlope, Source};
+use crate::spec::source::{BENDING_ONLY, EndSlope, Source, refused};
 
 /// Boundary condition at x = 0 for a drive of 1; the solvers' amplitudes are relative to the drive.
 ///
@@ -65,11 +65,4 @@ impl DriveEnd {
             | Self::Source(Source { at_frequency_hz, .. }) => Some(*at_frequency_hz),
         }
     }
-}
-
-/// Why a slope or a lead-in is refused for membranes and shear waves.
-pub(super) const BENDING_ONLY: &str = "only the end of a plate in bending has a slope";
-
-pub(super) fn refused(field: &str, reason: &str) -> PlateError {
-    PlateError::Unexpected { field: field.to_owned(), reason: reason.to_owned() }
 }

@@ -1,6 +1,5 @@
 //! A source with a mechanical impedance of its own, and the damped lead-in behind it.
 
-use crate::spec::drive::{BENDING_ONLY, refused};
 use crate::spec::error::PlateError;
 use crate::spec::limits;
 use crate::spec::model::Model;
@@ -97,4 +96,11 @@ impl LeadIn {
         let field = "drive.lead_in.end_resistance_n_s_per_m";
         limits::MECHANICAL_RESISTANCE.check(field, self.end_resistance_n_s_per_m)
     }
+}
+
+/// Why a slope or a lead-in is refused for membranes and shear waves.
+pub(super) const BENDING_ONLY: &str = "only the end of a plate in bending has a slope";
+
+pub(super) fn refused(field: &str, reason: &str) -> PlateError {
+    PlateError::Unexpected { field: field.to_owned(), reason: reason.to_owned() }
 }

@@ -1,6 +1,6 @@
 //! The finger on the plate: its choice, and its handle on the stage.
 
-use super::{Scene, ViewState, stage, theme};
+use super::{Scene, ViewState, handle, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{self, CornerRadius, CursorIcon, Rect, RichText, Sense, Stroke, StrokeKind, pos2, vec2};
@@ -71,7 +71,7 @@ pub(super) fn handle(
         ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
         view.focused_finger = Some(id);
     }
-    if let Some(place_m) = stage::by_assistive_technology(ui, id, finger.place_m) {
+    if let Some(place_m) = handle::by_assistive_technology(ui, id, finger.place_m) {
         intents.push(Intent::MoveFinger(place_m));
     }
     paint(ui, rect, centre, contact, response.hovered() || is_held, response.has_focus());

@@ -17,6 +17,7 @@ mod envelope;
 mod felt_strip;
 mod field;
 mod finger;
+mod handle;
 mod log;
 mod meters;
 mod notices;

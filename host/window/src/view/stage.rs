@@ -1,6 +1,6 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
-use super::{Scene, ViewState, envelope, felt_strip, finger, plate, theme};
+use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{
@@ -200,7 +200,7 @@ fn handle(
             intents.push(Intent::Select(slot));
         }
     }
-    if let Some(position_m) = by_assistive_technology(ui, id, tone.position_m) {
+    if let Some(position_m) = handle::by_assistive_technology(ui, id, tone.position_m) {
         intents.push(Intent::Edit(Edit::Move { slot, position_m }));
     }
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
@@ -232,25 +232,6 @@ fn end_of_span((start, end): (f64, f64), position_m: f64) -> &'static str {
         x_m if x_m >= end => "   the span ends here",
         _ => "",
     }
-}
-
-/// The place after increment, decrement and set-value from a screen reader or a switch, in metres.
-pub(super) fn by_assistive_technology(ui: &egui::Ui, id: egui::Id, position_m: f64) -> Option<f64> {
-    use egui::accesskit::{Action, ActionData};
-    let mut to = None;
-    ui.input(|input| {
-        let steps = input.num_accesskit_action_requests(id, Action::Increment) as f64
-            - input.num_accesskit_action_requests(id, Action::Decrement) as f64;
-        if steps != 0.0 {
-            to = Some(position_m + steps * 1e-3);
-        }
-        for request in input.accesskit_action_requests(id, Action::SetValue) {
-            if let Some(ActionData::NumericValue(mm)) = request.data {
-                to = Some(mm * 1e-3);
-            }
-        }
-    });
-    to
 }
 
 #[derive(Clone, Copy)]

@@ -4,7 +4,7 @@
 //! e^(-gamma (l - y)), each at most 1 on the strip, with k^2 = K^2 - q^2 and gamma^2 = K^2 + q^2. At the far end the
 //! moment is zero and a damper takes the force.
 
-use super::supported::Strip;
+use super::strip::Strip;
 use crate::spec::source::LeadIn;
 use nalgebra::{Matrix2, Matrix4, Vector4};
 use num_complex::Complex64;

@@ -19,6 +19,7 @@ mod lead_in;
 mod near_field;
 mod one_mode;
 mod reflection;
+mod strip;
 mod strip_waves;
 mod supported;
 
