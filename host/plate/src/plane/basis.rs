@@ -66,21 +66,6 @@ pub(super) fn along(t: f64, h: f64, unit: f64) -> [[f64; 3]; 4] {
     [jet(1.0, 0.0, -3.0, 2.0), jet(0.0, u, -2.0 * u, u), jet(0.0, 0.0, 3.0, -2.0), jet(0.0, 0.0, -u, u)]
 }
 
-/// Nodes and weights of the Gauss-Legendre rule with `count` nodes on 0..1; the roots by Newton's method.
-pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
-    (0..count)
-        .map(|i| {
-            let mut b = (std::f64::consts::PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
-            for _ in 0..8 {
-                let p = legendre(count, b);
-                b -= p.value / p.slope;
-            }
-            let slope = legendre(count, b).slope;
-            (0.5 - 0.5 * b, 1.0 / ((1.0 - b * b) * slope * slope))
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -113,13 +98,5 @@ mod tests {
     fn the_slopes_of_an_element_are_counted_in_the_unit() {
         let (start, end) = (along(0.0, 0.2, 0.3), along(1.0, 0.2, 0.3));
         assert!((start[1][1] * 0.3 - 1.0).abs() < 1e-12 && (end[3][1] * 0.3 - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn gauss_integrates_polynomials() {
-        for power in 0..9 {
-            let sum: f64 = gauss(5).iter().map(|(place, weight)| weight * place.powi(power)).sum();
-            assert!((sum - 1.0 / f64::from(power + 1)).abs() < 1e-13, "power {power}: {sum}");
-        }
     }
 }

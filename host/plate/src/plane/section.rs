@@ -12,8 +12,9 @@
 //! A membrane has the energy T (w_x v_x + w_z v_z), a plate D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx -
 //! 2 w_xz v_xz)), both per area; T and D are divided out here.
 
-use super::basis::{Edges, Jet, across, gauss};
+use super::basis::{Edges, Jet, across};
 use crate::spec::taper::LogWidth;
+use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 

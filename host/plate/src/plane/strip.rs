@@ -135,8 +135,8 @@ const ORDERS_OF_A_MODE: usize = 7;
 
 #[cfg(test)]
 mod tests {
-    use super::super::basis::gauss;
     use super::*;
+    use crate::special::gauss::gauss;
 
     const W: f64 = 0.02;
 

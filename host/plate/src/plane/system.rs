@@ -5,9 +5,10 @@
 //! couples at most `4 orders` neighbours: the matrix is a band.
 
 use super::band_matrix::BandMatrix;
-use super::basis::{along, gauss};
+use super::basis::along;
 use super::outline::Outline;
 use super::section::Section;
+use crate::special::gauss::gauss;
 use num_complex::Complex64;
 
 /// Points per element of the integration along x: exact for the products of two cubics.

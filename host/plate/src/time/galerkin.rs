@@ -7,6 +7,7 @@
 //! once.
 
 use crate::spec::plate::WidthMode;
+use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Exponents of decay over which the taper is continued beyond the plate's end. A wave that returns from there has
@@ -59,13 +60,12 @@ fn project(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> P
     let (count, reach) = size(width_mode, frequency_hz);
     let width = &width_mode.plate.width;
     let log_start = width.at(0.0).value;
-    let (node, weight) = gauss_legendre(2 * count + 24);
     let mut stiffness = DMatrix::zeros(count, count);
     let mut mass = DMatrix::zeros(count, count);
-    for (xi, weight) in node.iter().zip(&weight) {
-        let x = 0.5 * reach * (xi + 1.0);
-        let (value, slope) = legendre(*xi, count, reach);
-        let local = 0.5 * reach * weight * (width.at(x).value - log_start).exp();
+    for (share, weight) in gauss(2 * count + 24) {
+        let x = reach * share;
+        let (value, slope) = legendre(2.0 * share - 1.0, count, reach);
+        let local = reach * weight * (width.at(x).value - log_start).exp();
         let barrier = local * width_mode.width_term(x);
         mass.ger(local, &value, &value, 1.0);
         stiffness.ger(local, &slope, &slope, 1.0);
@@ -164,25 +164,4 @@ fn legendre(xi: f64, count: usize, reach: f64) -> (DVector<f64>, DVector<f64>) {
         (before, now, slope_before, slope_now) = (now, next, slope_now, slope_next);
     }
     (value, slope)
-}
-
-/// Nodes and weights of the Gauss-Legendre rule on -1..1; the roots by Newton's method.
-fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
-    let n = count as f64;
-    (0..count)
-        .map(|i| {
-            let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
-            let mut derivative = 1.0;
-            for _ in 0..8 {
-                let (mut before, mut now) = (0.0, 1.0);
-                for k in 0..count {
-                    let k = k as f64;
-                    (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
-                }
-                derivative = n * (x * now - before) / (x * x - 1.0);
-                x -= now / derivative;
-            }
-            (-x, 2.0 / ((1.0 - x * x) * derivative * derivative))
-        })
-        .unzip()
 }

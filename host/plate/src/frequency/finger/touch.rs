@@ -10,13 +10,13 @@ use super::Finger;
 use super::contact::{BANDS, COLUMNS, Contact, means_across, strip_half_width};
 use crate::frequency::numerov::{self, Grid, TwoSolutions};
 use crate::spec::plate::Plate;
+use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Nodes and weights of Gauss's rule with three points on 0..1.
-const GAUSS: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+/// Places of Gauss's rule on each stretch.
+const PLACES: usize = 3;
 
 /// f at the grid points on the plate, relative to the drive, with `finger` on it.
 pub(crate) fn touched(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz: f64) -> Vec<Complex64> {
@@ -65,6 +65,7 @@ impl<'a> Touch<'a> {
             let middle = 0.5 * (contact.column_m(column) + contact.column_m(column + 1));
             means_across(finger.half_across(plate, middle), strip_half_width(plate, middle), 1)
         });
+        let rule = gauss(PLACES);
         let mut stretches = Vec::new();
         let mut own = [Complex64::ZERO; COLUMNS];
         for (column, own) in own.iter_mut().enumerate() {
@@ -75,8 +76,8 @@ impl<'a> Touch<'a> {
                 let to = (((from / step_m + 1e-6).floor() + 1.0) * step_m).min(ends);
                 let mut stretch =
                     Stretch { column, ends_m: to, left: Complex64::ZERO, right: Complex64::ZERO };
-                for (node, weight) in GAUSS {
-                    let x = from + node * (to - from);
+                for &(place, weight) in &rule {
+                    let x = from + place * (to - from);
                     let weight = weight * (to - from) / (ends - begins);
                     stretch.left += weight * interpolated(&solutions.left, step_m, x);
                     stretch.right += weight * interpolated(&solutions.right, step_m, x);
@@ -105,7 +106,7 @@ impl<'a> Touch<'a> {
     fn push_back(&mut self, own: &[Complex64; COLUMNS], plate: &Plate, finger: &Finger, frequency_hz: f64) {
         let near = self.contact.compliance();
         let wave = self.wave_compliance();
-        let per_area = finger.impedance_n_s_per_m(frequency_hz) / finger.contact_m.powi(2);
+        let per_area = -finger.dynamic_stiffness(TAU * frequency_hz) / finger.contact_m.powi(2);
         let cells = COLUMNS * BANDS;
         let mut matrix = DMatrix::<Complex64>::identity(cells, cells);
         let mut right = DVector::<Complex64>::zeros(cells);
@@ -113,7 +114,7 @@ impl<'a> Touch<'a> {
             let width = self.contact.column_m(column + 1) - self.contact.column_m(column);
             let middle = self.contact.column_m(column) + 0.5 * width;
             let area = width * 2.0 * finger.half_across(plate, middle) / BANDS as f64;
-            let push = Complex64::I * TAU * frequency_hz * per_area * area;
+            let push = per_area * area;
             for (band, mean) in self.mean[column].iter().enumerate() {
                 let row = column * BANDS + band;
                 right[row] = push * own[column] * *mean;

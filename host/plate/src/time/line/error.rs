@@ -1,0 +1,45 @@
+//! Why a line could not be made.
+
+use crate::frequency::error::RespondError;
+use crate::quantity::OutOfRange;
+use crate::spec::sample_rate::SampleRateError;
+use thiserror::Error;
+
+/// Largest error of a rational fit of the field, relative to the largest amplitude at the same frequency.
+pub(super) const FIT_ERROR_MAX: f64 = 5e-3;
+
+/// Why a line could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LineError {
+    /// The sample rate cannot carry the plate's band.
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
+    /// The actuator is a measured curve. Its straight pieces have corners, which no sum of resonances has.
+    #[error(
+        "{plate}: a plate in the time domain cannot have a measured curve of the actuator: give a resonator"
+    )]
+    MeasuredActuator {
+        /// Name of the plate.
+        plate: String,
+    },
+    /// The end of a clamped plate has a near field. It belongs to the exact law of the strip, which a line does not have.
+    #[error(
+        "{plate}: a clamped plate in the time domain cannot have a source or a slope at its driven end: give end = \"displacement\", \"force\" or \"resistance\" without a slope"
+    )]
+    ClampedEnd {
+        /// Name of the plate.
+        plate: String,
+    },
+    /// The number of positions or the width mode is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// A finger that the plate cannot have.
+    #[error(transparent)]
+    Finger(RespondError),
+    /// The field over the band is no sum of decaying resonances.
+    #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, FIT_ERROR_MAX * 100.0)]
+    Unfit {
+        /// Largest error, relative to the largest amplitude at the same frequency.
+        error: f64,
+    },
+}
