@@ -3,7 +3,7 @@
 
 use super::App;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
-use slipline_model::field::touch::{Met, Touch, Trace, refusal};
+use slipline_model::field::touch::{Touch, refusal};
 use slipline_plate::Finger;
 
 /// The state of the finger.
@@ -13,8 +13,6 @@ pub(super) struct OnPlate {
     pub(super) touch: Touch,
     /// Where it is or was last, in metres from the driven end.
     pub(super) place_m: f64,
-    /// What it has met.
-    pub(super) trace: Trace,
 }
 
 impl App {
@@ -28,7 +26,6 @@ impl App {
     /// Puts a finger on the plate or takes it off. It begins where the selected tone has its peak.
     pub(super) fn touch(&mut self, touch: Touch) {
         if self.finger.touch == Touch::None {
-            self.finger.trace.clear();
             let wave = self.predicted.tone(self.selected);
             let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
             self.finger.place_m = peak_m.unwrap_or(0.5 * self.setup.plate.length_m());
@@ -69,12 +66,5 @@ impl App {
             let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
             sounding.steady = SteadyField::solve_touched(&sounding.plate, &tones, finger.as_ref());
         }
-    }
-
-    /// Adds what the finger meets now to its trace; called only while the wave moves.
-    pub(super) fn trace_finger(&mut self) {
-        let (Some(finger), Some(field)) = (self.finger(), self.sounding_on_screen()) else { return };
-        let met = Met::of(field, &self.setup.plate, &finger, self.playback.wave_time_s);
-        self.finger.trace.push(met);
     }
 }

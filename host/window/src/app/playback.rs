@@ -124,7 +124,6 @@ impl App {
         if self.settings.animate {
             let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
             self.playback.wave_time_s += step;
-            self.trace_finger();
             self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {
