@@ -1,39 +1,20 @@
 //! The driven end of a clamped plate in bending, with all waves of its strip: what an end without loss and a lead-in must
-//! do whatever the numbers, and
-//! what the plate in two dimensions does.
+//! do whatever the numbers, and what the plate in two dimensions does.
 
 use slipline_plate::{
-    Bending, Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, Taper, plane,
+    Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, plane, preset,
     reflection, respond,
 };
 
 /// From just above the cut-off to where the next symmetric width mode can leave the end, which would take power with it.
 const FREQUENCIES_HZ: [f64; 4] = [8e3, 15e3, 28e3, 36e3];
 
-/// An aluminium plate of 2 mm between clamped edges.
+/// The aluminium plate of 2 mm between clamped edges.
 fn plate(drive_end: DriveEnd, loss_factor: f64) -> Plate {
-    Plate::new(PlateSpec {
-        name: "clamped".to_owned(),
-        description: String::new(),
-        taper: Taper::Exponential { half_width_m: 0.02, rate_per_m: 4.62 },
-        length_m: 0.34,
-        model: Model::BendingClamped(Bending {
-            youngs_modulus_pa: 70e9,
-            poisson_ratio: 0.33,
-            density_kg_per_m3: 2700.0,
-            thickness_m: 0.002,
-            thick_plate: false,
-        }),
-        loss_factor,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        drive_end,
-        actuator: None,
-        full_scale_m: 1e-6,
-        span_start_m: 0.05,
-        span_end_m: 0.25,
-    })
-    .expect("a valid plate")
+    let supported = preset("al-bending-displacement").expect("a preset").spec().clone();
+    let model = Model::BendingClamped(supported.model.bending().expect("bending").clone());
+    let spec = PlateSpec { model, loss_factor, drive_end, span_start_m: 0.05, span_end_m: 0.25, ..supported };
+    Plate::new(spec).expect("a valid plate")
 }
 
 /// A source of `resistance` times Z at 28 kHz, with a free slope.

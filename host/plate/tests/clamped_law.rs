@@ -1,32 +1,19 @@
 //! Clamped plates in bending: the one-mode equation with the strip's exact law against the plate in two dimensions.
 
-use slipline_plate::{
-    Bending, Complex64, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, plane, respond,
-};
+use slipline_plate::{Complex64, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, plane, preset, respond};
 
 /// An aluminium plate of 2 mm between clamped edges, moved at x = 0.
 fn plate(half_width_m: f64, rate_per_m: f64, loss_factor: f64) -> Plate {
     let length_m = 1.6 / rate_per_m;
+    let supported = preset("al-bending-displacement").expect("a preset").spec().clone();
     Plate::new(PlateSpec {
-        name: "clamped".to_owned(),
-        description: String::new(),
         taper: Taper::Exponential { half_width_m, rate_per_m },
         length_m,
-        model: Model::BendingClamped(Bending {
-            youngs_modulus_pa: 70e9,
-            poisson_ratio: 0.33,
-            density_kg_per_m3: 2700.0,
-            thickness_m: 0.002,
-            thick_plate: false,
-        }),
+        model: Model::BendingClamped(supported.model.bending().expect("bending").clone()),
         loss_factor,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        drive_end: DriveEnd::Displacement,
-        actuator: None,
-        full_scale_m: 1e-6,
         span_start_m: 0.1 * length_m,
         span_end_m: 0.9 * length_m,
+        ..supported
     })
     .expect("a valid plate")
 }
