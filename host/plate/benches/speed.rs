@@ -4,6 +4,7 @@
 //! `cargo bench -p slipline-plate --bench speed` prints it; with `-- --lines` as tab-separated lines:
 //! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
 
+use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
 use slipline_plate::{
@@ -55,6 +56,7 @@ fn main() {
     let report = Report { lines: has("--lines"), repeat };
     lattice(&report);
     frequency_domain(&report);
+    lights(&report);
     time_lines(&report);
     sheets(&report);
 }
@@ -109,6 +111,26 @@ fn many_frequencies(report: &Report, problem: &str, plate: &Plate) {
     });
     let milliseconds = time.as_secs_f64() * 1e3;
     report.row(problem, "slipline 1", milliseconds, "ms", check, "");
+}
+
+/// All lights of each preset over its span, from the plate on: what a user waits for.
+fn lights(report: &Report) {
+    for preset in presets() {
+        let Some(plate) = preset.plate() else { continue };
+        let mut check = 0.0;
+        let time = report.fastest(|| {
+            let span = Checker::new(&plate, Conditions::default()).and_then(|checker| checker.over_span());
+            check = span.map_or(f64::NAN, |span| span.lights.iter().filter_map(|light| light.value).sum());
+        });
+        report.row(
+            &format!("lights {}", preset.name),
+            "slipline 1",
+            time.as_secs_f64() * 1e3,
+            "ms",
+            check,
+            "",
+        );
+    }
 }
 
 /// Modal lines of the ultrasonic plate at 400 kS/s: how many times faster than the plate itself.

@@ -3,11 +3,18 @@
 use super::conditions::Conditions;
 use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
-use super::lights::{drive, shape, sound, thickness, touch, wave};
-use super::prepared::{Prepared, SPAN_PLACES, places};
+use super::levels::SiteLevels;
+use super::lights::{actuator, drive, sensitivity, shape, sound, thickness, touch, wave};
+use super::prepared::{AT_ONCE, Prepared, SPAN_PLACES, places};
 use super::report::Report;
+use crate::frequency::Response;
+use crate::frequency::respond::{check_frequency, respond_each};
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
+use crate::table::TableError;
+
+/// Points of the computed amplitude; the solver's own grid is finer where needed.
+const POINTS: usize = 513;
 
 /// A plate prepared for checks. Preparing takes most of the time: make it once and use it for many boundaries.
 #[derive(Debug)]
@@ -69,13 +76,15 @@ impl Checker {
     /// [`CheckError::Boundary`] if `boundary_m` is not 0.001 to 1 of the plate's length, [`CheckError::Table`] if the
     /// plate has no amplitude at its frequency.
     pub fn at(&self, boundary_m: f64) -> Result<Report, CheckError> {
-        let findings = self.findings(boundary_m)?;
+        on_plate(self.plate(), "boundary", boundary_m)?;
         let frequency_hz = self.plate().frequency_for_boundary_hz(boundary_m);
+        let sites = self.sites(&[boundary_m])?;
+        let findings = sites.iter().flat_map(findings);
         Ok(Report {
             plate: self.plate().name().to_owned(),
             boundary_m: Some(boundary_m),
             frequency_hz: (frequency_hz, frequency_hz),
-            lights: findings.into_iter().map(|finding| finding.light).collect(),
+            lights: findings.map(|finding| finding.light).collect(),
         })
     }
 
@@ -94,16 +103,22 @@ impl Checker {
     /// As [`Checker::at`], and [`CheckError::Stopped`].
     pub fn over_span_watched(&self, progress: &mut Progress<'_>) -> Result<Report, CheckError> {
         let mut worst: Vec<Finding> = Vec::new();
-        for (number, x) in places(self.plate(), SPAN_PLACES).enumerate() {
-            progress.at(number as f64 / SPAN_PLACES as f64)?;
-            let found = self.findings(x)?;
-            if worst.is_empty() {
-                worst = found;
-                continue;
-            }
-            for (kept, new) in worst.iter_mut().zip(found) {
-                if (new.light.colour, new.severity) > (kept.light.colour, kept.severity) {
-                    *kept = new;
+        let boundaries_m: Vec<f64> = places(self.plate(), SPAN_PLACES).collect();
+        let mut done = 0;
+        for group in boundaries_m.chunks(AT_ONCE) {
+            progress.at(done as f64 / SPAN_PLACES as f64)?;
+            for site in self.sites(group)? {
+                progress.at(done as f64 / SPAN_PLACES as f64)?;
+                done += 1;
+                let found = findings(&site);
+                if worst.is_empty() {
+                    worst = found;
+                    continue;
+                }
+                for (kept, new) in worst.iter_mut().zip(found) {
+                    if (new.light.colour, new.severity) > (kept.light.colour, kept.severity) {
+                        *kept = new;
+                    }
                 }
             }
         }
@@ -115,29 +130,50 @@ impl Checker {
         })
     }
 
-    fn findings(&self, boundary_m: f64) -> Result<Vec<Finding>, CheckError> {
-        on_plate(self.plate(), "boundary", boundary_m)?;
-        let frequency_hz = self.plate().frequency_for_boundary_hz(boundary_m);
-        let site = Site { prepared: &self.prepared, plate: self.plate(), boundary_m, frequency_hz };
-        let response = wave::response(&site)?;
-        Ok(vec![
-            shape::slope_light(&site),
-            shape::curvature_light(&site),
-            shape::wavelengths_light(&site),
-            wave::loss_light(&site, &response),
-            wave::peak_light(&site, &response),
-            shape::edge_light(&site),
-            touch::width_light(&site),
-            touch::finger_load_light(&site),
-            shape::ghost_light(&site),
-            thickness::thin_plate_light(&site),
-            drive::match_light(&site),
-            drive::sensitivity_light(&site)?,
-            drive::actuator_light(&site),
-            drive::excursion_light(&site)?,
-            drive::resolution_light(&site)?,
-            sound::level_light(&site, &response),
-            sound::beat_light(&site),
-        ])
+    /// What the lights need at each boundary, computed for all of them together.
+    fn sites(&self, boundaries_m: &[f64]) -> Result<Vec<Site<'_>>, CheckError> {
+        let plate = self.plate();
+        let frequencies_hz: Vec<f64> =
+            boundaries_m.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
+        let responses = respond_each(plate, &frequencies_hz, POINTS).map_err(|_| {
+            let mut places = boundaries_m.iter().zip(&frequencies_hz);
+            let refused = places.find(|(_, frequency_hz)| check_frequency(plate, **frequency_hz).is_err());
+            let (position_m, frequency_hz) = refused.map_or((f64::NAN, f64::NAN), |(x, hz)| (*x, *hz));
+            TableError::Silent { position_m, frequency_hz }
+        })?;
+        let levels = self.prepared.variants.levels(&frequencies_hz)?;
+        let computed = boundaries_m.iter().zip(responses).zip(levels);
+        let site = |((&boundary_m, response), levels): ((&f64, Response), SiteLevels)| Site {
+            prepared: &self.prepared,
+            plate,
+            boundary_m,
+            frequency_hz: response.frequency_hz,
+            response,
+            levels,
+        };
+        Ok(computed.map(site).collect())
     }
+}
+
+/// All lights at one boundary.
+fn findings(site: &Site<'_>) -> Vec<Finding> {
+    vec![
+        shape::slope_light(site),
+        shape::curvature_light(site),
+        shape::wavelengths_light(site),
+        wave::loss_light(site),
+        wave::peak_light(site),
+        shape::edge_light(site),
+        touch::width_light(site),
+        touch::finger_load_light(site),
+        shape::ghost_light(site),
+        thickness::thin_plate_light(site),
+        drive::match_light(site),
+        sensitivity::sensitivity_light(site),
+        actuator::actuator_light(site),
+        actuator::excursion_light(site),
+        actuator::resolution_light(site),
+        sound::level_light(site),
+        sound::beat_light(site),
+    ]
 }

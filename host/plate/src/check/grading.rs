@@ -1,8 +1,10 @@
 //! Turns a number found at a boundary into a light with a colour and a sentence.
 
+use super::levels::SiteLevels;
 use super::prepared::Prepared;
 use super::report::{Colour, Light};
 use super::thresholds::Limits;
+use crate::frequency::Response;
 use crate::spec::plate::Plate;
 
 /// A light and its severity within its colour; over a span the light with the highest severity is kept.
@@ -11,12 +13,15 @@ pub(super) struct Finding {
     pub(super) severity: f64,
 }
 
-/// One boundary on a prepared plate: the input of every light.
+/// One boundary on a prepared plate and what was computed there: the input of every light.
 pub(super) struct Site<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) plate: &'a Plate,
     pub(super) boundary_m: f64,
     pub(super) frequency_hz: f64,
+    /// The amplitude over the plate at that frequency.
+    pub(super) response: Response,
+    pub(super) levels: SiteLevels,
 }
 
 impl Site<'_> {

@@ -7,7 +7,9 @@
 //!   lights/wave.rs   loss, peak
 //!   lights/thickness.rs  thin plate
 //!   lights/touch.rs  width, finger load
-//!   lights/drive.rs  actuator band, excursion, DAC resolution, drive match, sensitivity
+//!   lights/drive.rs  drive match
+//!   lights/sensitivity.rs  sensitivity
+//!   lights/actuator.rs  actuator band, excursion, DAC resolution
 //!   lights/sound.rs  sound level, beat
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.
@@ -16,6 +18,7 @@ mod checker;
 mod conditions;
 mod error;
 mod grading;
+mod levels;
 mod lights;
 mod prepared;
 mod report;
@@ -27,7 +30,6 @@ pub mod thresholds;
 pub use checker::Checker;
 pub use conditions::Conditions;
 pub use error::CheckError;
-pub use lights::drive::drive_ratio;
 pub use lights::shape::{edge_curvature, edge_slope, wavelengths};
 pub use lights::sound::{a_weighting_db, plane_wave_level_db};
 pub use lights::wave::loss_integral;

@@ -2,27 +2,25 @@
 
 use super::conditions::Conditions;
 use super::error::CheckError;
-use super::thresholds::LOSS_TOLERANCE;
+use super::levels::Variants;
+use crate::frequency::sweep::LANES;
 use crate::progress::Progress;
 use crate::spec::actuator::Actuator;
 use crate::spec::plate::Plate;
-use crate::table::level::{DriveToPeak, other_plates};
 use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
 pub const SPAN_PLACES: usize = 41;
+/// Boundaries that are computed together: as many as the solver takes at once.
+pub(super) const AT_ONCE: usize = LANES;
 
 /// The plate, its conditions and what follows from both for every boundary.
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) plate: Plate,
     pub(super) conditions: Conditions,
-    /// The plate with a wave speed 1 % and 0.5 % lower and higher.
-    pub(super) detuned: Vec<Plate>,
-    /// The plate with the lowest and the highest loss that it may have.
-    pub(super) lossy: Vec<Plate>,
-    /// The plate at the other wave speeds and losses within its tolerances, over which its table is levelled.
-    pub(super) others: Vec<Plate>,
+    /// The plate and what it may be instead.
+    pub(super) variants: Variants,
     /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
     pub(super) lowest_gain: f64,
     /// What the actuator's peak travel leaves of that level.
@@ -36,33 +34,26 @@ impl Prepared {
         progress: &mut Progress<'_>,
     ) -> Result<Self, CheckError> {
         conditions.validate(plate)?;
-        let drive_to_peak = DriveToPeak::new(plate, conditions.sample_rate_hz)?;
+        let variants = Variants::new(plate, conditions.sample_rate_hz)?;
         let mut lowest_gain = f64::INFINITY;
         // The travel per unit of peak.
         let mut largest_share: f64 = 0.0;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
-        let count = 2 * SPAN_PLACES - 1;
-        for (number, x) in places(plate, count).enumerate() {
-            progress.at(number as f64 / count as f64)?;
-            let frequency_hz = plate.frequency_for_boundary_hz(x);
-            let gain = drive_to_peak.level(frequency_hz)?.amplitude;
-            lowest_gain = lowest_gain.min(gain);
-            let share = resonator.and_then(|resonator| resonator.travel_share(frequency_hz));
-            largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
+        let frequencies_hz: Vec<f64> =
+            places(plate, 2 * SPAN_PLACES - 1).map(|x| plate.frequency_for_boundary_hz(x)).collect();
+        for (number, group) in frequencies_hz.chunks(AT_ONCE).enumerate() {
+            progress.at((number * AT_ONCE) as f64 / frequencies_hz.len() as f64)?;
+            for (&frequency_hz, level) in group.iter().zip(variants.nominal(group)?) {
+                let gain = level.amplitude;
+                lowest_gain = lowest_gain.min(gain);
+                let share = resonator.and_then(|resonator| resonator.travel_share(frequency_hz));
+                largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
+            }
         }
-        // At the end of a material's allowed range some of these speeds are not allowed.
-        let detuned =
-            [0.99, 0.995, 1.005, 1.01].iter().filter_map(|&f| plate.with_wave_speed(f).ok()).collect();
-        let loss_factor = 1.0 + plate.spec().loss_tolerance.unwrap_or(LOSS_TOLERANCE);
         Ok(Self {
             plate: plate.clone(),
             conditions,
-            detuned,
-            lossy: [loss_factor.recip(), loss_factor]
-                .iter()
-                .filter_map(|&f| plate.with_loss(f).ok())
-                .collect(),
-            others: other_plates(plate),
+            variants,
             lowest_gain,
             travel_scale: travel::scale(lowest_gain * largest_share),
         })

@@ -12,6 +12,8 @@
 //! condition at the driven end then gives the scale; its derivative is of fourth order, too.
 
 mod two_solutions;
+#[cfg(test)]
+pub(crate) mod work;
 
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::equation::Equation;
@@ -93,6 +95,8 @@ impl Grid {
         refinement: usize,
         law: Option<&Arc<StripTable>>,
     ) -> Self {
+        #[cfg(test)]
+        work::count(|work| work.grids += 1);
         let width_mode = plate.width_mode(mode);
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
@@ -223,6 +227,8 @@ struct Swept {
 
 impl Swept {
     fn of(grid: &Grid, at: At<'_>) -> Self {
+        #[cfg(test)]
+        work::count(|work| work.single += 1);
         let h2 = grid.step_m * grid.step_m / 12.0;
         let start = tail_start(grid, at);
         let q: Vec<Complex64> = (0..=start.max(2)).map(|i| grid.q(at, i)).collect();
@@ -308,6 +314,8 @@ pub(crate) fn solve_each(
     let mut g_im = vec![[0.0; LANES]; barrier.len()];
     let mut fields = vec![vec![Complex64::ZERO; grid.on_plate]; LANES];
     for (group, frequencies) in frequencies_hz.chunks(LANES).enumerate() {
+        #[cfg(test)]
+        work::count(|work| work.sweeps += 1);
         // A last group that is not full repeats its last frequency.
         let frequency: [f64; LANES] =
             std::array::from_fn(|lane| frequencies[lane.min(frequencies.len() - 1)]);

@@ -110,6 +110,27 @@ pub fn respond_batch(
     Ok(rows)
 }
 
+/// [`respond`] with [`Equation::Corrected`] at several frequencies, on one grid that is fine enough for all of them.
+pub(crate) fn respond_each(
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    points: usize,
+) -> Result<Vec<Response>, RespondError> {
+    for &frequency_hz in frequencies_hz {
+        check(plate, frequency_hz, points)?;
+    }
+    let step = plate.length_m() / (points - 1) as f64;
+    let finest =
+        frequencies_hz.iter().map(|&frequency_hz| numerov::refinement(plate, frequency_hz, step)).max();
+    let refinement = finest.unwrap_or(1);
+    let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
+    let mut responses = Vec::with_capacity(frequencies_hz.len());
+    numerov::solve_each(&grid, plate, frequencies_hz, |number, field| {
+        responses.push(Response::of(plate, frequencies_hz[number], points, refinement, field));
+    });
+    Ok(responses)
+}
+
 /// The frequencies that [`respond`] accepts, Hz: from the cut-off at the wide end to four times the frequency that
 /// turns at the plate's end. The upper limit bounds the number of wavelengths and so the work.
 pub fn respond_range(plate: &Plate) -> Range {

@@ -164,7 +164,7 @@ impl DriveTable {
     fn measure(
         &mut self,
         plate: &Plate,
-        drive_to_peak: &DriveToPeak<'_>,
+        drive_to_peak: &DriveToPeak,
         level: f64,
         progress: &mut Progress<'_>,
     ) -> Result<(), TableError> {

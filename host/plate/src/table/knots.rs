@@ -8,7 +8,7 @@ use super::level::{DriveToPeak, Level};
 /// A resonance is a local maximum of `levels` at `halves` (the `places` of the knots and the positions half-way between
 /// them) that stands 2 % above the mean of its neighbours.
 pub(super) fn move_onto_resonances(
-    drive_to_peak: &DriveToPeak<'_>,
+    drive_to_peak: &DriveToPeak,
     places: &[f64],
     halves: &[f64],
     levels: &[Level],

@@ -34,28 +34,29 @@ pub struct Level {
 }
 
 /// The gain from the DAC to the plate's peak, prepared for many frequencies of one plate.
-pub(crate) struct DriveToPeak<'a> {
-    pub(super) plate: &'a Plate,
+#[derive(Debug)]
+pub(crate) struct DriveToPeak {
+    pub(super) plate: Plate,
     grid: Grid,
     step_m: f64,
     sample_rate_hz: f64,
 }
 
-impl<'a> DriveToPeak<'a> {
-    pub(crate) fn new(plate: &'a Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
+impl DriveToPeak {
+    pub(crate) fn new(plate: &Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
         sample_rate::check(plate, sample_rate_hz)?;
         Ok(Self::unchecked(plate, sample_rate_hz))
     }
 
     /// As [`DriveToPeak::new`], for a plate whose band may end a little above what the sample rate carries.
-    pub(crate) fn unchecked(plate: &'a Plate, sample_rate_hz: f64) -> Self {
+    pub(crate) fn unchecked(plate: &Plate, sample_rate_hz: f64) -> Self {
         let highest_hz = plate.band_hz().1;
         // An error of 1e-6 of the amplitude, 1e-5 dB, is enough here: the grid is coarser than that of a response.
         let points = 257;
         let refinement = numerov::refinement(plate, highest_hz, plate.length_m() / 256.0).div_ceil(4).max(2);
         let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
         let step_m = plate.length_m() / (256 * refinement) as f64;
-        Self { plate, grid, step_m, sample_rate_hz }
+        Self { plate: plate.clone(), grid, step_m, sample_rate_hz }
     }
 
     /// Drive-to-peak gain at each frequency.
@@ -68,7 +69,7 @@ impl<'a> DriveToPeak<'a> {
         let mut levels = Vec::with_capacity(count);
         for part in frequencies_hz.chunks(FREQUENCIES_AT_ONCE) {
             progress.at(levels.len() as f64 / count as f64)?;
-            numerov::solve_each(&self.grid, self.plate, part, |number, field| {
+            numerov::solve_each(&self.grid, &self.plate, part, |number, field| {
                 levels.push(self.level_of(part[number], field));
             });
         }
@@ -86,7 +87,7 @@ impl<'a> DriveToPeak<'a> {
     }
 
     pub(crate) fn level(&self, frequency_hz: f64) -> Result<Level, TableError> {
-        self.level_of(frequency_hz, &numerov::solve(&self.grid, self.plate, frequency_hz))
+        self.level_of(frequency_hz, &numerov::solve(&self.grid, &self.plate, frequency_hz))
     }
 
     fn level_of(&self, frequency_hz: f64, field: &[Complex64]) -> Result<Level, TableError> {
@@ -116,20 +117,6 @@ impl<'a> DriveToPeak<'a> {
     }
 }
 
-/// The amplitude that a table for `plate` makes equal at one frequency, per unit of DAC amplitude: the level of
-/// [`mid_levels`], where `others` are the plate's [`other_plates`].
-pub(crate) fn level_over_tolerances(
-    plate: &Plate,
-    others: &[Plate],
-    sample_rate_hz: f64,
-    frequency_hz: f64,
-) -> Result<f64, TableError> {
-    let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
-    let others = drives_to_peak(others, sample_rate_hz);
-    let levels = mid_levels(&drive_to_peak, &others, &[frequency_hz], &mut Progress::new(&mut |_| true))?;
-    Ok(levels[0].amplitude)
-}
-
 /// The plate at the other wave speeds and losses within its tolerances. Speeds that make the plate invalid are left out.
 ///
 /// At each place the level is monotone in the loss but for the ripple, which is largest at the lowest loss: so every
@@ -154,29 +141,34 @@ pub(crate) fn other_plates(plate: &Plate) -> Vec<Plate> {
     speeds.flat_map(lossy).filter(|other| other != plate).collect()
 }
 
-pub(super) fn drives_to_peak(plates: &[Plate], sample_rate_hz: f64) -> Vec<DriveToPeak<'_>> {
+pub(super) fn drives_to_peak(plates: &[Plate], sample_rate_hz: f64) -> Vec<DriveToPeak> {
     plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect()
 }
 
-/// The nominal plate's levels, each replaced by the middle, in dB, of the lowest and the highest level of all plates.
+/// The [`middles`] of the nominal plate and the `others` at each frequency.
 pub(super) fn mid_levels(
-    nominal: &DriveToPeak<'_>,
-    others: &[DriveToPeak<'_>],
+    nominal: &DriveToPeak,
+    others: &[DriveToPeak],
     frequencies_hz: &[f64],
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Level>, TableError> {
     let plates = 1.0 + others.len() as f64;
     let levels = nominal.levels(frequencies_hz, &mut progress.part(0.0, 1.0 / plates))?;
-    let mut ranges: Vec<_> = levels.iter().map(|level| (level.amplitude, level.amplitude)).collect();
-    for (number, drive_to_peak) in others.iter().enumerate() {
+    let of_others = others.iter().enumerate().map(|(number, drive_to_peak)| {
         let done = 1.0 + number as f64;
-        let part = &mut progress.part(done / plates, (done + 1.0) / plates);
-        for ((low, high), other) in ranges.iter_mut().zip(drive_to_peak.levels(frequencies_hz, part)?) {
-            *low = low.min(other.amplitude);
-            *high = high.max(other.amplitude);
-        }
-    }
-    let middle =
-        |(level, (low, high)): (Level, (f64, f64))| Level { amplitude: (low * high).sqrt(), ..level };
-    Ok(levels.into_iter().zip(ranges).map(middle).collect())
+        drive_to_peak.levels(frequencies_hz, &mut progress.part(done / plates, (done + 1.0) / plates))
+    });
+    let of_others: Vec<Vec<Level>> = of_others.collect::<Result<_, _>>()?;
+    Ok(middles(&levels, &of_others))
+}
+
+/// The nominal plate's `levels`, each replaced by the middle, in dB, of the lowest and the highest level of all plates.
+pub(crate) fn middles(levels: &[Level], of_others: &[Vec<Level>]) -> Vec<Level> {
+    let middle = |(number, level): (usize, &Level)| {
+        let others = of_others.iter().map(|levels| levels[number].amplitude);
+        let (low, high) = others
+            .fold((level.amplitude, level.amplitude), |(low, high), other| (low.min(other), high.max(other)));
+        Level { amplitude: (low * high).sqrt(), ..*level }
+    };
+    levels.iter().enumerate().map(middle).collect()
 }

@@ -1,6 +1,8 @@
 //! The lights, one file per subject.
 
+pub(super) mod actuator;
 pub(super) mod drive;
+pub(super) mod sensitivity;
 pub(super) mod shape;
 pub(super) mod sound;
 pub(super) mod thickness;

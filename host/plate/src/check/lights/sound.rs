@@ -6,7 +6,6 @@ use crate::check::thresholds::{
     AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
     ULTRASOUND_DB,
 };
-use crate::frequency::respond::Response;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Density of air at 20 degrees C, kg/m^3.
@@ -39,7 +38,8 @@ fn level_db(pressure_amplitude_pa: f64) -> f64 {
 
 /// Upper bound of the level at [`LISTENER_M`], dB SPL: the Rayleigh integral with all parts of the plate in phase,
 /// p = rho omega^2 (volume displacement)/(2 pi distance), or the plane wave of the largest amplitude if that is less.
-fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
+fn bound_db(site: &Site<'_>) -> f64 {
+    let response = &site.response;
     let peak = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale_m = site.prepared.peak_m() / peak;
     let step_m = site.plate.length_m() / (response.position_m.len() - 1) as f64;
@@ -58,8 +58,8 @@ fn bound_db(site: &Site<'_>, response: &Response) -> f64 {
     rayleigh.min(plane_wave_level_db(site.frequency_hz, largest))
 }
 
-pub(in crate::check) fn level_light(site: &Site<'_>, response: &Response) -> Finding {
-    let bound = bound_db(site, response);
+pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
+    let bound = bound_db(site);
     let (value, unit, limits) = if site.frequency_hz < ULTRASONIC_HZ {
         (bound + a_weighting_db(site.frequency_hz), "dB(A)", AUDIBLE_DB_A)
     } else if site.frequency_hz < NEAR_ULTRASOUND_END_HZ {

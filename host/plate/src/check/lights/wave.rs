@@ -1,18 +1,11 @@
 //! Lights that depend on the computed amplitude.
 
 use super::shape::wavelengths;
-use crate::check::error::CheckError;
 use crate::check::grading::{Finding, Site, pick};
 use crate::check::report::Colour;
 use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
-use crate::frequency::equation::Equation;
-use crate::frequency::respond::{Response, respond};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::plate::Plate;
-use crate::table::error::TableError;
-
-/// Points of the computed amplitude; the solver's own grid is finer where needed.
-pub(super) const POINTS: usize = 513;
 
 /// Loss integral I: the integral of Im k from the driven end to the boundary at `boundary_m` metres, at the boundary's
 /// frequency. The wave arrives with e^-I of its amplitude.
@@ -36,7 +29,7 @@ pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
 }
 
 /// From [`LOSS_SMALL`] on the light takes its colour from the computed peak, so that the two never contradict each other.
-pub(in crate::check) fn loss_light(site: &Site<'_>, response: &Response) -> Finding {
+pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
     let name = "loss";
     let loss = loss_integral(site.plate, site.boundary_m);
     let percent = 100.0 * (-loss).exp();
@@ -49,7 +42,7 @@ pub(in crate::check) fn loss_light(site: &Site<'_>, response: &Response) -> Find
         let sentence = format!("{arrives}: little is lost on the way.");
         return site.judged(name, Some(loss), "", Colour::Green, loss, sentence);
     }
-    let colour = peak_colour(site, response);
+    let colour = peak_colour(site);
     let sentence = pick(
         colour,
         [
@@ -63,8 +56,8 @@ pub(in crate::check) fn loss_light(site: &Site<'_>, response: &Response) -> Find
 
 /// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
 /// none.
-fn peak_colour(site: &Site<'_>, response: &Response) -> Colour {
-    match response.peak {
+fn peak_colour(site: &Site<'_>) -> Colour {
+    match site.response.peak {
         Some(peak) if peak.is_largest && has_room(site) => Colour::Green,
         Some(_) => Colour::Amber,
         None => Colour::Red,
@@ -75,18 +68,11 @@ fn has_room(site: &Site<'_>) -> bool {
     wavelengths(site.plate, site.boundary_m) >= PEAK_ROOM
 }
 
-/// The amplitude over the plate at the site's frequency.
-pub(in crate::check) fn response(site: &Site<'_>) -> Result<Response, CheckError> {
-    respond(site.plate, site.frequency_hz, POINTS, Equation::Corrected).map_err(|_| {
-        CheckError::Table(TableError::Silent { position_m: site.boundary_m, frequency_hz: site.frequency_hz })
-    })
-}
-
-pub(in crate::check) fn peak_light(site: &Site<'_>, response: &Response) -> Finding {
-    let (value, colour) = (response.peak.map(|peak| peak.amplitude), peak_colour(site, response));
+pub(in crate::check) fn peak_light(site: &Site<'_>) -> Finding {
+    let (value, colour) = (site.response.peak.map(|peak| peak.amplitude), peak_colour(site));
     let amplitude = value.unwrap_or(0.0);
     let times = with_decimals(amplitude, 2);
-    let at_mm = response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
+    let at_mm = site.response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
     site.judged(
         "peak",
         value,

@@ -1,0 +1,94 @@
+//! Lights for the actuator's band and travel, and for the steps of the DAC before it.
+
+use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::report::Colour;
+use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT};
+use crate::quantity::number_format::with_decimals;
+use crate::spec::actuator::Actuator;
+
+pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
+    let name = "actuator band";
+    let Some(actuator) = &site.plate.spec().actuator else {
+        let sentence =
+            "The plate file names no actuator: whether one reaches this frequency was not checked."
+                .to_owned();
+        return site.judged(name, None, "dB", Colour::Unchecked, 0.0, sentence);
+    };
+    if let Actuator::Measured(curve) = actuator
+        && !curve.covers(site.frequency_hz)
+    {
+        let sentence =
+            "The actuator's measured curve does not reach this frequency: its nearest end was taken.";
+        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned());
+    }
+    let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
+    let loss_db = -gain_db;
+    let colour = colour(loss_db, ACTUATOR_LOSS_DB);
+    site.judged(
+        name,
+        Some(gain_db),
+        "dB",
+        colour,
+        loss_db,
+        pick(
+            colour,
+            [
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."
+                ),
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left."
+                ),
+                format!(
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band."
+                ),
+            ],
+        ),
+    )
+}
+
+/// How far a tone at level 1 moves the actuator, before the peak travel lowers the table.
+pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
+    let name = "excursion";
+    let actuator = site.plate.spec().actuator.as_ref().and_then(Actuator::resonator);
+    let Some(share) = actuator.and_then(|actuator| actuator.travel_share(site.frequency_hz)) else {
+        let sentence =
+            "The plate file names no peak travel: how far the actuator moves is not limited.".to_owned();
+        return site.judged(name, None, "%", Colour::Unchecked, 0.0, sentence);
+    };
+    let percent = 100.0 * share * site.prepared.lowest_gain / site.levels.nominal;
+    site.graded(
+        name,
+        percent,
+        "%",
+        EXCURSION_PERCENT,
+        [
+            format!("At level 1 the actuator moves by {percent:.0} % of its peak travel: the table need not be lowered."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: the table's level is lowered to what it allows."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: what it allows is less than a tenth of the level."),
+        ],
+    )
+}
+
+/// How many steps of the DAC the amplitude of a tone at level 1 has.
+pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Finding {
+    let prepared = site.prepared;
+    let steps = DAC_AMPLITUDE_STEPS * prepared.lowest_gain / site.levels.nominal * prepared.travel_scale;
+    let judged = if steps >= DAC_STEPS.green {
+        Colour::Green
+    } else if steps >= DAC_STEPS.amber {
+        Colour::Amber
+    } else {
+        Colour::Red
+    };
+    let has = format!("At level 1 the amplitude has {} steps of the 12-bit DAC", with_decimals(steps, 0));
+    let sentence = pick(
+        judged,
+        [
+            format!("{has}."),
+            format!("{has}: lower levels are coarse, even out the plate's peaks by its drive end."),
+            format!("{has}: too few for any level, even out the plate's peaks by its drive end."),
+        ],
+    );
+    site.judged("DAC resolution", Some(steps), "LSB", judged, -steps, sentence)
+}

@@ -1,0 +1,34 @@
+//! The sensitivity to the loss, by its tolerance.
+
+use super::light;
+use crate::check::{Checker, Colour, Conditions, Light};
+use crate::{Plate, preset};
+
+/// The membrane whose loss is known within `tolerance`: the sensitivity light at each end of the span.
+fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    spec.loss_tolerance = tolerance;
+    let checker = Checker::new(&Plate::new(spec).expect("plate"), Conditions::default()).expect("checks");
+    [0.08, 0.28].map(|boundary_m| light(&checker.at(boundary_m).expect("on it"), "sensitivity").clone())
+}
+
+#[test]
+fn a_loss_that_may_be_twice_as_high_is_no_green_sensitivity() {
+    // By the 2-D solver the peak of the membrane changes by -1.1 to -6.0 dB if its loss is doubled.
+    let [near, far] = sensitivity_of_membrane(None);
+    for (light, wanted) in [(&near, 1.1), (&far, 6.0)] {
+        assert!(light.colour > Colour::Green, "{light:?}");
+        assert!(light.sentence.contains("halved or doubled") && light.sentence.contains("loss_tolerance"));
+        assert!((light.value.expect("a number") - wanted).abs() < 0.2, "{light:?}");
+    }
+    let [_, known] = sensitivity_of_membrane(Some(0.05));
+    assert_eq!(known.colour, Colour::Green, "{known:?}");
+    assert!(known.sentence.contains("1.05 times"), "{known:?}");
+    // What the file tells is what the table is levelled for: the middle of the two peaks, so that neither is farther
+    // off than half of their distance.
+    let [_, told] = sensitivity_of_membrane(Some(1.0));
+    let ratio = told.value.expect("a number") / far.value.expect("a number");
+    assert!((0.5..0.9).contains(&ratio), "{told:?} {far:?}");
+    let [_, wide] = sensitivity_of_membrane(Some(4.0));
+    assert_eq!(wide.colour, Colour::Red, "{wide:?}");
+}

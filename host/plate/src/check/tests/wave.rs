@@ -1,0 +1,85 @@
+//! Loss and peak: the loss integral against its closed forms, and that the two lights agree.
+
+use super::{light, value};
+use crate::check::{Checker, Colour, Conditions, loss_integral, wavelengths};
+use crate::{Model, Plate, preset};
+
+#[test]
+fn wavelengths_and_loss_are_the_closed_forms_of_an_exponential_taper() {
+    // Phi = nu acosh(nu/s0) - sqrt(nu^2 - s0^2), I = (eta/2) nu acosh(nu/s0); s0 = q/(W0 d), nu = s0 e^(d x0).
+    for (name, half_width_m, eta) in
+        [("membrane", 0.05, 0.03), ("al-bending", 0.02, 0.001), ("paper-rubber", 0.05, 0.1)]
+    {
+        let plate = preset(name).expect("preset");
+        let s0 = std::f64::consts::FRAC_PI_2 / (half_width_m * 4.62);
+        for x0 in [0.08, 0.15, 0.27] {
+            let nu = s0 * (4.62_f64 * x0).exp();
+            let phase = nu * (nu / s0).acosh() - (nu * nu - s0 * s0).sqrt();
+            let turns = wavelengths(&plate, x0);
+            assert!((turns / (phase / std::f64::consts::TAU) - 1.0).abs() < 1e-4, "{name} {x0}: {turns}");
+            let loss = loss_integral(&plate, x0);
+            let exact = 0.5 * eta * nu * (nu / s0).acosh();
+            assert!((loss / exact - 1.0).abs() < 1e-4, "{name} {x0}: {loss} {exact}");
+        }
+    }
+}
+
+#[test]
+fn loss_dims_the_peak_light_from_green_over_amber_to_red() {
+    let mut spec = preset("al-bending").expect("preset").spec().clone();
+    let mut seen = Vec::new();
+    for loss_factor in [0.002, 0.12, 0.4] {
+        spec.loss_factor = loss_factor;
+        let plate = Plate::new(spec.clone()).expect("plate");
+        let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.27).expect("on it");
+        seen.push((value(&report, "loss"), light(&report, "loss").colour, light(&report, "peak").colour));
+    }
+    assert_eq!(seen[0].1, Colour::Green);
+    assert!(seen[1].0 > 3.0 && seen[1].0 < 6.0, "{seen:?}");
+    assert_eq!((seen[1].1, seen[1].2), (Colour::Amber, Colour::Amber), "{seen:?}");
+    assert!(seen[2].0 > 6.0, "{seen:?}");
+    assert_eq!((seen[2].1, seen[2].2), (Colour::Red, Colour::Red), "{seen:?}");
+}
+
+#[test]
+fn the_loss_light_never_contradicts_the_peak_light() {
+    let mut spec = preset("membrane").expect("preset").spec().clone();
+    let mut seen = std::collections::BTreeSet::new();
+    for loss_factor in [0.0, 0.02, 0.1, 0.2, 0.3, 0.5] {
+        spec.loss_factor = loss_factor;
+        let checker =
+            Checker::new(&Plate::new(spec.clone()).expect("plate"), Conditions::default()).expect("checks");
+        for boundary_m in [0.08, 0.15, 0.28] {
+            let report = checker.at(boundary_m).expect("on it");
+            let (loss, peak) = (light(&report, "loss"), light(&report, "peak"));
+            if loss.value.expect("a number") > 1.0 {
+                assert_eq!(loss.colour, peak.colour, "{loss:?} {peak:?}");
+                seen.insert(loss.colour);
+            } else {
+                assert!(!loss.sentence.contains("peak"), "{loss:?}");
+            }
+        }
+    }
+    assert!(seen.len() >= 2, "{seen:?}");
+}
+
+#[test]
+fn the_loss_of_a_clamped_plate_is_the_decay_of_its_wave() {
+    let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+    spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+    (spec.span_start_m, spec.span_end_m) = (0.1, 0.24);
+    let plate = Plate::new(spec).expect("a valid plate");
+    let boundary_m = 0.2;
+    let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+    let steps = 20_000;
+    let decay: f64 = (0..steps)
+        .map(|i| {
+            let u = (f64::from(i) + 0.5) / f64::from(steps);
+            let x = boundary_m * (1.0 - u * u);
+            let k = plate.width_mode(1).lossy_wavenumber_squared(x, frequency_hz).sqrt();
+            2.0 * u * boundary_m * k.im / f64::from(steps)
+        })
+        .sum();
+    let found = loss_integral(&plate, boundary_m);
+    assert!((found / decay - 1.0).abs() < 0.03, "{found} for {decay}");
+}
