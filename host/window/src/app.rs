@@ -246,6 +246,7 @@ impl App {
             snapshot: &self.snapshot,
             touch: self.finger.touch,
             finger: self.finger(),
+            trace: &self.finger.trace,
             drive_wanted: self.autopilot.wants_drive(),
             predicted: &self.predicted,
             sounding: self.sounding_on_screen(),

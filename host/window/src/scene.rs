@@ -6,7 +6,7 @@ use slipline_link::{PortInfo, Snapshot, upkeep};
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
-use slipline_model::field::touch::Touch;
+use slipline_model::field::touch::{Touch, Trace};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
@@ -32,6 +32,8 @@ pub struct Scene<'a> {
     pub touch: Touch,
     /// The finger on the plate, if there is one.
     pub finger: Option<Finger>,
+    /// What the finger has met in the last seconds.
+    pub trace: &'a Trace,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
     /// The plate under the tones that the device has acknowledged and sounds.

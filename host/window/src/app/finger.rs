@@ -3,7 +3,7 @@
 
 use super::App;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
-use slipline_model::field::touch::{Touch, refusal};
+use slipline_model::field::touch::{Touch, Trace, refusal};
 use slipline_plate::Finger;
 
 /// The state of the finger.
@@ -13,6 +13,8 @@ pub(super) struct OnPlate {
     pub(super) touch: Touch,
     /// Where it is or was last, in metres from the driven end.
     pub(super) place_m: f64,
+    /// What it has met.
+    pub(super) trace: Trace,
 }
 
 impl App {
@@ -33,6 +35,7 @@ impl App {
         self.finger.touch = touch;
         self.solve_touched();
         if touch == Touch::None {
+            self.end_trace();
             self.resume_sheet();
         }
     }
@@ -66,5 +69,17 @@ impl App {
             let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
             sounding.steady = SteadyField::solve_touched(&sounding.plate, &tones, finger.as_ref());
         }
+    }
+
+    /// Adds what the finger meets now to its trace; called only while the wave moves.
+    pub(super) fn trace_finger(&mut self, now_s: f64) {
+        let plate = &self.setup.plate;
+        let (Some(finger), Some(field)) = (self.finger(), self.playback.field_of(plate)) else { return };
+        self.finger.trace.push(field, plate, &finger, now_s);
+    }
+
+    /// Forgets what the finger has met: it was lifted, or the wave under it is another one.
+    pub(super) fn end_trace(&mut self) {
+        self.finger.trace.clear();
     }
 }

@@ -30,6 +30,14 @@ pub(super) struct Playback {
     pub(super) wave_time_s: f64,
 }
 
+impl Playback {
+    /// The field of what sounds, if it was solved for this plate.
+    pub(super) fn field_of(&self, plate: &Arc<Plate>) -> Option<&SteadyField> {
+        let sounding = self.sounding.as_ref()?;
+        Arc::ptr_eq(&sounding.plate, plate).then_some(&sounding.steady)
+    }
+}
+
 /// A drive that the device has acknowledged, solved for a plate.
 pub(super) struct Sounding {
     /// The number of the journal's entry.
@@ -90,8 +98,7 @@ impl App {
 
     /// The field of what sounds, if it was solved for the plate on the screen.
     pub(super) fn sounding_on_screen(&self) -> Option<&SteadyField> {
-        let sounding = self.playback.sounding.as_ref()?;
-        Arc::ptr_eq(&sounding.plate, &self.setup.plate).then_some(&sounding.steady)
+        self.playback.field_of(&self.setup.plate)
     }
 
     /// The result of the simulated plate, if it belongs to what sounds.
@@ -118,12 +125,17 @@ impl App {
             let viewport = input.viewport();
             viewport.minimized != Some(true) && viewport.occluded != Some(true)
         });
-        if self.playback.sounding.is_none() || !is_visible {
+        if self.playback.sounding.is_none() {
+            self.end_trace();
+            return;
+        }
+        if !is_visible {
             return;
         }
         if self.settings.animate {
             let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
             self.playback.wave_time_s += step;
+            self.trace_finger(ctx.input(|input| input.time));
             self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {

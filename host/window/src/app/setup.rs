@@ -40,6 +40,7 @@ impl App {
         }
         if is_new_plate {
             self.playback.measured = None;
+            self.end_trace();
             self.table_asked = None;
             self.autopilot.setup_replaced();
             self.ask_for_table();

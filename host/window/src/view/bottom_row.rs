@@ -1,6 +1,6 @@
-//! The row at the bottom: waveform, spectrum, meters, log.
+//! The row at the bottom: waveform (or the trace of the finger), spectrum, meters, log.
 
-use super::{Scene, ViewState, log, meters, plots};
+use super::{Scene, ViewState, finger_trace, log, meters, plots};
 use crate::intent::Intents;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
@@ -31,6 +31,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let mut column = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(i));
         column.shrink_clip_rect(rect.expand(4.0));
         match i {
+            // The finger does not change the drive, so its trace can stand where the drive did.
+            0 if scene.finger.is_some() => finger_trace::show(&mut column, scene, intents),
             0 => plots::waveform(&mut column, scene, view, intents),
             1 => plots::spectrum(&mut column, scene, view, intents),
             2 => {

@@ -179,7 +179,9 @@ fn mode(
         }
         let felt =
             ui.add_enabled(default_threshold_m.is_some(), egui::RadioButton::new(is_felt, "Felt edge"));
-        let felt = felt.on_hover_text("Past the peak, where the motion falls below what is just felt");
+        let felt = felt.on_hover_text(
+            "Past the peak, where the motion of the plate without a finger falls below what is just felt",
+        );
         if let Some(threshold_m) = default_threshold_m.filter(|_| felt.clicked()) {
             let mode = BoundaryMode::FeltEdge { threshold_m };
             intents.push(Intent::Edit(Edit::Boundary(mode)));

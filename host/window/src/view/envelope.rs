@@ -140,9 +140,15 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
     let mut right = axis.screen().max - 6.0;
     let y = rect.top() + 11.0;
     let mut entry = |text: &str, sample: &dyn Fn(f32)| {
-        let drawn = painter.text(pos2(right, y), Align2::RIGHT_CENTER, text, font.clone(), palette.weak);
-        sample(drawn.left() - 24.0);
-        right = drawn.left() - 38.0;
+        let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), palette.weak);
+        let left = right - galley.size().x;
+        // In a narrow window the last entries have no room.
+        if left - 24.0 < axis.screen().min {
+            return;
+        }
+        painter.galley(pos2(left, y - 0.5 * galley.size().y), galley, palette.weak);
+        sample(left - 24.0);
+        right = left - 38.0;
     };
     if scene.measured.is_some() && scene.finger.is_some() {
         entry("simulated plate: not with a finger yet", &|_| ());

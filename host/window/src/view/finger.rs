@@ -17,10 +17,11 @@ const CHOICES: [(Touch, &str, &str); 3] = [
 /// The choice of a finger, and where it is.
 pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
-    theme::heading(ui, "A finger on the plate");
     let refusal = refusal(&scene.setup.plate);
     let is_chosen = |touch| if refusal.is_some() { touch == Touch::None } else { touch == scene.touch };
+    // One row: in a window of the usual height it is the last that is seen without scrolling.
     ui.horizontal(|ui| {
+        theme::heading(ui, "Finger");
         for (touch, name, help) in CHOICES {
             let radio = ui.add_enabled(refusal.is_none(), egui::RadioButton::new(is_chosen(touch), name));
             let radio = radio.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
@@ -32,7 +33,11 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
     let text = match (&refusal, scene.finger) {
         (Some(reason), _) => reason.clone(),
         (None, Some(finger)) => {
-            format!("At {}: drag it along the plate. The drive stays as it is.", show_place(finger.place_m))
+            format!(
+                "At {}: drag it along the plate. Drive and boundary line stay those of the plate without it; wave, \
+                 envelope and strip are those with it.",
+                show_place(finger.place_m)
+            )
         }
         (None, None) => return,
     };

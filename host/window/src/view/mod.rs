@@ -4,7 +4,7 @@
 //! ```text
 //! top_bar ................................ STOP
 //! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device
-//! bottom_row: plots (waveform, spectrum), meters, log
+//! bottom_row: plots (waveform or finger_trace, spectrum), meters, log
 //! ```
 
 mod aligned;
@@ -17,6 +17,7 @@ mod envelope;
 mod felt_strip;
 mod field;
 mod finger;
+mod finger_trace;
 mod handle;
 mod log;
 mod meters;

@@ -76,12 +76,7 @@ fn is_shown(scene: &Scene<'_>) -> bool {
 
 fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
     aligned::headed(ui, name, |ui| {
-        let word = if scene.settings.animate { "Pause" } else { "Go on" };
-        let pause = ui.small_button(word);
-        pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
-        if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
-            intents.push(Intent::Animate(!scene.settings.animate));
-        }
+        pause(ui, scene, name, intents);
         let fit = ui.small_button("Fit");
         fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
         fit.on_hover_text("Show all again (or double-click). Scroll with Ctrl to zoom, drag to move")
@@ -89,10 +84,27 @@ fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents)
     })
 }
 
-/// The text in place of an empty plot.
+/// The button that holds all plots and the wave; `name` is the plot's that it belongs to.
+pub(super) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) {
+    let word = if scene.settings.animate { "Pause" } else { "Go on" };
+    let pause = ui.small_button(word);
+    pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
+    if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
+        intents.push(Intent::Animate(!scene.settings.animate));
+    }
+}
+
+/// The text in place of an empty plot of the drive.
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
-    let text = if is_lost { "not followed: stop and drive again" } else { "nothing is driven" };
+    empty(ui, if is_lost { "not followed: stop and drive again" } else { AT_REST });
+}
+
+/// What an empty plot says while nothing sounds.
+pub(super) const AT_REST: &str = "nothing is driven";
+
+/// An empty plot, and why it is empty.
+pub(super) fn empty(ui: &mut egui::Ui, text: &str) {
     let palette = theme::palette(ui);
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
     ui.painter().rect_filled(rect, 4.0, palette.well);

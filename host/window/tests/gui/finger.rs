@@ -7,9 +7,23 @@ use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::Request;
 
-fn choose(app: &mut TestApp, name: &str) {
+pub(crate) fn choose(app: &mut TestApp, name: &str) {
     app.window.get_by_role_and_label(Role::RadioButton, name).click_accesskit();
     app.wait(100);
+}
+
+/// Drags the finger by each of these steps in points, one every 50 ms, and lets it go.
+pub(crate) fn drag_by(app: &mut TestApp, steps: &[f32]) {
+    let mut at = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
+    app.window.drag_at(at);
+    app.wait(50);
+    for step in steps {
+        at.x += step;
+        app.window.hover_at(at);
+        app.wait(50);
+    }
+    app.window.drop_at(at);
+    app.wait(50);
 }
 
 fn finger_mm(app: &TestApp) -> f64 {
@@ -38,6 +52,7 @@ fn a_finger_is_dragged_along_the_plate_and_the_field_follows() {
     let on_peak = height(&app);
     assert_ne!(on_peak, untouched);
     assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
+    assert!(app.window.query_by_label_contains("boundary line stay those of the plate without it").is_some());
     let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
     let place_mm = finger_mm(&app);
     app.window.drag_at(finger);

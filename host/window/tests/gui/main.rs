@@ -4,6 +4,7 @@ mod background;
 mod drive_time;
 mod exports;
 mod finger;
+mod finger_trace;
 mod focus;
 mod hang;
 mod notices;

@@ -10,9 +10,9 @@ use slipline_link::protocol::event::State;
 use slipline_window::settings::ThemeChoice;
 
 /// Sizes in points: the smallest supported, a small panel display, and 1600 x 1000 pixels at 2 pixels per point.
-const SIZES: [[f32; 2]; 3] = [[640.0, 480.0], [800.0, 480.0], [800.0, 500.0]];
+pub(crate) const SIZES: [[f32; 2]; 3] = [[640.0, 480.0], [800.0, 480.0], [800.0, 500.0]];
 
-fn screen(size: [f32; 2]) -> Rect {
+pub(crate) fn screen(size: [f32; 2]) -> Rect {
     Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size))
 }
 
@@ -23,7 +23,7 @@ fn stop_is_on_the_screen(app: &TestApp, size: [f32; 2], what: &str) {
 }
 
 /// A window of this size that drives.
-fn small(size: [f32; 2]) -> TestApp {
+pub(crate) fn small(size: [f32; 2]) -> TestApp {
     let builder = HarnessBuilder::default().with_size(size).with_theme(eframe::egui::Theme::Light);
     TestApp::driving_with(ThemeChoice::Light, builder)
 }

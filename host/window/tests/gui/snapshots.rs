@@ -103,6 +103,18 @@ fn the_lights_look_as_they_were_approved() {
     compare("validity", &picture(ThemeChoice::Dark, USUAL, |app| open_page(app, "Validity")));
 }
 
+/// A firm finger that is dragged on an ultrasonic plate in a small window: amplitude, friction and speed.
+#[test]
+fn the_trace_of_a_finger_looks_as_it_was_approved() {
+    let dragged = |app: &mut TestApp| {
+        open_plate(app, slipline_plate::preset("al-bending").unwrap().to_toml());
+        app.wait(1500);
+        crate::finger::choose(app, "Firm");
+        crate::finger::drag_by(app, &[-3.0; 20]);
+    };
+    compare("finger", &picture(ThemeChoice::Dark, SMALLEST, dragged));
+}
+
 #[test]
 fn the_designer_looks_as_it_was_approved() {
     compare("designer", &picture(ThemeChoice::Light, USUAL, |app| open_page(app, "Designer")));

@@ -1,0 +1,213 @@
+//! What a finger on the plate meets, and the trace of it over the last seconds.
+
+use crate::field::displacement_map::mode_shape;
+use crate::field::steady_field::SteadyField;
+use slipline_plate::sensation::{Sensation, felt};
+use slipline_plate::{Finger, Plate};
+use std::collections::VecDeque;
+
+/// Columns and rows of points over the contact whose mean is taken.
+const POINTS: (usize, usize) = (9, 5);
+/// How long the trace is, in seconds.
+pub const TRACE_S: f64 = 4.0;
+/// The speed is the mean over this time, in seconds: a pointer is told in whole pixels, and of two neighbouring frames
+/// the speed would be noise.
+const SPEED_OVER_S: f64 = 0.1;
+/// After a longer pause the trace begins anew, in seconds: nobody knows what the finger did meanwhile.
+const PAUSE_S: f64 = 0.5;
+
+/// What a finger meets at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met {
+    /// When, in seconds.
+    pub time_s: f64,
+    /// Where the middle of the contact is, in metres from the driven end.
+    pub place_m: f64,
+    /// Largest displacement under the finger, the mean over its contact, in metres.
+    pub amplitude_m: f64,
+    /// Friction over that of the plate at rest, 0..=1; `None` below 20 kHz, where a vibration is felt. Illustrative.
+    pub friction: Option<f64>,
+    /// How fast the finger moves along the plate, in metres per second, 0 or more.
+    pub speed_m_per_s: f64,
+}
+
+/// Mean over the contact, as far as it lies on the plate, of the largest displacement.
+fn mean_m(field: &SteadyField, plate: &Plate, finger: &Finger) -> f64 {
+    let (columns, rows) = POINTS;
+    let share = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
+    let (mut sum, mut area) = (0.0, 0.0);
+    for column in 0..columns {
+        let x_m = finger.place_m + (share(column, columns) - 0.5) * finger.contact_m;
+        if !(0.0..=plate.length_m()).contains(&x_m) {
+            continue;
+        }
+        let half_width_m = plate.half_width_m(x_m);
+        let half_m = (0.5 * finger.contact_m).min(half_width_m);
+        for row in 0..rows {
+            let beta = share(row, rows) * half_m / half_width_m;
+            sum += half_m * field.bound_at(x_m) * mode_shape(&plate.spec().model, beta);
+            area += half_m;
+        }
+    }
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
+/// What a finger has met in the last [`TRACE_S`] seconds.
+#[derive(Clone, Debug, Default)]
+pub struct Trace {
+    met: VecDeque<Met>,
+}
+
+impl Trace {
+    /// Adds what this finger meets in this field at `time_s`, and forgets what is older than [`TRACE_S`]. A time that is
+    /// not later than the one before adds nothing.
+    pub fn push(&mut self, field: &SteadyField, plate: &Plate, finger: &Finger, time_s: f64) {
+        match self.met.back() {
+            Some(latest) if time_s <= latest.time_s => return,
+            Some(latest) if time_s - latest.time_s > PAUSE_S => self.clear(),
+            _ => {}
+        }
+        let amplitude_m = mean_m(field, plate, finger);
+        let friction = match felt(field.frequency_at(finger.place_m), amplitude_m) {
+            Sensation::Friction { ratio } => Some(ratio),
+            Sensation::Vibration { .. } => None,
+        };
+        let place_m = finger.place_m;
+        // The oldest of the frames over which the mean is taken; one frame at least.
+        let is_recent = |met: &&Met| time_s - met.time_s <= SPEED_OVER_S;
+        let before = self.met.iter().find(is_recent).or(self.met.back());
+        let speed_m_per_s =
+            before.map_or(0.0, |before| (place_m - before.place_m).abs() / (time_s - before.time_s));
+        self.met.push_back(Met { time_s, place_m, amplitude_m, friction, speed_m_per_s });
+        while self.met.front().is_some_and(|oldest| time_s - oldest.time_s > TRACE_S) {
+            self.met.pop_front();
+        }
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.met.clear();
+    }
+
+    /// What was met, the oldest first.
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Met> + Clone {
+        self.met.iter()
+    }
+
+    /// What is met now.
+    #[must_use]
+    pub fn latest(&self) -> Option<&Met> {
+        self.met.back()
+    }
+
+    /// What was met so many seconds before the latest, to the nearest frame; `None` before the trace begins.
+    #[must_use]
+    pub fn before(&self, seconds: f64) -> Option<&Met> {
+        let time_s = self.latest()?.time_s - seconds;
+        let after = self.met.partition_point(|met| met.time_s < time_s);
+        let begins = time_s >= self.met.front()?.time_s - PAUSE_S / 2.0;
+        let beside = [after.checked_sub(1), Some(after)];
+        let away = |met: &&Met| (met.time_s - time_s).abs();
+        let nearest = beside.into_iter().flatten().filter_map(|at| self.met.get(at));
+        nearest.min_by(|one, other| away(one).total_cmp(&away(other))).filter(|_| begins)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::steady_field::SteadyTone;
+
+    fn sounding(name: &str, x_m: f64) -> (Plate, SteadyField) {
+        let plate = slipline_plate::preset(name).unwrap();
+        let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x_m), peak_m: 1e-4 };
+        let field = SteadyField::solve(&plate, &[tone]);
+        (plate, field)
+    }
+
+    fn met((plate, field): &(Plate, SteadyField), place_m: f64) -> Met {
+        let mut trace = Trace::default();
+        trace.push(field, plate, &Finger::light(place_m), 1.0);
+        *trace.latest().unwrap()
+    }
+
+    #[test]
+    fn the_amplitude_is_the_mean_over_the_contact_and_nothing_is_met_beyond_the_boundary() {
+        let membrane = sounding("membrane", 0.18);
+        let met_at = |place_m| met(&membrane, place_m);
+        let (centre_m, half_width_m) = (membrane.1.bound_at(0.15), membrane.0.half_width_m(0.15));
+        // The mean of cos(pi z/2W) over |z| <= 5 mm.
+        let angle = std::f64::consts::FRAC_PI_2 * 5e-3 / half_width_m;
+        let here = met_at(0.15);
+        assert!((here.amplitude_m / (centre_m * angle.sin() / angle) - 1.0).abs() < 0.02, "{here:?}");
+        assert_eq!((here.friction, here.place_m), (None, 0.15), "below 20 kHz");
+        assert!(met_at(0.31).amplitude_m < 0.02 * here.amplitude_m);
+    }
+
+    #[test]
+    fn above_20_khz_the_friction_follows_the_amplitude() {
+        let plate = slipline_plate::preset("al-bending").unwrap();
+        let (start, end) = plate.span_m();
+        let mut aluminium = sounding("al-bending", 0.5 * (start + end));
+        for scale in [0.0, 1e-2] {
+            aluminium.1.bound_m.iter_mut().for_each(|bound| *bound *= scale);
+            let met = met(&aluminium, aluminium.1.tones[0].peak_position_m.unwrap());
+            let curve = slipline_plate::sensation::FrictionCurve::default();
+            assert_eq!(met.friction, Some(curve.ratio(met.amplitude_m)));
+        }
+    }
+
+    /// A trace with a frame every 50 ms, in which the finger is where `place_m` says at each time.
+    fn traced(frames: usize, place_m: impl Fn(f64) -> f64) -> Trace {
+        let (plate, field) = sounding("membrane", 0.18);
+        let mut trace = Trace::default();
+        for time_s in (0..frames).map(|i| 0.05 * i as f64) {
+            trace.push(&field, &plate, &Finger::light(place_m(time_s)), time_s);
+        }
+        trace
+    }
+
+    #[test]
+    fn the_trace_holds_the_last_seconds() {
+        let trace = traced(200, |_| 0.1);
+        let times: Vec<f64> = trace.iter().map(|met| met.time_s).collect();
+        assert!((times[0] - 5.95).abs() < 0.06 && (times.last().unwrap() - 9.95).abs() < 1e-9, "{times:?}");
+    }
+
+    #[test]
+    fn the_speed_is_how_fast_the_finger_moves_in_either_direction() {
+        for velocity in [0.03, -0.03] {
+            let trace =
+                traced(60, |time_s| if time_s < 1.0 { 0.15 } else { 0.15 + velocity * (time_s - 1.0) });
+            let speed = |seconds: f64| trace.before(seconds).unwrap().speed_m_per_s;
+            assert!((speed(0.0) - 0.03).abs() < 1e-9, "{}", speed(0.0));
+            assert_eq!(speed(2.5), 0.0, "it rests");
+        }
+    }
+
+    #[test]
+    fn a_pause_begins_a_new_trace_and_no_time_counts_twice() {
+        let (plate, field) = sounding("membrane", 0.18);
+        let mut trace = traced(20, |_| 0.1);
+        let mut push = |place_m, time_s| {
+            trace.push(&field, &plate, &Finger::light(place_m), time_s);
+            (trace.iter().count(), trace.latest().unwrap().speed_m_per_s)
+        };
+        assert_eq!(push(0.2, 0.95), (20, 0.0), "the same time again");
+        let (count, speed) = push(0.11, 1.45);
+        assert!(count == 21 && (speed - 0.02).abs() < 1e-9, "{count} {speed}: half a second is no pause");
+        assert_eq!(push(0.3, 2.0), (1, 0.0), "0.55 s later");
+        trace.clear();
+        assert!(trace.latest().is_none() && trace.before(0.0).is_none());
+    }
+
+    #[test]
+    fn what_was_met_before_is_found_by_its_time() {
+        let trace = traced(21, |time_s| 0.1 * time_s);
+        let place = |seconds| trace.before(seconds).map(|met| met.place_m);
+        for (seconds, wanted) in [(0.0, 0.1), (0.5, 0.05), (0.98, 0.0), (0.52, 0.05)] {
+            assert!((place(seconds).unwrap() - wanted).abs() < 1e-9, "{seconds}: {:?}", place(seconds));
+        }
+        assert_eq!(place(1.5), None, "the trace began later");
+    }
+}
