@@ -144,23 +144,30 @@ fn watch(
     left: impl Fn(&Snapshot) -> Duration,
 ) -> Result<bool, Failure> {
     loop {
+        // First, so that a drive which was ended otherwise is not told as one that took its time.
+        check(device)?;
         let left = left(&device.snapshot());
         if left.is_zero() {
             return Ok(true);
         }
         match interruption.recv_timeout(left.min(GLANCE)) {
-            Ok(()) => return Ok(false),
+            Ok(()) => return device.check_attended().map(|()| false),
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(GLANCE),
             Err(RecvTimeoutError::Timeout) => {}
         }
         device.sign_of_life();
-        device.check_attended()?;
-        let snapshot = device.snapshot();
-        if let LinkState::Lost(trouble) = &snapshot.link {
-            return Err(Failure::Failed(trouble.to_string()));
-        }
-        if let Some(status) = snapshot.status.filter(|status| !status.faults.is_empty()) {
-            return Err(Failure::Failed(format!("the device stopped: {}", status.faults)));
-        }
+    }
+}
+
+/// Fails if the device does not do any more what it was asked for.
+fn check(device: &Device) -> Result<(), Failure> {
+    device.check_attended()?;
+    let snapshot = device.snapshot();
+    if let LinkState::Lost(trouble) = &snapshot.link {
+        return Err(Failure::Failed(trouble.to_string()));
+    }
+    match snapshot.status.filter(|status| !status.faults.is_empty()) {
+        Some(status) => Err(Failure::Failed(format!("the device stopped: {}", status.faults))),
+        None => Ok(()),
     }
 }

@@ -18,7 +18,7 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
     let (mut ours, theirs) = terminal();
     ours.write_all(&[HOLD]).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args("drive --plate membrane --boundary 120mm --port".split(' '))
+        .args("drive --plate membrane --boundary 120mm --for 2s --port".split(' '))
         .arg(format!("unix:{}", socket.path.display()))
         .stdout(theirs)
         .stderr(Stdio::piped())
@@ -41,6 +41,8 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
     let before = driven();
     let stopped = last(|sent| matches!(sent, Message::Stop));
     assert!(stopped > driven() && stopped < disarmed());
+    // Its time is over when it goes on, and it must not say that it drove for as long.
+    std::thread::sleep(Duration::from_secs(2));
     ours.write_all(&[GO_ON]).unwrap();
     let mut told = String::new();
     child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
