@@ -3,7 +3,9 @@
 
 use slipline_link::native::{Handle, Worker};
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, Severity, Snapshot};
+use slipline_link::{
+    Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, Severity, Snapshot, Ticket,
+};
 use slipline_protocol::Command;
 use slipline_protocol::event::State;
 use slipline_tests::faulty_ports::as_real;
@@ -124,21 +126,54 @@ fn a_window_that_takes_seconds_to_open_is_waited_for_by_the_simulated_device_onl
     }
 }
 
+/// Hangs just after a sign of life: the drive ends [`SIGN_PATIENCE`] later.
+fn hang_after_a_sign(rig: &mut LinkRig) {
+    let asked = rig.signs_wanted;
+    while rig.signs_wanted == asked {
+        rig.pass_ms(1);
+    }
+    rig.is_driver_alive = false;
+}
+
 #[test]
 fn an_upload_under_way_goes_on_and_the_device_is_disarmed_between_its_chunks() {
     let mut rig = driving();
     let knots = (0..1000).map(|i| (100.0 + f64::from(i), 0.5));
     let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
-    rig.is_driver_alive = false;
-    rig.pass_ms(990);
+    hang_after_a_sign(&mut rig);
+    rig.pass_ms(SIGN_PATIENCE.as_millis() as u64 - 10);
     let upload = rig.ask(Request::Upload(Arc::new(table)));
-    rig.pass_ms(12);
-    assert!(rig.outcome(upload).is_none(), "it is under way");
-    rig.pass_ms(30);
-    assert!(sent(&rig, 0, |command| *command == Command::Disarm) > 0, "it waits for the upload");
+    rig.pass_ms(5);
+    let words = rig.ports().commands.len();
+    // More than can be sent before the hang is noticed, and not harmful: they may wait.
+    let waiting = [(); 20].map(|()| rig.only_ask(Request::ReadBack));
     rig.pass_ms(1000);
+    let sent: Vec<Command> = rig.ports().commands[words..].iter().map(|(_, word)| word.clone()).collect();
+    let place = |which: fn(&Command) -> bool| sent.iter().position(which).expect("it was sent");
+    let disarmed = place(|word| *word == Command::Disarm);
+    assert!(place(|word| matches!(word, Command::TableChunk(_))) < disarmed);
+    assert!(disarmed < place(|word| *word == Command::TableCommit), "it waits for the upload");
+    let read_later = sent[disarmed..].iter().filter(|word| **word == Command::TableDigest).count();
+    assert!(read_later > 5, "{read_later}: it waits for what was asked for before");
     assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
-    assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
+    for ticket in waiting.into_iter().chain([upload]) {
+        assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
+    }
+}
+
+#[test]
+fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
+    let mut rig = driving();
+    hang_after_a_sign(&mut rig);
+    let mut asked = rig.signs_wanted;
+    while stalls(&rig) == 0 {
+        let due = rig.connection.deadline(rig.now).expect("it is connected");
+        rig.pass_ms(1);
+        if rig.signs_wanted > asked || stalls(&rig) > 0 {
+            assert!(due <= rig.now, "{due:?} {:?}", rig.now);
+            asked = rig.signs_wanted;
+        }
+    }
 }
 
 #[test]
@@ -200,7 +235,9 @@ fn sees(handle: &Handle, is_it: impl Fn(&Snapshot) -> bool) -> bool {
 #[test]
 fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_not() {
     let worker = worker();
-    worker.pause(Duration::from_millis(2500));
+    worker.pause(Duration::from_millis(1500));
+    // What nobody has asked for does not end.
+    assert_eq!(worker.wait(Ticket(u64::MAX), Duration::from_millis(1500)), None);
     let refresh = worker.send(Request::Refresh);
     assert!(worker.wait(refresh, PATIENCE).is_some());
     assert_eq!((state(&worker.snapshot()), worker.snapshot().driver_stalls), (Some(State::Driving), 0));

@@ -62,8 +62,14 @@ fn question() -> UserEvent {
     UserEvent::RequestRepaint { viewport_id: nowhere(), when: Instant::now(), cumulative_pass_nr: 0 }
 }
 
-fn is_question(event: &UserEvent) -> bool {
-    matches!(event, UserEvent::RequestRepaint { viewport_id, .. } if *viewport_id == nowhere())
+/// Gives a sign of life if an event of the loop is the link's question; returns whether it is.
+fn answer(event: &UserEvent, sign: impl FnOnce()) -> bool {
+    let is_question =
+        matches!(event, UserEvent::RequestRepaint { viewport_id, .. } if *viewport_id == nowhere());
+    if is_question {
+        sign();
+    }
+    is_question
 }
 
 /// Answers the link's questions and hands everything else to eframe.
@@ -75,10 +81,13 @@ struct Answering<'app> {
 
 impl ApplicationHandler<UserEvent> for Answering<'_> {
     fn user_event(&mut self, event_loop: &ActiveEventLoop, event: UserEvent) {
-        if !is_question(&event) {
+        let sign = || {
+            if let Some(link) = self.link.get() {
+                link.sign_of_life();
+            }
+        };
+        if !answer(&event, sign) {
             self.app.user_event(event_loop, event);
-        } else if let Some(link) = self.link.get() {
-            link.sign_of_life();
         }
     }
 
@@ -120,11 +129,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_question_is_told_from_a_repaint() {
-        assert!(is_question(&question()));
+    fn a_question_is_answered_by_the_loop_and_a_repaint_is_eframes() {
+        let signs = std::cell::Cell::new(0);
+        let sign = || signs.set(signs.get() + 1);
+        assert!(answer(&question(), sign));
+        assert_eq!(signs.get(), 1);
         let when = Instant::now();
         let repaint =
             UserEvent::RequestRepaint { viewport_id: ViewportId::ROOT, when, cumulative_pass_nr: 0 };
-        assert!(!is_question(&repaint));
+        assert!(!answer(&repaint, sign));
+        assert_eq!(signs.get(), 1);
     }
 }

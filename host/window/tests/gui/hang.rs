@@ -35,6 +35,9 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     app.window.key_press(Key::ArrowRight);
     app.wait(3000);
     assert_eq!(state(&app), State::Idle);
+    app.window.get_by_label("Arm").click();
+    app.wait(1000);
+    assert_eq!(state(&app), State::Armed);
     assert!(app.window.query_by_label_contains(TOLD).is_some(), "it stays until something is driven");
     app.window.get_by_label("Drive").click();
     app.wait(600);
