@@ -336,6 +336,15 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_waits_is_not_told_as_one_that_sounds() {
+        let status = Status { state: State::Waiting, ..Status::default() };
+        let waiting = Snapshot { status: Some(status), ..Snapshot::default() };
+        let text = text(&waiting, &setup(), &TableState::Waiting);
+        let mut states = text.lines().filter(|line| line.starts_with("State:"));
+        assert!(states.any(|line| line.ends_with("waiting for the trigger")), "{text}");
+    }
+
+    #[test]
     fn what_is_not_known_is_said() {
         let text = text(&Snapshot::default(), &setup(), &TableState::Waiting);
         for part in ["not connected", "not known", "waiting for a device", "Port:", "== log"] {

@@ -91,6 +91,13 @@ struct Case {
     drive: Result<Effect, &'static str>,
 }
 
+#[test]
+fn a_drive_that_waits_for_the_trigger_input_is_told_as_that() {
+    let driving = TestApp::driving().snapshot();
+    let (window, _) = show(in_state(&driving, State::Waiting, false), [1280.0, 800.0]);
+    assert!(window.query_by_label("State: waiting").is_some());
+}
+
 fn cases() -> Vec<Case> {
     let driving = TestApp::driving().snapshot();
     let real = |state| in_state(&driving, state, false);
