@@ -150,6 +150,43 @@ fn a_table_that_comes_after_the_limit_is_judged_by_it_and_so_is_one_that_came_be
 }
 
 #[test]
+fn a_table_that_would_take_a_sounding_tone_to_the_resonance_is_refused_and_the_one_in_force_stays() {
+    let harmless = Table::line(101, 500.0, 600.0, |_| 1.0);
+    let mut rig = Rig::armed_with(&harmless);
+    rig.send(&set(Some(COIL)));
+    rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.5)], SHORTEST)));
+    rig.live_ms(100);
+    rig.stage(&on_the_wire());
+    let refused = rig.refused(&Command::TableCommit);
+    assert!(matches!(refused, Refusal::Travel { .. }), "{refused:?}");
+    let status = rig.status();
+    assert_eq!((status.state, status.table_crc), (State::Driving, harmless.header.crc));
+    rig.upload(&Table::line(101, 300.0, 400.0, |_| 1.0));
+}
+
+#[test]
+fn a_table_is_judged_by_its_own_knots_and_gains_whatever_was_in_its_place_before() {
+    let glides = |rig: &mut Rig| {
+        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 0.5)], SHORTEST)));
+        rig.live_ms(100);
+        rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.5)], SHORTEST)));
+        rig.live_ms(100);
+    };
+    let mut rig = Rig::armed_with(&on_the_wire());
+    rig.send(&set(Some(COIL)));
+    // There are two places: the third table takes that of the first.
+    for first_hz in [200.0, 210.0] {
+        rig.upload(&Table::line(101, first_hz, 300.0, |_| 1.0));
+        glides(&mut rig);
+    }
+    // Across the resonance, where full scale would be 16 times the peak travel.
+    rig.accepted(&Command::Stop);
+    rig.live_ms(100);
+    rig.upload(&Table::line(101, 10.0, 110.0, |_| 0.12));
+    glides(&mut rig);
+}
+
+#[test]
 fn a_reset_and_a_new_session_leave_no_limit() {
     let mut rig = Rig::armed_with(&on_the_wire());
     rig.send(&set(Some(COIL)));

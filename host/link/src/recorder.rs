@@ -341,6 +341,27 @@ mod tests {
     }
 
     #[test]
+    fn what_a_person_should_mend_is_logged_at_the_first_word_of_it_and_wear_with_each_erasure() {
+        let mut recorder = Recorder::default();
+        let told = |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: false };
+        let mut warnings = |erasures| {
+            let before = recorder.view.log.len();
+            recorder.maintenance(told(erasures));
+            let new = recorder.view.log.iter().skip(before);
+            let texts = new.filter(|line| line.severity == Severity::Warning).map(|line| line.text.clone());
+            texts.collect::<Vec<_>>().join("\n")
+        };
+        let first = warnings(20_000);
+        assert!(first.contains("brown-out level of this board is not set"), "{first}");
+        assert!(!first.contains("erased"), "{first}");
+        assert_eq!(warnings(20_000), "");
+        let worn = warnings(20_001);
+        assert!(worn.contains("erased 20001 times") && !worn.contains("brown-out"), "{worn}");
+        assert_eq!(warnings(20_001), "");
+        assert!(warnings(20_002).contains("erased 20002 times"));
+    }
+
+    #[test]
     fn a_table_is_known_for_as_long_as_the_device_names_it() {
         let table = |hz: f64| {
             let knots = [(2.0 * hz, 1.0), (hz, 1.0)];

@@ -259,6 +259,8 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::simulation::device_table;
+    use slipline_link::simulator::loopback::Loopback;
 
     #[test]
     fn a_stop_holds_over_another_connection() {
@@ -268,5 +270,33 @@ mod tests {
         autopilot.stopped();
         autopilot.connecting(&Port::Simulated);
         assert!(!autopilot.wants_drive());
+    }
+
+    /// The table of a membrane at an actuator of this static travel; 1 mm is allowed.
+    fn made(static_m: f64) -> TableMade {
+        let mut spec = slipline_plate::preset("membrane").unwrap().spec().clone();
+        let travel = Some(slipline_plate::Travel { peak_m: 1e-3, static_m });
+        let resonator = slipline_plate::Resonator { resonance_hz: 40.0, quality: 0.7, travel };
+        spec.actuator = Some(slipline_plate::Actuator::Resonator(resonator));
+        let plate = Arc::new(slipline_plate::Plate::new(spec).unwrap());
+        let drive_table = slipline_plate::DriveTable::build(&plate, 400e3, 33).unwrap();
+        let device_table = Arc::new(device_table(&drive_table).unwrap());
+        TableMade { plate, drive_table, device_table, sensitivity_db: None }
+    }
+
+    #[test]
+    fn a_plate_that_differs_in_its_peak_travel_only_is_sent_with_its_own_limit() {
+        let (stiff, soft) = (made(1e-6), made(2e-6));
+        let limits =
+            [&stiff, &soft].map(|made| made.device_table.travel_limit().map(|limit| limit.static_ppm));
+        assert_eq!(limits, [Some(1000), Some(2000)]);
+        assert_eq!(stiff.device_table.crc(), soft.device_table.crc(), "neither is lowered");
+        let loopback = Loopback::connect(400_000).unwrap();
+        let (now, mut autopilot) = (loopback.view(), Autopilot::default());
+        let mut sent = |made| {
+            let actions = autopilot.update(now, now, Some(made), true);
+            actions.iter().filter(|action| matches!(action, Action::Upload(_))).count()
+        };
+        assert_eq!([sent(&stiff), sent(&stiff), sent(&soft), sent(&soft)], [1, 0, 1, 0]);
     }
 }

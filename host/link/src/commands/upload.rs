@@ -267,6 +267,7 @@ fn confirm(upload: &Upload, recorder: &mut Recorder, when: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_protocol::command::TravelLimit;
     use slipline_protocol::event::{Accepted, Status, TableReport};
 
     fn upload(number: u64, hz: f64) -> Upload {
@@ -314,5 +315,29 @@ mod tests {
         let mut uploads = Uploads(Some(upload(4, 22e3)));
         assert_eq!(uploads.cancel(Some(Ticket(5)), &mut recorder), Some(Command::TableAbort));
         assert_eq!(recorder.view.outcome(Ticket(4)), Some(&Outcome::Superseded));
+    }
+
+    #[test]
+    fn a_device_that_puts_another_limit_in_force_gets_no_table() {
+        let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
+        let mut wanted = upload(1, 20e3);
+        wanted.table = Arc::new(wanted.table.as_ref().clone().with_travel_limit(50.0, 4.0, 2.0).unwrap());
+        for (told, is_taken) in [
+            (Some(limit), true),
+            (None, false),
+            (Some(TravelLimit { static_ppm: limit.static_ppm - 1, ..limit }), false),
+        ] {
+            let mut recorder = Recorder::default();
+            let mut uploads = Uploads(Some(Upload { step: Step::Limit, ..wanted.clone() }));
+            let reply = Event::TravelLimit(TravelSetting { limit: told });
+            uploads.take_reply(reply, &mut recorder, Duration::ZERO);
+            assert_eq!(
+                uploads.current().map(|upload| upload.step),
+                is_taken.then_some(Step::Begin),
+                "{told:?}"
+            );
+            let refused = Outcome::Refused(Refusal::UnexpectedReply);
+            assert_eq!(recorder.view.outcome(wanted.ticket), (!is_taken).then_some(&refused), "{told:?}");
+        }
     }
 }

@@ -74,6 +74,7 @@ mod tests {
         let (free, limited) = (table(None), table(Some(Travel { peak_m: 1e-3, static_m: 8e-3 })));
         let travel = limited.travel.expect("limited");
         assert_eq!(free.travel, None);
+        assert_eq!((travel.resonance_hz, travel.quality, travel.static_share), (100.0, 4.0, 8.0));
         assert!(travel.scale < 0.9 && (travel.largest_share - super::USED).abs() < 1e-12, "{travel:?}");
         for (free, limited) in free.knots.iter().zip(&limited.knots) {
             assert!((limited.gain / free.gain - travel.scale).abs() < 1e-12);
@@ -96,6 +97,26 @@ mod tests {
         });
         let largest = shares.fold(0.0, f64::max);
         assert!(largest <= super::USED + 1e-12 && largest > 0.95, "{largest}");
+    }
+
+    #[test]
+    fn a_resonance_between_two_knots_counts_with_its_peak_and_the_larger_of_their_gains() {
+        let spec = preset("membrane").expect("preset").spec().clone();
+        let travel = Some(Travel { peak_m: 1e-3, static_m: 1e-3 });
+        let sharp = Resonator { resonance_hz: 150.0, quality: 60.0, travel };
+        let plate = Plate::new(crate::PlateSpec { actuator: Some(Actuator::Resonator(sharp)), ..spec })
+            .expect("plate");
+        for gains in [[0.2, 0.8], [0.8, 0.2]] {
+            let mut limited = gains;
+            let found = super::TableTravel::limit(&plate, &[50.0, 200.0], &mut limited).expect("a limit");
+            assert!((found.scale - super::USED / (60.0 * 0.8)).abs() < 1e-4, "{found:?}");
+            for i in 0..=1500 {
+                let part = f64::from(i) / 1500.0;
+                let gain = limited[0] + part * (limited[1] - limited[0]);
+                let share = sharp.travel_share(50.0 + part * 150.0).expect("limited");
+                assert!(gain * share <= super::USED + 1e-12, "{part}: {}", gain * share);
+            }
+        }
     }
 
     #[test]
