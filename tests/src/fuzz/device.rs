@@ -219,6 +219,13 @@ pub fn stored(data: &[u8]) {
     let Event::Table(report) = rig.send(&Command::TableDigest) else { panic!("no report") };
     let is_loaded = matches!(identity.stored, StoredConfig::Loaded | StoredConfig::FellBack);
     assert_eq!(is_loaded, report.active.is_some());
+    // Its digest is that of the knots in force, so it is one of the two that were kept, whole.
+    if let Some(active) = report.active {
+        assert!(
+            KEPT_KNOTS.contains(&active.knots) && active == kept_table(active.knots).header,
+            "{active:?}"
+        );
+    }
     if rig.status().faults.is_empty() {
         rig.arm();
         if report.active.is_some() {
@@ -236,14 +243,21 @@ pub fn stored(data: &[u8]) {
     rig.accepted(&Command::Store);
 }
 
+/// The knots of the two tables that are kept.
+const KEPT_KNOTS: [u16; 2] = [9, 5];
+
+fn kept_table(knots: u16) -> Table {
+    Table::line(knots, 60_000.0, 20_000.0, |u| 0.5 + 0.5 * u)
+}
+
 /// A flash in which two tables have been kept, one after the other.
 fn kept() -> MemoryFlash {
     static KEPT: std::sync::OnceLock<MemoryFlash> = std::sync::OnceLock::new();
     let make = || {
         let mut rig = Rig::default();
         rig.hello();
-        for knots in [9, 5] {
-            rig.upload(&Table::line(knots, 60_000.0, 20_000.0, |u| 0.5 + 0.5 * u));
+        for knots in KEPT_KNOTS {
+            rig.upload(&kept_table(knots));
             rig.live_ms(10);
             rig.accepted(&Command::Store);
         }
