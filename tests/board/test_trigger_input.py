@@ -104,9 +104,10 @@ def test_stops_and_the_dead_man_drop_it(sounding):
             host.live(0.008)
             host.accept(message)
             host.live(0.06)
+            dropped = host.trigger()
             rise(rig)
             host.live(0.01)
-            return host.trigger(), edges.seen, is_silent(rig.codes(rig.played() - 500, rig.played()))
+            return dropped, host.trigger(), edges.seen, is_silent(rig.codes(rig.played() - 500, rig.played()))
 
         return case
 
@@ -116,13 +117,16 @@ def test_stops_and_the_dead_man_drop_it(sounding):
         host.live(0.008)
         host.lives = False
         rig.board.run(1.2)
+        dropped = host.trigger()
         rise(rig)
         rig.board.run(0.01)
-        return host.trigger(), edges.seen, host.status()["first_fault"]
+        return dropped, host.trigger(), edges.seen, host.status()["first_fault"]
 
+    # Dropped at once, and not only when the input rises.
+    nothing = (False, None)
     for message in (STOP, EMERGENCY_STOP, DISARM):
-        assert on_copy(sounding, stopped(message)) == ((False, None), [], True), hex(message)
-    assert on_copy(sounding, abandoned) == ((False, None), [], "host lost")
+        assert on_copy(sounding, stopped(message)) == (nothing, nothing, [], True), hex(message)
+    assert on_copy(sounding, abandoned) == (nothing, nothing, [], "host lost")
 
 
 @pytest.mark.parametrize("facts", BOARDS, ids=lambda facts: facts.name, scope="function")
