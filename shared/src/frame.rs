@@ -58,13 +58,11 @@ pub struct Frame<'a> {
     pub body: &'a [u8],
 }
 
-/// Why a message cannot be sent as a frame, or bytes are not a frame. It is never sent itself.
+/// Why a message cannot be sent as a frame. It is never sent itself: bytes that are no frame are counted by the decoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameError {
     /// More bytes than a frame may have.
     TooLong,
-    /// Impossible COBS, too short, wrong CRC or no direction.
-    Damaged,
     /// The message is newer than the minor version that the other side speaks.
     TooNew,
 }
@@ -73,7 +71,6 @@ impl core::fmt::Display for FrameError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::TooLong => "a frame is too long",
-            Self::Damaged => "a frame is damaged",
             Self::TooNew => "the other side does not know this message yet",
         })
     }
