@@ -1,88 +1,168 @@
-//! The levels that the table would make equal on the plate, and what becomes of them where the plate is not quite the
-//! file's.
+//! The levels that the table makes equal on the plate, and what becomes of them where the plate is not quite the file's.
 
+use super::prepared::AT_ONCE;
 use super::thresholds::LOSS_TOLERANCE;
+use crate::frequency::Finger;
+use crate::frequency::driven_end::{drive_rise, with_whole_end};
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};
+use num_complex::Complex64;
 
 /// The plate and everything that it may be instead, each with its grid.
 #[derive(Debug)]
 pub(super) struct Variants {
-    /// The plate itself.
+    /// The plate of the file.
     nominal: DriveToPeak,
-    /// The plates over which the table is levelled, then those of the lists below that are not among them.
+    /// The plates over which the table is levelled, then those of the fields below that are not among them.
     others: Vec<DriveToPeak>,
     /// How many of the others the table is levelled over.
     levelled: usize,
+    /// The plate as it is, if the file leaves out the near field of its end.
+    whole: Option<Whole>,
     /// Of the others: those with a wave speed 1 % and 0.5 % lower and higher.
     detuned: Vec<usize>,
     /// Of the others: those with the lowest and the highest loss that the plate may have.
     lossy: Vec<usize>,
 }
 
-/// Levels at one frequency, per unit of DAC amplitude.
+/// A plate in bending with the near field at its end, which the file leaves out.
+#[derive(Debug, Clone, Copy)]
+struct Whole {
+    /// Which of the others it is.
+    plate: usize,
+    /// How far its level is above that of the file's plate, on the mean over the span, dB: a factor that everyone finds
+    /// who measures the level once.
+    above_db: f64,
+}
+
+/// Levels at one boundary.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SiteLevels {
-    /// That of the plate itself.
+    /// That of the plate itself, per unit of DAC amplitude.
     pub(super) nominal: f64,
-    /// How far the peak may be from the table's level where the wave speed is off by 1 %, dB.
+    /// How far the peak may be from the table's level, after one factor for the span: where the end has the near field
+    /// that the file leaves out, dB. 0 for a file that tells both conditions of its end.
+    pub(super) by_end_db: f64,
+    /// The same where the wave speed is off by 1 %, dB.
     pub(super) by_speed_db: f64,
     /// The same where the loss is off by its tolerance, dB.
     pub(super) by_loss_db: f64,
+    /// How much higher than here the peak is where the wave speed is off by up to 1 %, dB; 0 or more.
+    pub(super) rise_db: f64,
+    /// Whether the peak is the largest amplitude on the plate at all these speeds.
+    pub(super) stays_largest: bool,
 }
 
 impl Variants {
     pub(super) fn new(plate: &Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
+        let nominal = DriveToPeak::new(plate, sample_rate_hz)?;
         let mut plates = other_plates(plate);
         let levelled = plates.len();
-        let mut place_of = |other: Plate| {
+        let mut number_of = |other: Plate| {
             let known = plates.iter().position(|plate| plate.spec() == other.spec());
             known.unwrap_or_else(|| {
                 plates.push(other);
                 plates.len() - 1
             })
         };
+        let whole_plate = with_whole_end(plate);
+        let whole = whole_plate.clone().map(&mut number_of);
         // At the end of a material's allowed range some of these speeds are not allowed.
+        let real = whole_plate.as_ref().unwrap_or(plate);
         let speeds =
-            [0.99, 0.995, 1.005, 1.01].into_iter().filter_map(|factor| plate.with_wave_speed(factor).ok());
-        let detuned = speeds.map(&mut place_of).collect();
+            [0.99, 0.995, 1.005, 1.01].into_iter().filter_map(|factor| real.with_wave_speed(factor).ok());
+        let detuned = speeds.map(&mut number_of).collect();
         let loss = 1.0 + plate.spec().loss_tolerance.unwrap_or(LOSS_TOLERANCE);
-        let losses = [loss.recip(), loss].into_iter().filter_map(|factor| plate.with_loss(factor).ok());
-        let lossy = losses.map(&mut place_of).collect();
+        let losses = [loss.recip(), loss].into_iter().filter_map(|factor| real.with_loss(factor).ok());
+        let lossy = losses.map(&mut number_of).collect();
         // The band of another plate may end a little above what the sample rate carries; the boundaries' frequencies
         // do not.
-        let others = plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect();
-        Ok(Self { nominal: DriveToPeak::new(plate, sample_rate_hz)?, others, levelled, detuned, lossy })
+        let others: Vec<_> =
+            plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect();
+        let whole = whole.map(|plate| Whole { plate, above_db: 0.0 });
+        Ok(Self { nominal, others, levelled, whole, detuned, lossy })
     }
 
-    /// The plate's own levels.
-    pub(super) fn nominal(&self, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
-        self.nominal.levels(frequencies_hz, &mut Progress::new(&mut |_| true))
+    /// The plate's own levels at the frequencies of the whole span. The mean of the real plate's over them is the factor
+    /// of [`SiteLevels`].
+    pub(super) fn of_span(
+        &mut self,
+        frequencies_hz: &[f64],
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<Level>, TableError> {
+        let mut levels = Vec::with_capacity(frequencies_hz.len());
+        let mut sum_db = 0.0;
+        for group in frequencies_hz.chunks(AT_ONCE) {
+            progress.at(levels.len() as f64 / frequencies_hz.len() as f64)?;
+            let nominal = at(&self.nominal, group)?;
+            if let Some(whole) = &self.whole {
+                let ratio = at(&self.others[whole.plate], group)?.into_iter().zip(&nominal).zip(group);
+                sum_db += ratio
+                    .map(|((real, told), &hz)| db(self.rise(hz) * real.amplitude / told.amplitude))
+                    .sum::<f64>();
+            }
+            levels.extend(nominal);
+        }
+        if let Some(whole) = &mut self.whole {
+            whole.above_db = sum_db / frequencies_hz.len() as f64;
+        }
+        Ok(levels)
     }
 
     /// The levels of all plates at each frequency.
     pub(super) fn levels(&self, frequencies_hz: &[f64]) -> Result<Vec<SiteLevels>, TableError> {
-        let nominal = self.nominal(frequencies_hz)?;
-        let of_others: Vec<Vec<Level>> = self
-            .others
-            .iter()
-            .map(|plate| plate.levels(frequencies_hz, &mut Progress::new(&mut |_| true)))
-            .collect::<Result<_, _>>()?;
+        let nominal = at(&self.nominal, frequencies_hz)?;
+        let of_others: Vec<Vec<Level>> =
+            self.others.iter().map(|plate| at(plate, frequencies_hz)).collect::<Result<_, _>>()?;
         let intended = middles(&nominal, &of_others[..self.levelled]);
-        let worst_db = |plates: &[usize], number: usize| {
+        let above_db = self.whole.map_or(0.0, |whole| whole.above_db);
+        let worst_db = |plates: &[usize], number: usize, hz: f64| {
             let apart = |&plate: &usize| {
-                let ratio = of_others[plate][number].amplitude / intended[number].amplitude;
-                (20.0 * ratio.log10()).abs()
+                let ratio = self.rise(hz) * of_others[plate][number].amplitude / intended[number].amplitude;
+                (db(ratio) - above_db).abs()
             };
             plates.iter().map(apart).fold(0.0, f64::max)
         };
-        let at = |(number, level): (usize, &Level)| SiteLevels {
+        let whole: Vec<usize> = self.whole.iter().map(|whole| whole.plate).collect();
+        let of_site = |(number, (level, &hz)): (usize, (&Level, &f64))| SiteLevels {
             nominal: level.amplitude,
-            by_speed_db: worst_db(&self.detuned, number),
-            by_loss_db: worst_db(&self.lossy, number),
+            rise_db: {
+                let real =
+                    self.whole.map_or(level.amplitude, |whole| of_others[whole.plate][number].amplitude);
+                let others = self.detuned.iter().map(|&plate| of_others[plate][number].amplitude);
+                db(others.fold(real, f64::max) / real)
+            },
+            stays_largest: self.detuned.iter().all(|&plate| of_others[plate][number].peak_largest),
+            by_end_db: worst_db(&whole, number, hz),
+            by_speed_db: worst_db(&self.detuned, number, hz),
+            by_loss_db: worst_db(&self.lossy, number, hz),
         };
-        Ok(nominal.iter().enumerate().map(at).collect())
+        Ok(nominal.iter().zip(frequencies_hz).enumerate().map(of_site).collect())
     }
+
+    /// What a finger leaves of the amplitude under it.
+    pub(super) fn share_left(&self, finger: &Finger, frequency_hz: f64) -> Complex64 {
+        let real = self.whole.map_or(&self.nominal, |whole| &self.others[whole.plate]);
+        real.share_left(finger, frequency_hz)
+    }
+
+    /// The plate with the near field of its driven end, if the file leaves that out.
+    pub(super) fn whole(&self) -> Option<&Plate> {
+        self.whole.map(|whole| self.others[whole.plate].plate())
+    }
+
+    /// The drive of the file's end over that of the end with its near field.
+    fn rise(&self, frequency_hz: f64) -> f64 {
+        if self.whole.is_some() { drive_rise(self.nominal.plate(), frequency_hz) } else { 1.0 }
+    }
+}
+
+fn at(plate: &DriveToPeak, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
+    plate.levels(frequencies_hz, &mut Progress::new(&mut |_| true))
+}
+
+fn db(ratio: f64) -> f64 {
+    20.0 * ratio.log10()
 }

@@ -34,21 +34,19 @@ impl Prepared {
         progress: &mut Progress<'_>,
     ) -> Result<Self, CheckError> {
         conditions.validate(plate)?;
-        let variants = Variants::new(plate, conditions.sample_rate_hz)?;
+        let mut variants = Variants::new(plate, conditions.sample_rate_hz)?;
         let mut lowest_gain = f64::INFINITY;
         // The travel per unit of peak.
         let mut largest_share: f64 = 0.0;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
         let frequencies_hz: Vec<f64> =
             places(plate, 2 * SPAN_PLACES - 1).map(|x| plate.frequency_for_boundary_hz(x)).collect();
-        for (number, group) in frequencies_hz.chunks(AT_ONCE).enumerate() {
-            progress.at((number * AT_ONCE) as f64 / frequencies_hz.len() as f64)?;
-            for (&frequency_hz, level) in group.iter().zip(variants.nominal(group)?) {
-                let gain = level.amplitude;
-                lowest_gain = lowest_gain.min(gain);
-                let share = resonator.and_then(|resonator| resonator.travel_share(frequency_hz));
-                largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
-            }
+        for (&frequency_hz, level) in frequencies_hz.iter().zip(variants.of_span(&frequencies_hz, progress)?)
+        {
+            let gain = level.amplitude;
+            lowest_gain = lowest_gain.min(gain);
+            let share = resonator.and_then(|resonator| resonator.travel_share(frequency_hz));
+            largest_share = largest_share.max(share.unwrap_or(0.0) / gain);
         }
         Ok(Self {
             plate: plate.clone(),

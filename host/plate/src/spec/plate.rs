@@ -230,6 +230,13 @@ impl Plate {
         Self::new(spec)
     }
 
+    /// The same plate with another end, which must be valid for it.
+    pub(crate) fn with_drive_end(&self, drive_end: DriveEnd) -> Self {
+        let mut plate = self.clone();
+        plate.spec.drive_end = drive_end;
+        plate
+    }
+
     /// Width mode `mode` of this plate (1 is the first).
     pub(crate) fn width_mode(&self, mode: u32) -> WidthMode<'_> {
         WidthMode {

@@ -8,6 +8,7 @@
 
 use super::error::TableError;
 use crate::frequency::equation::Equation;
+use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::peak::{self, Peak};
 use crate::progress::Progress;
@@ -31,6 +32,8 @@ pub struct Level {
     pub amplitude: f64,
     /// Whether there is a turning-point peak.
     pub peak_present: bool,
+    /// Whether it is the largest amplitude on the plate.
+    pub peak_largest: bool,
 }
 
 /// The gain from the DAC to the plate's peak, prepared for many frequencies of one plate.
@@ -46,6 +49,10 @@ impl DriveToPeak {
     pub(crate) fn new(plate: &Plate, sample_rate_hz: f64) -> Result<Self, TableError> {
         sample_rate::check(plate, sample_rate_hz)?;
         Ok(Self::unchecked(plate, sample_rate_hz))
+    }
+
+    pub(crate) fn plate(&self) -> &Plate {
+        &self.plate
     }
 
     /// As [`DriveToPeak::new`], for a plate whose band may end a little above what the sample rate carries.
@@ -105,7 +112,13 @@ impl DriveToPeak {
         if !(amplitude.is_finite() && amplitude > 0.0) {
             return Err(TableError::Silent { position_m: turning_point_m, frequency_hz });
         }
-        Ok(Level { amplitude, peak_present: found.is_some() })
+        let peak_largest = found.is_some_and(|peak| peak.is_largest);
+        Ok(Level { amplitude, peak_present: found.is_some(), peak_largest })
+    }
+
+    /// What a finger leaves of the amplitude under it, see [`finger::share_left`].
+    pub(crate) fn share_left(&self, finger: &Finger, frequency_hz: f64) -> Complex64 {
+        finger::share_left(&self.grid, &self.plate, finger, frequency_hz)
     }
 
     /// Gain of the zero-order hold and the actuator.

@@ -1,13 +1,10 @@
 //! Lights for the finger on the plate: whether it finds room between the edges, and whether the peak survives it.
 
-use crate::check::grading::{Finding, Site};
+use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{FINGER_LOAD, FINGERTIP_M, WIDTH};
+use crate::check::thresholds::{FINGER_DB, FINGER_LOAD, FINGERTIP_M, WIDTH};
 use crate::frequency::Finger;
 use crate::quantity::number_format::with_decimals;
-use crate::spec::plate::Plate;
-use crate::special::airy;
-use std::f64::consts::PI;
 
 /// Whether a fingertip fits between the edges at the boundary; the value is the plate's width there in fingertips.
 pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
@@ -30,43 +27,52 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     site.judged("width", Some(fingers), "fingertips", colour, -fingers, sentence)
 }
 
-/// |Z_f|/Z of a light touch, and what it takes from the peak.
+/// |Z_f|/Z of a light touch, and what it takes from the peak; it has the colour of the worse of the two.
 pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
     let name = "finger load";
-    let Ok(light) = Finger::light(site.boundary_m).load(site.plate, site.frequency_hz) else {
+    let place_m = site.response.peak.map_or(site.boundary_m, |peak| peak.position_m);
+    let finger = Finger::light(place_m);
+    let Ok(load) = finger.load(site.plate, site.frequency_hz) else {
         let sentence = "The plate file tells no tension or thickness: how heavy a finger is for the wave was not checked.";
         return site.judged(name, None, "", Colour::Unchecked, 0.0, sentence.to_owned());
     };
-    let firm = Finger::firm(site.boundary_m).load(site.plate, site.frequency_hz).unwrap_or(f64::NAN);
-    let [light_db, firm_db] =
-        [light, firm].map(|load| with_decimals(touched_db(site.plate, site.frequency_hz, load), 1));
-    let costs =
-        format!("A light touch takes about {light_db} dB from the peak under it, a firm press {firm_db} dB");
-    site.graded(
-        name,
-        light,
-        "",
-        FINGER_LOAD,
+    let by_load = colour(load, FINGER_LOAD);
+    if site.response.peak.is_none() {
+        let sentence = format!(
+            "A light touch has {} times the impedance of the wave; there is no peak for it to take.",
+            with_decimals(load, 2)
+        );
+        return site.judged(name, Some(load), "", by_load, load, sentence);
+    }
+    let [light_db, firm_db] = touched_db(site, &finger);
+    let judged = by_load.max(colour(light_db, FINGER_DB));
+    let costs = format!(
+        "A light touch takes up to {} dB from the peak under it, a firm press {} dB",
+        with_decimals(light_db, 1),
+        with_decimals(firm_db, 1)
+    );
+    let severity = (load / FINGER_LOAD.green).max(light_db / FINGER_DB.green);
+    let sentence = pick(
+        judged,
         [
             format!("{costs}: the peak survives a light touch."),
             format!("{costs}: the peak is felt weaker than it is computed; a heavier plate keeps it."),
             format!("{costs}: a finger stops the wave that it should feel, take a heavier plate."),
         ],
-    )
+    );
+    site.judged(name, Some(load), "", judged, severity, sentence)
 }
 
-/// By how many dB a finger of that load lowers the peak under it, on a plate whose driven end sends nothing back.
+/// By how many dB a light touch and a firm press at the place of `light` lower the amplitude under them, at most.
 ///
-/// The wave of a driven end that launches 1 stands before its turning point as 2 sqrt(pi k0 W0/(kappa W)) Ai, with its peak
-/// P = 0.5357 times that factor. What a finger there pushes back travels to the driven end, with the amplitude that reciprocity gives a
-/// force at the peak: P/(2 omega Z) of it. Its power 1/2 Z omega^2 |.|^2 is that of the force on the velocity under it, so
-/// the plate answers the finger with the mobility P^2/(4 Z), and the peak is lower by 1 + (P^2/4) |Z_f|/Z.
-pub(in crate::check) fn touched_db(plate: &Plate, frequency_hz: f64, load: f64) -> f64 {
-    let mode = plate.width_mode(1);
-    let k0 = mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-    let turning_width = plate.half_width_m(mode.turning_point_m(frequency_hz));
-    let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
-    let quarter_square =
-        PI * airy::PEAK_VALUE.powi(2) * k0 * plate.half_width_m(0.0) / (kappa * turning_width);
-    20.0 * (1.0 + quarter_square * load).log10()
+/// A force under the contact moves the plate there by Y per unit, so a finger of the impedance Z leaves 1/(1 + Y Z) of the
+/// motion. The light touch is solved, the firm press has the same contact and so the same Y. Where another wave speed
+/// brings a resonance here, Y rises as the peak does.
+pub(in crate::check) fn touched_db(site: &Site<'_>, light: &Finger) -> [f64; 2] {
+    let firm = Finger::firm(light.place_m);
+    let left = site.prepared.variants.share_left(light, site.frequency_hz);
+    let ratio = firm.impedance_n_s_per_m(site.frequency_hz) / light.impedance_n_s_per_m(site.frequency_hz);
+    let rise = 10.0_f64.powf(site.levels.rise_db / 20.0);
+    let by_light = (left.inv() - 1.0) * rise;
+    [by_light, by_light * ratio].map(|by| (20.0 * (1.0 + by).norm().log10()).max(0.0))
 }

@@ -42,6 +42,16 @@ fn a_bending_plate_with_a_damper_alone_is_amber_and_one_with_a_lead_in_behind_a_
         (damped.value.expect("known") - 0.57).abs() < 0.01 && damped.sentence.contains("lead-in"),
         "{damped:?}"
     );
+    let mut clamped = still.spec().clone();
+    clamped.model = crate::Model::BendingClamped(clamped.model.bending().expect("bending").clone());
+    clamped.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
+    (clamped.span_start_m, clamped.span_end_m) = (0.1, 0.24);
+    let plate = Plate::new(clamped).expect("plate");
+    let hz = plate.frequency_for_boundary_hz(0.2);
+    let truth =
+        crate::plane::reflection(&plate, hz, &crate::plane::Setup::of(&plate)).expect("enters").norm();
+    let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.2).expect("on it");
+    assert!((value(&report, "drive match") - truth).abs() < 0.03, "{report:?} {truth}");
     assert_eq!(end(DriveEnd::Resistance { ratio: 9.0, at_frequency_hz: 28e3 }).colour, Colour::Red);
 
     let lead_in = crate::LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 55.0 };

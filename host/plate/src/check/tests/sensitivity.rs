@@ -2,7 +2,7 @@
 
 use super::light;
 use crate::check::{Checker, Colour, Conditions, Light};
-use crate::{Plate, preset};
+use crate::{DriveEnd, Plate, PlateSpec, Source, preset};
 
 /// The membrane whose loss is known within `tolerance`: the sensitivity light at each end of the span.
 fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
@@ -31,4 +31,28 @@ fn a_loss_that_may_be_twice_as_high_is_no_green_sensitivity() {
     assert!((0.5..0.9).contains(&ratio), "{told:?} {far:?}");
     let [_, wide] = sensitivity_of_membrane(Some(4.0));
     assert_eq!(wide.colour, Colour::Red, "{wide:?}");
+}
+
+#[test]
+fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_leaves_out() {
+    // By the page the 2-D plate with R = Z costs 8.6 dB per 1 % of speed, where the file's end costs 0.1 dB.
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
+    (spec.span_start_m, spec.loss_tolerance) = (0.2, Some(0.0));
+    let checker = |spec: &PlateSpec| {
+        Checker::new(&Plate::new(spec.clone()).expect("plate"), Conditions::default()).expect("checks")
+    };
+    let span = checker(&spec).over_span().expect("span");
+    let found = light(&span, "sensitivity");
+    assert_eq!(found.colour, Colour::Red, "{found:?}");
+    assert!((7.0..10.0).contains(&found.value.expect("a number")), "{found:?}");
+    assert!(found.sentence.contains("near field"), "{found:?}");
+    // Where the file tells the near field, the wave speed is to blame.
+    let impedance = checker(&spec).plate().wave_impedance_n_s_per_m(28e3).expect("bending");
+    spec.drive_end =
+        DriveEnd::Source(Source { resistance_n_s_per_m: impedance, ..Source::soft(&spec.model, 28e3) });
+    let span = checker(&spec).over_span().expect("span");
+    let told = light(&span, "sensitivity");
+    assert!((7.0..10.0).contains(&told.value.expect("a number")), "{told:?}");
+    assert!(told.sentence.contains("wave speed"), "{told:?}");
 }

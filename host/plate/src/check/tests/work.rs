@@ -1,6 +1,7 @@
 //! What the lights cost, by the solver's own count of its work.
 
 use crate::check::{Checker, Conditions, SPAN_PLACES};
+use crate::frequency::driven_end::with_whole_end;
 use crate::frequency::numerov::work;
 use crate::frequency::sweep::LANES;
 use crate::presets;
@@ -15,16 +16,19 @@ fn the_lights_of_a_preset_take_one_grid_for_each_plate_that_they_ask_about() {
         let before = work::done();
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
         let prepared = work::done();
-        // The plate, and at most its other 8 speeds with 2 losses.
+        // The plate itself, at most its other 8 speeds and 2 losses, and with the near field that its file leaves out.
         let plates = prepared.grids - before.grids;
         assert!((7..=11).contains(&plates), "{}: {plates}", preset.name);
-        assert_eq!(prepared.sweeps - before.sweeps, (2 * SPAN_PLACES - 1).div_ceil(LANES), "{}", preset.name);
+        let whole = usize::from(with_whole_end(&plate).is_some());
+        let once = (2 * SPAN_PLACES - 1).div_ceil(LANES);
+        assert_eq!(prepared.sweeps - before.sweeps, (1 + whole) * once, "{}", preset.name);
         checker.over_span().expect("span");
         let all = work::done();
         // A level on each plate, and the amplitude over the plate itself.
-        assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1), "{}", preset.name);
-        assert_eq!(all.grids - prepared.grids, groups, "{}", preset.name);
-        assert_eq!(all.single - before.single, 0, "{}", preset.name);
+        assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1 + whole), "{}", preset.name);
+        assert_eq!(all.grids - prepared.grids, groups * (1 + whole), "{}", preset.name);
+        // The finger at each boundary.
+        assert!(all.single - before.single <= SPAN_PLACES, "{}", preset.name);
     }
 }
 
@@ -36,4 +40,5 @@ fn a_boundary_on_a_prepared_plate_takes_one_sweep_for_each_plate() {
     checker.at(0.24).expect("on it");
     let after = work::done();
     assert_eq!((after.grids - before.grids, after.sweeps - before.sweeps), (1, 12));
+    assert_eq!(after.single - before.single, 1, "the finger");
 }

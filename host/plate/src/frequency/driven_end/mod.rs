@@ -22,6 +22,7 @@ mod reflection;
 mod strip;
 mod strip_waves;
 mod supported;
+mod whole_end;
 
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::Model;
@@ -31,6 +32,7 @@ use num_complex::Complex64;
 pub(crate) use near_field::NearField;
 pub(crate) use reflection::source_reflection;
 pub use reflection::{reflection, resistance_reflection};
+pub(crate) use whole_end::{drive_rise, with_whole_end};
 
 /// The condition alpha p(0) + beta p'(0) = drive for a drive of 1, and the near field.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! How much of the returning wave the driven end sends back.
 
+use super::whole_end::with_whole_end;
 use super::{DrivenEnd, supported};
 use crate::spec::drive::DriveEnd;
-use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
 use num_complex::Complex64;
@@ -32,17 +32,11 @@ fn of_end(plate: &Plate, frequency_hz: f64, end: impl FnOnce() -> DrivenEnd) -> 
     Some((step - alpha) / (step + alpha))
 }
 
-/// [`reflection`] of the free end with a damper of the same resistance that an end `Resistance` of a supported plate in
-/// bending stands for. `None` for other plates and ends.
+/// [`reflection`] of the free end with a damper of the same resistance that an end `Resistance` of a plate in bending
+/// stands for. `None` for other plates and ends.
 pub fn resistance_reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
-    let (DriveEnd::Resistance { ratio, at_frequency_hz }, Model::BendingSupported(_)) =
-        (plate.spec().drive_end, &plate.spec().model)
-    else {
-        return None;
-    };
-    let source = Source {
-        resistance_n_s_per_m: ratio * plate.wave_impedance_n_s_per_m(at_frequency_hz)?,
-        ..Source::soft(&plate.spec().model, at_frequency_hz)
-    };
-    source_reflection(plate, &source, frequency_hz)
+    match plate.spec().drive_end {
+        DriveEnd::Resistance { .. } => reflection(&with_whole_end(plate)?, frequency_hz),
+        _ => None,
+    }
 }

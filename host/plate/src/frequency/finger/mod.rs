@@ -19,7 +19,7 @@ use crate::spec::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-pub(crate) use touch::touched;
+pub(crate) use touch::{share_left, touched};
 
 /// Side of the contact of a fingertip, metres.
 pub const CONTACT_M: f64 = 0.01;

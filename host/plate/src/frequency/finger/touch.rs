@@ -28,6 +28,16 @@ pub(crate) fn touched(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz:
     field
 }
 
+/// What is left of the mean motion under the contact: the touched plate's over the free one's.
+pub(crate) fn share_left(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz: f64) -> Complex64 {
+    let (begins_m, ends_m) = finger.reach(plate);
+    if ends_m <= begins_m {
+        return Complex64::ONE;
+    }
+    let (field, solutions) = numerov::solve_with_both(grid, plate, frequency_hz, ends_m);
+    Touch::new(&field, &solutions, plate, finger, frequency_hz).share_left
+}
+
 /// A stretch of the contact within one column and between two grid points, and the means over its column's width of the
 /// two solutions on it.
 struct Stretch {
@@ -49,6 +59,8 @@ struct Touch<'a> {
     per_force: Complex64,
     /// S at the finger, N.
     stiffness_n: Complex64,
+    /// The mean motion under the contact over that of the free plate.
+    share_left: Complex64,
 }
 
 impl<'a> Touch<'a> {
@@ -94,6 +106,7 @@ impl<'a> Touch<'a> {
             per_force: -(solutions.wronskian * solutions.stiffness_n).inv(),
             stiffness_n: solutions.stiffness_n / (weight * weight),
             force: [[Complex64::ZERO; BANDS]; COLUMNS],
+            share_left: Complex64::ONE,
             contact,
             stretches,
             mean,
@@ -127,10 +140,13 @@ impl<'a> Touch<'a> {
                 }
             }
         }
+        let free = right.sum();
         let Some(force) = matrix.lu().solve(&right).filter(|force| force.iter().all(|f| f.is_finite()))
         else {
             return;
         };
+        // A cell's force is its area times the same impedance times its motion.
+        self.share_left = force.sum() / free;
         for (column, bands) in self.force.iter_mut().enumerate() {
             for (band, cell) in bands.iter_mut().enumerate() {
                 *cell = force[column * BANDS + band];

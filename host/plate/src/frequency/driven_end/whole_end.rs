@@ -1,0 +1,34 @@
+//! The end with both of its conditions that a one-mode end of a plate in bending stands for.
+
+use crate::spec::drive::DriveEnd;
+use crate::spec::plate::Plate;
+use crate::spec::source::{EndSlope, Source};
+
+/// `plate` with the near field at its driven end, if its drive end leaves that out: a prescribed displacement becomes one
+/// with a free slope, a force one on a free end, a resistance a damper on a free end. `None` for a plate whose end is
+/// exact.
+///
+/// Its drive may differ by a factor from that of `plate`, see [`drive_rise`].
+pub(crate) fn with_whole_end(plate: &Plate) -> Option<Plate> {
+    let model = &plate.spec().model;
+    model.bending()?;
+    let drive_end = match plate.spec().drive_end {
+        DriveEnd::Displacement => DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
+        DriveEnd::Force { at_frequency_hz } => DriveEnd::Source(Source::soft(model, at_frequency_hz)),
+        DriveEnd::Resistance { ratio, at_frequency_hz } => DriveEnd::Source(Source {
+            resistance_n_s_per_m: ratio * plate.wave_impedance_n_s_per_m(at_frequency_hz)?,
+            ..Source::soft(model, at_frequency_hz)
+        }),
+        DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => return None,
+    };
+    Some(plate.with_drive_end(drive_end))
+}
+
+/// How the drive of `plate` goes with the frequency where that of [`with_whole_end`] is constant: in proportion behind a
+/// damper that is moved, not at all otherwise.
+pub(crate) fn drive_rise(plate: &Plate, frequency_hz: f64) -> f64 {
+    match plate.spec().drive_end {
+        DriveEnd::Resistance { at_frequency_hz, .. } => frequency_hz / at_frequency_hz,
+        _ => 1.0,
+    }
+}
