@@ -135,27 +135,20 @@ impl Checker {
         let plate = self.plate();
         let frequencies_hz: Vec<f64> =
             boundaries_m.iter().map(|&x| plate.frequency_for_boundary_hz(x)).collect();
-        let respond = |plate| {
-            respond_each(plate, &frequencies_hz, POINTS).map_err(|_| {
-                let mut places = boundaries_m.iter().zip(&frequencies_hz);
-                let refused =
-                    places.find(|(_, frequency_hz)| check_frequency(plate, **frequency_hz).is_err());
-                let (position_m, frequency_hz) = refused.map_or((f64::NAN, f64::NAN), |(x, hz)| (*x, *hz));
-                TableError::Silent { position_m, frequency_hz }
-            })
-        };
-        let responses = respond(plate)?;
-        let whole = self.prepared.variants.whole().map(respond).transpose()?;
-        let whole = whole.into_iter().flatten().map(Some).chain(std::iter::repeat(None));
+        let responses = respond_each(plate, &frequencies_hz, POINTS).map_err(|_| {
+            let mut places = boundaries_m.iter().zip(&frequencies_hz);
+            let refused = places.find(|(_, frequency_hz)| check_frequency(plate, **frequency_hz).is_err());
+            let (position_m, frequency_hz) = refused.map_or((f64::NAN, f64::NAN), |(x, hz)| (*x, *hz));
+            TableError::Silent { position_m, frequency_hz }
+        })?;
         let levels = self.prepared.variants.levels(&frequencies_hz)?;
-        let computed = boundaries_m.iter().zip(responses).zip(whole).zip(levels);
-        let site = |(((&boundary_m, response), whole), levels): (((_, Response), _), SiteLevels)| Site {
+        let computed = boundaries_m.iter().zip(responses).zip(levels);
+        let site = |((&boundary_m, response), levels): ((_, Response), SiteLevels)| Site {
             prepared: &self.prepared,
             plate,
             boundary_m,
             frequency_hz: response.frequency_hz,
             response,
-            whole,
             levels,
         };
         Ok(computed.map(site).collect())

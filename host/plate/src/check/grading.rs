@@ -21,8 +21,6 @@ pub(super) struct Site<'a> {
     pub(super) frequency_hz: f64,
     /// The amplitude over the plate at that frequency.
     pub(super) response: Response,
-    /// The same with the near field of the driven end, if the file leaves that out.
-    pub(super) whole: Option<Response>,
     pub(super) levels: SiteLevels,
 }
 

@@ -51,8 +51,8 @@ pub(super) struct SiteLevels {
     pub(super) by_loss_db: f64,
     /// How much higher than here the peak is where the wave speed is off by up to 1 %, dB; 0 or more.
     pub(super) rise_db: f64,
-    /// Whether the peak is the largest amplitude on the plate at all these speeds.
-    pub(super) stays_largest: bool,
+    /// Whether the peak is the largest amplitude on the plate, with its whole end, and at all these speeds.
+    pub(super) peak_largest: bool,
 }
 
 impl Variants {
@@ -134,7 +134,8 @@ impl Variants {
                 let others = self.detuned.iter().map(|&plate| of_others[plate][number].amplitude);
                 db(others.fold(real, f64::max) / real)
             },
-            stays_largest: self.detuned.iter().all(|&plate| of_others[plate][number].peak_largest),
+            peak_largest: level.peak_largest
+                && whole.iter().chain(&self.detuned).all(|&plate| of_others[plate][number].peak_largest),
             by_end_db: worst_db(&whole, number, hz),
             by_speed_db: worst_db(&self.detuned, number, hz),
             by_loss_db: worst_db(&self.lossy, number, hz),
@@ -146,11 +147,6 @@ impl Variants {
     pub(super) fn share_left(&self, finger: &Finger, frequency_hz: f64) -> Complex64 {
         let real = self.whole.map_or(&self.nominal, |whole| &self.others[whole.plate]);
         real.share_left(finger, frequency_hz)
-    }
-
-    /// The plate with the near field of its driven end, if the file leaves that out.
-    pub(super) fn whole(&self) -> Option<&Plate> {
-        self.whole.map(|whole| self.others[whole.plate].plate())
     }
 
     /// The drive of the file's end over that of the end with its near field.

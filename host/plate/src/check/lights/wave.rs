@@ -4,7 +4,6 @@ use super::shape::wavelengths;
 use crate::check::grading::{Finding, Site, pick};
 use crate::check::report::Colour;
 use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
-use crate::frequency::Response;
 use crate::quantity::number_format::with_decimals;
 use crate::spec::plate::Plate;
 
@@ -56,15 +55,14 @@ pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
 }
 
 /// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
-/// none; the worst of the file's end, of that with its near field, and of a wave speed that is 1 % off: between two
-/// resonances what the drive moves beside it may be larger than the peak.
+/// none. It has to be the largest with the near field of a driven end that the file leaves out, and where the wave speed is
+/// 1 % off: between two resonances what the drive moves beside it may be larger.
 fn peak_colour(site: &Site<'_>) -> Colour {
-    let of = |response: &Response| match response.peak {
-        Some(peak) if peak.is_largest && site.levels.stays_largest && has_room(site) => Colour::Green,
+    match site.response.peak {
+        Some(_) if site.levels.peak_largest && has_room(site) => Colour::Green,
         Some(_) => Colour::Amber,
         None => Colour::Red,
-    };
-    of(&site.response).max(site.whole.as_ref().map_or(Colour::Green, of))
+    }
 }
 
 fn has_room(site: &Site<'_>) -> bool {

@@ -2,8 +2,12 @@
 
 use super::{light, report, value};
 use crate::check::lights::touch::touched_db;
+use crate::check::thresholds::FINGER_DB;
 use crate::check::{Checker, Colour, Conditions};
-use crate::{Finger, Plate, Response, airy, plane, preset};
+use crate::{
+    DriveEnd, EndSlope, Equation, Finger, Model, Plate, PlateSpec, Response, Source, airy, plane, preset,
+    respond_touched,
+};
 use std::f64::consts::PI;
 
 #[test]
@@ -79,4 +83,66 @@ fn where_no_peak_is_left_the_finger_light_judges_the_load_alone() {
     let found = light(&found, "finger load");
     assert_eq!(found.colour, Colour::Amber, "{found:?}");
     assert!(found.sentence.contains("no peak"), "{found:?}");
+}
+
+#[test]
+fn a_finger_heavy_for_the_wave_is_not_green_even_where_it_takes_little() {
+    // At 80 mm there is hardly a wavelength, so that even a heavy finger takes little from the low peak.
+    let mut spec = preset("membrane-heavy").expect("preset").spec().clone();
+    let Model::Membrane { tension_n_per_m, .. } = &mut spec.model else { panic!("a membrane") };
+    *tension_n_per_m = tension_n_per_m.map(|tension| 0.8 * tension);
+    let plate = Plate::new(spec).expect("plate");
+    let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+    let sites = checker.sites(&[0.08]).expect("on it");
+    let place_m = sites[0].response.peak.expect("a peak").position_m;
+    let [light_db, _] = touched_db(&sites[0], &Finger::light(place_m));
+    assert!(light_db < FINGER_DB.green, "{light_db}");
+    let report = checker.at(0.08).expect("on it");
+    let found = light(&report, "finger load");
+    assert!((0.1..0.12).contains(&found.value.expect("a number")), "{found:?}");
+    assert_eq!(found.colour, Colour::Amber, "{found:?}");
+}
+
+#[test]
+fn beside_a_resonance_the_finger_light_counts_what_a_touch_takes_from_it() {
+    let spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    let slope = EndSlope::Free;
+    let plate =
+        Plate::new(PlateSpec { drive_end: DriveEnd::DisplacementAndSlope { slope }, ..spec }).expect("plate");
+    let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+    let boundaries_m: Vec<f64> = (0..40).map(|i| 0.2 + 0.001 * f64::from(i)).collect();
+    let sites = checker.sites(&boundaries_m).expect("on it");
+    let beside =
+        sites.iter().max_by(|a, b| a.levels.rise_db.total_cmp(&b.levels.rise_db)).expect("one of forty");
+    assert!(beside.levels.rise_db > 6.0, "{:?}", beside.levels);
+    let finger = Finger::light(beside.response.peak.expect("a peak").position_m);
+    let taken_db = |factor: f64| {
+        let real = plate.with_wave_speed(factor).expect("in range");
+        let free =
+            respond_touched(&real, None, beside.frequency_hz, 601, Equation::Corrected).expect("responds");
+        let touched = respond_touched(&real, Some(&finger), beside.frequency_hz, 601, Equation::Corrected);
+        let index = (600.0 * finger.place_m / real.length_m()).round() as usize;
+        let [free, touched] = [free, touched.expect("responds")].map(|it| it.amplitude[index].norm());
+        20.0 * (free / touched).log10()
+    };
+    let most_db = [0.99, 0.995, 1.0, 1.005, 1.01].map(taken_db).into_iter().fold(0.0, f64::max);
+    let [said_db, _] = touched_db(beside, &finger);
+    assert!(said_db > 0.8 * most_db && most_db > 2.0 * taken_db(1.0), "{said_db} {most_db}");
+}
+
+#[test]
+fn a_finger_is_put_on_the_plate_with_the_near_field_that_its_file_leaves_out() {
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
+    let told = Plate::new(spec.clone()).expect("plate");
+    spec.drive_end = DriveEnd::Source(Source {
+        resistance_n_s_per_m: told.wave_impedance_n_s_per_m(28e3).expect("bending"),
+        ..Source::soft(&spec.model, 28e3)
+    });
+    let [told, whole] = [told, Plate::new(spec).expect("plate")].map(|plate| {
+        let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+        let sites = checker.sites(&[0.2087]).expect("on it");
+        touched_db(&sites[0], &Finger::light(0.198))
+    });
+    assert!((told[0] / whole[0] - 1.0).abs() < 1e-9 && told[1] > 1.0, "{told:?} {whole:?}");
 }

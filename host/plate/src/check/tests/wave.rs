@@ -2,7 +2,7 @@
 
 use super::{light, value};
 use crate::check::{Checker, Colour, Conditions, loss_integral, wavelengths};
-use crate::{Model, Plate, preset};
+use crate::{DriveEnd, Equation, Model, Plate, Source, plane, preset, respond};
 
 #[test]
 fn wavelengths_and_loss_are_the_closed_forms_of_an_exponential_taper() {
@@ -82,4 +82,67 @@ fn the_loss_of_a_clamped_plate_is_the_decay_of_its_wave() {
         .sum();
     let found = loss_integral(&plate, boundary_m);
     assert!((found / decay - 1.0).abs() < 0.03, "{found} for {decay}");
+}
+
+#[test]
+fn a_peak_that_stands_near_the_drive_is_not_green() {
+    let checker = Checker::new(&preset("membrane").expect("preset"), Conditions::default()).expect("checks");
+    for (boundary_m, wanted) in [(0.07, Colour::Amber), (0.09, Colour::Green)] {
+        let report = checker.at(boundary_m).expect("on it");
+        let peak = light(&report, "peak");
+        assert_eq!(peak.colour, wanted, "{} {peak:?}", value(&report, "wavelengths"));
+        assert_eq!(peak.sentence.contains("near the drive"), wanted == Colour::Amber, "{peak:?}");
+    }
+}
+
+#[test]
+fn a_peak_is_green_only_if_it_is_the_largest_at_other_speeds_too() {
+    // Under a force the near field of the end does not follow the resonances: between two of them it is larger than the
+    // peak, if that has lost enough on its way.
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.drive_end = DriveEnd::Source(Source::soft(&spec.model, 28e3));
+    let mut seen = [0; 3];
+    for loss_factor in [0.03, 0.06] {
+        spec.loss_factor = loss_factor;
+        let plate = Plate::new(spec.clone()).expect("plate");
+        let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+        for i in 0..50 {
+            let boundary_m = 0.12 + 0.003 * f64::from(i);
+            let hz = plate.frequency_for_boundary_hz(boundary_m);
+            let is_largest = |factor: f64| {
+                let actual = plate.with_wave_speed(factor).expect("in range");
+                let found = respond(&actual, hz, 513, Equation::Corrected).expect("responds");
+                found.peak.is_some_and(|peak| peak.is_largest)
+            };
+            let here = is_largest(1.0);
+            let stays = here && [0.99, 0.995, 1.005, 1.01].map(is_largest) == [true; 4];
+            let green = light(&checker.at(boundary_m).expect("on it"), "peak").colour == Colour::Green;
+            assert_eq!(green, stays, "{boundary_m}: {here} {stays}");
+            seen[usize::from(here) + usize::from(stays)] += 1;
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 0), "{seen:?}");
+}
+
+#[test]
+fn a_peak_that_the_near_field_halves_is_not_green() {
+    // A hinged moved end puts half of its motion into the near field, which the file leaves out: what is told to be 1.5
+    // times the drive is less than the drive.
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.loss_factor = 0.1;
+    let plate = Plate::new(spec).expect("plate");
+    let checker = Checker::new(&plate, Conditions::default()).expect("checks");
+    let mut seen = 0;
+    for i in 0..40 {
+        let boundary_m = 0.12 + 0.003 * f64::from(i);
+        let hz = plate.frequency_for_boundary_hz(boundary_m);
+        let told = respond(&plate, hz, 513, Equation::Corrected).expect("responds").peak;
+        let truth = plane::respond(&plate, hz, 513, &plane::Setup::of(&plate)).expect("solves").peak;
+        let report = checker.at(boundary_m).expect("on it");
+        if told.is_some_and(|peak| peak.is_largest) && truth.is_none_or(|peak| peak.amplitude < 0.9) {
+            seen += 1;
+            assert_eq!(light(&report, "peak").colour, Colour::Amber, "{boundary_m}: {told:?} {truth:?}");
+        }
+    }
+    assert!(seen > 3, "{seen}");
 }

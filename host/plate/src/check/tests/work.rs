@@ -25,8 +25,8 @@ fn the_lights_of_a_preset_take_one_grid_for_each_plate_that_they_ask_about() {
         checker.over_span().expect("span");
         let all = work::done();
         // A level on each plate, and the amplitude over the plate itself.
-        assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1 + whole), "{}", preset.name);
-        assert_eq!(all.grids - prepared.grids, groups * (1 + whole), "{}", preset.name);
+        assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1), "{}", preset.name);
+        assert_eq!(all.grids - prepared.grids, groups, "{}", preset.name);
         // The finger at each boundary.
         assert!(all.single - before.single <= SPAN_PLACES, "{}", preset.name);
     }
