@@ -3,9 +3,9 @@
 use super::conditions::Conditions;
 use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
-use super::levels::SiteLevels;
+use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{actuator, drive, sensitivity, shape, sound, thickness, touch, wave};
-use super::prepared::{AT_ONCE, Prepared, SPAN_PLACES, places};
+use super::prepared::{Prepared, SPAN_PLACES, places};
 use super::report::Report;
 use crate::frequency::Response;
 use crate::frequency::respond::{check_frequency, respond_each};

@@ -1,14 +1,17 @@
 //! The levels that the table makes equal on the plate, and what becomes of them where the plate is not quite the file's.
 
-use super::prepared::AT_ONCE;
 use super::thresholds::LOSS_TOLERANCE;
 use crate::frequency::Finger;
 use crate::frequency::driven_end::{drive_rise, with_whole_end};
+use crate::frequency::sweep::LANES;
 use crate::progress::Progress;
 use crate::spec::plate::Plate;
 use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};
 use num_complex::Complex64;
+
+/// Boundaries that are computed together: as many as the solver takes at once.
+pub(super) const AT_ONCE: usize = LANES;
 
 /// The plate and everything that it may be instead, each with its grid.
 #[derive(Debug)]

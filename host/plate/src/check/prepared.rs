@@ -3,7 +3,6 @@
 use super::conditions::Conditions;
 use super::error::CheckError;
 use super::levels::Variants;
-use crate::frequency::sweep::LANES;
 use crate::progress::Progress;
 use crate::spec::actuator::Actuator;
 use crate::spec::plate::Plate;
@@ -11,8 +10,6 @@ use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
 pub const SPAN_PLACES: usize = 41;
-/// Boundaries that are computed together: as many as the solver takes at once.
-pub(super) const AT_ONCE: usize = LANES;
 
 /// The plate, its conditions and what follows from both for every boundary.
 #[derive(Debug)]

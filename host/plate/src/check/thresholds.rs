@@ -81,8 +81,8 @@ pub const WIDTH: Limits = Limits { green: 1.0, amber: 0.5 };
 pub const FINGER_LOAD: Limits = Limits { green: 0.1, amber: 1.0 };
 
 /// What a light touch takes from the peak under it, dB. At equal load a resonance loses several times as much as a wave
-/// that passes once. Up to 1.5 dB is hardly noticed; 12 dB leave a quarter.
-pub const FINGER_DB: Limits = Limits { green: 1.5, amber: 12.0 };
+/// that passes once. Up to 1.5 dB is hardly noticed; 20 dB leave a tenth.
+pub const FINGER_DB: Limits = Limits { green: 1.5, amber: 20.0 };
 
 /// Steps of the device's 12-bit DAC from the middle to full scale.
 pub const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
