@@ -7,8 +7,8 @@ use slipline_model::field::simulation::{
     SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, Solver, table_for,
 };
 use slipline_plate::{
-    Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, TableError, Taper, preset, presets,
-    respond,
+    Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, TableError, Taper, TurningWidth,
+    preset, presets, respond,
 };
 
 fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_gains: bool) -> Simulated {
@@ -195,6 +195,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 length_m,
                 model,
                 loss_factor,
+                turning_width: TurningWidth::Arc,
                 wave_speed_tolerance: 0.0,
                 loss_tolerance: None,
                 drive_end: DriveEnd::Displacement,

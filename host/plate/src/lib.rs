@@ -39,7 +39,7 @@ pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use spec::{
     Actuator, Bending, Consequence, DriveEnd, EndSlope, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate,
     PlateError, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper,
-    Travel, limits, preset, presets, sample_rates,
+    Travel, TurningWidth, limits, preset, presets, sample_rates,
 };
 pub use special::{airy, bessel};
 pub use table::{

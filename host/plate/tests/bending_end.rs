@@ -150,7 +150,7 @@ fn the_field_with_its_near_part_meets_both_conditions_at_the_end() {
 
 #[test]
 fn a_hinged_moved_end_puts_about_half_of_its_motion_into_the_near_field() {
-    // No moment: (K^2 - (1 - nu) q^2) p = (K^2 + (1 - nu) q^2) e with q = pi/(2 W), and p + e = 1.
+    // No moment: (K^2 - (1 - nu) q^2) p = (K^2 + (1 - nu) q^2) e with q = pi/(2 s) by the turning width, and p + e = 1.
     let hinged = aluminium(DriveEnd::DisplacementAndSlope { slope: EndSlope::Free });
     for frequency_hz in [20e3, 31e3, 40e3] {
         let peak = |plate: &Plate| {
@@ -161,7 +161,8 @@ fn a_hinged_moved_end_puts_about_half_of_its_motion_into_the_near_field() {
                 .amplitude
         };
         let model = &hinged.spec().model;
-        let across = (FRAC_PI_2 / 0.02).powi(2) / model.wavenumber_squared(TAU * frequency_hz);
+        let width_m = hinged.turning_half_width_m(0.0);
+        let across = (FRAC_PI_2 / width_m).powi(2) / model.wavenumber_squared(TAU * frequency_hz);
         let share = 0.5 * (1.0 + (1.0 - 0.33) * across);
         let found = peak(&hinged) / peak(&aluminium(DriveEnd::Displacement));
         assert!((found / share - 1.0).abs() < 1e-6, "{frequency_hz}: {found} {share}");

@@ -2,8 +2,8 @@
 //! do whatever the numbers, and what the plate in two dimensions does.
 
 use slipline_plate::{
-    Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, plane, preset,
-    reflection, respond,
+    Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, TurningWidth, plane,
+    preset, reflection, respond,
 };
 
 /// From just above the cut-off to where the next symmetric width mode can leave the end, which would take power with it.
@@ -13,7 +13,11 @@ const FREQUENCIES_HZ: [f64; 4] = [8e3, 15e3, 28e3, 36e3];
 fn plate(drive_end: DriveEnd, loss_factor: f64) -> Plate {
     let supported = preset("al-bending-displacement").expect("a preset").spec().clone();
     let model = Model::BendingClamped(supported.model.bending().expect("bending").clone());
-    let spec = PlateSpec { model, loss_factor, drive_end, span_start_m: 0.05, span_end_m: 0.25, ..supported };
+    // The straight strip at the end has the plate's half-width.
+    let turning_width = TurningWidth::Plain;
+    let (span_start_m, span_end_m) = (0.05, 0.25);
+    let spec =
+        PlateSpec { model, loss_factor, turning_width, drive_end, span_start_m, span_end_m, ..supported };
     Plate::new(spec).expect("a valid plate")
 }
 

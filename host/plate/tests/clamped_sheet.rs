@@ -5,7 +5,9 @@
 //! functions that are clamped on both edges, (1 - zeta^2)^2 P(zeta), times Legendre polynomials along x.
 
 use nalgebra::{DMatrix, DVector};
-use slipline_plate::{Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, plane, respond};
+use slipline_plate::{
+    Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, TurningWidth, plane, respond,
+};
 use std::f64::consts::{PI, TAU};
 
 const HALF_WIDTH_M: f64 = 0.02;
@@ -137,6 +139,7 @@ fn the_clamped_taper_at_40_khz_peaks_where_the_one_mode_theory_says() {
         length_m: LENGTH_M,
         model: Model::BendingClamped(bending.clone()),
         loss_factor: 0.0,
+        turning_width: TurningWidth::Plain,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
         drive_end: DriveEnd::Displacement,

@@ -1,8 +1,8 @@
 //! What the driven end does to the level of the peak, and how a table levels it.
 
 use slipline_plate::{
-    Actuator, DriveEnd, DriveTable, Equation, Plate, Progress, Resonator, airy, preset, presets, respond,
-    sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
+    Actuator, DriveEnd, DriveTable, Equation, Plate, Progress, Resonator, TurningWidth, airy, preset,
+    presets, respond, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
 };
 
 fn peak(plate: &Plate, frequency: f64) -> f64 {
@@ -142,7 +142,7 @@ fn the_sensitivity_tells_a_matched_plate_from_a_held_one() {
 #[test]
 fn the_closed_form_gives_the_drive_to_peak_gain_within_two_percent() {
     // peak/drive = 0.5357 sqrt(pi k0/kappa) sqrt(W0/W) / sqrt(sin^2(Phi + pi/4) + sinh^2 I).
-    let plate = variation("al-bending-displacement", 0.01, |end| end);
+    let plate = variation("al-bending-displacement", 0.01, |end| end).with_turning_width(TurningWidth::Plain);
     let (d, q) = (4.62, std::f64::consts::FRAC_PI_2);
     let mut worst: f64 = 0.0;
     for x in (0..40).map(|i| 0.15 + 0.12 * f64::from(i) / 39.0) {
@@ -204,7 +204,8 @@ fn a_plate_one_percent_faster_than_its_table_stays_within_1_db_when_matched_and_
 #[test]
 fn the_held_plate_resonates_where_the_closed_form_says() {
     // Phi + pi/4 = n pi with Phi = nu acosh(nu/s0) - sqrt(nu^2 - s0^2).
-    let plate = variation("al-bending-displacement", 0.002, |end| end);
+    let plate =
+        variation("al-bending-displacement", 0.002, |end| end).with_turning_width(TurningWidth::Plain);
     let s0 = std::f64::consts::FRAC_PI_2 / (0.02 * 4.62);
     let phase = |frequency: f64| {
         let k = plate.spec().model.wavenumber_squared(std::f64::consts::TAU * frequency).sqrt();
@@ -247,4 +248,23 @@ fn the_sensitivity_is_the_same_from_a_table_that_was_made_before() {
         let found = sensitivity_per_percent_of(&table, &plate, &mut Progress::new(&mut |_| true));
         assert_eq!(found, Ok(fresh), "{knots} knots");
     }
+}
+
+#[test]
+fn a_plate_too_flat_for_a_table_is_refused_with_its_band_and_what_helps() {
+    let mut spec = preset("membrane").expect("a preset").spec().clone();
+    let flat = |end_m: f64| vec![[0.0, 0.05], [0.16, 0.5 * (0.05 + end_m)], [0.32, end_m]];
+    spec.drive_end = DriveEnd::Displacement;
+    spec.taper = slipline_plate::Taper::Sampled { points: flat(0.049_999_98) };
+    let nearly = Plate::new(spec.clone()).expect("it narrows");
+    let refused = DriveTable::build(&nearly, 400e3, 1025).expect_err("too flat").to_string();
+    assert!(
+        refused.starts_with("the plate is nearly flat: from 0.08 to 0.28 m its boundary needs 60"),
+        "{refused}"
+    );
+    assert!(refused.contains("1025 knots") && refused.ends_with("or the span be longer"), "{refused}");
+    spec.taper = slipline_plate::Taper::Sampled { points: flat(0.0498) };
+    let table =
+        DriveTable::build(&Plate::new(spec).expect("it narrows"), 400e3, 1025).expect("a band of 0.1 Hz");
+    assert!(table.knots.windows(2).all(|pair| pair[1].frequency_hz > pair[0].frequency_hz));
 }

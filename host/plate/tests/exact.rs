@@ -1,7 +1,9 @@
 //! The frequency-domain solver against the exact Bessel solution of the exponential taper.
 
 use slipline_plate::bessel::k_imaginary_scaled;
-use slipline_plate::{Complex64, DriveEnd, Equation, Plate, airy, preset, respond, respond_batch};
+use slipline_plate::{
+    Complex64, DriveEnd, Equation, Plate, TurningWidth, airy, preset, respond, respond_batch,
+};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 fn k(nu: f64, s: f64) -> f64 {
@@ -108,6 +110,7 @@ fn with(plate: &Plate, loss: f64, end: DriveEnd) -> Plate {
     let mut spec = plate.spec().clone();
     spec.loss_factor = loss;
     spec.drive_end = end;
+    spec.turning_width = TurningWidth::Plain;
     Plate::new(spec).expect("a valid variation")
 }
 

@@ -1,6 +1,7 @@
 //! Long computations tell how far they are, and end when nobody wants them any more.
 
 use slipline_plate::check::{CheckError, Checker, Conditions};
+use slipline_plate::design::{DesignError, Edge, Material, Request, Wave, design, design_watched};
 use slipline_plate::{
     DriveTable, KNOTS_MAX, Progress, Stopped, TableError, preset, sensitivity_per_percent_watched,
 };
@@ -52,5 +53,22 @@ fn a_no_ends_the_computation_at_once() {
             let checker = Checker::watched(&plate, Conditions::default(), progress);
             assert_eq!(checker.map(drop), Err(CheckError::Stopped(Stopped)));
         });
+    }
+}
+
+#[test]
+fn a_design_can_be_stopped_at_every_step_of_it() {
+    let material = Material::named("aluminium").expect("known");
+    let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
+    let request = Request::new("stopped", material, 2e-3, wave, (20e3, 40e3), 0.3);
+    let shares = told(2.0, |progress| {
+        assert_eq!(design_watched(&request, progress), Ok(design(&request).expect("possible")))
+    });
+    assert!(shares.len() >= 5 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
+    for limit in &shares {
+        let until = told(*limit, |progress| {
+            assert_eq!(design_watched(&request, progress), Err(DesignError::Stopped(Stopped)));
+        });
+        assert_eq!(until.last(), Some(limit));
     }
 }

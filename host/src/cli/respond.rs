@@ -6,7 +6,8 @@ use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::{
-    Complex64, Equation, Finger, Plate, Response, plane, reflection, respond_range, respond_touched,
+    Complex64, Equation, Finger, Plate, Response, TurningWidth, plane, reflection, respond_range,
+    respond_touched,
 };
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
@@ -17,8 +18,12 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
                 .to_owned(),
         ));
     }
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let mut plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
+    if arguments.paper_mode {
+        // So that the frequencies that may be asked for are the paper's, too.
+        plate = plate.with_turning_width(TurningWidth::Plain);
+    }
     let on_plate = format!(" on the plate {:?}", plate.name());
     let frequency_hz =
         arguments.freq.within("--freq", respond_range(&plate), Measure::Frequency, &on_plate)?;
@@ -43,6 +48,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         "paper_mode": arguments.paper_mode,
         "position_m": response.position_m,
         "amplitude": response.amplitude.iter().map(|f| json!({ "re": f.re, "im": f.im })).collect::<Vec<_>>(),
+        "turning_width": plate.spec().turning_width.word(),
         "turning_point_m": response.turning_point_m,
         "peak_present": peak.is_some(),
         "peak_position_m": peak.map(|peak| peak.position_m),
@@ -61,10 +67,11 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
                 format!("{}, {times} times the drive{largest}", show_place(peak.position_m))
             },
         );
+        let width = plate.spec().turning_width.told();
         let mut lines = vec![
             ("Plate", plate.name().to_owned()),
             ("Frequency", show_frequency(response.frequency_hz)),
-            ("Turning point", show_place(response.turning_point_m)),
+            ("Turning point", format!("{}, by the width {width}", show_place(response.turning_point_m))),
             ("Peak", peak_line),
             ("Edge width", format!("{} (peak to a tenth)", show_place(response.edge_width_m))),
             ("Places", response.position_m.len().to_string()),

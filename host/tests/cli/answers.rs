@@ -33,9 +33,16 @@ fn info_tells_who_the_simulated_device_is() {
 
 #[test]
 fn respond_gives_the_amplitude_over_x_and_the_turning_point() {
-    // The rubber rig: x0 = 39.5 and 101.7 mm at 30 and 40 Hz.
-    for (frequency, turning_point_m) in [("30Hz", 0.0395), ("40Hz", 0.1017)] {
-        let response = json(&["respond", "--plate", "paper-rubber", "--freq", frequency, "--points", "500"]);
+    // The rubber rig: x0 = 36.8 and 100.2 mm at 30 and 40 Hz along the arc, 39.5 and 101.7 mm straight across.
+    for (frequency, mode, width, turning_point_m) in [
+        ("30Hz", None, "arc", 0.03677),
+        ("40Hz", None, "arc", 0.10022),
+        ("30Hz", Some("--paper-mode"), "plain", 0.0395),
+        ("40Hz", Some("--paper-mode"), "plain", 0.1017),
+    ] {
+        let arguments = ["respond", "--plate", "paper-rubber", "--freq", frequency, "--points", "500"];
+        let response = json(&arguments.into_iter().chain(mode).collect::<Vec<_>>());
+        assert_eq!(response["turning_width"], width);
         assert_eq!(response["position_m"].as_array().unwrap().len(), 500);
         let amplitude = response["amplitude"].as_array().unwrap();
         assert_eq!(amplitude.len(), 500);
@@ -109,7 +116,7 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
         png.to_str().unwrap(),
     ]);
     assert!((number(&run, "turning_point_m") - 0.12).abs() < 1e-4);
-    assert!((number(&run, "frequency_hz") - 104.0).abs() < 1.0);
+    assert!((number(&run, "frequency_hz") - 105.06).abs() < 0.1);
     assert_eq!(run["peak_present"], true);
     assert_eq!(number(&run, "clipped_samples"), 0.0);
     let off_m = number(&run, "measured_peak_position_m") - number(&run, "peak_position_m");
@@ -245,7 +252,7 @@ fn record_writes_the_codes_of_the_drive() {
     let samples: Vec<i16> = reader.samples().map(Result::unwrap).collect();
     std::fs::remove_file(path).unwrap();
     assert_eq!(samples.len(), 40_000);
-    // 104.5 Hz for 0.1 s: ten periods, so about twenty passages through zero.
+    // 105.1 Hz for 0.1 s: ten periods, so about twenty passages through zero.
     let passages = samples.windows(2).filter(|pair| (pair[0] < 0) != (pair[1] < 0)).count();
     assert!((19..=23).contains(&passages), "{passages}");
     assert!(samples.iter().any(|sample| sample.abs() > 1000));

@@ -4,8 +4,9 @@
 //! Request -> design() -> Design { plate, damper, low, high, .. } -> plate.to_toml()
 //!                                                               -> plate_drawing(), frame_drawing() -> SVG, DXF
 //! ```
-//! The taper is exponential, W = W0 e^(-d x). Both ends of the band turn where W = q/K, so
-//! d = ln(K2/K1)/(x2 - x1) and W0 = (q/K1) e^(d x1). K is that of the plate's model, also for thick plates.
+//! The taper is exponential, W = W0 e^(-d x). Both ends of the band turn where half the arc between the edges is q/K,
+//! that is where W = tan(d q/K)/d, so d = ln(tan(d q/K1)/tan(d q/K2))/(x2 - x1) and W0 = W1 e^(d x1). K is that of the
+//! plate's model, also for thick plates.
 
 mod damper;
 mod drawing;
@@ -17,6 +18,7 @@ mod request;
 mod svg;
 
 use crate::check::{loss_integral, thresholds, wavelengths};
+use crate::progress::{Progress, Stopped};
 use crate::quantity::Range;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
@@ -24,9 +26,11 @@ use crate::spec::limits;
 use crate::spec::model::Model;
 use crate::spec::plate::{Plate, PlateSpec};
 use crate::spec::taper::Taper;
+use crate::spec::turning_width::TurningWidth;
 use crate::special::airy;
 use serde::Serialize;
 use std::f64::consts::TAU;
+use thiserror::Error;
 
 pub use damper::Damper;
 pub use drawing::{Drawing, Layer, Shape};
@@ -84,6 +88,34 @@ pub struct Design {
 /// [`PlateError`] names the field of the request that is out of range, or the length if the margins do not leave a
 /// tenth of it for the span.
 pub fn design(request: &Request) -> Result<Design, PlateError> {
+    design_in_steps(request, |_| Ok(()))
+}
+
+/// Why a design was not finished.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DesignError {
+    /// The request cannot be met.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
+    /// The caller stopped the computation.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
+}
+
+/// As [`design`], with reports of its progress; it can be stopped.
+///
+/// # Errors
+/// As [`design`], and [`DesignError::Stopped`].
+pub fn design_watched(request: &Request, progress: &mut Progress<'_>) -> Result<Design, DesignError> {
+    design_in_steps(request, |share| Ok(progress.at(share)?))
+}
+
+/// `step` is told the share done before each part of the work, and its error ends the design.
+fn design_in_steps<E: From<PlateError>>(
+    request: &Request,
+    mut step: impl FnMut(f64) -> Result<(), E>,
+) -> Result<Design, E> {
+    step(0.0)?;
     request.material.validate()?;
     limits::THICKNESS.check("thickness_m", request.thickness_m)?;
     limits::LENGTH.check("length_m", request.length_m)?;
@@ -95,12 +127,14 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
     let model = request.model();
     model.validate()?;
     let taper = taper_for(request, &model)?;
+    step(0.1)?;
     let mut spec = PlateSpec {
         name: request.name.clone(),
         description: request.describe(),
         taper: Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m },
         length_m: request.length_m,
         model,
+        turning_width: TurningWidth::Arc,
         loss_factor: request.material.loss_factor,
         wave_speed_tolerance: WAVE_SPEED_TOLERANCE,
         loss_tolerance: None,
@@ -111,21 +145,26 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
         span_end_m: taper.far_m,
     };
     let undamped = Plate::new(spec.clone())?;
+    step(0.2)?;
     let (drive_end, damper) = damper::matched(&undamped, request.band_hz);
     spec.drive_end = drive_end;
     let plate = Plate::new(spec)?;
+    step(0.5)?;
     let surface_density = request.material.density_kg_per_m3 * request.thickness_m;
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
+    step(0.8)?;
     let alone_to = |mode: u32| {
         let enters_at_hz = plate.width_mode(mode).cut_off_hz(0.0);
         plate.turning_point_m(enters_at_hz).unwrap_or(0.0).min(taper.far_m)
     };
+    let loss_factor_limit = loss_factor_limit(&plate)?;
+    step(1.0)?;
     Ok(Design {
         rate_per_m: taper.rate_per_m,
         low,
         high,
-        loss_factor_limit: loss_factor_limit(&plate)?,
+        loss_factor_limit,
         single_boundary_to_m: alone_to(3),
         single_boundary_off_centre_to_m: alone_to(2),
         damper,
@@ -173,6 +212,9 @@ struct FoundTaper {
 const START_ROOM: f64 = 2.338;
 /// Room behind the farthest boundary, in units of 1/kappa: there the amplitude is 5 % of the peak.
 const END_ROOM: f64 = 2.172;
+/// Largest angle of an edge to the centre line at the nearest boundary, radians (75 degrees): near a right angle no
+/// half-width has an arc that is long enough. The light of the edge slope is red from 27 degrees on.
+const ANGLE_MOST: f64 = 75.0 / 180.0 * std::f64::consts::PI;
 /// Shortest span over the plate's length.
 const SPAN_LEAST: f64 = 0.1;
 /// A metal's handbook constants and its measured thickness give the wave speed to about 1 %.
@@ -210,20 +252,35 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     // the new one so that it converges.
     let mut rate = (far_k / near_k).ln() / (0.6 * length);
     let (mut near_m, mut far_m) = (0.0, length);
+    // Angle of the edges where a wave of wavenumber k turns, and the half-width there.
+    let angle = |rate: f64, k: f64| (rate * number / k).min(ANGLE_MOST);
+    let half_width = |rate: f64, k: f64| angle(rate, k).tan() / rate;
+    let rate_over = |rate: f64, span: f64| (half_width(rate, near_k) / half_width(rate, far_k)).ln() / span;
     for _ in 0..60 {
-        let kappa = |k: f64| (2.0 * rate * slope * k * k).cbrt();
+        // The arc falls more slowly than the half-width: with sin(2 angle)/(2 angle) of its rate.
+        let kappa = |k: f64| {
+            let doubled = 2.0 * angle(rate, k);
+            (2.0 * rate * doubled.sin() / doubled * slope * k * k).cbrt()
+        };
         near_m = request.start_margin_m.unwrap_or(START_ROOM / kappa(near_k));
         far_m = length - request.end_margin_m.unwrap_or(END_ROOM / kappa(far_k));
-        let span = (far_m - near_m).max(SPAN_LEAST * length);
-        rate = 0.5 * rate + 0.5 * (far_k / near_k).ln() / span;
+        rate = 0.5 * rate + 0.5 * rate_over(rate, (far_m - near_m).max(SPAN_LEAST * length));
     }
     if far_m - near_m < SPAN_LEAST * length * (1.0 - 1e-9) {
         let margins_m = near_m + length - far_m;
         let consequence = Consequence::Margins { band_hz: request.band_hz, margins_m };
         return Err(PlateError::unfit("length_m", length, consequence));
     }
-    let rate_per_m = (far_k / near_k).ln() / (far_m - near_m);
-    let half_width_m = number / near_k * (rate_per_m * near_m).exp();
+    // The margins are what they are now; the rate alone is iterated to the last digit.
+    for _ in 0..60 {
+        rate = 0.5 * rate + 0.5 * rate_over(rate, far_m - near_m);
+    }
+    let rate_per_m = rate;
+    if angle(rate_per_m, near_k) >= ANGLE_MOST {
+        let consequence = Consequence::Converging { frequency_hz: request.band_hz.0 };
+        return Err(PlateError::unfit("length_m", length, consequence));
+    }
+    let half_width_m = half_width(rate_per_m, near_k) * (rate_per_m * near_m).exp();
     Ok(FoundTaper { half_width_m, rate_per_m, near_m, far_m })
 }
 

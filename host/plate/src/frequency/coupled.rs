@@ -149,6 +149,7 @@ fn coupling(modes: usize) -> (DMatrix<f64>, DMatrix<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TurningWidth;
     use crate::frequency::equation::Equation;
     use crate::frequency::respond::respond;
     use crate::spec::presets::preset;
@@ -166,7 +167,9 @@ mod tests {
 
     #[test]
     fn six_coupled_modes_confirm_the_gain_of_the_one_mode_equation_and_not_the_papers() {
+        // The straight width: the other one moves the resonances of this end, and so the gain beside them, by 1 %.
         let plate = preset("al-bending-displacement").expect("a preset");
+        let plate = plate.with_turning_width(TurningWidth::Plain);
         for frequency in [22e3, 31e3, 40e3] {
             let top = |field: &[Complex64]| field.iter().map(|f| f.norm()).fold(0.0, f64::max);
             let six = respond_coupled(&plate, frequency, 6001, 6).expect("enters").expect("cosines");

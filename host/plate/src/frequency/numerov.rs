@@ -42,8 +42,8 @@ pub(crate) struct Grid {
     step_m: f64,
     /// Points on the plate (from 0 to its end).
     on_plate: usize,
-    /// a (q/W)^2 + (sqrt W)''/sqrt W at the grid points -1, 0, 1, ..; point i has the index i + 1. It continues beyond
-    /// the plate's end. With the strip's law only the second term.
+    /// a (q/s)^2 + (sqrt W)''/sqrt W less the term of bent edges, at the grid points -1, 0, 1, ..; point i has the index
+    /// i + 1. It continues beyond the plate's end. With the strip's law only the last two.
     barrier: Vec<f64>,
     /// Whether the barrier rises from point to point, as on most plates.
     is_rising: bool,
@@ -101,8 +101,10 @@ impl Grid {
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
         let barrier_at = |x: f64| match equation {
-            Equation::Corrected if law.is_some() => plate.width.at(x).root_curvature(),
-            Equation::Corrected => width_mode.width_term(x) + plate.width.at(x).root_curvature(),
+            Equation::Corrected => {
+                let across = if law.is_some() { 0.0 } else { width_mode.width_term(x) };
+                across + plate.width.at(x).root_curvature() - plate.edge_bend(x).term
+            }
             Equation::Paper => width_mode.width_term(x),
         };
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);

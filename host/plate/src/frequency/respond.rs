@@ -74,6 +74,7 @@ pub fn respond_touched(
     points: usize,
     equation: Equation,
 ) -> Result<Response, RespondError> {
+    let plate = &*equation.plate(plate);
     check(plate, frequency_hz, points)?;
     if let Some(finger) = finger {
         finger.check(plate)?;
@@ -101,6 +102,7 @@ pub fn respond_batch(
     points: usize,
     equation: Equation,
 ) -> Result<Vec<Vec<Complex64>>, RespondError> {
+    let plate = &*equation.plate(plate);
     for &frequency_hz in frequencies_hz {
         check(plate, frequency_hz, points)?;
     }

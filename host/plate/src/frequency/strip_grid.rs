@@ -10,11 +10,11 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub(crate) struct StripGrid {
     pub(crate) law: Arc<StripTable>,
-    /// ln W^2, W in metres.
+    /// ln s^2 with the turning half-width s in metres.
     pub(crate) log_square: Vec<f64>,
-    /// 1/W^2, 1/m^2.
+    /// 1/s^2, 1/m^2.
     inverse_square: Vec<f64>,
-    /// d ln W/dx at 0, 1/m.
+    /// d ln s/dx at 0, 1/m.
     narrowing: f64,
 }
 
@@ -31,7 +31,7 @@ impl StripGrid {
         let places = (0..points).map(|index| (index as f64 - 1.0) * step_m);
         let log_square: Vec<f64> = places.map(|x| width_mode.log_square(x)).collect();
         let inverse_square = log_square.iter().map(|log| (-log).exp()).collect();
-        let narrowing = width_mode.plate.narrowing_per_m(0.0);
+        let narrowing = width_mode.plate.turning.at(0.0).slope;
         Self { law: Arc::clone(law), log_square, inverse_square, narrowing }
     }
 

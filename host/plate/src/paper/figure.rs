@@ -4,6 +4,7 @@ use crate::frequency::equation::Equation;
 use crate::frequency::error::RespondError;
 use crate::frequency::respond::{Response, respond};
 use crate::spec::plate::Plate;
+use crate::spec::turning_width::TurningWidth;
 use thiserror::Error;
 
 /// Rate of the taper in every figure, 1/m.
@@ -95,8 +96,10 @@ pub(super) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f6
     (0..count).map(move |i| low + (high - low) * i as f64 / (count - 1) as f64)
 }
 
+/// A preset with the paper's turning width, straight across: what the figures correct is not the width.
 pub(super) fn preset(name: &'static str) -> Result<Plate, FigureError> {
-    crate::spec::presets::preset(name).ok_or(FigureError::Preset(name))
+    let plate = crate::spec::presets::preset(name).ok_or(FigureError::Preset(name))?;
+    Ok(plate.with_turning_width(TurningWidth::Plain))
 }
 
 pub(super) fn solve(plate: &Plate, frequency_hz: f64, equation: Equation) -> Result<Response, FigureError> {

@@ -3,7 +3,7 @@
 
 use super::vector::Width;
 use super::*;
-use crate::{DriveEnd, Equation, Model, PlateSpec, Taper, preset, respond};
+use crate::{DriveEnd, Equation, Model, PlateSpec, Taper, TurningWidth, preset, respond};
 use std::f64::consts::PI;
 
 const RATE: f64 = 100_000.0;
@@ -16,6 +16,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
         length_m,
         model: Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None },
         loss_factor: loss,
+        turning_width: TurningWidth::Arc,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
         drive_end: end,

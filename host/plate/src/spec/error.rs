@@ -50,7 +50,7 @@ pub enum PlateError {
         /// What is allowed, in words.
         allowed: String,
     },
-    /// A text or a list is too short or too long, or a text has line breaks or control characters.
+    /// A text or a list is too short or too long.
     WrongCount {
         /// The field, as it is written in the plate file.
         field: String,
@@ -58,6 +58,15 @@ pub enum PlateError {
         count: usize,
         /// How many there may be, and of what.
         allowed: Count,
+    },
+    /// A text has a line break or another control character.
+    ControlCharacter {
+        /// The field, as it is written in the plate file.
+        field: String,
+        /// Which of the text's characters it is, from 0.
+        place: usize,
+        /// The character.
+        character: char,
     },
     /// The taper does not narrow from one sampled point to the next.
     NotNarrowing {
@@ -103,6 +112,11 @@ pub enum Consequence {
     BandRatio(f64, f64),
     /// This number of wavelengths lies before the position, more than [`super::limits::WAVELENGTHS_MAX`].
     Wavelengths(f64),
+    /// The plate is so short that a design's edges would converge too steeply.
+    Converging {
+        /// The lowest frequency of the band, Hz: it turns where they are steepest.
+        frequency_hz: f64,
+    },
     /// The plate is too short for a design's margins.
     Margins {
         /// The band, Hz: its lowest frequency needs room for the peak, its highest for the tail.
@@ -145,6 +159,7 @@ impl PlateError {
             | Self::Missing { field, .. }
             | Self::Unexpected { field, .. }
             | Self::UnknownKind { field, .. }
+            | Self::ControlCharacter { field, .. }
             | Self::WrongCount { field, .. } => field,
             Self::NotNarrowing { .. } => "taper.points",
         }
@@ -176,7 +191,14 @@ impl Range {
 impl Count {
     /// Refuses a text of the wrong length or with control characters; the error names the field.
     pub(crate) fn check_text(self, field: &str, text: &str) -> Result<(), PlateError> {
-        if self.allows(text) { Ok(()) } else { Err(self.refuse(field, text.chars().count())) }
+        match text.chars().position(char::is_control) {
+            Some(place) => {
+                let character = text.chars().nth(place).unwrap_or_default();
+                Err(PlateError::ControlCharacter { field: field.to_owned(), place, character })
+            }
+            None if self.allows(text) => Ok(()),
+            None => Err(self.refuse(field, text.chars().count())),
+        }
     }
 
     pub(crate) fn refuse(self, field: &str, count: usize) -> PlateError {

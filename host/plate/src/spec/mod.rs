@@ -16,6 +16,7 @@ pub(crate) mod strip_table;
 pub(crate) mod taper;
 pub(crate) mod travel;
 mod turning;
+pub(crate) mod turning_width;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
@@ -30,3 +31,4 @@ pub use sample_rate::{SampleRateError, sample_rates};
 pub use source::{EndSlope, LeadIn, Source};
 pub use taper::Taper;
 pub use travel::Travel;
+pub use turning_width::TurningWidth;

@@ -11,6 +11,7 @@ use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;
 use crate::spec::strip_table::{self, StripTable};
 use crate::spec::taper::{Taper, WidthLaw};
+use crate::spec::turning_width::{TurningLaw, TurningWidth};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,6 +25,8 @@ pub struct PlateSpec {
     pub description: String,
     /// How the half-width narrows.
     pub taper: Taper,
+    /// Which width decides where a wave turns.
+    pub turning_width: TurningWidth,
     /// Length L from the driven end to the narrow end, metres (0.005 to 10).
     pub length_m: f64,
     /// Material, edge and wave.
@@ -60,6 +63,10 @@ pub struct PlateSpec {
 pub struct Plate {
     spec: PlateSpec,
     pub(crate) width: WidthLaw,
+    /// The half-width that decides where a wave turns.
+    pub(crate) turning: TurningLaw,
+    /// b of the term b W''/(2 W) in k^2.
+    bend_weight: f64,
     /// The law of the first width mode between clamped edges, with the plate's loss; `None` for other edges.
     strip: Option<Arc<StripTable>>,
 }
@@ -108,11 +115,20 @@ impl Plate {
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
         let width = WidthLaw::new(&spec.taper, spec.length_m);
-        let mut plate = Self { spec, width, strip: None };
+        let turning = TurningLaw::new(&spec.taper, &width, spec.length_m, spec.turning_width);
+        let bend_weight = spec.turning_width.bend_weight(&spec.model);
+        let mut plate = Self { spec, width, turning, bend_weight, strip: None };
         if let Model::BendingClamped(_) = plate.spec.model {
             plate.strip = strip.or_else(|| Some(Arc::new(StripTable::new(plate.wave_loss()))));
         }
         Ok(plate)
+    }
+
+    pub(super) fn set_turning_width(&mut self, turning_width: TurningWidth) {
+        let spec = &mut self.spec;
+        spec.turning_width = turning_width;
+        self.turning = TurningLaw::new(&spec.taper, &self.width, spec.length_m, turning_width);
+        self.bend_weight = turning_width.bend_weight(&spec.model);
     }
 
     fn validate_band(&self) -> Result<(), PlateError> {
@@ -163,6 +179,16 @@ impl Plate {
     /// W'/W at `x`, 1/m; negative because the plate narrows.
     pub fn narrowing_per_m(&self, x: f64) -> f64 {
         self.width.at(x).slope
+    }
+
+    /// W'/(2 W) times b of the term b W''/(2 W) in k^2, and that term itself, 1/m and 1/m^2. A weak form needs the first:
+    /// W' is continuous on every taper, W'' is not.
+    pub(crate) fn edge_bend(&self, x: f64) -> EdgeBend {
+        let width = self.width.at(x);
+        EdgeBend {
+            slope_term: 0.5 * self.bend_weight * width.slope,
+            term: 0.5 * self.bend_weight * width.bend(),
+        }
     }
 
     /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta). For membranes and SH waves it is the loss factor. In
@@ -248,8 +274,18 @@ impl Plate {
     }
 }
 
-/// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/W)^2). The first mode between clamped edges follows the
-/// strip's exact law instead, of which that is the tangent at the cut-off.
+/// What edges that bend add to k^2, see [`TurningWidth`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct EdgeBend {
+    /// b W'/(2 W), 1/m.
+    pub(crate) slope_term: f64,
+    /// b W''/(2 W), 1/m^2.
+    pub(crate) term: f64,
+}
+
+/// One width mode of a plate: k^2(x) = a (K^2 (1 + j eta) - (q/s)^2) with the turning half-width s; what edges that bend
+/// add to it is [`Plate::edge_bend`]. The first mode between clamped edges follows the strip's exact law instead, of which
+/// that is the tangent at the cut-off.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WidthMode<'a> {
     pub(crate) plate: &'a Plate,
@@ -267,9 +303,9 @@ impl WidthMode<'_> {
         self.slope * self.plate.spec.model.wavenumber_squared(TAU * frequency_hz)
     }
 
-    /// a (q/W)^2, 1/m^2: the part of k^2 that the width takes away.
+    /// a (q/s)^2, 1/m^2: the part of k^2 that the width takes away.
     pub(crate) fn width_term(&self, x: f64) -> f64 {
-        self.slope * (self.number * (-self.plate.width.at(x).value).exp()).powi(2)
+        self.slope * (self.number * self.plate.turning.reciprocal_at(x)).powi(2)
     }
 
     /// Local k^2 without loss, 1/m^2; negative beyond the turning point.
@@ -310,32 +346,32 @@ impl WidthMode<'_> {
         self.axial_squared(frequency_hz)
     }
 
-    /// ln (W K)^2 and ln W^2, in metres, at `x`.
+    /// ln (s K)^2 and ln s^2, in metres, at `x`.
     fn strip_place(&self, x: f64, frequency_hz: f64) -> (f64, f64) {
         let log_square = self.log_square(x);
         (log_square + self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).ln(), log_square)
     }
 
-    /// ln W^2 at `x`, W in metres.
+    /// ln s^2 at `x`, s in metres.
     pub(crate) fn log_square(&self, x: f64) -> f64 {
-        2.0 * self.plate.width.at(x).value
+        -2.0 * self.plate.turning.reciprocal_at(x).ln()
     }
 
     /// Frequency whose wave turns at `x`, Hz.
     pub(crate) fn cut_off_hz(&self, x: f64) -> f64 {
-        let turning = (self.number * (-self.plate.width.at(x).value).exp()).powi(2);
+        let turning = (self.number * self.plate.turning.reciprocal_at(x)).powi(2);
         self.plate.spec.model.angular_frequency(turning) / TAU
     }
 
     /// The turning point of the continued taper, metres; negative when the wave cannot enter.
     pub(crate) fn turning_point_m(&self, frequency_hz: f64) -> f64 {
         let wavenumber = self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).sqrt();
-        self.plate.width.place_of((self.number / wavenumber).ln())
+        self.plate.turning.place_of((self.number / wavenumber).ln())
     }
 
     /// -d(k^2)/dx at `x`, 1/m^3.
     pub(crate) fn fall(&self, x: f64) -> f64 {
-        -2.0 * self.width_term(x) * self.plate.width.at(x).slope
+        -2.0 * self.width_term(x) * self.plate.turning.at(x).slope
     }
 
     /// Phase of the wave from the driven end to `x`, or to the turning point if that is nearer, radians.

@@ -101,6 +101,11 @@ pub(crate) struct LogWidth {
 }
 
 impl LogWidth {
+    /// W''/W, 1/m^2.
+    pub(crate) fn bend(self) -> f64 {
+        self.curvature + self.slope * self.slope
+    }
+
     /// (sqrt W)''/sqrt W, 1/m^2. With g = sqrt(W) f the amplitude equation is g'' + (k^2 - this) g = 0.
     pub(crate) fn root_curvature(self) -> f64 {
         0.5 * self.curvature + 0.25 * self.slope * self.slope
@@ -128,10 +133,15 @@ impl WidthLaw {
             Taper::Sampled { points } => {
                 let position: Vec<f64> = points.iter().map(|point| point[0]).collect();
                 let value: Vec<f64> = points.iter().map(|point| point[1].ln()).collect();
-                let slope = monotone_slopes(&position, &value);
-                Self::Curve { position, value, slope }
+                Self::curve(position, value)
             }
         }
+    }
+
+    /// The monotone curve through falling values of ln W at rising positions.
+    pub(crate) fn curve(position: Vec<f64>, value: Vec<f64>) -> Self {
+        let slope = monotone_slopes(&position, &value);
+        Self::Curve { position, value, slope }
     }
 
     /// Where the continued taper has zero width, metres: finite for a linear taper, whose edges meet.

@@ -5,9 +5,24 @@
 //! 1.7098/kappa beyond it.
 
 use crate::spec::plate::Plate;
+use crate::spec::turning_width::TurningWidth;
 use crate::special::airy;
 
 impl Plate {
+    /// The same plate with another turning width. The span stays where it is, so its frequencies change.
+    #[must_use]
+    pub fn with_turning_width(&self, turning_width: TurningWidth) -> Self {
+        let mut plate = self.clone();
+        plate.set_turning_width(turning_width);
+        plate
+    }
+
+    /// Half-width that decides which wave turns at `x` metres from the driven end, metres; at most
+    /// [`Plate::half_width_m`].
+    pub fn turning_half_width_m(&self, x: f64) -> f64 {
+        self.turning.at(x).value.exp()
+    }
+
     /// The turning point of `frequency_hz`, metres; `None` if the wave cannot enter.
     ///
     /// The taper is continued beyond the plate's end, so a value above [`Plate::length_m`] means that the wave

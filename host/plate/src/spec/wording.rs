@@ -34,6 +34,12 @@ impl PlateError {
             Self::UnknownKind { field, value, allowed } => {
                 must_be(format_args!("{} = {value}", name(field)), allowed)
             }
+            Self::ControlCharacter { field, place, character } => format!(
+                "{}: its character {} is U+{:04X}, a control character: write it on one line and without these",
+                name(field),
+                place + 1,
+                u32::from(*character)
+            ),
             Self::WrongCount { field, count, allowed } => wrong_count(&name(field), *count, *allowed),
             Self::NotNarrowing { index, position_m, half_width_m } => format!(
                 "{} = [{}, {}]: positions must increase and half-widths must decrease from point to point",
@@ -104,6 +110,10 @@ fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
                 typed(at_least(count, 4))
             )
         }
+        Consequence::Converging { frequency_hz } => format!(
+            "longer: where {} turns, the edges would converge at more than 75 degrees each; or raise the band",
+            frequency(frequency_hz)
+        ),
         Consequence::Margins { band_hz: (low_hz, high_hz), margins_m } => format!(
             "longer: the peak of {} and the tail of {} alone take {} of it; or raise the band, or set smaller margins",
             frequency(low_hz),
@@ -116,10 +126,11 @@ fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
 #[cfg(test)]
 mod tests {
     use crate::design::{Edge, Material, Request, Wave, design};
-    use crate::{DriveEnd, Plate, PlateSpec, Taper, preset};
+    use crate::{DriveEnd, Plate, PlateSpec, Taper, TurningWidth, preset};
 
     fn refusal(preset_name: &str, change: impl FnOnce(&mut PlateSpec)) -> String {
         let mut spec = preset(preset_name).expect("a preset").spec().clone();
+        spec.turning_width = TurningWidth::Plain;
         change(&mut spec);
         Plate::new(spec).expect_err("refused").to_string()
     }
@@ -158,7 +169,7 @@ mod tests {
         );
         assert_eq!(
             refusal("membrane", |spec| spec.name = "a\nb".to_owned()),
-            "name has 3 characters: must be 1 to 80, on one line, without control characters"
+            "name: its character 2 is U+000A, a control character: write it on one line and without these"
         );
     }
 
@@ -193,7 +204,7 @@ mod tests {
         let request = Request::new("short", material, 2e-3, wave, (20e3, 40e3), 0.01);
         assert_eq!(
             design(&request).expect_err("too short").to_string(),
-            "length_m = 0.01: must be longer: the peak of 20000 Hz and the tail of 40000 Hz alone take 0.0131 m of it; \
+            "length_m = 0.01: must be longer: the peak of 20000 Hz and the tail of 40000 Hz alone take 0.023 m of it; \
              or raise the band, or set smaller margins"
         );
         let request = Request { length_m: 0.3, band_hz: (20e3, 20.5e3), ..request };

@@ -63,12 +63,15 @@ pub struct DriveTable {
     pub travel: Option<TableTravel>,
 }
 
+/// Steps of a device's phase in one period.
+const PHASE_STEPS: f64 = 4_294_967_296.0;
+
 impl DriveTable {
     /// Builds the table with `knots` knots (2 to 1025) over the plate's span.
     ///
     /// # Errors
     /// [`TableError::SampleRate`] if the rate cannot carry the band, [`TableError::Knots`] if `knots` is out of range,
-    /// [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
+    /// [`TableError::Flat`] if two knots have the same frequency to a device, [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
     pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
         Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
     }
@@ -87,6 +90,11 @@ impl DriveTable {
         OutOfRange::check_count("knots", knots, 2..=KNOTS_MAX)?;
         let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
         let (start, end) = plate.span_m();
+        let band_hz = plate.band_hz();
+        // A device tells frequencies apart by the step of a 32-bit phase.
+        if (band_hz.1 - band_hz.0) / (knots - 1) as f64 <= sample_rate_hz / PHASE_STEPS {
+            return Err(TableError::Flat { span_m: (start, end), band_hz, knots });
+        }
         let place = |k: f64| start + (end - start) * k / (knots - 1) as f64;
         let places: Vec<f64> = (0..knots).map(|k| place(k as f64)).collect();
         // Knots at even indices, the positions half-way between them at odd ones.

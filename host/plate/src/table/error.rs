@@ -2,6 +2,7 @@
 
 use crate::progress::Stopped;
 use crate::quantity::OutOfRange;
+use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::spec::sample_rate::SampleRateError;
 use thiserror::Error;
 
@@ -24,6 +25,19 @@ pub enum TableError {
         position_m: f64,
         /// Frequency, Hz.
         frequency_hz: f64,
+    },
+    /// The frequencies of two knots are the same for a device with a 32-bit phase step.
+    #[error(
+        "the plate is nearly flat: from {} to {} m its boundary needs {} to {} Hz, which is too close together for {knots} knots; let the half-width fall more over the span, or the span be longer",
+        typed(span_m.0), typed(span_m.1), typed(at_most(band_hz.0, 7)), typed(at_least(band_hz.1, 7))
+    )]
+    Flat {
+        /// The span, metres.
+        span_m: (f64, f64),
+        /// The frequencies of its ends, Hz.
+        band_hz: (f64, f64),
+        /// Knots of the table.
+        knots: usize,
     },
     /// The caller stopped the computation.
     #[error(transparent)]

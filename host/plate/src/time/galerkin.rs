@@ -1,12 +1,12 @@
 //! The eigenfunctions of the plate, by a spectral Galerkin method.
 //!
-//! The amplitude equation is A f = a K^2 (1 + j eta) f with the operator A f = -(1/W) (W f')' + a (q/W)^2 f. A is
-//! projected on Legendre polynomials over the plate and as much of the continued taper as the tail of the wave needs.
+//! The amplitude equation is A f = a K^2 (1 + j eta) f with the operator A f = -(1/W) (W f')' + a (q/s)^2 f - b W''/(2 W) f
+//! (s is the turning half-width, b the weight of edges that bend). A is projected on Legendre polynomials over the plate and as much of the continued taper as the tail of the wave needs.
 //! Eigenfunctions with a free driven end (f'(0) = 0) describe the response to a force, those with a held end (f(0) = 0)
 //! the response to a displacement. A does not depend on loss or frequency, so the functions are real and are computed
 //! once.
 
-use crate::spec::plate::WidthMode;
+use crate::spec::plate::{EdgeBend, WidthMode};
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -49,7 +49,7 @@ fn size(width_mode: &WidthMode<'_>, frequency_hz: f64) -> (usize, f64) {
         exponents += (width_mode.width_term(reach) - slowest).max(0.0).sqrt() * step;
     }
     // Legendre polynomials resolve a wave with more than pi terms per wavelength. The cube root and the constant are a
-    // margin for spectral convergence; the last term resolves the steepness of (q/W)^2.
+    // margin for spectral convergence; the last term resolves the steepness of (q/s)^2.
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
     let waves = 0.5 * wavenumber * reach;
     let count = waves + 6.0 * waves.cbrt() + 16.0 + 2.0 * plate.narrowing_per_m(0.0).abs() * reach;
@@ -70,6 +70,15 @@ fn project(width_mode: &WidthMode<'_>, frequency_hz: f64, places_m: &[f64]) -> P
         mass.ger(local, &value, &value, 1.0);
         stiffness.ger(local, &slope, &slope, 1.0);
         stiffness.ger(barrier, &value, &value, 1.0);
+        // -b W''/2 f h by parts, because W'' may jump: b W'/2 (f h)', and b W'/2 f h at the two ends.
+        let EdgeBend { slope_term, .. } = width_mode.plate.edge_bend(x);
+        stiffness.ger(local * slope_term, &value, &slope, 1.0);
+        stiffness.ger(local * slope_term, &slope, &value, 1.0);
+    }
+    for (xi, x, outward) in [(-1.0, 0.0, -1.0), (1.0, reach, 1.0)] {
+        let (value, _) = legendre(xi, count, reach);
+        let weight = (width.at(x).value - log_start).exp();
+        stiffness.ger(-outward * weight * width_mode.plate.edge_bend(x).slope_term, &value, &value, 1.0);
     }
     let mut at_places = DMatrix::zeros(places_m.len(), count);
     for (row, x) in places_m.iter().enumerate() {

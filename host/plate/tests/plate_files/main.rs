@@ -4,8 +4,8 @@ mod drive;
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Actuator, DriveEnd, EndSlope, LeadIn, Plate, PlateError, PlateFileError, ResponseCurve, Source, preset,
-    presets,
+    Actuator, DriveEnd, EndSlope, LeadIn, Plate, PlateError, PlateFileError, ResponseCurve, Source,
+    TurningWidth, preset, presets,
 };
 
 const GOOD: &str = r#"
@@ -84,7 +84,7 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         (
             "end = \"displacement\"",
             "end = \"resistance\"\nratio = 1.0\nat_frequency_hz = 20.0",
-            "line 20: drive.at_frequency_hz = 20: must be 60.006 to 1e7 Hz",
+            "line 20: drive.at_frequency_hz = 20: must be 61.059 to 1e7 Hz",
         ),
         (
             "name = \"mine\"",
@@ -275,8 +275,8 @@ fn a_band_that_cannot_enter_is_refused_with_the_lowest_frequency_that_can() {
     let plate = Plate::from_toml(&band(87.0, 190.0)).expect("a band that enters");
     assert!((plate.band_hz().0 - 87.0).abs() < 1e-6 && (plate.band_hz().1 - 190.0).abs() < 1e-6);
     for (low, high, wanted) in [
-        (40.0, 190.0, "band_start_hz = 40: must be above 60.084 Hz and up to 239.92 Hz"),
-        (87.0, 9e3, "band_end_hz = 9000: must be above 87 Hz and up to 239.92 Hz"),
+        (40.0, 190.0, "band_start_hz = 40: must be above 61.135 Hz and up to 240.19 Hz"),
+        (87.0, 9e3, "band_end_hz = 9000: must be above 87 Hz and up to 240.19 Hz"),
     ] {
         let found = Plate::from_toml(&band(low, high)).expect_err("out of band").to_string();
         assert!(found.contains(wanted), "{found}");
@@ -444,6 +444,7 @@ fn a_span_of_more_than_six_octaves_is_refused() {
     spec.taper = slipline_plate::Taper::Exponential { half_width_m: 0.5, rate_per_m: 30.0 };
     (spec.length_m, spec.span_start_m, spec.span_end_m) = (0.3, 0.01, 0.2);
     spec.drive_end = slipline_plate::DriveEnd::Displacement;
+    spec.turning_width = slipline_plate::TurningWidth::Plain;
     let found = Plate::new(spec).expect_err("too wide a band").to_string();
     assert!(found.contains("span_start_m") && found.contains("1/64"), "{found}");
 }
@@ -454,7 +455,7 @@ fn a_band_is_checked_as_it_is_given_and_not_as_the_widest_span_would_need_it() {
     let slow = |low: f64, high: f64| {
         let span = format!("band_start_hz = {low:?}\nband_end_hz = {high:?}");
         let text = GOOD
-            .replace("span_start_m = 0.08\nspan_end_m = 0.25", &span)
+            .replace("span_start_m = 0.08\nspan_end_m = 0.25", &format!("turning_width = \"plain\"\n{span}"))
             .replace("half_width_m = 0.05\nrate_per_m = 4.62", "half_width_m = 1.0\nrate_per_m = 20.0")
             .replace("wave_speed_m_per_s = 12.0", "wave_speed_m_per_s = 0.2");
         Plate::from_toml(&text)
@@ -464,4 +465,32 @@ fn a_band_is_checked_as_it_is_given_and_not_as_the_widest_span_would_need_it() {
     assert!((low_hz - 1.0).abs() < 1e-9 && (high_hz - 8.0).abs() < 1e-9, "{low_hz} {high_hz}");
     let refused = slow(0.3, 8.0).expect_err("below 0.5 Hz").to_string();
     assert!(refused.contains("band_start_hz = 0.3: must be 0.5 to 1e7 Hz"), "{refused}");
+}
+
+#[test]
+fn a_file_may_choose_the_turning_width_and_has_the_arc_without_a_choice() {
+    let with = |line: &str| GOOD.replace("loss_factor = 0.01", &format!("loss_factor = 0.01\n{line}"));
+    let read = |line: &str| Plate::from_toml(&with(line)).map(|plate| plate.spec().turning_width);
+    assert_eq!(read(""), Ok(TurningWidth::Arc));
+    assert_eq!(read("turning_width = \"arc\""), Ok(TurningWidth::Arc));
+    assert_eq!(read("turning_width = \"plain\""), Ok(TurningWidth::Plain));
+    for wrong in ["\"round\"", "3"] {
+        let refused = read(&format!("turning_width = {wrong}")).expect_err("not a width").to_string();
+        let wanted = format!("line 5: turning_width = {wrong}: must be one of \"arc\", \"plain\"");
+        assert_eq!(refused, wanted);
+    }
+}
+
+#[test]
+fn no_control_character_of_a_file_gets_into_a_message() {
+    for (from, to) in [
+        ("length_m = 0.3", "length_m = 0.3\n\"\\u001b[2Jcolour\" = 3"),
+        ("kind = \"membrane\"", "kind = \"mem\\u0007brane\""),
+        ("name = \"mine\"", "name = \"mi\\u001bne\""),
+    ] {
+        let told = refusal(from, to);
+        assert!(!told.chars().any(char::is_control), "{told:?}");
+    }
+    let told = refusal("name = \"mine\"", "name = \"mi\\u001bne\"");
+    assert!(told.contains("line 2: name: its character 3 is U+001B, a control character"), "{told}");
 }

@@ -43,16 +43,16 @@ fn the_lights_follow_the_boundary_once_it_is_let_go() {
     let chip = summary(&app);
     app.window.get_by_label(&chip).click();
     app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some());
+    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_some());
     let line = crate::line_rect(&app).center();
     app.window.drag_at(line);
     app.window.step();
     app.window.hover_at(line + eframe::egui::vec2(80.0, 0.0));
     app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_some(), "still on its way");
+    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_some(), "still on its way");
     app.window.drop_at(line + eframe::egui::vec2(80.0, 0.0));
     app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 137.8 Hz").is_none());
+    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_none());
     let there = format!("At {:.1} mm", crate::boundary_mm(&app));
     assert!(app.window.query_by_label_contains(&there).is_some(), "{there}");
 }

@@ -43,7 +43,7 @@ fn the_head_says_what_the_envelope_is_of() {
         "# boundary: where 1e-5 m is just felt",
         "# master level: -3.00 dB",
         "# peak at level 1: 1e-4 m",
-        "# tone 1: frequency 137.8",
+        "# tone 1: frequency 138.2",
         "turning point 0.180000 m",
         "level 0.8000",
         "# simulated: not run",

@@ -2,7 +2,7 @@
 
 use super::{light, report, value};
 use crate::check::{Checker, Colour, Conditions, edge_curvature, edge_slope};
-use crate::{DriveEnd, Plate, Taper, preset};
+use crate::{DriveEnd, Plate, Taper, TurningWidth, preset};
 
 #[test]
 fn a_half_width_of_100_mm_is_not_a_small_slope() {
@@ -55,7 +55,7 @@ fn edge_widths_are_counted_in_fingertips() {
 
 #[test]
 fn ghosts_lie_ln_m_over_d_before_the_boundary_and_an_off_centre_drive_lets_the_second_in() {
-    let plate = preset("al-bending").expect("preset");
+    let plate = preset("al-bending").expect("preset").with_turning_width(TurningWidth::Plain);
     let centred = Checker::new(&plate, Conditions::default()).expect("checks");
     // ln 3/d = 237.8 mm.
     assert_eq!(light(&centred.at(0.23).expect("on it"), "ghost boundaries").colour, Colour::Green);

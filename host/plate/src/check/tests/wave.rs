@@ -2,7 +2,7 @@
 
 use super::{light, value};
 use crate::check::{Checker, Colour, Conditions, loss_integral, wavelengths};
-use crate::{DriveEnd, Equation, Model, Plate, Source, plane, preset, respond};
+use crate::{DriveEnd, Equation, Model, Plate, Source, TurningWidth, plane, preset, respond};
 
 #[test]
 fn wavelengths_and_loss_are_the_closed_forms_of_an_exponential_taper() {
@@ -10,7 +10,7 @@ fn wavelengths_and_loss_are_the_closed_forms_of_an_exponential_taper() {
     for (name, half_width_m, eta) in
         [("membrane", 0.05, 0.03), ("al-bending", 0.02, 0.001), ("paper-rubber", 0.05, 0.1)]
     {
-        let plate = preset(name).expect("preset");
+        let plate = preset(name).expect("preset").with_turning_width(TurningWidth::Plain);
         let s0 = std::f64::consts::FRAC_PI_2 / (half_width_m * 4.62);
         for x0 in [0.08, 0.15, 0.27] {
             let nu = s0 * (4.62_f64 * x0).exp();

@@ -57,7 +57,8 @@ impl Strip {
         Self {
             section: section(),
             omega,
-            half_width: plate.half_width_m(0.0),
+            // As the wave on the plate has it, so that the waves of the end and of the plate are the same.
+            half_width: plate.turning_half_width_m(0.0),
             lossless,
             axial: lossless * Complex64::new(1.0, plate.wave_loss()),
             rigidity: surface_density * omega / (lossless * rise),

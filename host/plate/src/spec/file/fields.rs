@@ -3,6 +3,7 @@
 
 use crate::quantity::{Count, Range};
 use crate::spec::limits;
+use crate::spec::turning_width::TurningWidth;
 use std::borrow::Cow;
 
 /// Type and range of a field.
@@ -66,6 +67,8 @@ const fn field(name: &'static str, field_type: FieldType, meaning: &'static str)
     FieldSpec { name, field_type, meaning }
 }
 
+const TURNING_WIDTHS: &[&str] = &[TurningWidth::ALL[0].word(), TurningWidth::ALL[1].word()];
+
 pub(super) const PLATE: Section = Section {
     name: "",
     meaning: "",
@@ -85,6 +88,7 @@ pub(super) const PLATE: Section = Section {
             FieldType::Number(limits::WAVE_SPEED_TOLERANCE),
             "how well the wave speed is known",
         ),
+        field("turning_width", FieldType::OneOf(TURNING_WIDTHS), "the width that decides where a wave turns"),
         field(
             "loss_tolerance",
             FieldType::Number(limits::LOSS_TOLERANCE),

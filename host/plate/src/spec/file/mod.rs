@@ -15,6 +15,7 @@ use crate::spec::response_curve::ResponseCurve;
 use crate::spec::source::{EndSlope, LeadIn, Source};
 use crate::spec::taper::Taper;
 use crate::spec::travel::Travel;
+use crate::spec::turning_width::TurningWidth;
 use text::{Given, Text};
 
 /// Largest plate file that is read, bytes.
@@ -56,6 +57,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         name: plate.text("name")?.unwrap_or_default(),
         description: plate.text("description")?.unwrap_or_default(),
         taper: taper_of(&taper)?,
+        turning_width: turning_width_of(&plate)?,
         length_m: plate.required("length_m")?,
         drive_end: drive_of(&drive, &model, lead_in)?,
         model,
@@ -147,6 +149,12 @@ fn plate_for_band(mut spec: PlateSpec, low_hz: f64, high_hz: f64) -> Result<Plat
     spec.span_start_m = probe.turning_point_m(low_hz).unwrap_or(0.0);
     spec.span_end_m = probe.turning_point_m(high_hz).unwrap_or(0.0).min(spec.length_m);
     Plate::new(spec)
+}
+
+fn turning_width_of(plate: &Given<'_>) -> Result<TurningWidth, PlateError> {
+    let word = plate.word("turning_width")?;
+    let chosen = TurningWidth::ALL.into_iter().find(|width| word == Some(width.word()));
+    Ok(chosen.unwrap_or_default())
 }
 
 fn taper_of(given: &Given<'_>) -> Result<Taper, PlateError> {

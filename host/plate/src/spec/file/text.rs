@@ -118,7 +118,7 @@ impl<'a> Given<'a> {
             })
             .min_by_key(|(key, _)| key.span().start);
         let Some((key, value)) = unknown else { return Ok(()) };
-        let name: String = key.get_ref().chars().take(QUOTED).collect();
+        let name: String = printable(key.get_ref()).take(QUOTED).collect();
         if self.schema.field(&name).is_some() {
             let (kind, fields) = self.find_kind()?.copied().unwrap_or_default();
             let has = if fields.is_empty() { "no other field".to_owned() } else { fields.join(", ") };
@@ -279,11 +279,16 @@ fn as_number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
+/// The characters of a text that may go to a terminal: a control character could move its cursor or hide the message.
+fn printable(text: &str) -> impl Iterator<Item = char> {
+    text.chars().map(|letter| if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter })
+}
+
 /// The text at `span` for a message: its first line, at most [`QUOTED`] characters, with `…` if something is cut off.
 fn quoted(text: &str, span: Range<usize>) -> String {
     let given = text.get(span).unwrap_or_default();
     let first = given.lines().next().unwrap_or_default();
-    let beginning: String = first.chars().take(QUOTED).filter(|letter| !letter.is_control()).collect();
+    let beginning: String = printable(first).take(QUOTED).collect();
     if beginning.len() == given.len() { beginning } else { format!("{beginning}…") }
 }
 

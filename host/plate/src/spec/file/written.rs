@@ -17,6 +17,7 @@ struct PlateText {
     wave_speed_tolerance: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     loss_tolerance: Option<f64>,
+    turning_width: &'static str,
     full_scale_m: f64,
     span_start_m: f64,
     span_end_m: f64,
@@ -112,6 +113,7 @@ impl Plate {
             loss_factor: spec.loss_factor,
             wave_speed_tolerance: spec.wave_speed_tolerance,
             loss_tolerance: spec.loss_tolerance,
+            turning_width: spec.turning_width.word(),
             full_scale_m: spec.full_scale_m,
             span_start_m: spec.span_start_m,
             span_end_m: spec.span_end_m,

@@ -1,0 +1,175 @@
+//! The width that decides where a wave turns: along the arc that meets both edges at right angles, or straight across.
+//!
+//! Between straight edges at an angle a wave has the exact shape f(r) cos(q theta/alpha): its fronts are arcs about the
+//! point where the edges meet. An arc through the centre line at x has the half-length r alpha = W atan(W')/W', so the
+//! wave turns where K times this length is q. Straight across, the width is W'^2/3 larger, and the turning point lies
+//! W'^2/(3 d) too far from the driven end.
+//!
+//! Edges that also bend add one term of the same order, W''/W. It follows from the conformal map of the plate on a strip
+//! x + jz = F(xi + j eta), |eta| < 1, in which one mode obeys g_xixi + (K^2 <|F'|^2> - q^2) g = 0: to second order in W',
+//! 2 c q^2 = 1/2 in (q/W)^2 (1 + W'^2 2/3 - 2 c W W''), which is k^2 + W''/(2 W) for every width mode. A supported edge of
+//! a plate in bending bends its moment condition, too (the Laplacian is (1 - nu) times the edge's curvature times the
+//! normal slope, not zero): near the turning point that takes (1 - nu) W''/W from k^2, and the sum is
+//! (2 nu - 1) W''/(2 W).
+
+use crate::spec::model::Model;
+use crate::spec::taper::{LogWidth, Taper, WidthLaw};
+
+/// Which half-width of the plate decides where a wave turns.
+///
+/// ```
+/// use slipline_plate::{TurningWidth, preset};
+///
+/// let arc = preset("membrane").unwrap();
+/// let plain = arc.with_turning_width(TurningWidth::Plain);
+/// // The arc is shorter than the straight line across, so the same frequency turns earlier.
+/// assert!(arc.turning_point_m(100.0) < plain.turning_point_m(100.0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TurningWidth {
+    /// W atan(W')/W', half the arc through the centre line that meets both edges at right angles, and the term of
+    /// edges that bend. Exact for straight edges; elsewhere the first neglected terms are of fourth order in W'.
+    #[default]
+    Arc,
+    /// W, straight across, as in the paper.
+    Plain,
+}
+
+impl TurningWidth {
+    /// Both, in the order of [`TurningWidth::word`]'s list in a plate file.
+    pub const ALL: [Self; 2] = [Self::Arc, Self::Plain];
+
+    /// The word for it in a plate file: `arc` or `plain`.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Arc => "arc",
+            Self::Plain => "plain",
+        }
+    }
+
+    /// How the width is measured, as the end of a sentence.
+    pub const fn told(self) -> &'static str {
+        match self {
+            Self::Arc => "along the arc",
+            Self::Plain => "straight across",
+        }
+    }
+
+    /// b of the term b W''/(2 W) that edges which bend add to k^2.
+    pub(super) fn bend_weight(self, model: &Model) -> f64 {
+        match (self, model) {
+            (Self::Arc, Model::Membrane { .. } | Model::ShearHorizontal { .. }) => 1.0,
+            (Self::Arc, Model::BendingSupported(bending)) => 2.0 * bending.poisson_ratio - 1.0,
+            // Not known in closed form: the arc alone takes two thirds of the distance to the two-dimensional solution.
+            (Self::Arc, Model::BendingClamped(_)) | (Self::Plain, _) => 0.0,
+        }
+    }
+}
+
+/// The law of the turning half-width.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum TurningLaw {
+    /// Of the same kind as the taper: straight across, along the arcs of a linear taper, or a curve through arcs.
+    Width(WidthLaw),
+    /// Along the arcs of an exponential taper: atan(d W)/d.
+    ExponentialArc { log_width: f64, rate_per_m: f64 },
+}
+
+/// ln of the turning half-width (metres) and its derivative, 1/m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LogTurningWidth {
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
+}
+
+/// Intervals in which the curve of a sampled taper's arcs is divided at least.
+const ARC_INTERVALS: usize = 512;
+/// The least fall of ln(arc) from point to point of a sampled taper: far below what a frequency can tell.
+const LEAST_FALL: f64 = 1e-12;
+
+impl TurningLaw {
+    pub(crate) fn new(taper: &Taper, width: &WidthLaw, length_m: f64, turning_width: TurningWidth) -> Self {
+        match (turning_width, width) {
+            (TurningWidth::Arc, &WidthLaw::Exponential { log_width, rate_per_m }) => {
+                Self::ExponentialArc { log_width, rate_per_m }
+            }
+            (TurningWidth::Arc, &WidthLaw::Linear { half_width_m, fall }) => {
+                let shorter = arc_to_width(fall);
+                Self::Width(WidthLaw::Linear { half_width_m: half_width_m * shorter, fall: fall * shorter })
+            }
+            (TurningWidth::Arc, WidthLaw::Curve { .. }) => Self::Width(curve_of_arcs(taper, width, length_m)),
+            (TurningWidth::Plain, width) => Self::Width(width.clone()),
+        }
+    }
+
+    pub(crate) fn at(&self, x: f64) -> LogTurningWidth {
+        match self {
+            Self::Width(law) => {
+                let LogWidth { value, slope, .. } = law.at(x);
+                LogTurningWidth { value, slope }
+            }
+            Self::ExponentialArc { log_width, rate_per_m } => {
+                let steepness = rate_per_m * (log_width - rate_per_m * x).exp();
+                let angle = steepness.atan();
+                LogTurningWidth {
+                    value: (angle / rate_per_m).ln(),
+                    slope: -rate_per_m * steepness / ((1.0 + steepness * steepness) * angle),
+                }
+            }
+        }
+    }
+
+    /// 1 over the turning half-width, 1/m: what a solver's grid needs at thousands of places, without the logarithm.
+    pub(crate) fn reciprocal_at(&self, x: f64) -> f64 {
+        match self {
+            Self::Width(law) => (-law.at(x).value).exp(),
+            Self::ExponentialArc { log_width, rate_per_m } => {
+                rate_per_m / (rate_per_m * (log_width - rate_per_m * x).exp()).atan()
+            }
+        }
+    }
+
+    /// The position where ln of the turning half-width has fallen to `target`, metres. The taper is continued on both
+    /// sides; minus infinity if no width has so long an arc.
+    pub(crate) fn place_of(&self, target: f64) -> f64 {
+        match self {
+            Self::Width(law) => law.place_of(target),
+            Self::ExponentialArc { log_width, rate_per_m } => {
+                let angle = rate_per_m * target.exp();
+                if angle >= std::f64::consts::FRAC_PI_2 {
+                    return f64::NEG_INFINITY;
+                }
+                (log_width - (angle.tan() / rate_per_m).ln()) / rate_per_m
+            }
+        }
+    }
+}
+
+/// atan(s)/s: half the arc over the half-width where the edges have the slope `s`.
+pub(crate) fn arc_to_width(s: f64) -> f64 {
+    if s.abs() < 1e-4 { 1.0 - s * s / 3.0 } else { s.atan() / s }
+}
+
+/// The arcs of a sampled taper as a monotone curve: at its points, and between them where these are far apart.
+///
+/// Where the edges bend outward so sharply that the arc grows (a radius below two thirds of the half-width) no wave
+/// turns: what has come so far has passed a shorter arc. There the curve keeps the shortest arc so far.
+fn curve_of_arcs(taper: &Taper, width: &WidthLaw, length_m: f64) -> WidthLaw {
+    let longest = length_m / ARC_INTERVALS as f64;
+    let Taper::Sampled { points } = taper else { return width.clone() };
+    let mut arcs: Vec<[f64; 2]> = Vec::with_capacity(points.len() + ARC_INTERVALS);
+    let mut shortest = f64::INFINITY;
+    let mut add = |x: f64| {
+        let at = width.at(x);
+        let arc = at.value + arc_to_width(at.slope * at.value.exp()).ln();
+        shortest = arc.min(shortest - LEAST_FALL);
+        arcs.push([x, shortest]);
+    };
+    for pair in points.windows(2) {
+        let (from, to) = (pair[0][0], pair[1][0]);
+        let parts = ((to - from) / longest).ceil().max(1.0);
+        (0..parts as usize).for_each(|part| add(from + (to - from) * part as f64 / parts));
+    }
+    points.last().into_iter().for_each(|point| add(point[0]));
+    WidthLaw::curve(arcs.iter().map(|arc| arc[0]).collect(), arcs.iter().map(|arc| arc[1]).collect())
+}
