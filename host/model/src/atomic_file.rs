@@ -107,19 +107,26 @@ pub fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file())
 }
 
-/// Reads a text file of at most `most` bytes; a larger file is not read.
+/// Reads a text file of at most `most` bytes; a larger file is not read, and neither is a pipe or a device.
 ///
 /// # Errors
+/// [`ErrorKind::IsADirectory`] and [`ErrorKind::InvalidInput`] for what is no regular file,
 /// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and the
 /// errors of the system.
 pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
-    let file = File::open(path)?;
-    if file.metadata()?.is_dir() {
+    // Before it is opened: the open call on a pipe waits until somebody writes to it, maybe for ever.
+    let found = path.metadata()?;
+    if found.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));
     }
+    if !found.is_file() {
+        let told = "is a pipe or a device: save what it gives in a file and name that";
+        return Err(io::Error::new(ErrorKind::InvalidInput, told));
+    }
+    let file = File::open(path)?;
     let mut bytes = Vec::new();
-    // A pipe has no length to check first, so the limit is applied while reading. Reading one byte more than
-    // allowed distinguishes a file that is too large from one that just fits.
+    // The file may grow meanwhile, so the limit is applied while reading. Reading one byte more than allowed
+    // distinguishes a file that is too large from one that just fits.
     file.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most {
         let told = must_be("the file is too big", Count::at_most(most, Counted::Bytes).with_unit());
@@ -282,6 +289,15 @@ mod tests {
         ] {
             put(&path, bytes).unwrap();
             assert_eq!(refusal(&path), (kind, told.to_owned()));
+        }
+        #[cfg(unix)]
+        {
+            let pipe = folder.join("pipe");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            let told = "is a pipe or a device: save what it gives in a file and name that";
+            for path in [pipe.as_path(), Path::new("/dev/null")] {
+                assert_eq!(refusal(path), (ErrorKind::InvalidInput, told.to_owned()));
+            }
         }
         put(&path, b"x = 1 # 10").unwrap();
         assert_eq!(read_text(&path, 10).unwrap(), "x = 1 # 10");

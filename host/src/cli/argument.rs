@@ -213,7 +213,8 @@ pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
     if let Some(plate) = preset(name) {
         return Ok(plate);
     }
-    let in_file = |message: String| Failure::Usage(format!("{name}: {message}"));
+    let shown = name.replace(char::is_control, "\u{fffd}");
+    let in_file = |message: String| Failure::Usage(format!("{shown}: {message}"));
     let text = read_text(Path::new(name), PLATE_FILE_BYTES_MAX).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => {
             let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();

@@ -8,7 +8,7 @@ use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::design::{
-    Design, Edge, Material, Request, Wave, design, end_margin_range, start_margin_range,
+    Design, Edge, Material, Request, Wave, design_watched, end_margin_range, start_margin_range,
 };
 use slipline_plate::limits;
 use slipline_plate::number_format::with_decimals;
@@ -127,7 +127,8 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         .map(|folder| Destination::folder(folder, &FILES, arguments.force))
         .transpose()?
         .unwrap_or_default();
-    let designed = design(&request).map_err(Failure::usage)?;
+    let designed =
+        progress::watched("design", |progress| design_watched(&request, progress)).map_err(Failure::usage)?;
     // A band above the range of the usual device is still designed; only its lights are missing.
     let lights = progress::watched("check", |progress| {
         Checker::watched(&designed.plate, Conditions::default(), &mut progress.part(0.0, 0.2))?

@@ -131,7 +131,7 @@ pub struct TonesArgument {
     /// Where the boundary is to lie (120mm), or its frequency (126Hz).
     #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
-    /// One more tone: where it peaks, and its level (90mm:0.5). Up to 16 in all.
+    /// One more tone: its boundary (where its wave turns, or its frequency) and its level (90mm:0.5). Up to 16 in all.
     #[arg(long = "tone", value_name = "X:LEVEL", value_parser = argument::tone, allow_hyphen_values = true)]
     tones: Vec<ToneArgument>,
     /// The boundary's level, 0 to 1 of the table's full scale.

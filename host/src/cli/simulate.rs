@@ -5,10 +5,10 @@ use super::{Failure, SimulateArguments, argument, differs, output, progress};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::simulation::{
-    SAMPLE_RATE_HZ, Simulated, Simulation, Solver, ToneResult, sheet_grid,
+    SAMPLE_RATE_HZ, Simulated, Simulation, SlowBeat, Solver, ToneResult, sheet_grid,
 };
 use slipline_plate::number_format::with_decimals;
-use slipline_plate::quantity::{show_frequency, show_length, show_place};
+use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
 use slipline_plate::{Plate, SheetError, table_sensitivity};
 use std::io::Write;
 use std::thread::available_parallelism;
@@ -71,6 +71,8 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         put("clipped_samples", json!(result.clipped_samples));
         put("simulated_s", json!(result.seconds));
         put("measured_s", json!(result.window_s));
+        let beat = result.slow_beat;
+        put("slow_beat_hz", json!(beat.map(|beat| beat.between_hz.1 - beat.between_hz.0)));
         put("peak_at_full_scale_m", json!(result.peak_at_full_scale_m));
         put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
         put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
@@ -91,6 +93,9 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         if let Some(it) = sensitivity {
             let (worst, at) = (it.worst_db, show_place(it.worst_at_m));
             writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
+        }
+        if let Some(beat) = result.slow_beat {
+            writeln!(out, "{}", slow_beat(beat, result.window_s))?;
         }
         writeln!(out)?;
         output::table(out, &rows(&result))?;
@@ -120,6 +125,21 @@ fn sheet_of(plate: &Plate) -> Result<Solver, Failure> {
         ))),
         Err(error) => Err(Failure::Usage(format!("--sheet: {error}"))),
     }
+}
+
+/// What a beat that is slower than the measured time leaves unknown.
+fn slow_beat(beat: SlowBeat, measured_s: f64) -> String {
+    let (low_hz, high_hz) = beat.between_hz;
+    let unknown =
+        "their peaks are not measured, and the RMS is that of the measured time, not the mean of a beat";
+    if low_hz == high_hz {
+        return format!("Two tones have the same frequency, {}: {unknown}.", show_frequency(low_hz));
+    }
+    let period = show_si(1.0 / (high_hz - low_hz), "s");
+    let (measured, needed) = (show_si(measured_s, "s"), show_si(beat.needed_s, "s"));
+    format!(
+        "Two tones beat once in {period} and {measured} were measured, where {needed} tell them apart: {unknown}."
+    )
 }
 
 fn tone_value(tone: &ToneResult) -> Value {

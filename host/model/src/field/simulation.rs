@@ -9,11 +9,14 @@
 //! After the plate has settled, the field at each place is multiplied by the phasor of each tone and averaged
 //! under a Hann window. The result is the complex amplitude of that tone, even if other tones sound.
 
+mod beat;
 mod demodulator;
 mod waves;
 
+pub use beat::SlowBeat;
 pub use waves::{Solver, sheet_grid};
 
+use beat::{MAX_WINDOW_S, is_blurred, slow_beat, window_s};
 use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
@@ -34,10 +37,6 @@ pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 pub const PLACES: usize = 513;
 /// The longest simulation, in seconds.
 pub const MAX_SECONDS: f64 = 600.0;
-/// Periods of the lowest tone, and of the smallest difference of two tones, in the measuring window.
-const PERIODS: f64 = 12.0;
-/// The window is no longer than this, in seconds.
-const MAX_WINDOW_S: f64 = 2.0;
 /// Parts of a run after which the progress is told.
 const PARTS: u64 = 200;
 
@@ -102,6 +101,9 @@ pub struct ToneResult {
     pub predicted: Response,
     /// The predicted peak displacement, in metres.
     pub predicted_peak_m: Option<f64>,
+    /// Whether another tone is so near that the measured time does not tell the two apart. Then nothing is said of
+    /// what was measured of this tone alone.
+    pub is_blurred: bool,
     /// The tone's measured complex amplitude at each place, in metres.
     pub field_m: Vec<Complex64>,
     /// The measured peak; its amplitude is in metres.
@@ -122,6 +124,9 @@ pub struct Simulated {
     pub position_m: Vec<f64>,
     /// Largest displacement at each place while measured, in metres.
     pub maximum_m: Vec<f32>,
+    /// The two tones that beat most slowly, if that is too slow for the measured time. Then the RMS displacement is
+    /// that of the measured part of the beat, not of a whole one.
+    pub slow_beat: Option<SlowBeat>,
     /// RMS displacement at each place while measured, in metres.
     pub rms_m: Vec<f32>,
     /// RMS displacement predicted by the frequency domain, in metres.
@@ -250,6 +255,8 @@ impl Simulation<'_> {
         let predicted =
             predict_envelope(self.actual, self.finger.as_ref(), &sounding, rate_hz, position_m.len())?;
         let fields = demodulator.fields();
+        let blurred =
+            |hz: f64| frequencies.iter().filter(|&&other| is_blurred(hz, other, window_s)).count() > 1;
         let tones = self
             .tones
             .iter()
@@ -257,13 +264,15 @@ impl Simulation<'_> {
             .zip(fields)
             .zip(&predicted.tones)
             .map(|(((&(boundary_m, level), tone), field_m), predicted_field)| {
-                self.tone_result(boundary_m, level, tone.frequency_hz, field_m, predicted_field)
+                let is_blurred = blurred(tone.frequency_hz);
+                self.tone_result((boundary_m, level), tone.frequency_hz, is_blurred, field_m, predicted_field)
             })
             .collect::<Result<_, _>>()?;
         let (maximum_m, rms_m) = waves.envelope_m();
         Ok(Simulated {
             tones,
             position_m,
+            slow_beat: slow_beat(&frequencies, window_s),
             maximum_m,
             rms_m,
             predicted_rms_m: predicted.rms_m,
@@ -296,9 +305,9 @@ impl Simulation<'_> {
 
     fn tone_result(
         &self,
-        boundary_m: f64,
-        level: f64,
+        (boundary_m, level): (f64, f64),
         frequency_hz: f64,
+        is_blurred: bool,
         field_m: Vec<Complex64>,
         predicted_field: &[Complex64],
     ) -> Result<ToneResult, RespondError> {
@@ -309,7 +318,7 @@ impl Simulation<'_> {
             field_m.len(),
             Equation::Corrected,
         )?;
-        let measured = Peak::of(&field_m, self.actual, frequency_hz);
+        let measured = Peak::of(&field_m, self.actual, frequency_hz).filter(|_| !is_blurred);
         let predicted_peak = Peak::of(predicted_field, self.actual, frequency_hz);
         let in_metres = |amplitude: &[Complex64], peak: Option<Peak>| Response {
             amplitude: amplitude.to_vec(),
@@ -331,6 +340,7 @@ impl Simulation<'_> {
             frequency_hz,
             predicted,
             predicted_peak_m: predicted_peak.map(|peak| peak.amplitude),
+            is_blurred,
             field_m,
             measured,
             measured_turning_point_m,
@@ -360,17 +370,6 @@ fn pass(
 
 fn in_samples(seconds: f64) -> u64 {
     (seconds * f64::from(SAMPLE_RATE_HZ)).ceil() as u64
-}
-
-/// A window long enough to separate each tone from the constant part, from its own mirror image and from the other
-/// tones.
-fn window_s(frequencies: &[f64]) -> f64 {
-    let lowest = frequencies.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut sorted = frequencies.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let nearest =
-        sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 0.0).fold(lowest, f64::min);
-    (PERIODS / nearest.max(1e-3)).clamp(0.01, MAX_WINDOW_S)
 }
 
 /// The first place after `from_m` where |field| has fallen to `to`.

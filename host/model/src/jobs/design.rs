@@ -2,8 +2,8 @@
 //! `slipline design`.
 
 use crate::jobs::Task;
-use slipline_plate::PlateError;
-use slipline_plate::design::{Design, Edge, Material, Request, Wave, design};
+use slipline_plate::design::{Design, DesignError, Edge, Material, Request, Wave, design_watched};
+use slipline_plate::{PlateError, Progress};
 use std::sync::Arc;
 
 /// How the sheet carries the wave.
@@ -137,14 +137,22 @@ pub struct Designed {
     pub result: Result<Arc<Design>, PlateError>,
 }
 
-/// Designs the plate; `None` when the task was over before it began.
+/// Designs the plate; `None` when the task was over before it was done.
 #[must_use]
 pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
     if task.is_over() {
         return None;
     }
-    let designed = draft.request().and_then(|request| design(&request));
-    Some(Designed { draft, result: designed.map(Arc::new) })
+    let designed = match draft.request() {
+        Ok(request) => design_watched(&request, &mut Progress::new(&mut |share| task.tell(share))),
+        Err(error) => Err(error.into()),
+    };
+    let result = match designed {
+        Ok(design) => Ok(Arc::new(design)),
+        Err(DesignError::Plate(error)) => Err(error),
+        Err(DesignError::Stopped(_)) => return None,
+    };
+    Some(Designed { draft, result })
 }
 
 /// The cut files of plate and frame: their names and texts.
@@ -164,6 +172,15 @@ pub fn cut_files(designed: &Design) -> Vec<(String, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_design_that_is_cancelled_while_it_runs_has_no_result() {
+        let task = Task::default();
+        assert!(work(Draft::default(), &task).is_some());
+        assert!(task.share() > 0.99, "{}", task.share());
+        task.end();
+        assert!(work(Draft::default(), &task).is_none());
+    }
 
     #[test]
     fn a_draft_is_designed_as_the_command_line_does_it() {

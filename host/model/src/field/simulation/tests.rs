@@ -69,3 +69,23 @@ fn tones_together_are_told_apart() {
         );
     }
 }
+
+#[test]
+fn a_beat_slower_than_the_measured_time_is_said_and_nothing_is_made_up_of_it() {
+    let plate = slipline_plate::preset("membrane").unwrap();
+    // 120 and 120.3 mm differ by 0.14 Hz: a beat of 7 s.
+    let tones = [(0.12, 0.3), (0.1203, 0.3), (0.2, 0.3)];
+    let run = Simulation { seconds: Some(0.4), ..on_plate(&plate, &tones, Solver::Line) };
+    let result = run.run().unwrap();
+    let beat = result.slow_beat.expect("a slow beat");
+    let difference_hz = beat.between_hz.1 - beat.between_hz.0;
+    assert!((0.1..0.2).contains(&difference_hz), "{beat:?}");
+    assert!((beat.needed_s * difference_hz - 4.0).abs() < 1e-9, "{beat:?}");
+    for tone in &result.tones[..2] {
+        assert!(tone.is_blurred && tone.measured.is_none() && tone.measured_turning_point_m.is_none());
+    }
+    assert!(!result.tones[2].is_blurred && result.tones[2].measured.is_some());
+    assert_eq!(slow_beat(&[100.0, 100.0], 1.0).map(|beat| beat.needed_s), Some(f64::INFINITY));
+    assert_eq!(slow_beat(&[100.0, 104.1, 200.0], 1.0), None);
+    assert_eq!(slow_beat(&[100.0], 1.0), None);
+}
