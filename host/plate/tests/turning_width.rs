@@ -155,3 +155,43 @@ fn the_papers_equation_has_the_papers_width_on_every_plate() {
         respond(&plain, 150.0, 101, Equation::Corrected)
     );
 }
+
+/// Cells of the rows of the page's list of changed frequencies: plate, boundary in mm, plain, arc and 2-D in Hz.
+fn changed_frequencies() -> Vec<(&'static str, [f64; 4])> {
+    let page = include_str!("../PHYSICS.md");
+    let (_, list) =
+        page.split_once("| plate | boundary, mm | plain, Hz | arc, Hz | 2-D, Hz |\n").expect("the list");
+    let rows = list.lines().skip(1).map_while(|line| line.strip_prefix("| ")?.strip_suffix(" |"));
+    rows.map(|row| {
+        let (name, numbers) = row.split_once(" | ").expect("cells");
+        let numbers: Vec<f64> = numbers.split(" | ").map(|cell| cell.parse().expect(row)).collect();
+        (name, numbers.try_into().expect(row))
+    })
+    .collect()
+}
+
+#[test]
+fn every_changed_frequency_of_a_preset_is_listed_and_nearer_to_the_two_dimensional_one() {
+    let listed = changed_frequencies();
+    for preset in slipline_plate::presets() {
+        let count = listed.iter().filter(|(name, _)| *name == preset.name).count();
+        let is_arc = preset.plate().expect("a preset").spec().turning_width == TurningWidth::Arc;
+        assert_eq!(count >= 2, is_arc, "{}", preset.name);
+    }
+    for (name, [place_mm, wanted @ ..]) in listed {
+        let arc = preset(name).expect("a preset");
+        let place_m = place_mm * 1e-3;
+        let plain_hz = arc.with_turning_width(TurningWidth::Plain).frequency_for_boundary_hz(place_m);
+        let arc_hz = arc.frequency_for_boundary_hz(place_m);
+        // What turns at this place in two dimensions: the wave whose peak is where the one-mode equation has it.
+        // With little loss: it does not move the turning point, but where the peak stands before it.
+        let held = variation(name, |spec| spec.loss_factor = spec.loss_factor.min(0.01));
+        let two = plane::respond(&held, arc_hz, 2001, &plane::Setup::of(&held)).expect("enters");
+        let shift_m = two.peak.expect("a peak").position_m - 1e-3 * peak_mm(&held, arc_hz);
+        let two_hz = arc.frequency_for_boundary_hz(place_m - shift_m);
+        for (found, wanted) in [plain_hz, arc_hz, two_hz].iter().zip(wanted) {
+            assert!((found / wanted - 1.0).abs() < 1.3e-4, "{name} {place_mm} mm: {found} for {wanted}");
+        }
+        assert!((plain_hz - two_hz).abs() > 3.0 * (arc_hz - two_hz).abs(), "{name} {place_mm} mm");
+    }
+}

@@ -63,7 +63,7 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
         (&["table", "--plate", "membrane", "--knots", "1026"], &["1025"]),
         (
             &["table", "--plate", "al-bending", "--sample-rate", "20kHz"],
-            &["--sample-rate", "88.66 kHz to 100 MHz"],
+            &["--sample-rate", "88.7 kHz to 100 MHz"],
         ),
         (&["table", "--plate", "no-such-plate"], &["no-such-plate", "membrane"]),
         (
@@ -204,4 +204,19 @@ fn small_values_of_a_design_keep_their_digits() {
     {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_pipe_as_a_plate_file_is_refused_at_once_and_a_name_cannot_move_the_cursor() {
+    let pipe = file("fifo.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let message = failure(&["table", "--plate", pipe.to_str().unwrap()], 2);
+    std::fs::remove_file(&pipe).unwrap();
+    assert!(message.contains("is a pipe or a device: save what it gives in a file"), "{message}");
+    let moving = file("bad\u{1b}[2J.toml");
+    std::fs::write(&moving, "colour = 3").unwrap();
+    let message = failure(&["table", "--plate", moving.to_str().unwrap()], 2);
+    std::fs::remove_file(&moving).unwrap();
+    assert!(!message.contains('\u{1b}') && message.contains("bad\u{fffd}[2J.toml"), "{message}");
 }
