@@ -143,14 +143,14 @@ pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
     if task.is_over() {
         return None;
     }
-    let designed = match draft.request() {
-        Ok(request) => design_watched(&request, &mut Progress::new(&mut |share| task.tell(share))),
-        Err(error) => Err(error.into()),
-    };
-    let result = match designed {
-        Ok(design) => Ok(Arc::new(design)),
-        Err(DesignError::Plate(error)) => Err(error),
-        Err(DesignError::Stopped(_)) => return None,
+    designed(draft, &mut Progress::new(&mut |share| task.tell(share)))
+}
+
+fn designed(draft: Draft, progress: &mut Progress<'_>) -> Option<Designed> {
+    let result = match draft.request().map(|request| design_watched(&request, progress)) {
+        Ok(Ok(design)) => Ok(Arc::new(design)),
+        Err(error) | Ok(Err(DesignError::Plate(error))) => Err(error),
+        Ok(Err(DesignError::Stopped(_))) => return None,
     };
     Some(Designed { draft, result })
 }
@@ -178,7 +178,15 @@ mod tests {
         let task = Task::default();
         assert!(work(Draft::default(), &task).is_some());
         assert!(task.share() > 0.99, "{}", task.share());
-        task.end();
+        for limit in [0.0, 0.3, 1.0] {
+            let mut go_on = |share: f64| {
+                if share >= limit {
+                    task.end();
+                }
+                task.tell(share)
+            };
+            assert!(designed(Draft::default(), &mut Progress::new(&mut go_on)).is_none(), "{limit}");
+        }
         assert!(work(Draft::default(), &task).is_none());
     }
 
