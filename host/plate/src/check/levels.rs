@@ -1,5 +1,6 @@
 //! The levels that the table makes equal on the plate, and what becomes of them where the plate is not quite the file's.
 
+use super::error::CheckError;
 use super::thresholds::LOSS_TOLERANCE;
 use crate::frequency::Finger;
 use crate::frequency::driven_end::{drive_rise, with_whole_end};
@@ -94,7 +95,7 @@ impl Variants {
         &mut self,
         frequencies_hz: &[f64],
         progress: &mut Progress<'_>,
-    ) -> Result<Vec<Level>, TableError> {
+    ) -> Result<Vec<Level>, CheckError> {
         let mut levels = Vec::with_capacity(frequencies_hz.len());
         let mut sum_db = 0.0;
         for group in frequencies_hz.chunks(AT_ONCE) {

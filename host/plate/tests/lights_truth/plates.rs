@@ -1,6 +1,8 @@
 //! Random plates of every model, with every kind of driven end.
 
-use slipline_plate::{Bending, DriveEnd, EndSlope, LeadIn, Model, Plate, PlateSpec, Source, Taper, preset};
+use slipline_plate::{
+    Bending, DriveEnd, EndSlope, LeadIn, Model, Plate, PlateSpec, Source, Taper, TurningWidth, preset,
+};
 use std::f64::consts::TAU;
 
 /// The driven ends of a membrane and of a shear wave, then those of bending.
@@ -146,6 +148,8 @@ pub(crate) fn plate(random: &mut Random, number: usize) -> Option<Plate> {
         name: format!("plate {number}"),
         taper: taper(random, number, slope / rate_per_m, exponents, length_m),
         length_m,
+        // The straight width is off on steep tapers, and its lights have to say so.
+        turning_width: if number % 2 == 1 { TurningWidth::Plain } else { TurningWidth::Arc },
         model: model(random, kind),
         loss_factor: random.log_between(0.002, 0.1),
         loss_tolerance: random.one_in(2.0).then(|| random.between(0.05, 1.0)),

@@ -45,14 +45,14 @@ fn a_light_touch_costs_what_the_finger_light_says_and_the_heavy_membrane_survive
         assert_eq!(found.colour, wanted, "{found:?}");
         let sites = checker.sites(&[0.16]).expect("on it");
         let hz = sites[0].frequency_hz;
-        let free = plane::respond(&plate, hz, 257, &plane::Setup::of(&plate)).expect("free");
+        let free = plane::respond(&plate, hz, 1025, &plane::Setup::of(&plate)).expect("free");
         let place_m = free.peak.expect("a peak").position_m;
         let said_db = touched_db(&sites[0], &Finger::light(place_m));
         for (finger, said_db) in [Finger::light(place_m), Finger::firm(place_m)].into_iter().zip(said_db) {
             let setup = plane::Setup { finger: Some(finger), ..plane::Setup::of(&plate) };
-            let touched = plane::respond(&plate, hz, 257, &setup).expect("touched");
+            let touched = plane::respond(&plate, hz, 1025, &setup).expect("touched");
             let at = |response: &Response| {
-                let index = (place_m / plate.length_m() * 256.0).round() as usize;
+                let index = (place_m / plate.length_m() * 1024.0).round() as usize;
                 response.amplitude[index].norm()
             };
             let truth_db = 20.0 * (at(&free) / at(&touched)).log10();
