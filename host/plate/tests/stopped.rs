@@ -62,7 +62,7 @@ fn a_design_can_be_stopped_at_every_step_of_it() {
     let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
     let request = Request::new("stopped", material, 2e-3, wave, (20e3, 40e3), 0.3);
     let shares = told(2.0, |progress| {
-        assert_eq!(design_watched(&request, progress), Ok(design(&request).expect("possible")))
+        assert_eq!(design_watched(&request, progress), Ok(design(&request).expect("possible")));
     });
     assert!(shares.len() >= 5 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
     for limit in &shares {
