@@ -1,6 +1,7 @@
-//! The commands to one device: what to send next ([`queue`]), what the replies mean ([`replies`]), a table's way onto the
-//! device ([`upload`]).
+//! The commands to one device: what to send next ([`queue`]), what the replies mean ([`replies`], and [`numbered`] for
+//! what the tasks send), a table's way onto the device ([`upload`]).
 
+mod numbered;
 mod queue;
 mod replies;
 mod task;

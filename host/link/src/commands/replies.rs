@@ -1,8 +1,8 @@
-//! What a device's replies mean, and what to send because of them.
+//! What a device's replies mean, and what to send because of them: the handshake, the status, stops. `numbered` has the
+//! commands that the tasks and uploads send.
 
 use super::queue::{CommandQueue, Next};
-use super::task::{Current, Job, Stage, Task};
-use super::upload::{BUSY_PAUSE, BUSY_TRIES};
+use super::task::{Job, Stage, Task};
 use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
@@ -13,22 +13,11 @@ use crate::refusal::Refusal;
 use crate::request::Outcome;
 use crate::snapshot::LinkState;
 use slipline_app::Timing;
-use slipline_protocol::command::Apply;
-use slipline_protocol::event::{Digest, Identity, State, Status};
-use slipline_protocol::refusal::Busy;
-use slipline_protocol::units::SampleIndex;
+use slipline_protocol::event::{Identity, State, Status};
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// A drive that came before the device took up the last one is sent again after so long: three blocks of 128 codes
-/// at 400 kS/s.
-const DRIVE_PAUSE: Duration = Duration::from_millis(1);
-/// A digest is asked for this often until its window is over.
-const DIGEST_PAUSE: Duration = Duration::from_millis(20);
-/// A numbered command is given a new number so often before the device counts as lost.
-const RENUMBERINGS: u32 = 3;
 
 impl CommandQueue {
     /// Takes bytes from the device.
@@ -109,7 +98,7 @@ impl CommandQueue {
     }
 
     /// The device and what it holds is known: the connection stands.
-    fn connected(&mut self, at: u64, recorder: &mut Recorder) {
+    pub(super) fn connected(&mut self, at: u64, recorder: &mut Recorder) {
         recorder.view.error = None;
         recorder.link(LinkState::Connected);
         recorder.finish(self.connect.take(), Outcome::Done { at });
@@ -182,232 +171,6 @@ impl CommandQueue {
             | Event::BootloaderToken(_) => {}
             #[cfg(slipline_next)]
             Event::CoilMeasured(_) => {}
-        }
-    }
-
-    fn numbered(&mut self, command: Command, event: Event, recorder: &mut Recorder, now: Duration) -> Next {
-        let is_overtaken = matches!(&self.current, Some(Current::Task(task)) if task.is_overtaken);
-        if matches!(event, Event::Refused(refusal::Refusal::BadSequence { .. })) && !is_overtaken {
-            self.renumberings += 1;
-            if self.renumberings > RENUMBERINGS {
-                return Next::Lose(LinkError::SessionEnded);
-            }
-            self.channel.send(command, now);
-            return Next::Continue;
-        }
-        self.renumberings = 0;
-        match self.current.take() {
-            Some(Current::Upload) => {
-                let after = self.uploads.take_reply(event, recorder, now);
-                if let Some(command) = after.command {
-                    self.channel.send(command, now);
-                    self.current = Some(Current::Upload);
-                }
-                self.status_stale |= after.is_status_stale;
-            }
-            Some(Current::Task(task)) => return self.done(*task, command, event, recorder, now),
-            None => {}
-        }
-        Next::Continue
-    }
-
-    fn done(
-        &mut self,
-        task: Task,
-        command: Command,
-        event: Event,
-        recorder: &mut Recorder,
-        now: Duration,
-    ) -> Next {
-        match event {
-            Event::Accepted(accepted) => return self.accepted(task, command, accepted.at, recorder, now),
-            Event::Unchanged(accepted) => {
-                recorder
-                    .log(Severity::Info, "The device's flash holds this already: it was not written again.");
-                return self.accepted(task, command, accepted.at, recorder, now);
-            }
-            Event::Refused(_) | Event::Table(_) if task.is_overtaken => {
-                // Refused, or lost and something harmless took its place: the stop is what counts.
-                recorder.finish(task.ticket, Outcome::Superseded);
-            }
-            Event::Refused(refusal::Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
-                if matches!(task.job, Job::Drive(_)) && task.tries < BUSY_TRIES =>
-            {
-                self.try_drive_again(task, recorder, now);
-            }
-            // The user has not asked for it and will not try again, so the link does.
-            Event::Refused(refusal::Refusal::Busy(_))
-                if matches!(task.job, Job::ArmUnasked) && task.tries < BUSY_TRIES =>
-            {
-                self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
-            }
-            // A device that was just disarmed takes some milliseconds until its amplifier is off, and a ramp some more.
-            Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
-                if matches!(command, Command::Store | Command::Forget)
-                    && task.tries < BUSY_TRIES
-                    && recorder.view.status.is_some_and(|status| status.state != State::Driving) =>
-            {
-                self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
-            }
-            Event::Refused(refusal) => {
-                return self.refused(&task, &command, Refusal::Device(refusal), recorder);
-            }
-            Event::Maintenance(told) => {
-                recorder.maintenance(told);
-                recorder.finish(task.ticket, Outcome::Done { at: 0 });
-            }
-            Event::Table(report) => {
-                recorder.table(report);
-                let now_at = recorder.view.status.map_or(0, |status| status.now);
-                if matches!(task.job, Job::FirstReadBack) {
-                    self.stage = Stage::Connected;
-                    self.connected(now_at, recorder);
-                    self.arm_unasked(recorder);
-                } else {
-                    recorder.finish(task.ticket, Outcome::Done { at: now_at });
-                }
-            }
-            Event::Trigger(report) => {
-                recorder.trigger(report);
-                // A fault that stands may have ended what began.
-                let fault = recorder.view.status.filter(|status| status.state == State::Fault);
-                if let Some(status) = fault.filter(|_| self.channel.pending_stop().is_none()) {
-                    recorder.stopped_by_itself(status.first_fault_at);
-                }
-                recorder.finish(task.ticket, Outcome::Done { at: report.began.unwrap_or(0) });
-            }
-            Event::Digest(digest) => self.digested(task, digest, recorder, now),
-            #[cfg(slipline_next)]
-            Event::CoilMeasured(report) => {
-                recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
-            }
-            Event::BootloaderToken(token) => {
-                let enter = Job::Send(Command::BootloaderEnter(token));
-                self.tasks.push_front(Task::new(task.ticket, enter));
-            }
-            Event::Hello(_) | Event::Status(_) | Event::TravelLimit(_) => {
-                return self.refused(&task, &command, Refusal::UnexpectedReply, recorder);
-            }
-        }
-        Next::Continue
-    }
-
-    /// The last change is being taken up, or a stop ramps out: the drive is sent again soon, unless a newer one waits.
-    fn try_drive_again(&mut self, mut task: Task, recorder: &mut Recorder, now: Duration) {
-        if self.tasks.iter().any(|waiting| matches!(waiting.job, Job::Drive(_))) {
-            recorder.superseded();
-            recorder.finish(task.ticket, Outcome::Superseded);
-        } else {
-            task.tries += 1;
-            task.not_before = now + DRIVE_PAUSE;
-            self.tasks.push_front(task);
-        }
-    }
-
-    fn refused(&mut self, task: &Task, command: &Command, refusal: Refusal, recorder: &mut Recorder) -> Next {
-        if self.closing.is_some() && *command == Command::Disarm {
-            return Next::Close;
-        }
-        recorder.finish(task.ticket, Outcome::Refused(refusal));
-        self.status_stale = true;
-        Next::Continue
-    }
-
-    fn accepted(
-        &mut self,
-        task: Task,
-        command: Command,
-        at: SampleIndex,
-        recorder: &mut Recorder,
-        now: Duration,
-    ) -> Next {
-        match command {
-            Command::Arm => recorder.acknowledge(at, Change::Armed),
-            Command::Disarm => {
-                recorder.acknowledge(at, Change::Disarmed);
-                if self.closing.is_some() {
-                    return Next::Close;
-                }
-            }
-            Command::Drive(drive) => {
-                let waits = drive.apply == Apply::AtTrigger;
-                if waits {
-                    recorder.wait_for_trigger(at, Arc::new(drive));
-                } else {
-                    recorder.acknowledge(at, Change::Drive(Arc::new(drive)));
-                }
-                if task.is_overtaken {
-                    recorder.stop_again(at);
-                }
-                self.ask_for_trigger(recorder);
-                self.status_stale |= waits;
-            }
-            Command::ClearFaults => self.arm_unasked(recorder),
-            Command::DigestStart(_) => {
-                let mut read = Task::new(task.ticket, Job::DigestRead);
-                read.not_before = now + DIGEST_PAUSE;
-                self.tasks.push_back(read);
-                return Next::Continue;
-            }
-            Command::BootloaderEnter(_) => {
-                recorder.log(Severity::Info, "The device restarts into its bootloader.");
-                recorder.finish(task.ticket, Outcome::Done { at });
-                return Next::Close;
-            }
-            Command::Store | Command::Forget => {
-                if self.channel.is_known(&Command::Maintenance) {
-                    self.tasks.push_back(Task::new(None, Job::Send(Command::Maintenance)));
-                }
-            }
-            // They change nothing that is in the journal, or are not sent as tasks.
-            Command::Maintenance
-            | Command::SetTravelLimit(_)
-            | Command::TravelLimit
-            | Command::Trigger
-            | Command::TableBegin(_)
-            | Command::TableChunk(_)
-            | Command::TableCommit
-            | Command::TableAbort
-            | Command::TableDigest
-            | Command::DigestRead
-            | Command::BootloaderToken
-            | Command::Hello(_)
-            | Command::KeepAlive(_)
-            | Command::Status
-            | Command::Stop
-            | Command::EmergencyStop => {}
-            #[cfg(slipline_next)]
-            Command::MeasureCoil(_) => {}
-        }
-        recorder.finish(task.ticket, Outcome::Done { at });
-        // A drag changes the status little: the keep-alives tell it soon enough.
-        let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
-        self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
-        Next::Continue
-    }
-
-    /// Asks what became of a drive that has waited for the trigger input, if that is not known.
-    fn ask_for_trigger(&mut self, recorder: &Recorder) {
-        let asks = |task: &Task| matches!(task.job, Job::Send(Command::Trigger));
-        let is_asked =
-            self.tasks.iter().any(asks) || matches!(&self.current, Some(Current::Task(task)) if asks(task));
-        if recorder.must_ask_for_trigger() && !is_asked {
-            self.tasks.push_front(Task::new(None, Job::Send(Command::Trigger)));
-        }
-    }
-
-    fn digested(&mut self, mut task: Task, digest: Digest, recorder: &mut Recorder, now: Duration) {
-        if digest.crc.is_some() {
-            return recorder.finish(task.ticket, Outcome::Digest(digest));
-        }
-        task.not_before = now + DIGEST_PAUSE;
-        self.tasks.push_back(task);
-    }
-
-    /// Arms the device if that needs no request of the user.
-    fn arm_unasked(&mut self, recorder: &Recorder) {
-        if recorder.view.may_arm_unasked() {
-            self.tasks.push_front(Task::new(None, Job::ArmUnasked));
         }
     }
 }
