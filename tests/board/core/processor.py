@@ -1,9 +1,4 @@
-"""The processor: Unicorn's core, its exceptions, and the time that its instructions take.
-
-Time is counted in cycles of the core at full speed (`CORE_HZ`); while the core runs slower, each of its cycles takes
-`cycle` of them.
-"""
-import heapq
+"""The processor: Unicorn's core, its exceptions, and the time that its instructions take."""
 import struct
 
 from unicorn import (
@@ -16,6 +11,7 @@ from unicorn.arm_const import (
 
 from m4_timing import REFILL, Timing
 
+from .agenda import Agenda
 from .faults import DATA_ERROR, Faults
 from .memory import Memory
 from .mpu import Mpu
@@ -39,7 +35,7 @@ class PowerCut(Exception):
     """The supply is gone; only the flash keeps what it had. Begin again with `Board.reset("power")`."""
 
 
-class Processor(Faults):
+class Processor(Faults, Agenda):
     # Entering an exception and leaving it: twelve and ten cycles (Cortex-M4 TRM), and seventeen for the floating-point
     # registers that are saved when the handler uses them first. Every exception is taken as one that does, after code
     # that did: nothing is cheaper or shallower than it may be.
@@ -71,8 +67,7 @@ class Processor(Faults):
                 self.cpu.hook_add(UC_HOOK_CODE, hook, begin=address, end=address + 1)
         # What has happened ends the emulation of the present block: a reset, a halt, a lost clock.
         self.must_stop = False
-        self.now = 0.0
-        self.events, self.planned = [], 0
+        Agenda.__init__(self)
         # Priority and exception of the handlers under way, the outermost first.
         self.active = []
         self.mpu = Mpu(self, self.MPU_REGIONS)
@@ -109,41 +104,6 @@ class Processor(Faults):
         stack, entry = struct.unpack("<II", self.cpu.mem_read(self.FLASH_START, 8))
         self.cpu.reg_write(UC_ARM_REG_SP, stack)
         self.pc = entry | 1
-
-    # --- time
-
-    def set_core_hz(self, core_hz):
-        """The core's clock has changed; 0 is a core that stands still."""
-        self.core_hz = core_hz
-        self.must_stop |= not core_hz
-        self.cycle = self.CORE_HZ / core_hz if core_hz else float("inf")
-
-    def core_cycles(self):
-        """Cycles that the core's clock has made since the reset."""
-        return int(self.counted_cycles + (self.now - self.counted_at) / self.cycle)
-
-    def hold_cycles(self):
-        """Before the core's clock changes."""
-        self.counted_cycles, self.counted_at = self.core_cycles(), self.now
-
-    def at(self, when, call, *arguments):
-        self.planned += 1
-        heapq.heappush(self.events, (when, self.planned, call, arguments))
-
-    def run_events(self):
-        while self.events and self.events[0][0] <= self.now:
-            when, _, call, arguments = heapq.heappop(self.events)
-            now, self.now = self.now, when
-            call(*arguments)
-            self.now = max(now, self.now)
-
-    def stall(self, seconds):
-        """The processor waits, the rest of the chip goes on."""
-        self.now += seconds * self.CORE_HZ
-
-    @property
-    def seconds(self):
-        return self.now / self.CORE_HZ
 
     # --- hooks
 
