@@ -299,4 +299,13 @@ mod tests {
         };
         assert_eq!([sent(&stiff), sent(&stiff), sent(&soft), sent(&soft)], [1, 0, 1, 0]);
     }
+
+    #[test]
+    fn rest_helps_where_only_the_way_is_refused() {
+        let travel =
+            |allowed_per_mille| refusal::Refusal::Travel { travel_per_mille: 2000, allowed_per_mille };
+        let headroom = refusal::Refusal::Headroom { sum_per_mille: 1500 };
+        let refusals = [travel(0), travel(500), headroom, refusal::Refusal::NoTable];
+        assert_eq!(refusals.map(|refusal| rest_helps(&Refusal::Device(refusal))), [true, false, true, false]);
+    }
 }

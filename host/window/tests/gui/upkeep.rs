@@ -5,6 +5,7 @@ use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;
+use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Maintenance, State};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
@@ -84,6 +85,27 @@ fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
     }
     for text in ["flash has been erased 20001 times", "brown-out level of this board is not set"] {
         assert!(window.query_by_label_contains(text).is_some(), "{text}");
+    }
+}
+
+#[test]
+fn the_device_panel_tells_whether_the_actuators_travel_is_limited() {
+    let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
+    for (minor, limit, wanted) in [
+        (1, Some(limit), "limited by the device"),
+        (1, None, "not limited"),
+        (0, None, "not limited: the firmware is too old"),
+    ] {
+        let mut link = real_device(State::Idle);
+        let snapshot = Arc::make_mut(&mut link.snapshot);
+        Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
+        snapshot.travel_limit = limit;
+        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.get_by_label("Device").click();
+        window.run_steps(5);
+        assert!(window.query_by_label(wanted).is_some(), "{wanted}");
     }
 }
 
