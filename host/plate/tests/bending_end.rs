@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Complex64, DriveEnd, EndSlope, Equation, LeadIn, Plate, PlateSpec, Source, preset, reflection,
+    Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Plate, PlateSpec, Source, preset, reflection,
     resistance_reflection, respond,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -23,7 +23,7 @@ fn impedance() -> f64 {
 fn source(resistance: f64, slope: EndSlope) -> Source {
     let model = aluminium(DriveEnd::Displacement).spec().model.clone();
     Source {
-        resistance_n_s_per_m: resistance * impedance(),
+        impedance: Impedance::damper(resistance * impedance()),
         slope: Some(slope),
         ..Source::soft(&model, 28e3)
     }
@@ -88,7 +88,8 @@ fn a_free_end_needs_a_damper_and_a_spring_to_take_a_wave_in() {
         let plate = aluminium(DriveEnd::Displacement);
         let here = plate.wave_impedance_n_s_per_m(frequency_hz).expect("bending");
         let stiffness_n_per_m = 0.24 * here * TAU * frequency_hz;
-        let matched = Source { stiffness_n_per_m, ..source(0.29 * here / impedance(), EndSlope::Free) };
+        let impedance = Impedance { stiffness_n_per_m, ..Impedance::damper(0.29 * here) };
+        let matched = Source { impedance, ..source(0.0, EndSlope::Free) };
         let found = reflected(matched, frequency_hz);
         assert!(found < 0.03, "{frequency_hz}: {found}");
     }
@@ -100,7 +101,8 @@ fn ends_that_take_no_power_send_every_wave_back() {
     let lossless = |drive_end: DriveEnd| {
         Plate::new(PlateSpec { drive_end, loss_factor: 0.0, ..still.spec().clone() }).expect("valid")
     };
-    let heavy = Source { mass_kg: 2e-3, stiffness_n_per_m: 3e7, ..source(0.0, EndSlope::Free) };
+    let impedance = Impedance { resistance_n_s_per_m: 0.0, mass_kg: 2e-3, stiffness_n_per_m: 3e7 };
+    let heavy = Source { impedance, ..source(0.0, EndSlope::Free) };
     let loose = LeadIn { length_m: 0.05, loss_factor: 0.0, end_resistance_n_s_per_m: 0.0 };
     for end in [
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
@@ -121,8 +123,9 @@ fn ends_that_take_no_power_send_every_wave_back() {
 fn a_stiff_actuator_hides_the_lead_in_and_a_soft_one_does_not() {
     let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.37 * impedance() };
     let soft = Source { lead_in: Some(lead_in), ..source(0.0, EndSlope::Free) };
-    let stiff = Source { stiffness_n_per_m: 1e12, ..soft };
-    let held = Source { stiffness_n_per_m: 1e12, slope: Some(EndSlope::Held), ..soft };
+    let impedance = Impedance { stiffness_n_per_m: 1e12, ..Impedance::default() };
+    let stiff = Source { impedance, ..soft };
+    let held = Source { slope: Some(EndSlope::Held), ..stiff };
     assert!(reflected(soft, 28e3) < 0.12 && reflected(stiff, 28e3) > 0.5, "{}", reflected(stiff, 28e3));
     assert!(reflected(held, 28e3) > 0.99, "{}", reflected(held, 28e3));
 }
@@ -212,7 +215,7 @@ fn membrane(change: impl FnOnce(Source) -> Source) -> Plate {
     let bare = Plate::new(spec.clone()).expect("valid");
     let impedance = bare.wave_impedance_n_s_per_m(matched_hz).expect("a tension");
     assert!((impedance - 0.15).abs() < 0.002, "{impedance}");
-    let source = Source { resistance_n_s_per_m: impedance, ..Source::soft(&spec.model, matched_hz) };
+    let source = Source { impedance: Impedance::damper(impedance), ..Source::soft(&spec.model, matched_hz) };
     spec.drive_end = DriveEnd::Source(change(source));
     Plate::new(spec).expect("valid")
 }
@@ -235,7 +238,10 @@ fn swing_db(plate: &Plate) -> f64 {
 fn a_gram_of_coil_on_the_default_membrane_raises_the_swing_from_8_to_23_db() {
     let (bare, coil) = (
         swing_db(&membrane(|source| source)),
-        swing_db(&membrane(|source| Source { mass_kg: 1e-3, ..source })),
+        swing_db(&membrane(|source| Source {
+            impedance: Impedance { mass_kg: 1e-3, ..source.impedance },
+            ..source
+        })),
     );
     assert!((bare - 8.0).abs() < 0.6, "{bare}");
     assert!((coil - 23.0).abs() < 0.6, "{coil}");
@@ -266,11 +272,15 @@ proptest! {
     ) {
         let slope = if held { EndSlope::Held } else { EndSlope::Free };
         let end_resistance_n_s_per_m = damped * 150.0;
+        let bare = source(resistance, slope);
         let source = Source {
-            mass_kg: mass_g * 1e-3,
-            stiffness_n_per_m: stiffness,
+            impedance: Impedance {
+                mass_kg: mass_g * 1e-3,
+                stiffness_n_per_m: stiffness,
+                ..bare.impedance
+            },
             lead_in: Some(LeadIn { length_m, loss_factor, end_resistance_n_s_per_m }),
-            ..source(resistance, slope)
+            ..bare
         };
         // The strip's own loss of 0.002 makes power and |r| differ by about as much.
         prop_assert!(reflected(source, frequency_hz) <= 1.002);

@@ -2,8 +2,8 @@
 //! do whatever the numbers, and what the plate in two dimensions does.
 
 use slipline_plate::{
-    Complex64, DriveEnd, EndSlope, Equation, LeadIn, Model, Plate, PlateSpec, Source, TurningWidth, plane,
-    preset, reflection, respond,
+    Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Model, Plate, PlateSpec, Source,
+    TurningWidth, plane, preset, reflection, respond,
 };
 
 /// From just above the cut-off to where the next symmetric width mode can leave the end, which would take power with it.
@@ -26,7 +26,7 @@ fn source(resistance: f64, lead_in: Option<LeadIn>) -> Source {
     let plain = plate(DriveEnd::Displacement, 0.0);
     let impedance = plain.wave_impedance_n_s_per_m(28e3).expect("bending");
     let soft = Source::soft(&plain.spec().model, 28e3);
-    Source { resistance_n_s_per_m: resistance * impedance, lead_in, ..soft }
+    Source { impedance: Impedance::damper(resistance * impedance), lead_in, ..soft }
 }
 
 fn reflected(source: Source, frequency_hz: f64) -> Complex64 {
@@ -35,7 +35,8 @@ fn reflected(source: Source, frequency_hz: f64) -> Complex64 {
 
 #[test]
 fn an_end_that_takes_no_power_reflects_all_of_it() {
-    let loaded = Source { mass_kg: 1e-3, stiffness_n_per_m: 3e6, ..source(0.0, None) };
+    let impedance = Impedance { resistance_n_s_per_m: 0.0, mass_kg: 1e-3, stiffness_n_per_m: 3e6 };
+    let loaded = Source { impedance, ..source(0.0, None) };
     let ends = [
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Held },
@@ -86,7 +87,7 @@ fn a_lead_in_like_the_plate_moves_the_end_back_by_its_length() {
 #[test]
 fn a_damped_lead_in_matches_the_band() {
     let largest = |length_m: f64, loss_factor: f64, damper: f64| {
-        let end_resistance_n_s_per_m = source(damper, None).resistance_n_s_per_m;
+        let end_resistance_n_s_per_m = source(damper, None).impedance.resistance_n_s_per_m;
         let lead_in = LeadIn { length_m, loss_factor, end_resistance_n_s_per_m };
         (0..=20)
             .map(|i| reflected(source(0.0, Some(lead_in)), 19.4e3 + 1030.0 * f64::from(i)).norm())
@@ -99,11 +100,13 @@ fn a_damped_lead_in_matches_the_band() {
 #[test]
 fn every_end_reflects_as_the_strip_in_two_dimensions() {
     let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 30.0 };
+    let held = source(0.74, None);
+    let impedance = Impedance { mass_kg: 2e-4, ..held.impedance };
     let ends = [
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Held },
         DriveEnd::Source(source(0.37, None)),
-        DriveEnd::Source(Source { slope: Some(EndSlope::Held), mass_kg: 2e-4, ..source(0.74, None) }),
+        DriveEnd::Source(Source { slope: Some(EndSlope::Held), impedance, ..held }),
         DriveEnd::Source(source(0.0, Some(lead_in))),
     ];
     for end in ends {

@@ -6,6 +6,7 @@ use super::section::Section;
 use super::setup::{End, Force, Setup};
 use super::strip::{modulus, sheet, wave_impedance};
 use super::system::{Mesh, System};
+use crate::spec::impedance::Impedance;
 use crate::spec::plate::Plate;
 use crate::spec::source::EndSlope;
 use num_complex::Complex64;
@@ -116,11 +117,11 @@ impl<'a> Discrete<'a> {
         let inertia = self.modulus * self.level;
         let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
         if let Some(finger) = setup.finger {
-            let per_area = finger.dynamic_stiffness(omega) / finger.contact_m.powi(2);
+            let per_area = finger.impedance().dynamic_stiffness(omega) / finger.contact_m.powi(2);
             system.cover(&self.outline, finger.place_m, 0.5 * finger.contact_m, per_area);
         }
         if let Some(lead_in) = setup.lead_in {
-            system.resist(0, Complex64::new(0.0, -omega * lead_in.end_resistance_n_s_per_m));
+            system.resist(0, Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(omega));
         }
 
         let node = self.mesh.node_at(0.0);
@@ -149,7 +150,8 @@ impl<'a> Discrete<'a> {
                 }
             }
             End::Damper { ratio, at_frequency_hz } => {
-                let force = Complex64::new(0.0, -omega * ratio * impedance(at_frequency_hz));
+                let damper = Impedance::damper(ratio * impedance(at_frequency_hz));
+                let force = damper.dynamic_stiffness(omega);
                 system.resist(node, force);
                 system.push(node, 2.0 * drive * force);
             }

@@ -35,7 +35,7 @@ pub use comparison::Comparison;
 pub use error::PlaneError;
 pub use field::Field;
 pub use reflection::reflection;
-pub use setup::{End, Force, Impedance, Setup};
+pub use setup::{End, Force, Setup};
 
 use crate::frequency::Response;
 use crate::spec::plate::Plate;

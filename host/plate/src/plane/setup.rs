@@ -4,39 +4,10 @@ use super::error::PlaneError;
 use crate::frequency::Finger;
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::drive::DriveEnd;
+use crate::spec::impedance::Impedance;
 use crate::spec::limits;
 use crate::spec::plate::Plate;
 use crate::spec::source::{EndSlope, LeadIn, Source};
-use num_complex::Complex64;
-
-/// A mechanical impedance R - j omega m + j s/omega, force over velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Impedance {
-    /// Resistance R, N s/m (0 to 1e9).
-    pub resistance_n_s_per_m: f64,
-    /// Mass m, kg (0 to 1000).
-    pub mass_kg: f64,
-    /// Stiffness s, N/m (0 to 1e12).
-    pub stiffness_n_per_m: f64,
-}
-
-impl Impedance {
-    /// Force per deflection at angular frequency `omega`: s - omega^2 m - j omega R.
-    pub(super) fn dynamic_stiffness(&self, omega: f64) -> Complex64 {
-        let elastic = self.stiffness_n_per_m - omega * omega * self.mass_kg;
-        Complex64::new(elastic, -omega * self.resistance_n_s_per_m)
-    }
-
-    fn is_nothing(&self) -> bool {
-        *self == Self::default()
-    }
-
-    fn validate(&self) -> Result<(), OutOfRange> {
-        OutOfRange::check("resistance_n_s_per_m", self.resistance_n_s_per_m, limits::MECHANICAL_RESISTANCE)?;
-        OutOfRange::check("mass_kg", self.mass_kg, limits::MOVING_MASS)?;
-        OutOfRange::check("stiffness_n_per_m", self.stiffness_n_per_m, limits::END_STIFFNESS)
-    }
-}
 
 /// The force at a driven end, for a drive of 1; the same at every frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,7 +58,7 @@ pub enum End {
 /// let damper = plane::Setup { end, lead_in: None, finger: None };
 /// let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 0.0 };
 /// let soft = plane::End::Source {
-///     impedance: plane::Impedance::default(),
+///     impedance: slipline_plate::Impedance::default(),
 ///     force: plane::Force::OfWave { multiple: 2.0, at_frequency_hz: 28e3 },
 ///     slope: slipline_plate::EndSlope::Free,
 /// };
@@ -124,9 +95,9 @@ impl Setup {
             DriveEnd::Resistance { ratio, at_frequency_hz } => End::Damper { ratio, at_frequency_hz },
             DriveEnd::Source(source) => {
                 lead_in = source.lead_in;
-                let Source { resistance_n_s_per_m, mass_kg, stiffness_n_per_m, at_frequency_hz, .. } = source;
+                let Source { impedance, at_frequency_hz, .. } = source;
                 End::Source {
-                    impedance: Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m },
+                    impedance,
                     force: Force::OfWave { multiple: 2.0, at_frequency_hz },
                     slope: source.slope.unwrap_or(EndSlope::Free),
                 }
@@ -147,7 +118,9 @@ impl Setup {
         match self.end {
             End::Displacement(_) => {}
             End::Source { impedance, force, .. } => {
-                impedance.validate()?;
+                for (field, value, range) in impedance.fields() {
+                    OutOfRange::check(field, value, range)?;
+                }
                 if !impedance.is_nothing() {
                     absolute = Some("a source");
                 }

@@ -1,12 +1,13 @@
 //! A source with a mechanical impedance of its own, and the damped lead-in behind it.
 
 use crate::spec::error::PlateError;
+use crate::spec::impedance::Impedance;
 use crate::spec::limits;
 use crate::spec::model::Model;
 use serde::Serialize;
 
 /// A force F on a driven end that carries a damper, a mass and a spring: F - Z_s v acts on the plate, with v the velocity
-/// of the centre line and Z_s = R - j omega m + j s/omega.
+/// of the centre line and Z_s an [`Impedance`].
 ///
 /// The force is spread over the width like the first width mode, so it excites that mode alone. A drive of 1 is the
 /// constant force F = 2 omega Z at `at_frequency_hz`, where Z is the plate's wave impedance
@@ -14,12 +15,8 @@ use serde::Serialize;
 /// absorbs the returning wave, Z_s = Z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// Mechanical resistance R, N s/m (0 to 1e9).
-    pub resistance_n_s_per_m: f64,
-    /// Moving mass m, kg (0 to 1000).
-    pub mass_kg: f64,
-    /// Stiffness s against the frame, N/m (0 to 1e12).
-    pub stiffness_n_per_m: f64,
+    /// Z_s.
+    pub impedance: Impedance,
     /// Frequency for which the force is told, Hz (above the cut-off at x = 0).
     pub at_frequency_hz: f64,
     /// What holds the slope of an end in bending; `None` for membranes and shear waves, whose end has no slope.
@@ -53,9 +50,7 @@ impl Source {
     /// A force on an end without any impedance, with a free slope in bending.
     pub fn soft(model: &Model, at_frequency_hz: f64) -> Self {
         Self {
-            resistance_n_s_per_m: 0.0,
-            mass_kg: 0.0,
-            stiffness_n_per_m: 0.0,
+            impedance: Impedance::default(),
             at_frequency_hz,
             slope: model.bending().map(|_| EndSlope::Free),
             lead_in: None,
@@ -63,9 +58,9 @@ impl Source {
     }
 
     pub(crate) fn validate(&self, model: &Model) -> Result<(), PlateError> {
-        limits::MECHANICAL_RESISTANCE.check("drive.resistance_n_s_per_m", self.resistance_n_s_per_m)?;
-        limits::MOVING_MASS.check("drive.mass_kg", self.mass_kg)?;
-        limits::END_STIFFNESS.check("drive.stiffness_n_per_m", self.stiffness_n_per_m)?;
+        for (field, value, range) in self.impedance.fields() {
+            range.check(&format!("drive.{field}"), value)?;
+        }
         match model {
             Model::BendingSupported(_) | Model::BendingClamped(_) if self.slope.is_none() => {
                 Err(PlateError::Missing {

@@ -1,7 +1,8 @@
 //! Random plates of every model, with every kind of driven end.
 
 use slipline_plate::{
-    Bending, DriveEnd, EndSlope, LeadIn, Model, Plate, PlateSpec, Source, Taper, TurningWidth, preset,
+    Bending, DriveEnd, EndSlope, Impedance, LeadIn, Model, Plate, PlateSpec, Source, Taper, TurningWidth,
+    preset,
 };
 use std::f64::consts::TAU;
 
@@ -102,9 +103,7 @@ fn drive_end(random: &mut Random, plate: &Plate, end: End, at_frequency_hz: f64)
     let omega = TAU * at_frequency_hz;
     let bends = plate.spec().model.bending().is_some();
     let soft = Source {
-        resistance_n_s_per_m: 0.0,
-        mass_kg: 0.0,
-        stiffness_n_per_m: 0.0,
+        impedance: Impedance::default(),
         at_frequency_hz,
         slope: bends.then_some(EndSlope::Free),
         lead_in: None,
@@ -115,13 +114,15 @@ fn drive_end(random: &mut Random, plate: &Plate, end: End, at_frequency_hz: f64)
         End::Resistance => DriveEnd::Resistance { ratio: random.log_between(0.5, 2.0), at_frequency_hz },
         End::Slope(slope) => DriveEnd::DisplacementAndSlope { slope },
         End::Damper => DriveEnd::Source(Source {
-            resistance_n_s_per_m: random.log_between(0.7, 1.4) * impedance,
+            impedance: Impedance::damper(random.log_between(0.7, 1.4) * impedance),
             ..soft
         }),
         End::Coil => DriveEnd::Source(Source {
-            resistance_n_s_per_m: random.log_between(0.2, 1.4) * impedance,
-            mass_kg: random.between(0.0, 0.6) * impedance / omega,
-            stiffness_n_per_m: random.between(0.0, 0.6) * impedance * omega,
+            impedance: Impedance {
+                resistance_n_s_per_m: random.log_between(0.2, 1.4) * impedance,
+                mass_kg: random.between(0.0, 0.6) * impedance / omega,
+                stiffness_n_per_m: random.between(0.0, 0.6) * impedance * omega,
+            },
             slope: bends.then_some(if random.one_in(2.0) { EndSlope::Free } else { EndSlope::Held }),
             ..soft
         }),

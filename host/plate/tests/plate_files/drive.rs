@@ -78,9 +78,7 @@ fn a_source_is_read_with_its_impedance_its_slope_and_its_lead_in_and_written_bac
     );
     let lead_in = LeadIn { length_m: 0.06, loss_factor: 0.2, end_resistance_n_s_per_m: 55.0 };
     let wanted = Source {
-        resistance_n_s_per_m: 3.0,
-        mass_kg: 1e-3,
-        stiffness_n_per_m: 2e4,
+        impedance: Impedance { resistance_n_s_per_m: 3.0, mass_kg: 1e-3, stiffness_n_per_m: 2e4 },
         slope: Some(EndSlope::Held),
         lead_in: Some(lead_in),
         ..soft

@@ -4,8 +4,8 @@ mod drive;
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Actuator, DriveEnd, EndSlope, LeadIn, Plate, PlateError, PlateFileError, ResponseCurve, Source,
-    TurningWidth, preset, presets,
+    Actuator, DriveEnd, EndSlope, Impedance, LeadIn, Plate, PlateError, PlateFileError, ResponseCurve,
+    Source, TurningWidth, preset, presets,
 };
 
 const GOOD: &str = r#"
@@ -401,9 +401,11 @@ proptest! {
     ) {
         let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
         spec.drive_end = DriveEnd::Source(Source {
-            resistance_n_s_per_m: impedance.0,
-            mass_kg: impedance.1,
-            stiffness_n_per_m: impedance.2,
+            impedance: Impedance {
+                resistance_n_s_per_m: impedance.0,
+                mass_kg: impedance.1,
+                stiffness_n_per_m: impedance.2,
+            },
             slope: Some(if held { EndSlope::Held } else { EndSlope::Free }),
             lead_in: lead_in.map(|(length_m, loss_factor, end_resistance_n_s_per_m)| {
                 LeadIn { length_m, loss_factor, end_resistance_n_s_per_m }

@@ -5,6 +5,7 @@ use crate::check::report::Colour;
 use crate::check::thresholds::DRIVE_REFLECTION;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::spec::drive::DriveEnd;
+use crate::spec::impedance::Impedance;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
 
@@ -67,7 +68,8 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
 /// Whether the end would match without its own mass and stiffness.
 fn hides_its_match(site: &Site<'_>, source: Source) -> bool {
     let mut spec = site.plate.spec().clone();
-    spec.drive_end = DriveEnd::Source(Source { mass_kg: 0.0, stiffness_n_per_m: 0.0, ..source });
+    let impedance = Impedance::damper(source.impedance.resistance_n_s_per_m);
+    spec.drive_end = DriveEnd::Source(Source { impedance, ..source });
     let soft = Plate::new(spec).ok().and_then(|plate| reflection(&plate, site.frequency_hz));
     soft.is_some_and(|r| r.norm() <= DRIVE_REFLECTION.green)
 }

@@ -71,7 +71,8 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
 pub(in crate::check) fn touched_db(site: &Site<'_>, light: &Finger) -> [f64; 2] {
     let firm = Finger::firm(light.place_m);
     let left = site.prepared.variants.share_left(light, site.frequency_hz);
-    let ratio = firm.impedance_n_s_per_m(site.frequency_hz) / light.impedance_n_s_per_m(site.frequency_hz);
+    let ratio =
+        firm.impedance().at_n_s_per_m(site.frequency_hz) / light.impedance().at_n_s_per_m(site.frequency_hz);
     let rise = 10.0_f64.powf(site.levels.rise_db / 20.0);
     let by_light = (left.inv() - 1.0) * rise;
     [by_light, by_light * ratio].map(|by| (20.0 * (1.0 + by).norm().log10()).max(0.0))

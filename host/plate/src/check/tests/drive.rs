@@ -58,7 +58,10 @@ fn a_bending_plate_with_a_damper_alone_is_amber_and_one_with_a_lead_in_behind_a_
     let source = crate::Source { lead_in: Some(lead_in), ..crate::Source::soft(&still.spec().model, 28e3) };
     let matched = end(DriveEnd::Source(source));
     assert_eq!(matched.colour, Colour::Green, "{matched:?}");
-    let heavy = end(DriveEnd::Source(crate::Source { mass_kg: 5e-3, ..source }));
+    let heavy = end(DriveEnd::Source(crate::Source {
+        impedance: crate::Impedance { mass_kg: 5e-3, ..source.impedance },
+        ..source
+    }));
     assert!(heavy.colour == Colour::Red && heavy.sentence.contains("hide"), "{heavy:?}");
     let bare = end(DriveEnd::Source(crate::Source { lead_in: None, ..source }));
     assert!(bare.colour == Colour::Red && bare.sentence.contains("lead-in"), "{bare:?}");

@@ -2,7 +2,7 @@
 
 use super::light;
 use crate::check::{Checker, Colour, Conditions, Light};
-use crate::{DriveEnd, Plate, PlateSpec, Source, preset};
+use crate::{DriveEnd, Impedance, Plate, PlateSpec, Source, preset};
 
 /// The membrane whose loss is known within `tolerance`: the sensitivity light at each end of the span.
 fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
@@ -49,8 +49,10 @@ fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_lea
     assert!(found.sentence.contains("near field"), "{found:?}");
     // Where the file tells the near field, the wave speed is to blame.
     let impedance = checker(&spec).plate().wave_impedance_n_s_per_m(28e3).expect("bending");
-    spec.drive_end =
-        DriveEnd::Source(Source { resistance_n_s_per_m: impedance, ..Source::soft(&spec.model, 28e3) });
+    spec.drive_end = DriveEnd::Source(Source {
+        impedance: Impedance::damper(impedance),
+        ..Source::soft(&spec.model, 28e3)
+    });
     let span = checker(&spec).over_span().expect("span");
     let told = light(&span, "sensitivity");
     assert!((7.0..10.0).contains(&told.value.expect("a number")), "{told:?}");

@@ -5,8 +5,8 @@ use crate::check::lights::touch::touched_db;
 use crate::check::thresholds::FINGER_DB;
 use crate::check::{Checker, Colour, Conditions};
 use crate::{
-    DriveEnd, EndSlope, Equation, Finger, Model, Plate, PlateSpec, Response, Source, airy, plane, preset,
-    respond_touched,
+    DriveEnd, EndSlope, Equation, Finger, Impedance, Model, Plate, PlateSpec, Response, Source, airy, plane,
+    preset, respond_touched,
 };
 use std::f64::consts::PI;
 
@@ -136,7 +136,7 @@ fn a_finger_is_put_on_the_plate_with_the_near_field_that_its_file_leaves_out() {
     spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
     let told = Plate::new(spec.clone()).expect("plate");
     spec.drive_end = DriveEnd::Source(Source {
-        resistance_n_s_per_m: told.wave_impedance_n_s_per_m(28e3).expect("bending"),
+        impedance: Impedance::damper(told.wave_impedance_n_s_per_m(28e3).expect("bending")),
         ..Source::soft(&spec.model, 28e3)
     });
     let [told, whole] = [told, Plate::new(spec).expect("plate")].map(|plate| {

@@ -14,8 +14,9 @@
 
 use super::DrivenEnd;
 use super::near_field::{NearField, NearWave};
-use super::one_mode::{source_force, source_stiffness};
+use super::one_mode::source_force;
 use super::strip_waves::{ORDERS, Section, Wave, section};
+use crate::spec::impedance::Impedance;
 use crate::spec::plate::Plate;
 use crate::spec::source::{EndSlope, LeadIn, Source};
 use nalgebra::{DMatrix, DVector};
@@ -197,7 +198,7 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> Driv
     let propagating = propagating(plate, frequency_hz);
     let columns = Columns::new(&strip, propagating);
     let behind = source.lead_in.map(|lead_in| dynamic_stiffness(&strip, &lead_in, propagating));
-    let load = -source_stiffness(source, strip.omega);
+    let load = source.impedance.dynamic_stiffness(strip.omega);
     let loaded = |end: &End| -> (DVector<Complex64>, DVector<Complex64>) {
         let mut force = &end.force + strip.on_mode(&end.value) * load;
         let mut moment = end.moment.clone();
@@ -229,7 +230,7 @@ fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn, propagating: Complex64) ->
     let axial = strip.lossless / Complex64::new(1.0, -lead_in.loss_factor).sqrt();
     let rigidity = strip.lossy_rigidity(axial);
     let waves = strip.waves(axial, propagating);
-    let damper = Complex64::new(0.0, strip.omega * lead_in.end_resistance_n_s_per_m);
+    let damper = -Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(strip.omega);
     let mut conditions = DMatrix::<Complex64>::zeros(2 * ROWS, 2 * ROWS);
     let mut forces = DMatrix::<Complex64>::zeros(ROWS, 2 * ROWS);
     for (index, wave) in waves.iter().enumerate() {

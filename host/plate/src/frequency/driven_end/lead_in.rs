@@ -5,6 +5,7 @@
 //! moment is zero and a damper takes the force.
 
 use super::strip::Strip;
+use crate::spec::impedance::Impedance;
 use crate::spec::source::LeadIn;
 use nalgebra::{Matrix2, Matrix4, Vector4};
 use num_complex::Complex64;
@@ -19,7 +20,7 @@ pub(super) fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn) -> [[Complex64;
     let wavenumber = (axial - strip.across).sqrt();
     let decay = (axial + strip.across).sqrt();
     let length = lead_in.length_m;
-    let damper = Complex64::new(0.0, strip.omega * lead_in.end_resistance_n_s_per_m);
+    let damper = -Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(strip.omega);
 
     // Columns: the four waves. Rows: f and df/dy at the junction, moment and force balance at the far end.
     let mut conditions = Matrix4::<Complex64>::zeros();

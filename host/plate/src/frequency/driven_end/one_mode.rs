@@ -37,17 +37,9 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> Driv
     let stiffness = omega * omega * surface_density / lossy_axial_squared(plate, &width_mode, frequency_hz);
     let line = stiffness * plate.half_width_m(0.0);
     DrivenEnd::simple(
-        source_stiffness(source, omega) / line,
+        -source.impedance.dynamic_stiffness(omega) / line,
         Complex64::ONE,
         -source_force(plate, source) / line,
-    )
-}
-
-/// j omega Z_s = omega^2 m - s + j omega R: minus the source's dynamic stiffness, N/m.
-pub(super) fn source_stiffness(source: &Source, omega: f64) -> Complex64 {
-    Complex64::new(
-        omega * omega * source.mass_kg - source.stiffness_n_per_m,
-        omega * source.resistance_n_s_per_m,
     )
 }
 

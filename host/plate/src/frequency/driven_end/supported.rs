@@ -14,7 +14,7 @@
 use super::DrivenEnd;
 use super::lead_in;
 use super::near_field::{NearField, NearWave};
-use super::one_mode::{source_force, source_stiffness};
+use super::one_mode::source_force;
 use super::strip::Strip;
 use crate::spec::plate::Plate;
 use crate::spec::source::{EndSlope, Source};
@@ -83,7 +83,7 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing: f64, source: 
     let [value, turn] = strip.motion();
     let behind = source.lead_in.map(|lead_in| lead_in::dynamic_stiffness(&strip, &lead_in));
     let behind = behind.unwrap_or([[Complex64::ZERO; 2]; 2]);
-    let load = -source_stiffness(source, strip.omega);
+    let load = source.impedance.dynamic_stiffness(strip.omega);
     let mut forces = strip.forces();
     for (force, stiffness) in forces.iter_mut().zip(behind) {
         for (term, (value, turn)) in force.iter_mut().zip(value.iter().zip(turn)) {

@@ -1,6 +1,7 @@
 //! The end with both of its conditions that a one-mode end of a plate in bending stands for.
 
 use crate::spec::drive::DriveEnd;
+use crate::spec::impedance::Impedance;
 use crate::spec::plate::Plate;
 use crate::spec::source::{EndSlope, Source};
 
@@ -16,7 +17,7 @@ pub(crate) fn with_whole_end(plate: &Plate) -> Option<Plate> {
         DriveEnd::Displacement => DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
         DriveEnd::Force { at_frequency_hz } => DriveEnd::Source(Source::soft(model, at_frequency_hz)),
         DriveEnd::Resistance { ratio, at_frequency_hz } => DriveEnd::Source(Source {
-            resistance_n_s_per_m: ratio * plate.wave_impedance_n_s_per_m(at_frequency_hz)?,
+            impedance: Impedance::damper(ratio * plate.wave_impedance_n_s_per_m(at_frequency_hz)?),
             ..Source::soft(model, at_frequency_hz)
         }),
         DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => return None,

@@ -14,10 +14,9 @@ mod touch;
 
 use super::error::RespondError;
 use crate::quantity::{OutOfRange, Range};
+use crate::spec::impedance::Impedance;
 use crate::spec::limits;
 use crate::spec::plate::Plate;
-use num_complex::Complex64;
-use std::f64::consts::TAU;
 
 pub(crate) use touch::{share_left, touched};
 
@@ -48,14 +47,10 @@ impl Finger {
         Self { place_m, resistance_n_s_per_m: 1.0, mass_kg: 1e-4, contact_m: CONTACT_M }
     }
 
-    /// Mechanical impedance R - j omega m at `frequency_hz`, N s/m.
-    pub fn impedance_n_s_per_m(&self, frequency_hz: f64) -> Complex64 {
-        Complex64::new(self.resistance_n_s_per_m, -TAU * frequency_hz * self.mass_kg)
-    }
-
-    /// Force per deflection at angular frequency `omega`: -omega^2 m - j omega R, N/m.
-    pub(crate) fn dynamic_stiffness(&self, omega: f64) -> Complex64 {
-        Complex64::new(-omega * omega * self.mass_kg, -omega * self.resistance_n_s_per_m)
+    /// Its mechanical impedance R - j omega m.
+    pub fn impedance(&self) -> Impedance {
+        let Self { resistance_n_s_per_m, mass_kg, .. } = *self;
+        Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m: 0.0 }
     }
 
     /// How heavy the finger is for the plate's wave: |Z| over the wave impedance at the driven end, at `frequency_hz`.
@@ -67,7 +62,7 @@ impl Finger {
     pub fn load(&self, plate: &Plate, frequency_hz: f64) -> Result<f64, RespondError> {
         plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
         let wave = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
-        Ok(self.impedance_n_s_per_m(frequency_hz).norm() / wave)
+        Ok(self.impedance().at_n_s_per_m(frequency_hz).norm() / wave)
     }
 
     /// Refuses what is out of range, and a plate whose file does not tell how heavy its wave is.

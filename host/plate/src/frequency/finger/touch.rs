@@ -119,7 +119,7 @@ impl<'a> Touch<'a> {
     fn push_back(&mut self, own: &[Complex64; COLUMNS], plate: &Plate, finger: &Finger, frequency_hz: f64) {
         let near = self.contact.compliance();
         let wave = self.wave_compliance();
-        let per_area = -finger.dynamic_stiffness(TAU * frequency_hz) / finger.contact_m.powi(2);
+        let per_area = -finger.impedance().dynamic_stiffness(TAU * frequency_hz) / finger.contact_m.powi(2);
         let cells = COLUMNS * BANDS;
         let mut matrix = DMatrix::<Complex64>::identity(cells, cells);
         let mut right = DVector::<Complex64>::zeros(cells);

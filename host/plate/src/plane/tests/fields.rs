@@ -6,8 +6,8 @@ use super::super::strip::wave_impedance;
 use super::super::*;
 use super::{aluminium, with_tension};
 use crate::{
-    Complex64, EndSlope as Slope, Equation, Finger, LeadIn, Model, Plate, RespondError, Taper, TurningWidth,
-    preset, respond as one_mode,
+    Complex64, EndSlope as Slope, Equation, Finger, Impedance, LeadIn, Model, Plate, RespondError, Taper,
+    TurningWidth, preset, respond as one_mode,
 };
 use nalgebra::{DMatrix, DVector};
 

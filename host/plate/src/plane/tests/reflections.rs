@@ -2,10 +2,10 @@
 //! page.
 
 use super::super::reflection;
-use super::super::setup::{End, Force, Impedance, Setup};
+use super::super::setup::{End, Force, Setup};
 use super::aluminium;
 use super::with_tension;
-use crate::{Bending, EndSlope as Slope, LeadIn, Plate, preset};
+use crate::{Bending, EndSlope as Slope, Impedance, LeadIn, Plate, preset};
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};

@@ -8,6 +8,7 @@ use crate::quantity::{Count, Counted, Range, WrongCount};
 use crate::spec::actuator::{Actuator, Resonator};
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Origin, PlateError, PlateFileError};
+use crate::spec::impedance::Impedance;
 use crate::spec::limits;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::{Plate, PlateSpec};
@@ -213,9 +214,11 @@ fn drive_of(given: &Given<'_>, model: &Model, lead_in: Option<LeadIn>) -> Result
         }
         "force" => DriveEnd::Force { at_frequency_hz: given.required("at_frequency_hz")? },
         "source" => DriveEnd::Source(Source {
-            resistance_n_s_per_m: given.number("resistance_n_s_per_m")?.unwrap_or(0.0),
-            mass_kg: given.number("mass_kg")?.unwrap_or(0.0),
-            stiffness_n_per_m: given.number("stiffness_n_per_m")?.unwrap_or(0.0),
+            impedance: Impedance {
+                resistance_n_s_per_m: given.number("resistance_n_s_per_m")?.unwrap_or(0.0),
+                mass_kg: given.number("mass_kg")?.unwrap_or(0.0),
+                stiffness_n_per_m: given.number("stiffness_n_per_m")?.unwrap_or(0.0),
+            },
             at_frequency_hz: given.required("at_frequency_hz")?,
             slope: slope.or(model.bending().map(|_| EndSlope::Free)),
             lead_in,

@@ -200,9 +200,9 @@ fn drive_text(end: DriveEnd) -> DriveText {
 fn source_text(source: Source, slope: Option<&'static str>, text: DriveText) -> DriveText {
     DriveText {
         at_frequency_hz: Some(source.at_frequency_hz),
-        resistance_n_s_per_m: Some(source.resistance_n_s_per_m),
-        mass_kg: Some(source.mass_kg),
-        stiffness_n_per_m: Some(source.stiffness_n_per_m),
+        resistance_n_s_per_m: Some(source.impedance.resistance_n_s_per_m),
+        mass_kg: Some(source.impedance.mass_kg),
+        stiffness_n_per_m: Some(source.impedance.stiffness_n_per_m),
         slope,
         lead_in: source.lead_in.map(|lead_in| LeadInText {
             length_m: lead_in.length_m,

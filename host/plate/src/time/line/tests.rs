@@ -1,6 +1,7 @@
 use super::*;
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond_touched;
+use crate::spec::impedance::Impedance;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::PlateSpec;
 use crate::spec::presets::{preset, presets};
@@ -119,8 +120,7 @@ fn sources_slopes_and_lead_ins_ring_as_the_frequency_domain_says() {
         (
             "al-bending",
             DriveEnd::Source(Source {
-                resistance_n_s_per_m: 43.0,
-                mass_kg: 2e-4,
+                impedance: Impedance { mass_kg: 2e-4, ..Impedance::damper(43.0) },
                 slope: Some(EndSlope::Held),
                 ..Source::soft(&bending, 28e3)
             }),
@@ -128,9 +128,7 @@ fn sources_slopes_and_lead_ins_ring_as_the_frequency_domain_says() {
         (
             "membrane",
             DriveEnd::Source(Source {
-                resistance_n_s_per_m: 0.15,
-                mass_kg: 1e-3,
-                stiffness_n_per_m: 600.0,
+                impedance: Impedance { resistance_n_s_per_m: 0.15, mass_kg: 1e-3, stiffness_n_per_m: 600.0 },
                 ..Source::soft(&membrane, 140.0)
             }),
         ),

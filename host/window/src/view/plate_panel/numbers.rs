@@ -249,11 +249,13 @@ fn source_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, source: Sour
             }
         });
     };
-    of(ui, &caption::END_RESISTANCE, source.resistance_n_s_per_m, |it, value| {
-        it.resistance_n_s_per_m = value;
+    of(ui, &caption::END_RESISTANCE, source.impedance.resistance_n_s_per_m, |it, value| {
+        it.impedance.resistance_n_s_per_m = value;
     });
-    of(ui, &caption::MOVING_MASS, source.mass_kg, |it, value| it.mass_kg = value);
-    of(ui, &caption::END_STIFFNESS, source.stiffness_n_per_m, |it, value| it.stiffness_n_per_m = value);
+    of(ui, &caption::MOVING_MASS, source.impedance.mass_kg, |it, value| it.impedance.mass_kg = value);
+    of(ui, &caption::END_STIFFNESS, source.impedance.stiffness_n_per_m, |it, value| {
+        it.impedance.stiffness_n_per_m = value
+    });
     let Some(lead_in) = source.lead_in else { return };
     let mut of_lead_in = |ui: &mut egui::Ui, caption, value, set: fn(&mut LeadIn, f64)| {
         numbers.number(ui, caption, value, |spec, value| {
