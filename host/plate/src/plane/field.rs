@@ -18,7 +18,7 @@ const TAIL_EXPONENTS: f64 = 14.0;
 /// Positions per element at which the peak is looked for.
 const PLACES: f64 = 8.0;
 /// Elements and polynomials for an error of the peak below 1e-4 (`the_field_does_not_depend_on_the_resolution`).
-const RESOLUTION: Resolution =
+pub(super) const RESOLUTION: Resolution =
     Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: outline::ROUNDING };
 
 /// The complex deflection w(x, z) of a plate at one frequency, relative to the drive; the displacement is
@@ -114,7 +114,7 @@ impl Field {
 
 /// Where the mesh ends: so far beyond the turning point that nothing returns. The taper is continued beyond the
 /// plate's end if it must.
-fn far_end(plate: &Plate, frequency_hz: f64) -> f64 {
+pub(super) fn far_end(plate: &Plate, frequency_hz: f64) -> f64 {
     let mode = plate.width_mode(1);
     let turning_point_m = mode.turning_point_m(frequency_hz);
     let reach_m = plate.width.reach_m() * (1.0 - 1e-6);

@@ -40,6 +40,10 @@ pub enum End {
         slope: EndSlope,
     },
     /// A damper whose other side moves by 2; the slope is free. A membrane launches a wave of amplitude 1 at `ratio` 1.
+    ///
+    /// As all that acts on the end, it acts on the first width mode. The damper of a [`crate::Sheet`] resists every point
+    /// of the end. That makes 0.01 dB on the membrane preset; on al-sh, whose edges meet the end at 43 degrees and whose
+    /// third width mode propagates there, 0.18 dB.
     Damper {
         /// R over the wave impedance Z at `at_frequency_hz` (0.01 to 100).
         ratio: f64,

@@ -244,15 +244,26 @@ impl StepRows<'_> {
         // Above a mirrored first row lies the mirror image of the row below it.
         let above_at = if row == 0 && plan.mirrored { at + stride } else { at - stride };
         let place = Place { at, above_at, stride, chunks, ghosts };
+        if let Some(touched) = &plan.touched {
+            for (row, at) in (row..row + N).zip((at..).step_by(stride)) {
+                touched.before(row, &mut past[at + 1..], &now[at + 1..]);
+            }
+        }
         kernel::advance::<L, N, LOSSLESS>(lanes, weights, (past, now), place);
+        if let Some(touched) = &plan.touched {
+            for (row, at) in (row..row + N).zip((at..).step_by(stride)) {
+                touched.after(row, &mut past[at + 1..]);
+            }
+        }
         let Some(column) = &plan.column else { return };
         let lane = |line: usize| now[line][LANES - 1];
         for (row, at) in (row..row + N).zip((at..).step_by(stride)) {
             let above = if row == 0 && plan.mirrored { at + stride } else { at - stride };
             let past = &mut past[at][LANES - 1];
-            *past = (column.own[row] * lane(at) - column.past * *past)
-                + (column.inward * now[at + 1][0] + column.across * (lane(above) + lane(at + stride)))
-                + column.profile[row] * drive;
+            let point = &column.points[row];
+            *past = (point.own * lane(at) - point.past * *past)
+                + (point.inward * now[at + 1][0] + point.across * (lane(above) + lane(at + stride)))
+                + point.profile * drive;
         }
     }
 }

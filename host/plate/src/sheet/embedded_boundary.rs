@@ -50,6 +50,11 @@ impl EmbeddedBoundary {
         self.reach.len()
     }
 
+    /// Half-width at a station, metres.
+    pub(super) fn half_width_m(&self, station: usize) -> f64 {
+        self.half_width[station]
+    }
+
     /// Number of cells of `row` whose neighbours are all inside, so that they have the common weights.
     pub(super) fn plain(&self, row: usize) -> usize {
         let farther = self.reach.get(row + 1).copied().unwrap_or(0);

@@ -1,5 +1,6 @@
 //! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
+use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, Range, WrongCount};
 use crate::spec::plate::Plate;
 use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
@@ -139,6 +140,9 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
+    /// A finger that the plate cannot have.
+    #[error(transparent)]
+    Finger(RespondError),
     /// A field of [`SheetGrid`] or `sample_rate_hz` is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),

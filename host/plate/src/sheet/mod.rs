@@ -4,12 +4,14 @@
 //!  codes -> mean or hold per step -> actuator -> driven column -> FDTD grid (rows x stations) -> field, envelope
 //! ```
 //!
-//! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary. This is the
-//! model of a stretched membrane and of the shear-horizontal wave, with all width modes and their coupling. Bending has
-//! another equation (dispersive, of fourth order), which only [`crate::TimeDomainLine`] solves.
+//! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary; a finger adds
+//! mass and resistance where it lies. This is the model of a stretched membrane and of the shear-horizontal wave, with
+//! all width modes and their coupling. Bending has another equation (dispersive, of fourth order), which only
+//! [`crate::TimeDomainLine`] solves.
 
 mod band;
 mod block;
+mod contact;
 mod cost;
 mod embedded_boundary;
 mod energy;
@@ -32,7 +34,9 @@ pub use cost::Cost;
 pub use fdtd::FdtdGrid;
 pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
 
+use crate::frequency::Finger;
 use crate::spec::plate::Plate;
+use contact::Contact;
 use cost::Layout;
 use embedded_boundary::EmbeddedBoundary;
 use scheme::Scheme;
@@ -71,6 +75,7 @@ pub struct SheetEnvelope {
 pub struct Sheet {
     fdtd: FdtdGrid,
     edge: EmbeddedBoundary,
+    contact: Option<Contact>,
     source: Source,
     mirrored: bool,
     positions_m: Vec<f64>,
@@ -91,13 +96,38 @@ impl Sheet {
     /// [`SheetError::Bends`] for a plate in bending, [`SheetError::OutOfRange`] for a field of `grid` or the sample
     /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells.
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
+        Self::with_contact(plate, None, sample_rate_hz, grid)
+    }
+
+    /// As [`Sheet::new`], with a finger that rests on the sheet: its impedance acts everywhere in its contact, as in
+    /// [`crate::plane`]. A cell that the contact covers in part has that part of it.
+    ///
+    /// # Errors
+    /// As [`Sheet::new`], and [`SheetError::Finger`].
+    pub fn touched(
+        plate: &Plate,
+        finger: &Finger,
+        sample_rate_hz: f64,
+        grid: SheetGrid,
+    ) -> Result<Self, SheetError> {
+        let contact = Contact::new(plate, finger).map_err(SheetError::Finger)?;
+        Self::with_contact(plate, Some(contact), sample_rate_hz, grid)
+    }
+
+    fn with_contact(
+        plate: &Plate,
+        contact: Option<Contact>,
+        sample_rate_hz: f64,
+        grid: SheetGrid,
+    ) -> Result<Self, SheetError> {
         let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored, condition, resonator } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let (low, high) = plate.band_hz();
         let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
         // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
         let damping = plate.wave_loss() * TAU * loss_at_hz;
-        let scheme = Scheme { edge: &edge, speed, step_s, damping, mirrored, grid: &grid };
+        let scheme =
+            Scheme { edge: &edge, speed, step_s, damping, mirrored, grid: &grid, contact: contact.as_ref() };
         let (plan, term) = scheme.plan(condition);
         let side = edge.rows() as isize - 1;
         Ok(Self {
@@ -111,6 +141,7 @@ impl Sheet {
             full_scale_m: plate.spec().full_scale_m,
             scope: grid.envelope,
             recorded_since: 0,
+            contact,
             edge,
             steps: Vec::with_capacity(STEPS_AT_ONCE),
         })
@@ -186,11 +217,13 @@ impl Sheet {
         self.fdtd.reset_envelope();
     }
 
-    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 |grad v|^2 over the plate.
+    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 |grad v|^2 over the plate, and that of the
+    /// mass of a finger on it.
     ///
     /// Without loss and with a held or free driven end it is constant except for rounding.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let unit = energy::energy(&self.fdtd, &self.edge, self.mirrored, self.step_s, self.speed_m_per_s);
+        let (mirrored, step_s, speed) = (self.mirrored, self.step_s, self.speed_m_per_s);
+        let unit = energy::energy(&self.fdtd, &self.edge, mirrored, step_s, speed, self.contact.as_ref());
         unit * self.full_scale_m.powi(2)
     }
 

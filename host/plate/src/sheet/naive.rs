@@ -1,9 +1,10 @@
 //! A reference implementation of the sheet's steps as plain loops over rows of cells. Every memory layout, tiling,
 //! vector width and number of threads must give the same bits.
 
+use super::contact::{Load, TouchedCells};
 use super::fdtd::FdtdGrid;
 use super::kernel::Weights;
-use super::tiling::{Cells, Column, plan_at};
+use super::tiling::{Cells, Column, ColumnPoint, plan_at};
 use super::vector::Width;
 use proptest::prelude::*;
 
@@ -49,8 +50,15 @@ impl Naive {
                 0 => &zero,
                 _ => line(row - 1),
             };
-            let (below, v, past) = (line(row + 1), line(row), &self.past[row]);
+            let (below, v) = (line(row + 1), line(row));
+            let mut past = self.past[row].clone();
             for station in 1..=case.reach[row] {
+                let load = case.load(row, station - 1);
+                let more = ((load.mass - load.loss) / (1.0 - case.loss)) as f32;
+                let now = (2.0 * load.mass / (1.0 - case.loss)) as f32;
+                if load != Load::default() {
+                    past[station] = (past[station] + more * past[station]) - now * v[station];
+                }
                 let across = above[station] + below[station];
                 let rest = if weights.past == 1.0 {
                     weights.across.mul_add(across, -past[station])
@@ -59,11 +67,14 @@ impl Naive {
                 };
                 let others = weights.along.mul_add(v[station - 1] + v[station + 1], rest);
                 next[station] = case.own[row][station - 1].mul_add(v[station], others);
+                let inertia = 1.0 + case.loss;
+                next[station] *= (inertia / (inertia + load.mass + load.loss)) as f32;
             }
             if let Some(column) = &case.column {
-                next[0] = (column.own[row] * v[0] - column.past * past[0])
-                    + (column.inward * v[1] + column.across * (above[0] + below[0]))
-                    + column.profile[row] * drive;
+                let point = column.points[row];
+                next[0] = (point.own * v[0] - point.past * past[0])
+                    + (point.inward * v[1] + point.across * (above[0] + below[0]))
+                    + point.profile * drive;
             }
             for (station, value) in next.iter().enumerate().take(case.reach[row] + 1) {
                 self.maximum[row][station] = self.maximum[row][station].max(value.abs());
@@ -116,7 +127,10 @@ struct Case {
     own: Vec<Vec<f32>>,
     mirrored: bool,
     weights: Weights,
+    /// r dt/2.
+    loss: f64,
     column: Option<Column>,
+    is_touched: bool,
 }
 
 /// A pseudo-random number from 0 to 1 for each `place` and `purpose`.
@@ -128,15 +142,20 @@ fn scattered(place: usize, purpose: usize) -> f32 {
 impl Case {
     /// `rows` rows: the longest has `cells` cells, and the others become shorter, the outermost by `taper` (0 to 1) of
     /// it.
-    fn new(cells: usize, rows: usize, taper: f64, mirrored: bool, is_lossy: bool, is_driven: bool) -> Self {
+    fn new(
+        cells: usize,
+        rows: usize,
+        taper: f64,
+        [mirrored, is_lossy, is_driven, is_touched]: [bool; 4],
+    ) -> Self {
         let middle = if mirrored { 0 } else { rows / 2 };
         let reach_of = |row: usize| cells as f64 * (1.0 - taper * row.abs_diff(middle) as f64 / rows as f64);
         let reach: Vec<usize> = (0..rows).map(|row| reach_of(row) as usize).collect();
         let loss = if is_lossy { 0.01 } else { 0.0 };
-        let divisor = 1.0 + loss;
+        let divisor = 1.0 + loss as f32;
         let weights = Weights {
             own: (2.0 - 2.0 * 0.21 - 2.0 * 0.17) / divisor,
-            past: (1.0 - loss) / divisor,
+            past: (1.0 - loss as f32) / divisor,
             along: 0.21 / divisor,
             across: 0.17 / divisor,
         };
@@ -146,19 +165,32 @@ impl Case {
             if cell < plain[row] { weights.own } else { weights.own - 0.3 * scattered(row * 4096 + cell, 0) }
         };
         let own = (0..rows).map(|row| (0..reach[row]).map(|cell| own_at(row, cell)).collect()).collect();
-        let column = is_driven.then(|| Column {
-            own: (0..rows).map(|row| 0.5 + 0.5 * scattered(row, 1)).collect(),
+        let point = |row: usize| ColumnPoint {
+            own: 0.5 + 0.5 * scattered(row, 1),
             past: 0.4,
             inward: 0.1,
             across: 0.05,
-            profile: (0..rows).map(|row| scattered(row, 2)).collect(),
-        });
-        Self { reach, plain, own, mirrored, weights, column }
+            profile: scattered(row, 2),
+        };
+        let column = is_driven.then(|| Column { points: (0..rows).map(point).collect() });
+        Self { reach, plain, own, mirrored, weights, loss, column, is_touched }
+    }
+
+    /// What a finger adds to a cell: nothing to most, mass and loss of all sizes to a tenth of them.
+    fn load(&self, row: usize, cell: usize) -> Load {
+        let number = row * 4096 + cell;
+        if !self.is_touched || scattered(number, 6) > 0.1 {
+            return Load::default();
+        }
+        let size = |purpose: usize| 10f64.powf(6.0 * f64::from(scattered(number, purpose)) - 4.0);
+        Load { mass: size(7), loss: size(8) }
     }
 
     fn fdtd(&self, tiling: (usize, usize), threads: usize, width: Width) -> FdtdGrid {
         let cells = Cells { reach: &self.reach, plain: &self.plain, own: &self.own, mirrored: self.mirrored };
-        let plan = plan_at(tiling, cells, self.weights, self.column.clone(), 0..self.reach.len());
+        let mut plan = plan_at(tiling, cells, self.weights, self.column.clone(), 0..self.reach.len());
+        let load = |row: usize, cell: usize| self.load(row, cell);
+        plan.touched = self.is_touched.then(|| TouchedCells::new(&self.reach, self.loss, load));
         let mut fdtd = FdtdGrid::new(plan, threads);
         fdtd.use_width(width);
         fdtd
@@ -174,13 +206,13 @@ proptest! {
         spare_rows in 0usize..9,
         (bands, group, depth) in (1usize..5, prop_oneof![Just(2), Just(4)], prop_oneof![Just(1), Just(4), Just(8), Just(16)]),
         taper in 0.0..1.0,
-        (mirrored, is_lossy, is_driven) in any::<(bool, bool, bool)>(),
+        flags in any::<[bool; 4]>(),
         width in 0usize..3,
         scale in prop_oneof![Just(1.0f32), Just(1e-29)],
         calls in prop::collection::vec(0usize..80, 1..5),
     ) {
         let rows = bands * (2 * depth + 2) + spare_rows;
-        let case = Case::new(cells, rows, taper, mirrored, is_lossy, is_driven);
+        let case = Case::new(cells, rows, taper, flags);
         let widths = Width::all();
         let mut fdtd = case.fdtd((group, depth), bands, widths[width % widths.len()]);
         prop_assert_eq!(fdtd.threads(), bands);
@@ -219,7 +251,16 @@ fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
         let weights = Weights { own: 1.0, past: 1.0, along: 0.25, across: 0.25 };
         let own = vec![vec![1.0; cells]; rows];
         let reach = vec![cells; rows];
-        let case = Case { reach: reach.clone(), plain: reach, own, mirrored: false, weights, column: None };
+        let case = Case {
+            reach: reach.clone(),
+            plain: reach,
+            own,
+            mirrored: false,
+            weights,
+            loss: 0.0,
+            column: None,
+            is_touched: false,
+        };
         let mut naive = Naive::new(case);
         naive.release(start);
         (0..150).for_each(|_| naive.step(0.0));
@@ -234,10 +275,10 @@ fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
 
 #[test]
 fn a_band_that_panics_ends_the_call_instead_of_hanging_it() {
-    let mut case = Case::new(64, 60, 0.0, false, false, true);
+    let mut case = Case::new(64, 60, 0.0, [false, false, true, false]);
     if let Some(column) = &mut case.column {
-        // A bug: the band in the middle has no drive for its rows.
-        column.profile.truncate(30);
+        // A bug: the band in the middle has no driven points for its rows.
+        column.points.truncate(30);
     }
     let mut fdtd = case.fdtd((2, 4), 3, Width::detect());
     assert_eq!(fdtd.threads(), 3);

@@ -1,10 +1,14 @@
 //! The finite-difference scheme: the weights of the update, and the condition at the driven end.
 
+use super::contact::{Contact, Load, TouchedCells};
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{EnvelopeScope, SheetGrid};
 use super::kernel::Weights;
 use super::source::{DriveCondition, SourceTerm};
-use super::tiling::{Cells, Column, Plan, plan_of};
+use super::tiling::{Cells, Column, ColumnPoint, Plan, plan_of};
+
+/// 2^-23: numbers below 2 that are multiples of it are exact in `f32`.
+const GRAIN: f64 = 1.0 / (1 << 23) as f64;
 
 /// The quantities from which the weights of the update are computed.
 pub(super) struct Scheme<'a> {
@@ -15,6 +19,8 @@ pub(super) struct Scheme<'a> {
     pub(super) damping: f64,
     pub(super) mirrored: bool,
     pub(super) grid: &'a SheetGrid,
+    /// The finger on the sheet, if there is one.
+    pub(super) contact: Option<&'a Contact>,
 }
 
 impl Scheme<'_> {
@@ -25,11 +31,19 @@ impl Scheme<'_> {
         let across = (self.speed * self.step_s / edge.dz).powi(2);
         let loss = 0.5 * self.damping * self.step_s;
         let divisor = 1.0 + loss;
+        // Where the field is constant, an update must keep it to the last bit: what the rounding of the four weights
+        // leaves of it is a restoring force that the sheet has not, and in a step of omega dt it counts 1/(omega dt)^2
+        // times. On whole multiples of GRAIN the own weight, 1 + past - 2 along - 2 across, is not rounded.
+        let rounded = |weight: f64| (weight / divisor / GRAIN).round() * GRAIN;
+        let weight = (rounded(1.0 - loss), rounded(along), rounded(across));
+        let own_of = |links_along: f64, links_across: f64| {
+            (1.0 + weight.0 - weight.1 * links_along - weight.2 * links_across) as f32
+        };
         let weights = Weights {
-            own: ((2.0 - 2.0 * along - 2.0 * across) / divisor) as f32,
-            past: ((1.0 - loss) / divisor) as f32,
-            along: (along / divisor) as f32,
-            across: (across / divisor) as f32,
+            own: own_of(2.0, 2.0),
+            past: weight.0 as f32,
+            along: weight.1 as f32,
+            across: weight.2 as f32,
         };
         let side = edge.rows() - 1;
         let rows: Vec<usize> = if self.mirrored {
@@ -43,8 +57,7 @@ impl Scheme<'_> {
             if row == 0 { 2.0 * outward } else { 1.0 + outward }
         };
         let own = |station: usize, row: usize| {
-            let held = along * (1.0 + edge.along_link(station, row)) + across * across_links(station, row);
-            ((2.0 - held) / divisor) as f32
+            own_of(1.0 + edge.along_link(station, row), across_links(station, row))
         };
         let own_by_row: Vec<Vec<f32>> = rows
             .iter()
@@ -62,23 +75,28 @@ impl Scheme<'_> {
                 (b, SourceTerm::Change(2.0 * b / (divisor + b)))
             }
         };
-        let moves = if condition == DriveCondition::Displacement { 0.0 } else { 1.0 / (divisor + resisted) };
-        let column_own = |row: usize| {
+        let moves = if condition == DriveCondition::Displacement { 0.0 } else { 1.0 };
+        let load = |station: usize, row: usize| match self.contact {
+            Some(contact) => contact.load(edge, station, row, self.step_s),
+            None => Load::default(),
+        };
+        let point = |number: usize, row: usize| {
             let links = 2.0 * along * edge.along_link(0, row) + across * across_links(0, row);
-            (moves * (2.0 - links)) as f32
+            let load = load(0, row);
+            let inertia = divisor + resisted + load.mass + load.loss;
+            // What the source moves is less under a finger; a held displacement is not.
+            let pushed = if moves > 0.0 { (divisor + resisted) / inertia } else { 1.0 };
+            let from_centre = if self.mirrored { number as f64 } else { number as f64 - side as f64 };
+            ColumnPoint {
+                own: (moves * (2.0 + 2.0 * load.mass - links) / inertia) as f32,
+                past: (moves * (1.0 + load.mass - loss - load.loss - resisted) / inertia) as f32,
+                inward: (moves * 2.0 * along / inertia) as f32,
+                across: (moves * across / inertia) as f32,
+                profile: (pushed * self.grid.drive.at(from_centre / self.grid.across as f64)) as f32,
+            }
         };
-        let column = Column {
-            own: rows.iter().map(|&row| column_own(row)).collect(),
-            past: (moves * (1.0 - loss - resisted)) as f32,
-            inward: (moves * 2.0 * along) as f32,
-            across: (moves * across) as f32,
-            profile: (0..rows.len())
-                .map(|row| {
-                    let from_centre = if self.mirrored { row as f64 } else { row as f64 - side as f64 };
-                    self.grid.drive.at(from_centre / self.grid.across as f64) as f32
-                })
-                .collect(),
-        };
+        let column =
+            Column { points: rows.iter().enumerate().map(|(number, &row)| point(number, row)).collect() };
         let recorded = match self.grid.envelope {
             EnvelopeScope::Everywhere => 0..rows.len(),
             EnvelopeScope::CentreLine if self.mirrored => 0..1,
@@ -87,6 +105,10 @@ impl Scheme<'_> {
         let reach: Vec<usize> = rows.iter().map(|&row| edge.reach[row]).collect();
         let plain: Vec<usize> = rows.iter().map(|&row| edge.plain(row)).collect();
         let cells = Cells { reach: &reach, plain: &plain, own: &own_by_row, mirrored: self.mirrored };
-        (plan_of(cells, weights, Some(column), recorded), term)
+        let mut plan = plan_of(cells, weights, Some(column), recorded);
+        plan.touched = self
+            .contact
+            .map(|_| TouchedCells::new(&reach, loss, |number, cell| load(cell + 1, rows[number])));
+        (plan, term)
     }
 }

@@ -65,7 +65,7 @@ pub(super) enum DriveCondition {
     Displacement,
     /// v_x = -slope u.
     Force { slope_per_m: f64 },
-    /// v_x = rho (v_t - 2 u_t).
+    /// v_x = rho (v_t - 2 u_t), everywhere on the end; [`crate::plane`] resists the first width mode only.
     Resistance { rho_s_per_m: f64 },
 }
 

@@ -1,5 +1,6 @@
 //! The constant data of an FDTD grid: weights, the extent of each row, and the tiling in rows and steps.
 
+use super::contact::TouchedCells;
 use super::kernel::{CHUNK, COLUMNS, GhostCells, Weights, place};
 use super::vector::{LANES, Line, Width};
 use std::ops::Range;
@@ -29,6 +30,8 @@ pub(super) struct Plan {
     ghosts: Vec<GhostCells>,
     /// The driven column at x = 0; `None` for a fixed edge.
     pub(super) column: Option<Column>,
+    /// The cells under a finger, if there is one.
+    pub(super) touched: Option<TouchedCells>,
     /// Rows whose envelope is recorded.
     pub(super) recorded: Range<usize>,
     pub(super) width: Width,
@@ -69,14 +72,20 @@ struct Computed {
     ghosts: u32,
 }
 
-/// The driven column: `next = own v - past before + inward right + across (above + below) + profile u`.
+/// The driven column, row by row.
 #[derive(Debug, Clone)]
 pub(super) struct Column {
-    pub(super) own: Vec<f32>,
+    pub(super) points: Vec<ColumnPoint>,
+}
+
+/// A point of the driven column: `next = own v - past before + inward right + across (above + below) + profile u`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ColumnPoint {
+    pub(super) own: f32,
     pub(super) past: f32,
     pub(super) inward: f32,
     pub(super) across: f32,
-    pub(super) profile: Vec<f32>,
+    pub(super) profile: f32,
 }
 
 /// The cells of a grid.
@@ -141,6 +150,7 @@ pub(super) fn plan_at(
         computed,
         ghosts,
         column,
+        touched: None,
         recorded,
         width: Width::detect(),
     }

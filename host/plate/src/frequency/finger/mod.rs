@@ -82,7 +82,7 @@ impl Finger {
     }
 
     /// Where the contact begins and ends on the plate, metres.
-    fn reach(&self, plate: &Plate) -> (f64, f64) {
+    pub(crate) fn reach(&self, plate: &Plate) -> (f64, f64) {
         let half = 0.5 * self.contact_m;
         ((self.place_m - half).max(0.0), (self.place_m + half).min(plate.length_m()))
     }

@@ -3,6 +3,7 @@
 mod fields;
 mod rectangle;
 mod reflections;
+mod sheet;
 
 use crate::{Model, Plate, PlateSpec, preset};
 
