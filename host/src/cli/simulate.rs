@@ -18,12 +18,6 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
     let tones = arguments.tones.on(&plate)?;
     let finger = arguments.finger.and_then(|argument| argument.0);
-    if arguments.sheet && finger.is_some() {
-        return Err(Failure::Usage(
-            "--finger cannot be used with --sheet, which has no finger: slipline respond --2d --finger has both"
-                .to_owned(),
-        ));
-    }
     let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
     let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
     let figure = arguments.figure.as_ref();

@@ -176,6 +176,9 @@ fn a_finger_takes_the_peak_down_in_every_solver() {
                 < 1e-9
         );
     }
+    let firm = number(&respond("150mm:firm", &[]), "peak_amplitude");
+    let same = number(&respond("150mm:1 Ns/m,0.1g,1cm", &[]), "peak_amplitude");
+    assert!((same / firm - 1.0).abs() < 1e-9 && firm < 0.5 * number(&light, "peak_amplitude"));
     let plane = respond("150mm:light", &["--2d"]);
     assert!(number(&light, "peak_amplitude") < 0.8 * free);
     assert!(number(&plane["two_dimensions"], "level_db").abs() < 1.0);
@@ -188,6 +191,37 @@ fn a_finger_takes_the_peak_down_in_every_solver() {
     assert!(ratio < 0.85, "{ratio}");
     let predicted = number(&simulated, "peak_amplitude_m") / number(&simulated, "measured_peak_amplitude_m");
     assert!((predicted - 1.0).abs() < 0.01, "{predicted}");
+}
+
+#[test]
+fn a_finger_on_the_sheet_takes_what_it_takes_in_two_dimensions_in_the_frequency_domain() {
+    // Both in the ratio to the untouched plate of the same solver, so that only the finger counts.
+    let of = |value: &Value| (number(value, "peak_position_m"), number(value, "peak_amplitude"));
+    let measured = |value: &Value| {
+        (number(value, "measured_peak_position_m"), number(value, "measured_peak_amplitude_m"))
+    };
+    let sheet = |finger: &str| {
+        json(&["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", finger])
+    };
+    let free = sheet("90mm:none");
+    let frequency = format!("{}Hz", number(&free, "frequency_hz"));
+    let plane = |finger: &str| {
+        of(&json(&["respond", "--plate", "membrane", "--freq", &frequency, "--2d", "--finger", finger]))
+    };
+    let free_on_plane = plane("90mm:none");
+    let free = measured(&free);
+    for finger in ["90mm:light", "120mm:light", "9cm:0.2,0.1g,20mm"] {
+        let touched = sheet(finger);
+        assert!(number(&touched["two_dimensions"], "level_db").abs() < 1.0, "{finger}");
+        let (found, expected) = (measured(&touched), plane(finger));
+        let taken_db = |(touched, free): (f64, f64)| 20.0 * (touched / free).log10();
+        let [found_db, expected_db] = [(found.1, free.1), (expected.1, free_on_plane.1)].map(taken_db);
+        assert!(
+            expected_db < -1.0 && (found_db - expected_db).abs() < 0.15,
+            "{finger}: {found_db} {expected_db} dB"
+        );
+        assert!((found.0 - expected.0).abs() < 1e-3, "{finger}: {found:?} {expected:?}");
+    }
 }
 
 #[test]

@@ -43,10 +43,6 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["--paper-mode cannot be used with --2d: the paper's equation"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", "150mm:light"],
-            &["--finger cannot be used with --sheet"],
-        ),
-        (
             &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "150mm:heavy"],
             &["--finger", "none, light, firm, or R,M,WIDTH"],
         ),
@@ -55,6 +51,49 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["finger place", "0 to 0.32"],
         ),
         (&["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm:1,1t,1mm"], &["its mass"]),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm:R,1g,1mm"],
+            &["its resistance"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm:1,1g,wide"],
+            &["its width"],
+        ),
+        (&["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "here:light"], &["its place"]),
+        (&["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm"], &["write PLACE:KIND"]),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "90mm:1,1g"],
+            &["write PLACE:KIND"],
+        ),
+        (
+            &["respond", "--plate", "membrane", "--freq", "120Hz", "--finger", "-1mm:light"],
+            &["finger place", "0 to 0.32 m"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--finger", "9m:firm"],
+            &["finger place = 9 m", "0 to 0.32 m"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", "9m:firm"],
+            &["finger place = 9 m", "0 to 0.32 m"],
+        ),
+        (
+            &[
+                "simulate",
+                "--plate",
+                "membrane",
+                "--boundary",
+                "160mm",
+                "--sheet",
+                "--finger",
+                "9cm:-1,0,10mm",
+            ],
+            &["finger resistance = -1", "0 to"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--finger", "90mm:1,0,1m"],
+            &["finger contact = 1 m", "0.0005 to 0.1 m"],
+        ),
         (
             &["simulate", "--plate", "al-bending", "--boundary", "240mm", "--sheet"],
             &["\"al-bending\" is a plate in bending", "respond --2d"],

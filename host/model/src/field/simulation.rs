@@ -55,7 +55,7 @@ pub struct Simulation<'a> {
     pub seconds: Option<f64>,
     /// What solves the actual plate in time.
     pub solver: Solver,
-    /// A finger that rests on the actual plate; the sheet has none.
+    /// A finger that rests on the actual plate.
     pub finger: Option<Finger>,
 }
 

@@ -9,7 +9,7 @@ const DAC_BITS: u32 = 12;
 /// Cells of a sheet on the half-width at the end of the span: the peak of the membrane preset is then within 0.1 mm and
 /// 0.05 dB of the two-dimensional solver of the frequency domain. More cells bring the wide al-sh no nearer to it than
 /// 0.1 to 1.1 dB along its span, because there the two solve different ends: the sheet's damper resists at every place of
-/// the driven edge, the solver's resists the first width mode alone.
+/// the driven edge, the solver's resists the first width mode alone, see [`slipline_plate::plane::End::Damper`].
 const CELLS: f64 = 10.0;
 /// Fewest fields per period of the highest tone, so that a real field's mirror image at -f is far from every tone.
 const FIELDS_PER_PERIOD: f64 = 8.0;
@@ -77,7 +77,10 @@ impl Waves {
             frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));
         let grid = sheet_grid(plate, (low_hz * high_hz).sqrt(), threads);
         let held = (grid.cost(plate, rate_hz)?.step_rate_hz / rate_hz).round().max(1.0);
-        let sheet = Sheet::new(plate, rate_hz * held, grid)?;
+        let sheet = match finger {
+            None => Sheet::new(plate, rate_hz * held, grid)?,
+            Some(finger) => Sheet::touched(plate, finger, rate_hz * held, grid)?,
+        };
         let samples_per_step = (rate_hz * held / sheet.step_rate_hz()).round().max(1.0);
         let steps = if held > 1.0 {
             1.0
