@@ -334,7 +334,7 @@ fn the_default_membrane_peaks_where_and_as_high_as_the_modal_solution_says() {
 /// The plane's loss divides the modulus by 1 + j eta, the sheet's multiplies the inertia by it. They are the same plate
 /// if the plane's finger has 1/(1 + j eta) of the impedance.
 fn on_the_plane(finger: &Finger, loss: f64, frequency_hz: f64) -> Finger {
-    let impedance = finger.impedance_n_s_per_m(frequency_hz) / Complex64::new(1.0, loss);
+    let impedance = finger.impedance().at_n_s_per_m(frequency_hz) / Complex64::new(1.0, loss);
     Finger { resistance_n_s_per_m: impedance.re, mass_kg: -impedance.im / (TAU * frequency_hz), ..*finger }
 }
 

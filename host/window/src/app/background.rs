@@ -151,7 +151,7 @@ impl App {
     pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
-        // The sheet has no finger.
+        // A finger that moves would make another sheet, which begins at rest.
         if self.background.shown.source == Some(Source::Sheet)
             && Arc::ptr_eq(&drive.plate, &self.setup.plate)
             && self.finger().is_none()

@@ -151,7 +151,7 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         right = left - 38.0;
     };
     if scene.measured.is_some() && scene.finger.is_some() {
-        entry("simulated plate: not with a finger yet", &|_| ());
+        entry("simulated plate: without a finger only", &|_| ());
     } else if scene.measured.is_some() {
         entry("simulated plate", &|left| {
             painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, palette.text));

@@ -66,7 +66,9 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             }
             let shown = ui.add(egui::Label::new(text).truncate());
             if scene.finger.is_some() {
-                shown.on_hover_text("Modal lines: the 2-D sheet cannot take a finger yet");
+                shown.on_hover_text(
+                    "Modal lines: a finger that moves would make another 2-D sheet, which begins at rest",
+                );
             } else if let Some(Source::Lines(Some(reason))) = &scene.background.source {
                 shown.on_hover_text(format!("Modal lines: {reason}"));
             }

@@ -26,7 +26,7 @@ pub(crate) fn drag_by(app: &mut TestApp, steps: &[f32]) {
     app.wait(50);
 }
 
-fn finger_mm(app: &TestApp) -> f64 {
+pub(crate) fn finger_mm(app: &TestApp) -> f64 {
     let finger = app.window.get_by_role_and_label(Role::Slider, "Finger");
     finger.accesskit_node().numeric_value().unwrap()
 }
@@ -93,8 +93,29 @@ fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
     };
     assert!(said(&app, "simulated plate") && said(&app, "predicted"));
     choose(&mut app, "Firm");
-    assert!(said(&app, "simulated plate: not with a finger yet") && said(&app, "predicted with the finger"));
+    assert!(said(&app, "simulated plate: without a finger only") && said(&app, "predicted with the finger"));
     assert!(!said(&app, "simulated plate"));
+    assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
+    choose(&mut app, "None");
+    assert!(said(&app, "simulated plate") && said(&app, "predicted"));
+    assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some(), "lifted, the sheet goes on");
+}
+
+#[test]
+fn a_firm_finger_takes_more_than_a_light_one_where_the_peak_was() {
+    let mut app = TestApp::driving();
+    let micrometres = |app: &TestApp| height(app).trim_end_matches(" µm").parse::<f64>().unwrap();
+    let none = micrometres(&app);
+    choose(&mut app, "Light");
+    let light = micrometres(&app);
+    choose(&mut app, "Firm");
+    let firm = micrometres(&app);
+    assert!(firm < 0.5 * light && light < 0.9 * none, "{none} {light} {firm}");
+    assert!(
+        (finger_mm(&app) - 152.1).abs() < 1.0,
+        "it began at the free peak and stays: {}",
+        finger_mm(&app)
+    );
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_plate::plane::{self, Comparison, Setup};
-use slipline_plate::{Equation, respond};
+use slipline_plate::{Equation, Finger, respond_touched};
 
 const BUTTON: &str = "Check in two dimensions";
 
@@ -15,16 +15,12 @@ fn press(app: &mut TestApp) {
     app.wait(100);
 }
 
-#[test]
-fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
-    let mut app = TestApp::driving();
-    open_page(&mut app, "Validity");
-    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none());
-    press(&mut app);
+/// The page says what the solvers say of the first tone with this finger.
+fn tells_the_difference(app: &TestApp, finger: Option<Finger>) {
     let setup = app.window.state().setup();
     let (plate, hertz) = (&setup.plate, setup.plate.frequency_for_boundary_hz(setup.tones[0].position_m));
-    let one_mode = respond(plate, hertz, 2049, Equation::Corrected).unwrap();
-    let two_dimensions = plane::respond(plate, hertz, 2049, &Setup::of(plate)).unwrap();
+    let one_mode = respond_touched(plate, finger.as_ref(), hertz, 2049, Equation::Corrected).unwrap();
+    let two_dimensions = plane::respond(plate, hertz, 2049, &Setup { finger, ..Setup::of(plate) }).unwrap();
     let differs = Comparison::of(&one_mode, &two_dimensions);
     let shift_mm = format!("{:.1} mm", 1e3 * differs.peak_shift_m.unwrap().abs());
     let level = format!("{:.1} dB", differs.level_db.unwrap().abs());
@@ -34,6 +30,29 @@ fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
         let words = words.accesskit_node().value().unwrap_or_default();
         assert!(words.contains(&part), "{part}: {words}");
     }
+}
+
+#[test]
+fn the_button_takes_the_finger_with_it_until_that_moves() {
+    let mut app = TestApp::driving();
+    crate::finger::choose(&mut app, "Light");
+    let finger_mm = crate::finger::finger_mm(&app);
+    open_page(&mut app, "Validity");
+    press(&mut app);
+    tells_the_difference(&app, Some(Finger::light(1e-3 * finger_mm)));
+    let where_it_is = format!("At 180.0 mm, with the finger at {finger_mm:.1} mm: In two dimensions");
+    assert!(app.window.query_by_label_contains(&where_it_is).is_some(), "{where_it_is}");
+    crate::finger::drag_by(&mut app, &[-20.0]);
+    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none(), "it is obsolete");
+}
+
+#[test]
+fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
+    let mut app = TestApp::driving();
+    open_page(&mut app, "Validity");
+    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none());
+    press(&mut app);
+    tells_the_difference(&app, None);
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
     app.wait(100);
     type_into(&mut app, "Boundary position", "120 mm");
