@@ -1,7 +1,9 @@
 //! After ten minutes without a request the device stops by itself, the window says so, and Drive starts it again.
 
+use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
 use crate::real_device;
-use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use crate::test_app::{TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;

@@ -3,8 +3,10 @@
 mod background;
 mod drive_time;
 mod exports;
+mod fake_files;
 mod finger;
 mod finger_trace;
+mod fixed_link;
 mod focus;
 mod hang;
 mod notices;
@@ -12,6 +14,7 @@ mod painter;
 mod paths;
 mod plane_check;
 mod plots;
+mod pluggable_port;
 mod port_help;
 mod reasons;
 mod sizes;
@@ -30,11 +33,13 @@ mod upkeep;
 
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use fake_files::FakeFiles;
+use fixed_link::FixedLink;
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Request, Snapshot};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
-use test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use test_app::{TestApp, open_window};
 
 /// Types into the field with this name and presses Enter.
 fn type_into(app: &mut TestApp, name: &str, text: &str) {

@@ -1,6 +1,7 @@
 //! Small screens: STOP, the boundary line and the controls stay usable, whatever page is open.
 
-use crate::test_app::{FakeFiles, TestApp, open_window};
+use crate::fake_files::FakeFiles;
+use crate::test_app::{TestApp, open_window};
 use crate::{boundary_mm, line_rect, real_device};
 use eframe::egui::{Key, Modifiers, Rect, Vec2, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;

@@ -1,6 +1,8 @@
 //! Every state of link and device offers a next step, and Drive names its obstacle.
 
-use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
+use crate::test_app::{TestApp, open_window};
 use eframe::egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};

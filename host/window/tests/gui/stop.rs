@@ -1,8 +1,9 @@
 //! STOP is visible and can be pressed in every state of the window, at every size.
 
+use crate::fake_files::FakeFiles;
 use crate::painter::Painter;
 use crate::real_device;
-use crate::test_app::{FakeFiles, TestApp, open_window};
+use crate::test_app::{TestApp, open_window};
 use eframe::egui::{Color32, Key, Rect, Theme, Vec2, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;

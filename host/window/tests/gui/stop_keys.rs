@@ -1,7 +1,9 @@
 //! Esc, Space and STOP: one press stops and disarms a real device, two within a second are an emergency stop.
 
+use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
 use crate::real_device;
-use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use crate::test_app::{TestApp, open_window};
 use eframe::egui::{Event, Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, HarnessBuilder};

@@ -1,7 +1,9 @@
 //! An unknown value is shown as a dash, never as a number.
 
+use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
 use crate::plots::words;
-use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use crate::test_app::{TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::{Port, Request, Snapshot};

@@ -1,7 +1,9 @@
 //! What a board says of its brown-out level and its flash: asked before the first arming, shown in the device panel.
 
+use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
 use crate::real_device;
-use crate::test_app::{FakeFiles, FixedLink, TestApp, open_window};
+use crate::test_app::{TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;

@@ -1,0 +1,72 @@
+//! Files without a disk and dialogs: the test sets the contents and reads what was saved.
+
+use slipline_window::files::{FileEvent, FileJob, Files, Save};
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+/// A list that the test and the app both hold.
+type Shared<T> = Rc<RefCell<Vec<T>>>;
+
+/// Fake file access: the test sets the contents and reads what was saved.
+#[derive(Clone, Default)]
+pub(crate) struct FakeFiles {
+    /// The result of opening each path.
+    pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
+    /// What was saved.
+    pub(crate) saved: Shared<(String, Vec<u8>)>,
+    /// Whether the system has no dialogs for files.
+    pub(crate) has_no_dialogs: Rc<Cell<bool>>,
+    /// Whether the dialog for files stays open.
+    pub(crate) stays_open: Rc<Cell<bool>>,
+    events: Rc<RefCell<VecDeque<FileEvent>>>,
+}
+
+impl FakeFiles {
+    fn write(&self, path: PathBuf, save: Save) -> FileEvent {
+        self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
+        FileEvent::Saved(path, Ok(()))
+    }
+}
+
+impl Files for FakeFiles {
+    fn begin(&mut self, job: FileJob) {
+        let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+        if asks && self.stays_open.get() {
+            return;
+        }
+        let event = match job {
+            job if asks && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
+            FileJob::Choose => {
+                let (path, text) = self.contents.borrow()[0].clone();
+                FileEvent::Opened(path, text)
+            }
+            FileJob::Open(path) => {
+                let contents = self.contents.borrow();
+                let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
+                FileEvent::Opened(path, text.unwrap_or_else(|| Err("no such file".to_owned())))
+            }
+            FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
+            FileJob::SaveAs { path, save, may_replace } => {
+                let is_there = self.contents.borrow().iter().any(|(other, _)| *other == path);
+                if is_there && !may_replace {
+                    FileEvent::Exists(path, save)
+                } else {
+                    self.contents.borrow_mut().push((path.clone(), Ok(String::new())));
+                    self.write(path, save)
+                }
+            }
+            FileJob::SaveFolder(files) | FileJob::SaveInto(_, files) => {
+                let files = files.into_iter().map(|(name, text)| (name, text.into_bytes()));
+                self.saved.borrow_mut().extend(files);
+                FileEvent::Saved(PathBuf::from("folder"), Ok(()))
+            }
+        };
+        self.events.borrow_mut().push_back(event);
+    }
+
+    fn take(&mut self) -> Option<FileEvent> {
+        self.events.borrow_mut().pop_front()
+    }
+}

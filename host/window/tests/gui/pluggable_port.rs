@@ -1,0 +1,174 @@
+//! A port with a simulated device that can be plugged in and pulled out, and the link on it, in virtual time.
+
+use slipline_link::connection::Connection;
+use slipline_link::protocol::event::ResetCause;
+use slipline_link::protocol::version::Minor;
+use slipline_link::protocol::{Command, Decoder, Event, Header, Refusal};
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Transport, Waker};
+use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
+use slipline_window::app::Link;
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// A simulated device and its cable.
+struct PluggablePort {
+    device: SimulatedDevice,
+    is_plugged: bool,
+    /// The answer to every drive, in the device's place.
+    refusal: Option<Refusal>,
+    from_host: Decoder,
+    refused: Vec<u8>,
+}
+
+pub(crate) struct PluggableTransport(Arc<Mutex<PluggablePort>>);
+
+impl Transport for PluggableTransport {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut port = self.0.lock().unwrap();
+        if !port.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let mut bytes = Vec::new();
+        port.device.take(&mut bytes);
+        bytes.append(&mut port.refused);
+        if bytes.is_empty() {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        assert!(bytes.len() <= buffer.len(), "the answers of a millisecond fit a read");
+        buffer[..bytes.len()].copy_from_slice(&bytes);
+        Ok(bytes.len())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut port = self.0.lock().unwrap();
+        if !port.is_plugged {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        let Some(refusal) = port.refusal else {
+            port.device.feed(bytes);
+            return Ok(bytes.len());
+        };
+        for &byte in bytes {
+            let command = port
+                .from_host
+                .push(byte, |frame| (frame.header, Command::decode(frame.header.id, frame.body).unwrap()));
+            let Some((header, command)) = command else { continue };
+            let Header { session, sequence, .. } = header;
+            if let Command::Drive(_) = command {
+                let answer = Event::Refused(refusal).frame_for(Minor::FIRST, session, sequence).unwrap();
+                port.refused.extend_from_slice(&answer);
+            } else {
+                port.device.feed(&command.frame_for(Minor::FIRST, session, sequence).unwrap());
+            }
+        }
+        Ok(bytes.len())
+    }
+}
+
+pub(crate) struct PluggableOpener(Arc<Mutex<PluggablePort>>);
+
+impl Opener for PluggableOpener {
+    type Transport = PluggableTransport;
+
+    fn list(&mut self) -> Vec<PortInfo> {
+        if self.0.lock().unwrap().is_plugged { vec![PortInfo::simulated()] } else { Vec::new() }
+    }
+
+    fn open(&mut self, port: &Port, _waker: &Waker) -> Result<PluggableTransport, LinkError> {
+        if self.0.lock().unwrap().is_plugged {
+            Ok(PluggableTransport(Arc::clone(&self.0)))
+        } else {
+            Err(LinkError::NoSuchPort(port.clone()))
+        }
+    }
+}
+
+/// In place of the link worker: the connection, stepped by the test in virtual time.
+pub(crate) struct SteppedWorker {
+    pub(crate) connection: Connection<PluggableOpener>,
+    port: Arc<Mutex<PluggablePort>>,
+    now: Duration,
+    tickets: u64,
+    pub(crate) sent: Vec<Request>,
+    /// The window's event loop does not turn: nobody answers the link's questions.
+    pub(crate) is_hung: bool,
+}
+
+impl SteppedWorker {
+    /// A simulated device at its port, and a link that nobody has asked for anything yet.
+    pub(crate) fn new(is_plugged: bool) -> Self {
+        let device = SimulatedDevice::new(Options::default());
+        let port = Arc::new(Mutex::new(PluggablePort {
+            device,
+            is_plugged,
+            refusal: None,
+            from_host: Decoder::new(),
+            refused: Vec::new(),
+        }));
+        let mut nonce = 0u32;
+        let nonces = Box::new(move || {
+            nonce += 1;
+            nonce.to_le_bytes()
+        });
+        let mut connection = Connection::new(PluggableOpener(Arc::clone(&port)), Waker::new(|| {}), nonces);
+        connection.keep_frames();
+        connection.watch_driver();
+        Self { connection, port, now: Duration::ZERO, tickets: 0, sent: Vec::new(), is_hung: false }
+    }
+
+    /// Pulls the cable, or puts it in again; the device restarts.
+    pub(crate) fn plug(&self, is_plugged: bool) {
+        let mut port = self.port.lock().unwrap();
+        port.is_plugged = is_plugged;
+        if is_plugged {
+            port.device.restart(ResetCause::PowerOn);
+        }
+    }
+
+    /// Has every drive refused from now on, or taken again.
+    pub(crate) fn refuse_drives(&self, refusal: Option<Refusal>) {
+        self.port.lock().unwrap().refusal = refusal;
+    }
+
+    /// Lets the device and the link go on.
+    pub(crate) fn advance(&mut self, time: Duration) {
+        const STEP: Duration = Duration::from_millis(1);
+        let end = self.now + time;
+        while self.now < end {
+            self.now += STEP;
+            // 400 kS/s in blocks of 128 are 3.125 blocks a millisecond.
+            let blocks = |time: Duration| time.as_millis() as u64 * 25 / 8;
+            let due = blocks(self.now) - blocks(self.now - STEP);
+            self.port.lock().unwrap().device.advance(due, |_| {});
+            self.connection.step(self.now);
+            if self.connection.take_sign_wanted() && !self.is_hung {
+                self.connection.sign_of_life(self.now);
+            }
+        }
+    }
+}
+
+pub(crate) struct SteppedLink(pub(crate) Rc<RefCell<SteppedWorker>>);
+
+impl Link for SteppedLink {
+    fn send(&self, request: Request) -> Ticket {
+        let mut worker = self.0.borrow_mut();
+        worker.tickets += 1;
+        let (ticket, now) = (Ticket(worker.tickets), worker.now);
+        worker.sent.push(request.clone());
+        worker.connection.request(ticket, request, now);
+        worker.connection.step(now);
+        ticket
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        let mut worker = self.0.borrow_mut();
+        // As the real worker does: this call numbers the changes.
+        worker.connection.take_changes();
+        Arc::new(worker.connection.view().clone())
+    }
+}
