@@ -122,7 +122,7 @@ fn a_paused_trace_holds_and_one_at_rest_says_so() {
     assert_eq!(lane(&app, "amplitude"), None);
     let head = app.window.get_by_label("Finger trace").rect();
     let resting = words(app.window.output());
-    let (_, at) = resting.iter().filter(|(word, _)| word == "nothing is driven").nth(0).unwrap();
+    let (_, at) = resting.iter().find(|(word, _)| word == "nothing is driven").unwrap();
     assert!(at.center().y > head.bottom() && at.left() < head.left() + 200.0, "{at} under {head}");
 }
 

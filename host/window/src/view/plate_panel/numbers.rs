@@ -254,7 +254,7 @@ fn source_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, source: Sour
     });
     of(ui, &caption::MOVING_MASS, source.impedance.mass_kg, |it, value| it.impedance.mass_kg = value);
     of(ui, &caption::END_STIFFNESS, source.impedance.stiffness_n_per_m, |it, value| {
-        it.impedance.stiffness_n_per_m = value
+        it.impedance.stiffness_n_per_m = value;
     });
     let Some(lead_in) = source.lead_in else { return };
     let mut of_lead_in = |ui: &mut egui::Ui, caption, value, set: fn(&mut LeadIn, f64)| {
