@@ -30,12 +30,13 @@
 mod interrupt_side;
 mod orders;
 mod pending;
+mod publish;
 mod pulses;
 mod report;
+mod shared;
 mod stop;
 mod view;
 
-use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_sync::blocking_mutex::Mutex;
@@ -48,114 +49,17 @@ use slipline_protocol::units::SampleIndex;
 
 pub use self::orders::Orders;
 pub use self::pending::Pending;
+pub use self::publish::NotPublished;
 pub use self::pulses::Pulses;
 pub use self::report::Report;
+use self::shared::Shared;
 pub use self::stop::Stop;
 pub use self::view::View;
 use crate::digest::DigestState;
 use crate::faults::FaultLatch;
-use crate::motion::Motion;
 use crate::motion::cell::MotionCell;
-use crate::motion::outline::Outline;
 use crate::slots::{SlotIndex, TableSlots};
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
-
-/// Why a program could not be published.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotPublished {
-    /// Another one is pending.
-    Pending,
-    /// Its index has passed, or the motion it was made for has changed: make it anew.
-    Late,
-}
-
-struct Shared {
-    next: Cell<SampleIndex>,
-    /// The outlines of the two motions, in force and pending.
-    outlines: [Cell<Outline>; 2],
-    /// Which of the two motions is in force; the other one is pending or spare.
-    live: Cell<Which>,
-    /// How often the motion in force has become another one.
-    changes: Cell<u32>,
-    /// The renderer is writing the trajectories of the motion in force.
-    is_fading: Cell<bool>,
-    /// The thread side is writing the trajectories of the spare motion.
-    is_publishing: Cell<bool>,
-    /// What is pending; its motion is the one that is not in force.
-    pending: Cell<Option<Pending>>,
-    /// Where the last motion began that had waited for the trigger input.
-    began: Cell<Option<SampleIndex>>,
-    stop: Cell<Option<Stop>>,
-    armed: Cell<bool>,
-    ready_at: Cell<SampleIndex>,
-    fed_at: Cell<SampleIndex>,
-    limit_per_mille: Cell<Option<u16>>,
-    report: Cell<Report>,
-    faults: Cell<FaultLatch>,
-    digest: Cell<DigestState>,
-}
-
-/// One of the two motions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
-    First,
-    Second,
-}
-
-impl Which {
-    const fn other(self) -> Self {
-        match self {
-            Self::First => Self::Second,
-            Self::Second => Self::First,
-        }
-    }
-
-    /// Its element of a pair.
-    const fn of<T>(self, [first, second]: &[T; 2]) -> &T {
-        match self {
-            Self::First => first,
-            Self::Second => second,
-        }
-    }
-}
-
-impl Shared {
-    /// The outline of the motion in force.
-    fn outline(&self) -> Outline {
-        self.live.get().of(&self.outlines).get()
-    }
-
-    /// Whether what is pending waits for the trigger input.
-    fn waits(&self) -> bool {
-        self.pending.get().is_some_and(|pending| pending.waits)
-    }
-
-    fn count_change(&self) {
-        self.changes.set(self.changes.get().wrapping_add(1));
-    }
-
-    /// The pending motion, which has waited for the trigger input, begins at an index. It was planned from tones that do
-    /// not move any more, so all of it holds there, too.
-    ///
-    /// Never inlined: it would cost every other block time, too.
-    #[cold]
-    #[inline(never)]
-    fn begin_waiting(&self, index: SampleIndex) {
-        let outline = self.live.get().other().of(&self.outlines);
-        outline.set(outline.get().starting_at(index));
-        self.began.set(Some(index));
-    }
-
-    fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {
-        self.armed.set(false);
-        self.pending.set(None);
-        // A drive that is being planned right now was for an armed device: it must not be published any more.
-        self.count_change();
-        if let Some((fault, at)) = fault {
-            self.faults.set(self.faults.get().with(fault, at));
-        }
-    }
-}
 
 /// A [`View`] without its motion.
 struct Moment {
@@ -189,24 +93,7 @@ impl<M: RawMutex> Mailbox<M> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            shared: Mutex::new(Shared {
-                next: Cell::new(0),
-                outlines: [const { Cell::new(Outline::SILENT) }; 2],
-                live: Cell::new(Which::First),
-                changes: Cell::new(0),
-                is_fading: Cell::new(false),
-                is_publishing: Cell::new(false),
-                pending: Cell::new(None),
-                began: Cell::new(None),
-                stop: Cell::new(None),
-                armed: Cell::new(false),
-                ready_at: Cell::new(0),
-                fed_at: Cell::new(0),
-                limit_per_mille: Cell::new(None),
-                report: Cell::new(Report::SILENT),
-                faults: Cell::new(FaultLatch::new()),
-                digest: Cell::new(DigestState::None),
-            }),
+            shared: Mutex::new(Shared::new()),
             motions: [const { MotionCell::silent() }; 2],
             slots: TableSlots::new(),
             tick: Signal::new(),
@@ -281,63 +168,6 @@ impl<M: RawMutex> Mailbox<M> {
             // The motion became another one meanwhile. That happens a few times at most: a motion begins, a ramp
             // begins, and a new motion would have to come from this side.
         }
-    }
-
-    /// Hands over a motion that goes on from that of `view`: it is pending until its start. One that waits for the
-    /// trigger input is dropped for it.
-    ///
-    /// # Errors
-    /// [`NotPublished`]; nothing has begun then.
-    pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, false)
-    }
-
-    /// As [`Mailbox::publish`] a motion that begins with the first block after a rise of the trigger input. The rise
-    /// counts from the rendering of the block at the motion's start on; the motion of `view` must have ended there.
-    ///
-    /// # Errors
-    /// As [`Mailbox::publish`].
-    pub fn publish_waiting(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, true)
-    }
-
-    fn hand_over(&self, motion: Motion, view: &View, waits: bool) -> Result<(), NotPublished> {
-        let refusal = |shared: &Shared| {
-            let is_late = motion.start() < shared.next.get()
-                || shared.changes.get() != view.changes
-                || shared.stop.get().is_some();
-            if shared.pending.get().is_some_and(|pending| !pending.waits) {
-                Err(NotPublished::Pending)
-            } else if is_late {
-                Err(NotPublished::Late)
-            } else {
-                Ok(())
-            }
-        };
-        // While nothing is pending, the renderer neither swaps the motions nor reads the spare one.
-        let spare = self.shared.lock(|shared| {
-            if shared.is_publishing.get() {
-                return Err(NotPublished::Pending);
-            }
-            refusal(shared)?;
-            // It may be one that waits: from here on it cannot begin any more.
-            shared.pending.set(None);
-            shared.is_publishing.set(true);
-            Ok(shared.live.get().other())
-        })?;
-        spare.of(&self.motions).store(&motion);
-        self.shared.lock(|shared| {
-            shared.is_publishing.set(false);
-            refusal(shared)?;
-            spare.of(&shared.outlines).set(motion.outline());
-            shared.pending.set(Some(Pending {
-                at: motion.start(),
-                slot: motion.table().slot,
-                sounds: !motion.ends_silent(),
-                waits,
-            }));
-            Ok(())
-        })
     }
 
     /// Orders a ramp to silence, drops what is pending, and returns the index at which the ramp begins.
