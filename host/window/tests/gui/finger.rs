@@ -102,6 +102,21 @@ fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
 }
 
 #[test]
+fn a_plate_that_was_opened_under_the_finger_gets_its_sheet_when_the_finger_is_lifted() {
+    let mut app = TestApp::driving();
+    choose(&mut app, "Light");
+    let text = slipline_plate::preset("membrane").unwrap().to_toml();
+    open_plate(&mut app, text.replace("name = \"membrane\"", "name = \"another\""));
+    app.wait(1500);
+    let shown =
+        |app: &TestApp, source: &str| app.window.query_by_label(&format!("{source}, 1/200 speed")).is_some();
+    assert!(app.is_driving() && shown(&app, "modal lines, touched"));
+    let jobs = app.sheet_jobs.get();
+    choose(&mut app, "None");
+    assert!(shown(&app, "2-D sheet") && app.sheet_jobs.get() > jobs);
+}
+
+#[test]
 fn a_firm_finger_takes_more_than_a_light_one_where_the_peak_was() {
     let mut app = TestApp::driving();
     let micrometres = |app: &TestApp| height(app).trim_end_matches(" µm").parse::<f64>().unwrap();
