@@ -125,23 +125,34 @@ mod tests {
         (plate, field)
     }
 
-    fn met((plate, field): &(Plate, SteadyField), place_m: f64) -> Met {
+    fn met((plate, field): &(Plate, SteadyField), finger: Finger) -> Met {
         let mut trace = Trace::default();
-        trace.push(field, plate, &Finger::light(place_m), 1.0);
+        trace.push(field, plate, &finger, 1.0);
         *trace.latest().unwrap()
     }
 
     #[test]
     fn the_amplitude_is_the_mean_over_the_contact_and_nothing_is_met_beyond_the_boundary() {
         let membrane = sounding("membrane", 0.18);
-        let met_at = |place_m| met(&membrane, place_m);
-        let (centre_m, half_width_m) = (membrane.1.bound_at(0.15), membrane.0.half_width_m(0.15));
-        // The mean of cos(pi z/2W) over |z| <= 5 mm.
-        let angle = std::f64::consts::FRAC_PI_2 * 5e-3 / half_width_m;
-        let here = met_at(0.15);
-        assert!((here.amplitude_m / (centre_m * angle.sin() / angle) - 1.0).abs() < 0.02, "{here:?}");
-        assert_eq!((here.friction, here.place_m), (None, 0.15), "below 20 kHz");
-        assert!(met_at(0.31).amplitude_m < 0.02 * here.amplitude_m);
+        let (plate, field) = &membrane;
+        // A fingertip, and a patch from edge to edge of the plate.
+        for contact_m in [0.01, 0.05] {
+            let finger = Finger { contact_m, ..Finger::light(0.15) };
+            let (mut sum, mut area) = (0.0, 0.0);
+            for i in 0..200 {
+                let x_m = 0.15 + contact_m * ((f64::from(i) + 0.5) / 200.0 - 0.5);
+                let half_m = (0.5 * contact_m).min(plate.half_width_m(x_m));
+                // The mean of cos(pi z/2W) over |z| <= half_m.
+                let angle = std::f64::consts::FRAC_PI_2 * half_m / plate.half_width_m(x_m);
+                sum += half_m * field.bound_at(x_m) * angle.sin() / angle;
+                area += half_m;
+            }
+            let here = met(&membrane, finger);
+            assert!((here.amplitude_m / (sum / area) - 1.0).abs() < 0.01, "{here:?}");
+            assert_eq!((here.friction, here.place_m), (None, 0.15), "below 20 kHz");
+        }
+        let [here, beyond] = [0.15, 0.31].map(|place_m| met(&membrane, Finger::light(place_m)).amplitude_m);
+        assert!(beyond < 0.02 * here);
     }
 
     #[test]
@@ -151,7 +162,7 @@ mod tests {
         let mut aluminium = sounding("al-bending", 0.5 * (start + end));
         for scale in [0.0, 1e-2] {
             aluminium.1.bound_m.iter_mut().for_each(|bound| *bound *= scale);
-            let met = met(&aluminium, aluminium.1.tones[0].peak_position_m.unwrap());
+            let met = met(&aluminium, Finger::light(aluminium.1.tones[0].peak_position_m.unwrap()));
             let curve = slipline_plate::sensation::FrictionCurve::default();
             assert_eq!(met.friction, Some(curve.ratio(met.amplitude_m)));
         }
