@@ -8,7 +8,7 @@ use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
 use crate::bank::BLOCK;
-use crate::motion::Placement;
+use crate::motion::{Motion, Placement};
 use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, Underrun};
 use crate::program::{Program, Target};
 use crate::renderer::Renderer;
