@@ -17,6 +17,7 @@ pub mod check;
 pub mod design;
 pub mod frequency;
 pub mod paper;
+pub mod physics;
 pub mod plane;
 mod progress;
 pub mod quantity;

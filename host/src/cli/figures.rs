@@ -5,7 +5,7 @@ use super::{Failure, output};
 use clap::Args;
 use serde_json::json;
 use slipline_model::export::figures::{Format, paper_figure};
-use slipline_plate::paper::figures;
+use slipline_plate::{paper, physics};
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -20,10 +20,11 @@ pub struct FiguresArguments {
 }
 
 pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Failure> {
-    let figures = figures().map_err(Failure::failed)?;
+    let mut figures = paper::figures().map_err(Failure::failed)?;
+    figures.extend(physics::figures().map_err(Failure::failed)?);
     let names: Vec<String> = figures
         .iter()
-        .flat_map(|figure| ["svg", "png", "csv"].map(|ending| format!("{}.{ending}", figure.file_stem())))
+        .flat_map(|figure| ["svg", "png", "csv"].map(|ending| format!("{}.{ending}", figure.stem)))
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let files = Destination::folder(&arguments.out, &names, arguments.force)?;
@@ -38,12 +39,12 @@ pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Fai
         written.push((figure, [svg.path(), png.path(), csv.path()]));
     }
     let told = written.iter().map(|(figure, [svg, png, csv])| {
-        json!({ "number": figure.number, "title": figure.title, "svg": svg, "png": png, "csv": csv })
+        json!({ "number": figure.number, "name": figure.stem, "title": figure.title, "svg": svg, "png": png, "csv": csv })
     });
     let told = json!({ "figures": told.collect::<Vec<_>>() });
     output::print(as_json, &told, |out| {
         for (figure, paths) in &written {
-            writeln!(out, "Fig. {}: {}", figure.number, figure.title)?;
+            writeln!(out, "{}", figure.heading())?;
             for path in paths {
                 writeln!(out, "  {}", path.display())?;
             }

@@ -97,7 +97,7 @@ pub enum Command {
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
     #[command(after_help = DESIGN_EXIT_CODES)]
     Design(DesignArguments),
-    /// Draw the paper's figures, as printed and corrected, as SVG, PNG and CSV.
+    /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
 }
 

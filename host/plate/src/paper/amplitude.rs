@@ -31,7 +31,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let series = |name: &str, stroke, hue, points| Series { name: name.to_owned(), stroke, hue, points };
     let top = 1.15 * peak.1;
     Ok(Figure {
-        number: 4,
+        number: Some(4),
+        stem: "fig04",
         title: "amplitude in the aluminium plate, 40 kHz, W0 = 2 cm, wave put in at x = 0",
         x_label: "x / mm",
         panels: [
@@ -58,7 +59,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (0.0, top),
-                y_label: "|f| / incident wave",
+                y_label: "|f| over the drive",
                 series: vec![
                     series("f'' + (W'/W) f' + k² f = 0", Stroke::Solid, 0, magnitude(&response)),
                     series("without the (W'/W) term", Stroke::Dashed, 2, magnitude(&without_term)),

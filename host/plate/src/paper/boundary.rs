@@ -30,7 +30,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         corrected.1.push(Mark { name: format!("x0, {}", name(frequency_hz)), hue, x });
     }
     Ok(Figure {
-        number: 5,
+        number: Some(5),
+        stem: "fig05",
         title: "the turning point at 40 kHz and at 20 kHz",
         x_label: "x / mm",
         panels: [
@@ -54,7 +55,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (0.0, 1.15 * top),
-                y_label: "|f| / incident wave",
+                y_label: "|f| over the drive",
                 series: corrected.0,
                 marks: corrected.1,
             },

@@ -9,7 +9,7 @@ impl Figure {
     pub fn to_csv(&self) -> String {
         let mut text = String::new();
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "# Fig. {}: {}", self.number, self.title);
+        let _ = writeln!(text, "# {}", self.heading());
         for panel in &self.panels {
             for line in &panel.convention {
                 let _ = writeln!(text, "# {}: {line}", panel.heading);
@@ -51,7 +51,7 @@ mod tests {
                     panel.marks.len() + panel.series.iter().map(|series| series.points.len()).sum::<usize>()
                 })
                 .sum();
-            assert_eq!(rows.len(), expected, "Fig. {}", figure.number);
+            assert_eq!(rows.len(), expected, "{}", figure.stem);
             let series = &figure.panels[1].series[0];
             let (x, y) = series.points[7];
             let row = rows

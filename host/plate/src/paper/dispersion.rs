@@ -82,7 +82,8 @@ pub(super) fn figure() -> Figure {
         marks: Vec::<Mark>::new(),
     };
     Figure {
-        number: 2,
+        number: Some(2),
+        stem: "fig02",
         title: "the local wavenumber as the plate narrows",
         x_label: "left: -Im k, right: Re k / (1/m)",
         panels: [

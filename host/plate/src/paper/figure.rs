@@ -10,7 +10,7 @@ use thiserror::Error;
 /// Rate of the taper in every figure, 1/m.
 pub const RATE_PER_M: f64 = 4.62;
 /// Points of a curve.
-pub(super) const POINTS: usize = 601;
+pub(crate) const POINTS: usize = 601;
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +19,8 @@ pub enum Stroke {
     Solid,
     /// A curve for comparison.
     Dashed,
+    /// Single points.
+    Dots,
 }
 
 /// A curve of a panel.
@@ -45,10 +47,10 @@ pub struct Mark {
     pub x: f64,
 }
 
-/// One of the two versions of a figure.
+/// One of the two versions, or halves, of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// `as printed` or `corrected`.
+    /// `as printed` or `corrected`, or the plate.
     pub heading: &'static str,
     /// The formulas and values that the curves assume, one line each.
     pub convention: Vec<String>,
@@ -64,16 +66,18 @@ pub struct Panel {
     pub marks: Vec<Mark>,
 }
 
-/// One figure of the paper.
+/// One figure of the paper, or of the physics page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Its number in the paper.
-    pub number: u32,
+    /// Its number in the paper; `None` for a figure of the physics page.
+    pub number: Option<u32>,
+    /// Name of its files without the extension.
+    pub stem: &'static str,
     /// The title.
     pub title: &'static str,
     /// The x axis's label with its unit.
     pub x_label: &'static str,
-    /// The version as printed, then the corrected one.
+    /// In the paper the version as printed, then the corrected one.
     pub panels: [Panel; 2],
 }
 
@@ -89,15 +93,18 @@ pub enum FigureError {
     /// The amplitude could not be computed.
     #[error(transparent)]
     Respond(#[from] RespondError),
+    /// The plate in two dimensions could not be computed.
+    #[error(transparent)]
+    Plane(#[from] crate::plane::PlaneError),
 }
 
 /// `count` numbers from `low` to `high`, both included.
-pub(super) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
+pub(crate) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
     (0..count).map(move |i| low + (high - low) * i as f64 / (count - 1) as f64)
 }
 
 /// A preset with the paper's turning width, straight across: what the figures correct is not the width.
-pub(super) fn preset(name: &'static str) -> Result<Plate, FigureError> {
+pub(crate) fn preset(name: &'static str) -> Result<Plate, FigureError> {
     let plate = crate::spec::presets::preset(name).ok_or(FigureError::Preset(name))?;
     Ok(plate.with_turning_width(TurningWidth::Plain))
 }
@@ -107,7 +114,7 @@ pub(super) fn solve(plate: &Plate, frequency_hz: f64, equation: Equation) -> Res
 }
 
 /// |f| of a response as points (x in mm, |f|).
-pub(super) fn magnitude(response: &Response) -> Vec<(f64, f64)> {
+pub(crate) fn magnitude(response: &Response) -> Vec<(f64, f64)> {
     let pairs = response.position_m.iter().zip(&response.amplitude);
     pairs.map(|(x, amplitude)| (x * 1e3, amplitude.norm())).collect()
 }
@@ -119,9 +126,9 @@ pub(super) fn highest_point(points: &[(f64, f64)]) -> (f64, f64) {
 }
 
 impl Figure {
-    /// Name of its files without the extension: `fig04`.
-    pub fn file_stem(&self) -> String {
-        format!("fig{:02}", self.number)
+    /// The title, behind its number in the paper.
+    pub fn heading(&self) -> String {
+        self.number.map_or_else(|| self.title.to_owned(), |number| format!("Fig. {number}: {}", self.title))
     }
 }
 

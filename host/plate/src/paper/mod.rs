@@ -10,7 +10,7 @@ mod amplitude;
 mod boundary;
 mod csv;
 mod dispersion;
-mod figure;
+pub(crate) mod figure;
 mod potential;
 mod printed;
 mod rubber;
@@ -41,12 +41,12 @@ mod tests {
     #[test]
     fn six_figures_have_both_panels_with_a_convention_each() {
         let all = figures().expect("the presets show them");
-        assert_eq!(all.iter().map(|figure| figure.number).collect::<Vec<_>>(), [2, 3, 4, 5, 7, 9]);
+        assert_eq!(all.iter().map(|figure| figure.number).collect::<Vec<_>>(), [2, 3, 4, 5, 7, 9].map(Some));
         for figure in &all {
             assert_eq!(figure.panels[0].heading, "as printed");
             assert_eq!(figure.panels[1].heading, "corrected");
             for panel in &figure.panels {
-                assert!(!panel.convention.is_empty() && !panel.series.is_empty(), "{}", figure.number);
+                assert!(!panel.convention.is_empty() && !panel.series.is_empty(), "{:?}", figure.number);
                 for series in &panel.series {
                     assert!(series.points.len() > 1, "{}", series.name);
                     assert!(

@@ -71,7 +71,8 @@ pub(super) fn figure() -> Figure {
         marks: vec![Mark { name: "turning point".to_owned(), hue: 1, x }],
     };
     Figure {
-        number: 3,
+        number: Some(3),
+        stem: "fig03",
         title: "the plate's potential and the turning point",
         x_label: "x / mm",
         panels: [

@@ -42,7 +42,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         marks,
     };
     Ok(Figure {
-        number: 9,
+        number: Some(9),
+        stem: "fig09",
         title: "largest amplitude in the rubber plate at 30 Hz and 40 Hz",
         x_label: "x / mm",
         panels: [

@@ -47,7 +47,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     }];
     corrected.extend(tones);
     Ok(Figure {
-        number: 7,
+        number: Some(7),
+        stem: "fig07",
         title: "a wave of 5 kHz and 40 kHz together",
         x_label: "x / mm",
         panels: [

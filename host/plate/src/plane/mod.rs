@@ -26,7 +26,7 @@ mod outline;
 mod reflection;
 mod section;
 mod setup;
-mod strip;
+pub(crate) mod strip;
 mod system;
 #[cfg(test)]
 mod tests;

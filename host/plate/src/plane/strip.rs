@@ -130,6 +130,14 @@ pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
         .map_or(0.0, |mode| mode.impedance(modulus(plate, frequency_hz), TAU * frequency_hz))
 }
 
+/// k^2 of the first width mode in a strip as wide as the plate at `x`, without loss, 1/m^2; `None` if it decays at once.
+pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Option<f64> {
+    let model = &plate.spec().model;
+    let (edges, energy, level) = sheet(model, frequency_hz);
+    let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
+    mode(&section, plate.width.at(x).value, level, 0).map(|mode| mode.square)
+}
+
 /// Polynomials for the first width mode alone.
 const ORDERS_OF_A_MODE: usize = 7;
 

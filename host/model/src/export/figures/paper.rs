@@ -1,4 +1,4 @@
-//! A figure of the paper on a page: title, then two panels, each with its heading, convention, legend and plot.
+//! A figure of the paper or of the physics page on a page: title, then two panels, each with its heading, convention, legend and plot.
 
 use super::drawing::Drawing;
 use super::font;
@@ -22,10 +22,10 @@ const TOP: f64 = 20.0;
 /// The convention under the heading.
 const REMARK: Ink = [40, 40, 40];
 
-/// Draws a figure of the paper.
+/// Draws a figure of the paper or of the physics page.
 #[must_use]
 pub fn paper_figure(figure: &Figure) -> Drawing {
-    let title = format!("Fig. {}: {}", figure.number, figure.title);
+    let title = figure.heading();
     let mut page = Page::new(SIZE, &title);
     page.text(&title, (MARGIN, 0.5 * TOP - 1.0), Anchor::Left, TITLE, BLACK);
     let width = SIZE.0 / figure.panels.len() as f64;
@@ -50,13 +50,15 @@ fn draw_panel(page: &mut Page, (left, right): (f64, f64), figure: &Figure, panel
 
 fn plot<'a>(figure: &'a Figure, panel: &'a Panel) -> Plot<'a> {
     let curves = panel.series.iter().map(|series| Curve {
-        // The second branch of a curve has the colour of the first and no legend entry of its own.
-        name: (!series.name.ends_with(", Im")).then(|| series.name.clone()),
-        sample: Sample::Line(match series.stroke {
-            Stroke::Solid => Pen::solid(hue(series.hue), 1.3),
+        // The second branch of a curve, and its dots by two dimensions, have the colour of the first and no legend entry.
+        name: (![", Im", ", 2-D"].iter().any(|ending| series.name.ends_with(ending)))
+            .then(|| series.name.clone()),
+        sample: match series.stroke {
+            Stroke::Solid => Sample::Line(Pen::solid(hue(series.hue), 1.3)),
             // Long dashes: on a solid curve of similar brightness both colours stay visible.
-            Stroke::Dashed => Pen::dashed(hue(series.hue), 1.0, (5.0, 4.0)),
-        }),
+            Stroke::Dashed => Sample::Line(Pen::dashed(hue(series.hue), 1.0, (5.0, 4.0))),
+            Stroke::Dots => Sample::Dot(hue(series.hue), 2.0),
+        },
         points: series.points.clone(),
     });
     let uprights = panel.marks.iter().map(|mark| Upright {

@@ -65,11 +65,11 @@ fn both_panels_hold_their_curves_and_the_file_is_small() {
         let drawing = paper_figure(&figure);
         let told = look_over(&drawing);
         for name in [figure.x_label, figure.panels[0].y_label, figure.panels[1].y_label, "as printed"] {
-            assert!(told.iter().any(|text| text == name), "Fig. {}: {name}", figure.number);
+            assert!(told.iter().any(|text| text == name), "{}: {name}", figure.stem);
         }
         let file = drawing.file(Format::Png).expect("painted");
-        assert!(file.len() < 100_000, "Fig. {}: {}", figure.number, file.len());
-        assert!(drawing.svg().len() < 100_000, "Fig. {}: {}", figure.number, drawing.svg().len());
+        assert!(file.len() < 100_000, "{}: {}", figure.stem, file.len());
+        assert!(drawing.svg().len() < 100_000, "{}: {}", figure.stem, drawing.svg().len());
         let (width, height, pixels, _) = decoded(&file);
         assert_eq!((width, height), (1240, 500));
         let blue = |from: u32, to: u32| {
@@ -78,7 +78,7 @@ fn both_panels_hold_their_curves_and_the_file_is_small() {
                 .filter(|i| (from..to).contains(&(i % width)) && near(&pixels[*i as usize]))
                 .count()
         };
-        assert!(blue(0, width / 2) > 300 && blue(width / 2, width) > 300, "Fig. {}", figure.number);
+        assert!(blue(0, width / 2) > 300 && blue(width / 2, width) > 300, "{}", figure.stem);
     }
 }
 
@@ -157,4 +157,45 @@ fn pixels_are_read_back_with_their_opacity() {
     assert_eq!((width, height, dots), (2, 2, Some(11811)));
     assert_eq!(pixels[3], [9, 8, 7]);
     assert!(encode((0, 0), &[], None).is_err() && encode((2, 2), &opaque[..3], None).is_err());
+}
+
+/// A picture without its numbers, and its numbers.
+fn parted(svg: &str) -> (String, Vec<f64>) {
+    let is_number = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let (mut text, mut number, mut numbers) = (String::new(), String::new(), Vec::new());
+    for c in svg.chars().chain(['\n']) {
+        if is_number(c) {
+            number.push(c);
+            continue;
+        }
+        if !number.is_empty() {
+            match number.parse() {
+                Ok(value) => numbers.push(value),
+                Err(_) => text.push_str(&number),
+            }
+            number.clear();
+        }
+        text.push(c);
+    }
+    (text, numbers)
+}
+
+#[test]
+fn the_pictures_of_the_physics_page_are_those_that_the_command_draws() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../plate/figures");
+    for figure in slipline_plate::physics::figures().expect("computed") {
+        let drawing = paper_figure(&figure);
+        look_over(&drawing);
+        let path = folder.join(format!("{}.svg", figure.stem));
+        if std::env::var_os("SLIPLINE_BLESS").is_some() {
+            std::fs::write(&path, drawing.svg()).expect("written");
+        }
+        let stored = std::fs::read_to_string(&path).expect("a stored picture");
+        let ((wanted, places), (found, stored)) = (parted(drawing.svg()), parted(&stored));
+        let redo = "make it again: slipline figures --out host/plate/figures --force";
+        assert!(wanted == found && places.len() == stored.len(), "{} is stale, {redo}", figure.stem);
+        // A twentieth of a point: processors round differently.
+        let apart = places.iter().zip(&stored).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 0.05, "{} is {apart} points off, {redo}", figure.stem);
+    }
 }
