@@ -228,10 +228,8 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
             ),
         )),
     }
-    if let Some(reflection) = damper.largest_reflection {
-        lines
-            .push(("match", format!("at most {:.0} % of the returning wave comes back", 100.0 * reflection)));
-    }
+    let back = 100.0 * damper.largest_reflection;
+    lines.push(("match", format!("at most {back:.0} % of the returning wave comes back")));
     if let Some(tension) = designed.tension_n_per_m {
         lines.push(("tension", format!("{} of width", show_si(tension, "N/m"))));
     }

@@ -99,9 +99,9 @@ fn the_damper_is_the_membranes_wave_impedance_and_is_off_by_the_same_factor_at_b
 
 #[test]
 fn a_bending_plate_gets_the_shortest_lead_in_that_matches_its_whole_band() {
-    for thick_plate in [false, true] {
+    for (edge, thick_plate) in [(Edge::Supported, false), (Edge::Supported, true), (Edge::Clamped, true)] {
         let mut request = aluminium();
-        request.wave = Wave::Bending { edge: Edge::Supported, thick_plate };
+        request.wave = Wave::Bending { edge, thick_plate };
         let designed = design(&request).expect("possible");
         let damper = designed.damper;
         let lead_in = damper.lead_in.expect("a lead-in");
@@ -111,7 +111,7 @@ fn a_bending_plate_gets_the_shortest_lead_in_that_matches_its_whole_band() {
             .map(|hz| crate::reflection(&designed.plate, hz).expect("enters").norm())
             .fold(0.0, f64::max);
         assert!(largest < 0.095, "{largest}");
-        assert!((damper.largest_reflection.expect("known") - largest).abs() < 0.01, "{largest} {damper:?}");
+        assert!((damper.largest_reflection - largest).abs() < 0.01, "{largest} {damper:?}");
         assert!(lead_in.length_m < 0.15, "{lead_in:?}");
     }
 }

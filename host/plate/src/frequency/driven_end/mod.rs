@@ -27,6 +27,7 @@ mod whole_end;
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::Model;
 use crate::spec::plate::Plate;
+use crate::spec::source::Source;
 use num_complex::Complex64;
 
 pub(crate) use near_field::NearField;
@@ -57,17 +58,20 @@ impl DrivenEnd {
             (DriveEnd::DisplacementAndSlope { slope }, Model::BendingSupported(_)) => {
                 supported::moved(plate, frequency_hz, narrowing_per_m, slope)
             }
-            (DriveEnd::Source(source), Model::BendingSupported(_)) => {
-                supported::sourced(plate, frequency_hz, narrowing_per_m, &source)
-            }
             (DriveEnd::DisplacementAndSlope { slope }, Model::BendingClamped(_)) => {
                 clamped::moved(plate, frequency_hz, slope)
             }
-            (DriveEnd::Source(source), Model::BendingClamped(_)) => {
-                clamped::sourced(plate, frequency_hz, &source)
-            }
-            (DriveEnd::Source(source), _) => one_mode::sourced(plate, frequency_hz, &source),
+            (DriveEnd::Source(source), _) => Self::sourced(plate, frequency_hz, narrowing_per_m, &source),
             _ => one_mode::driven(plate, frequency_hz),
+        }
+    }
+
+    /// `source` at the end of the plate, in place of its own drive end.
+    fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, source: &Source) -> Self {
+        match plate.spec().model {
+            Model::BendingSupported(_) => supported::sourced(plate, frequency_hz, narrowing_per_m, source),
+            Model::BendingClamped(_) => clamped::sourced(plate, frequency_hz, source),
+            _ => one_mode::sourced(plate, frequency_hz, source),
         }
     }
 

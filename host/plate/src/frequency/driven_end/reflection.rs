@@ -1,7 +1,7 @@
 //! How much of the returning wave the driven end sends back.
 
+use super::DrivenEnd;
 use super::whole_end::with_whole_end;
-use super::{DrivenEnd, supported};
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
@@ -16,9 +16,9 @@ pub fn reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
     of_end(plate, frequency_hz, || DrivenEnd::with_narrowing(plate, frequency_hz, 0.0))
 }
 
-/// [`reflection`] with `source` at the end of a supported plate in bending, in place of the plate's own drive end.
+/// [`reflection`] with `source` at the end of a plate in bending, in place of the plate's own drive end.
 pub(crate) fn source_reflection(plate: &Plate, source: &Source, frequency_hz: f64) -> Option<Complex64> {
-    of_end(plate, frequency_hz, || supported::sourced(plate, frequency_hz, 0.0, source))
+    of_end(plate, frequency_hz, || DrivenEnd::sourced(plate, frequency_hz, 0.0, source))
 }
 
 fn of_end(plate: &Plate, frequency_hz: f64, end: impl FnOnce() -> DrivenEnd) -> Option<Complex64> {
