@@ -15,7 +15,9 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 pub mod check;
 pub mod design;
+pub mod feeling;
 pub mod frequency;
+pub mod merit;
 pub mod paper;
 pub mod physics;
 pub mod plane;
@@ -25,6 +27,7 @@ pub mod sheet;
 pub mod spec;
 pub mod special;
 pub mod table;
+pub mod texture;
 pub mod time;
 
 pub use check::sensation;

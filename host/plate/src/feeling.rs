@@ -1,0 +1,198 @@
+//! What a fingertip feels along the plate: one model for the felt edge, the strip of what is felt, textures and merit.
+//!
+//! Illustrative, and settable: fingers differ. A tone below 20 kHz is felt as a vibration from the threshold of its
+//! frequency on; tones above 20 kHz together make the plate slippery, which is felt once the friction has fallen by
+//! [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. See [`crate::sensation`] for the
+//! threshold and for the friction.
+
+use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
+use crate::spec::Plate;
+
+/// How a finger feels. All values are illustrative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feeling {
+    /// Threshold of feeling a vibration, in units of [`threshold_m`] at the tone's frequency; above 0.
+    pub threshold: f64,
+    /// Friction over ultrasonic amplitude.
+    pub friction: FrictionCurve,
+    /// Smallest fall of the friction that is felt, over the friction of the plate at rest; above 0, below 1.
+    pub least_friction_change: f64,
+    /// Length of the contact along the plate, metres; at least 0.
+    pub contact_m: f64,
+}
+
+impl Default for Feeling {
+    /// The threshold as it is, friction by its default curve, a tenth less friction just felt, a contact of 10 mm.
+    fn default() -> Self {
+        Self {
+            threshold: 1.0,
+            friction: FrictionCurve::default(),
+            least_friction_change: 0.1,
+            contact_m: crate::frequency::CONTACT_M,
+        }
+    }
+}
+
+/// A tone as the finger meets it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeltTone<'a> {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Mean square displacement at places uniform from 0 to the plate's end, metres squared.
+    pub squares: &'a [f64],
+}
+
+/// Where what is felt ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FeltEdge {
+    /// Here, metres from the driven end: beyond it nothing is felt.
+    At(f64),
+    /// Something is felt up to the plate's end.
+    PlateEnd,
+    /// Nothing is felt on the whole plate.
+    Nowhere,
+}
+
+impl FeltEdge {
+    /// The place, if there is one, metres.
+    pub fn place_m(self) -> Option<f64> {
+        match self {
+            Self::At(place_m) => Some(place_m),
+            Self::PlateEnd | Self::Nowhere => None,
+        }
+    }
+}
+
+impl Feeling {
+    /// How strongly each place is felt: 1 is just felt, 2 is twice as much. All tones have the same number of places.
+    pub fn strength(&self, plate: &Plate, tones: &[FeltTone<'_>]) -> Vec<f64> {
+        let places = tones.iter().map(|tone| tone.squares.len()).min().unwrap_or(0);
+        let mut vibration = vec![0.0; places];
+        let mut ultrasound = vec![0.0; places];
+        for tone in tones {
+            let (sum, share) = if tone.frequency_hz < SLIPPERY_FROM_HZ {
+                (&mut vibration, (self.threshold * threshold_m(tone.frequency_hz)).powi(-2))
+            } else {
+                (&mut ultrasound, 1.0)
+            };
+            for (sum, square) in sum.iter_mut().zip(tone.squares) {
+                // The square of the amplitude is twice the mean square.
+                *sum += 2.0 * square * share;
+            }
+        }
+        let under = |squares: &[f64]| self.under_contact(squares, plate.length_m());
+        let (vibration, ultrasound) = (under(&vibration), under(&ultrasound));
+        let change = |square: f64| (1.0 - self.friction.ratio(square.sqrt())) / self.least_friction_change;
+        vibration
+            .iter()
+            .zip(ultrasound)
+            .map(|(&level, amplitude)| level.sqrt().max(change(amplitude)))
+            .collect()
+    }
+
+    /// The felt edge of a strength along the plate: the last place at which it is 1.
+    pub fn edge(plate: &Plate, strength: &[f64]) -> FeltEdge {
+        let Some(last) = strength.iter().rposition(|&strength| strength >= 1.0) else {
+            return FeltEdge::Nowhere;
+        };
+        let Some(&beyond) = strength.get(last + 1) else { return FeltEdge::PlateEnd };
+        let step_m = plate.length_m() / (strength.len() - 1) as f64;
+        // Straight in the logarithm, as the amplitude falls there.
+        let (felt, beyond) = (strength[last].ln(), beyond.max(f64::MIN_POSITIVE).ln());
+        FeltEdge::At((last as f64 + felt / (felt - beyond)) * step_m)
+    }
+
+    /// The mean over the contact around each place, as far as it is on the plate.
+    fn under_contact(&self, squares: &[f64], length_m: f64) -> Vec<f64> {
+        let last = squares.len().saturating_sub(1) as f64;
+        let half = 0.5 * self.contact_m / length_m * last;
+        if squares.len() < 2 || half <= 0.0 {
+            return squares.to_vec();
+        }
+        // The integral from 0 to each place, of straight lines between them.
+        let mut integral = vec![0.0];
+        let mut sum = 0.0;
+        for pair in squares.windows(2) {
+            sum += 0.5 * (pair[0] + pair[1]);
+            integral.push(sum);
+        }
+        let up_to = |at: f64| {
+            let before = (at as usize).min(squares.len() - 2);
+            let t = at - before as f64;
+            let (here, next) = (squares[before], squares[before + 1]);
+            integral[before] + t * (here + 0.5 * t * (next - here))
+        };
+        (0..squares.len())
+            .map(|place| {
+                let (from, to) = ((place as f64 - half).max(0.0), (place as f64 + half).min(last));
+                (up_to(to) - up_to(from)) / (to - from)
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::preset;
+
+    const PLACES: usize = 201;
+
+    fn plate() -> Plate {
+        preset("membrane").expect("a preset")
+    }
+
+    fn tone(frequency_hz: f64, squares: &[f64]) -> FeltTone<'_> {
+        FeltTone { frequency_hz, squares }
+    }
+
+    #[test]
+    fn a_tone_at_its_threshold_is_just_felt_and_tones_add_in_power() {
+        let amplitude = threshold_m(150.0);
+        let squares = vec![0.5 * amplitude * amplitude; PLACES];
+        let one = Feeling::default().strength(&plate(), &[tone(150.0, &squares)]);
+        assert!(one.iter().all(|strength| (strength - 1.0).abs() < 1e-12));
+        let two = Feeling::default().strength(&plate(), &[tone(150.0, &squares), tone(150.0, &squares)]);
+        assert!(two.iter().all(|strength| (strength - 2.0_f64.sqrt()).abs() < 1e-12));
+        let dull = Feeling { threshold: 2.0, ..Feeling::default() };
+        assert!(dull.strength(&plate(), &[tone(150.0, &squares)]).iter().all(|s| (s - 0.5).abs() < 1e-12));
+    }
+
+    #[test]
+    fn ultrasound_is_felt_from_the_least_change_of_friction_on() {
+        let feeling = Feeling::default();
+        // 1 - mu/mu0 = 0.8 (1 - e^-(a/a0)^1.5) is 0.1 here.
+        let amplitude = feeling.friction.scale_m * (-(1.0_f64 - 0.1 / 0.8).ln()).powf(1.0 / 1.5);
+        let squares = vec![0.5 * amplitude * amplitude; PLACES];
+        let strength = feeling.strength(&plate(), &[tone(25e3, &squares)]);
+        assert!(strength.iter().all(|strength| (strength - 1.0).abs() < 1e-9), "{}", strength[0]);
+    }
+
+    #[test]
+    fn the_edge_is_where_the_strength_falls_to_one() {
+        let plate = plate();
+        let step_m = plate.length_m() / (PLACES - 1) as f64;
+        let fall = |edge_m: f64| -> Vec<f64> {
+            (0..PLACES).map(|place| (40.0 * (edge_m - place as f64 * step_m)).exp()).collect()
+        };
+        let FeltEdge::At(edge_m) = Feeling::edge(&plate, &fall(0.1234)) else { panic!("an edge") };
+        assert!((edge_m - 0.1234).abs() < 1e-12, "{edge_m}");
+        assert_eq!(Feeling::edge(&plate, &fall(-0.01)), FeltEdge::Nowhere);
+        assert_eq!(Feeling::edge(&plate, &fall(plate.length_m() + 0.01)), FeltEdge::PlateEnd);
+        assert_eq!(Feeling::edge(&plate, &[]), FeltEdge::Nowhere);
+    }
+
+    #[test]
+    fn the_contact_takes_the_mean_square() {
+        let plate = plate();
+        // A ramp keeps its value in the middle; at the ends only what is on the plate counts.
+        let ramp: Vec<f64> = (0..PLACES).map(|place| place as f64).collect();
+        let feeling =
+            Feeling { contact_m: 8.0 * plate.length_m() / (PLACES - 1) as f64, ..Feeling::default() };
+        let mean = feeling.under_contact(&ramp, plate.length_m());
+        assert!((mean[100] - 100.0).abs() < 1e-9 && (mean[0] - 2.0).abs() < 1e-9);
+        assert!((mean[PLACES - 1] - (PLACES as f64 - 3.0)).abs() < 1e-9);
+        let point = Feeling { contact_m: 0.0, ..feeling };
+        assert_eq!(point.under_contact(&ramp, plate.length_m()), ramp);
+    }
+}

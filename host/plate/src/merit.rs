@@ -1,0 +1,179 @@
+//! Figures of merit of a boundary: how sharp it is, how fast it can be switched, how many can be told apart.
+//!
+//! ```text
+//! solid area of 16 tones (texture) -> contrast, ripple, edge width
+//! the boundary's own tone, switched on, on the plate in time -> switching time
+//! a second peak that comes nearer -> two-point distance
+//! span over two-point distance, switching time -> bits per second
+//! ```
+
+use crate::frequency::Equation;
+use crate::frequency::respond;
+use crate::spec::Plate;
+use crate::table::DriveTable;
+use crate::texture::{Palette, TONES_MAX, Target, Texture, TextureError};
+use crate::time::TimeDomainLine;
+use std::f64::consts::TAU;
+
+/// Turning points whose second peak is tried, per span.
+const NEIGHBOURS: usize = 400;
+/// Two peaks can be told apart if the mean square between them falls to this share of theirs: 3 dB.
+const DIP: f64 = 0.5;
+/// Switched means: within this share of the new amplitude.
+const SWITCHED: f64 = 0.1;
+/// Points of the plate in time.
+const LINE_POINTS: usize = 401;
+/// The plate in time is watched for this share of the time in which a change decays to a thousandth: there, it has
+/// decayed to a twentieth and less.
+const WATCHED: f64 = 0.5;
+
+/// Figures of merit of one boundary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Merit {
+    /// Turning point of the boundary, metres.
+    pub turning_point_m: f64,
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// Mean square of the solid area over that 1.4 edge widths past the turning point, dB.
+    pub contrast_db: f64,
+    /// Largest over smallest RMS amplitude of the solid area, dB.
+    pub ripple_db: f64,
+    /// From 90 % to 10 % of the solid area's RMS amplitude, metres.
+    pub edge_width_m: f64,
+    /// From the code that switches the boundary's tone on until its peak stays within 10 % of its amplitude, seconds, by
+    /// the plate in time; `None` if the plate has no time-domain line.
+    pub switching_time_s: Option<f64>,
+    /// Least distance of a second, equally high peak before this one between which the mean square falls by 3 dB,
+    /// metres; `None` if no tone of the span makes one.
+    pub two_point_m: Option<f64>,
+    /// log2(1 + span / two-point distance) / switching time: boundaries that can be told apart, as often as they can be
+    /// switched.
+    pub bits_per_s: Option<f64>,
+}
+
+impl Merit {
+    /// The figures of the boundary at `turning_point_m`, in the table's span.
+    ///
+    /// # Errors
+    /// As [`Target::solid`] and [`Texture::fit`].
+    pub fn of(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
+        let (plate, table) = (palette.plate(), palette.table());
+        let target = Target::solid(palette, turning_point_m)?;
+        let texture = Texture::fit(palette, &target, TONES_MAX)?;
+        let figures = texture.figures;
+        let (Some(contrast_db), Some(ripple_db)) = (figures.contrast_db, figures.ripple_db) else {
+            return Err(TextureError::Silent);
+        };
+        let frequency_hz = table.frequency_hz(turning_point_m);
+        let peak = Peak::of(plate, table, turning_point_m).ok_or(TextureError::Silent)?;
+        let switching_time_s = peak.switching_time_s(plate, table);
+        let two_point_m = two_point_m(palette, turning_point_m)?;
+        let (start_m, end_m) = plate.span_m();
+        let bits = |distance_m: f64| (1.0 + (end_m - start_m) / distance_m).log2();
+        Ok(Self {
+            turning_point_m,
+            frequency_hz,
+            contrast_db,
+            ripple_db,
+            edge_width_m: edge_width_m(&texture, &target),
+            switching_time_s,
+            two_point_m,
+            bits_per_s: two_point_m
+                .zip(switching_time_s)
+                .map(|(distance_m, time_s)| bits(distance_m) / time_s),
+        })
+    }
+}
+
+/// From the last place with 90 % to the first with 10 % of the area's RMS amplitude.
+fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
+    let counted = texture.rms_m.iter().zip(target.wanted()).zip(target.weight());
+    let area: Vec<f64> = counted
+        .filter(|((_, wanted), weight)| **wanted > 0.0 && **weight > 0.0)
+        .map(|((rms, _), _)| *rms)
+        .collect();
+    let mean = area.iter().sum::<f64>() / area.len() as f64;
+    let step_m = texture.places_m[1];
+    let last_above = |share: f64| {
+        let last = texture.rms_m.iter().rposition(|&rms| rms >= share * mean).unwrap_or(0);
+        let next = (last + 1).min(texture.rms_m.len() - 1);
+        let (here, there) = (texture.rms_m[last], texture.rms_m[next]);
+        let part = if there < here { (here - share * mean) / (here - there) } else { 0.0 };
+        (last as f64 + part.min(1.0)) * step_m
+    };
+    last_above(0.1) - last_above(0.9)
+}
+
+/// The peak of a boundary's own tone.
+struct Peak {
+    frequency_hz: f64,
+    /// Number of the line's point that is nearest to it.
+    point: usize,
+    /// Displacement there for a DAC amplitude of 1, metres.
+    amplitude_m: f64,
+}
+
+impl Peak {
+    fn of(plate: &Plate, table: &DriveTable, turning_point_m: f64) -> Option<Self> {
+        let frequency_hz = table.frequency_hz(turning_point_m);
+        let response = respond(plate, frequency_hz, LINE_POINTS, Equation::Corrected).ok()?;
+        let at_m = response.peak.map_or(turning_point_m, |peak| peak.position_m);
+        let point = (at_m / plate.length_m() * (LINE_POINTS - 1) as f64).round() as usize;
+        let point = point.min(LINE_POINTS - 1);
+        let actuator = plate.spec().actuator.as_ref().map_or(1.0, |it| it.response(frequency_hz).norm());
+        let amplitude_m = response.amplitude[point].norm() * actuator * plate.spec().full_scale_m;
+        Some(Self { frequency_hz, point, amplitude_m })
+    }
+
+    fn switching_time_s(&self, plate: &Plate, table: &DriveTable) -> Option<f64> {
+        let rate_hz = table.sample_rate_hz;
+        let mut line = TimeDomainLine::new(plate, rate_hz, LINE_POINTS, 1).ok()?;
+        let block = (rate_hz / line.step_rate_hz()).round().max(1.0) as u64;
+        let turn = TAU * self.frequency_hz / rate_hz;
+        let samples = (WATCHED * line.settle_time_s() * rate_hz) as u64;
+        let mut field = vec![num_complex::Complex64::ZERO; LINE_POINTS];
+        let mut switched_s = 0.0;
+        for first in (0..samples).step_by(block as usize) {
+            let codes: Vec<f32> = (first..first + block).map(|n| (turn * n as f64).cos() as f32).collect();
+            line.push(&codes);
+            line.analytic_m(&mut field);
+            let amplitude_m = field[self.point].norm();
+            if (amplitude_m / self.amplitude_m - 1.0).abs() > SWITCHED {
+                switched_s = (first + block) as f64 / rate_hz - line.latency_s();
+            }
+        }
+        Some(switched_s)
+    }
+}
+
+/// The least distance of a second peak.
+fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64>, TextureError> {
+    let start_m = palette.table().span_start_m;
+    let step_m = (turning_point_m - start_m) / NEIGHBOURS as f64;
+    if step_m <= 0.0 {
+        return Ok(None);
+    }
+    let positions_m: Vec<f64> = (0..=NEIGHBOURS).rev().map(|i| start_m + step_m * i as f64).collect();
+    let columns = palette.squares(&positions_m)?;
+    let places_m = palette.places_m();
+    let tops: Vec<usize> = columns.iter().map(last_top).collect();
+    let (far, far_top) = (columns.column(0), tops[0]);
+    for (near, &near_top) in columns.iter().zip(&tops).skip(1) {
+        // The power of the nearer tone that makes both peaks equally high.
+        let power = (far[far_top] - far[near_top]) / (near[near_top] - near[far_top]);
+        if near_top >= far_top || power.is_nan() || power < 0.0 {
+            continue;
+        }
+        let sum = |place: usize| power * near[place] + far[place];
+        let valley = (near_top..far_top).map(sum).fold(f64::INFINITY, f64::min);
+        if valley <= DIP * sum(far_top) {
+            return Ok(Some(places_m[far_top] - places_m[near_top]));
+        }
+    }
+    Ok(None)
+}
+
+/// Number of the last place at which a field is largest among its neighbours.
+fn last_top(field: &[f64]) -> usize {
+    (1..field.len() - 1).rev().find(|&i| field[i] >= field[i - 1] && field[i] > field[i + 1]).unwrap_or(0)
+}

@@ -1,0 +1,47 @@
+//! Why a texture could not be made.
+
+use crate::feeling::FeltEdge;
+use crate::quantity::OutOfRange;
+use crate::table::TableError;
+use thiserror::Error;
+
+/// Why a texture could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TextureError {
+    /// A value is outside its range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// The plate has no table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// A field is not finite or the wave does not enter.
+    #[error("the plate does not answer: nothing to make a texture of")]
+    Silent,
+    /// No room for an even area.
+    #[error(
+        "turning point = {turning_point_m} m: the edge there is {edge_width_m} m wide, which leaves no even area before it"
+    )]
+    TooShort {
+        /// Turning point, metres.
+        turning_point_m: f64,
+        /// Edge width, metres.
+        edge_width_m: f64,
+    },
+    /// A profile's breakpoint is not usable.
+    #[error("breakpoint {number} of the profile: {reason}")]
+    Profile {
+        /// Number of the breakpoint, from 1.
+        number: usize,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// No turning point of the span has a felt edge on the plate.
+    #[error("{}", match .edge {
+        FeltEdge::PlateEnd => "even the shortest area is felt to the plate's end: lower the level, or give its turning point",
+        FeltEdge::At(_) | FeltEdge::Nowhere => "nothing is felt: raise the plate's full scale, or give the turning point",
+    })]
+    NotFelt {
+        /// Where the shortest area's felt edge is.
+        edge: FeltEdge,
+    },
+}

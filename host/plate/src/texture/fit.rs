@@ -1,0 +1,192 @@
+//! From a target to tones.
+
+use super::error::TextureError;
+use super::figures::Figures;
+use super::nnls::Columns;
+use super::palette::Palette;
+use super::phases::low_crest_turns;
+use super::refinement::{self, Placed};
+use super::selection;
+use super::target::Target;
+use crate::quantity::OutOfRange;
+use crate::sensation::SLIPPERY_FROM_HZ;
+use crate::spec::plate::Plate;
+use crate::table::level::other_plates;
+
+/// Tones that a texture may have.
+pub const TONES_MAX: usize = 16;
+/// The DAC amplitudes of a texture's tones add up to this share of full scale: what is left covers the rounding of
+/// levels and positions on the wire.
+pub(super) const HEADROOM: f64 = 0.999;
+/// Tones quieter than this share of the loudest, in power, are left out: -60 dB.
+const AUDIBLE: f64 = 1e-6;
+
+/// Tones that are felt as vibrations lie this far apart at least, Hz: nearer ones rise and fall together so slowly that
+/// the area comes and goes.
+pub const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
+/// Ultrasonic tones lie this far apart at least, Hz: the beat of nearer ones is felt as a vibration.
+pub const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
+
+/// One tone of a texture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureTone {
+    /// Turning point, metres.
+    pub position_m: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Level, 0 to 1 of the table's full scale.
+    pub level: f64,
+    /// Phase at its start, turns, 0 to 1.
+    pub phase_turns: f64,
+}
+
+/// Tones that come near to a target.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    /// The tones in order of their turning points: as loud together as the DAC allows.
+    pub tones: Vec<TextureTone>,
+    /// Places at which the rest is given, metres.
+    pub places_m: Vec<f64>,
+    /// Wanted RMS displacement at each place, metres.
+    pub wanted_m: Vec<f64>,
+    /// RMS displacement at each place, metres.
+    pub rms_m: Vec<f64>,
+    /// How near it comes.
+    pub figures: Figures,
+    /// How near any number of tones could come.
+    pub reach: Figures,
+    /// Level at which the target's largest amplitude would be the table's peak at full scale.
+    scale: f64,
+}
+
+impl Texture {
+    /// The best texture of at most `most` tones (1 to 16).
+    ///
+    /// # Errors
+    /// [`TextureError::OutOfRange`] for the number of tones, [`TextureError::Silent`] if the plate does not answer.
+    pub fn fit(palette: &Palette<'_>, target: &Target, most: usize) -> Result<Self, TextureError> {
+        OutOfRange::check_count("tones", most, 1..=TONES_MAX)?;
+        let candidates_m = selection::candidates_m(target);
+        let candidates = palette.squares(&candidates_m)?;
+        let places_m = palette.places_m();
+        let best = candidates.times(&selection::best(&candidates, target));
+        let few = selection::few(&candidates, target, most);
+        let chosen_m: Vec<f64> = few.iter().map(|&(candidate, _)| candidates_m[candidate]).collect();
+        let mut placed = refinement::refine(palette, target, chosen_m)?;
+        let mut sounding = sounding_tones(placed);
+        // A step of this loop leaves one tone less, or is the last.
+        loop {
+            let parted = parted_m(palette, &sounding);
+            if parted.len() == sounding.len() {
+                break;
+            }
+            placed = refinement::refine(palette, target, parted)?;
+            sounding = sounding_tones(placed);
+        }
+        let (positions_m, powers): (Vec<f64>, Vec<f64>) = sounding.into_iter().unzip();
+        let squares = palette.squares(&positions_m)?.times(&powers);
+        let figures = Figures::of(&squares, &places_m, target);
+        let (tones, scale) = loudest_that_fits(palette, &positions_m, &powers);
+        let peak_m = palette.table().peak_at_full_scale_m * scale;
+        Ok(Self {
+            tones,
+            wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
+            rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
+            figures,
+            reach: Figures::of(&best, &places_m, target),
+            places_m,
+            scale,
+        })
+    }
+
+    /// The same tones, `factor` (0 to 1) times as loud.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.tones.iter_mut().for_each(|tone| tone.level *= factor);
+        scaled.wanted_m.iter_mut().chain(&mut scaled.rms_m).for_each(|amplitude| *amplitude *= factor);
+        scaled.scale *= factor;
+        scaled
+    }
+
+    /// The worst figures of these tones over the plates within the plate file's tolerances of speed and loss; those of
+    /// the plate itself if it has none.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if one of the plates does not answer.
+    pub fn worst(&self, palette: &Palette<'_>, target: &Target) -> Result<Figures, TextureError> {
+        let mut worst = self.figures;
+        for plate in other_plates(palette.plate()) {
+            let figures = self.on(&plate, palette, target)?;
+            let larger =
+                |one: Option<f64>, other: Option<f64>| one.zip(other).map(|(one, other)| one.max(other));
+            let lesser =
+                |one: Option<f64>, other: Option<f64>| one.zip(other).map(|(one, other)| one.min(other));
+            worst = Figures {
+                rms_error: worst.rms_error.max(figures.rms_error),
+                ripple_db: larger(worst.ripple_db, figures.ripple_db),
+                contrast_db: lesser(worst.contrast_db, figures.contrast_db),
+            };
+        }
+        Ok(worst)
+    }
+
+    /// The figures of these tones on another plate, with the same table.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if that plate does not answer.
+    pub fn on(&self, plate: &Plate, palette: &Palette<'_>, target: &Target) -> Result<Figures, TextureError> {
+        let there = Palette::new(plate, palette.table());
+        let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
+        let columns: Columns = there.squares(&positions_m)?;
+        let powers: Vec<f64> = self.tones.iter().map(|tone| (tone.level / self.scale).powi(2)).collect();
+        Ok(Figures::of(&columns.times(&powers), &self.places_m, target))
+    }
+}
+
+/// The tones that can be heard as (place, power), in order of their places.
+fn sounding_tones(placed: Placed) -> Vec<(f64, f64)> {
+    let loudest = placed.powers.iter().copied().fold(0.0, f64::max);
+    let mut sounding: Vec<(f64, f64)> = placed.positions_m.into_iter().zip(placed.powers).collect();
+    sounding.retain(|&(_, power)| power > AUDIBLE * loudest);
+    sounding.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    sounding
+}
+
+/// The places of these tones, where two that would beat slowly are one between them.
+fn parted_m(palette: &Palette<'_>, sounding: &[(f64, f64)]) -> Vec<f64> {
+    let table = palette.table();
+    let mut parted: Vec<(f64, f64)> = Vec::with_capacity(sounding.len());
+    for &(place_m, power) in sounding {
+        if let Some((last_m, last_power)) = parted.last_mut() {
+            let (low_hz, high_hz) = (table.frequency_hz(*last_m), table.frequency_hz(place_m));
+            let least_hz =
+                if low_hz < SLIPPERY_FROM_HZ { BEAT_OF_VIBRATIONS_HZ } else { BEAT_OF_ULTRASOUND_HZ };
+            if high_hz - low_hz < least_hz {
+                let sum = *last_power + power;
+                *last_m = (*last_m * *last_power + place_m * power) / sum;
+                *last_power = sum;
+                continue;
+            }
+        }
+        parted.push((place_m, power));
+    }
+    parted.into_iter().map(|(place_m, _)| place_m).collect()
+}
+
+/// The tones at the highest common level that the DAC's range and each tone's own range allow, and that level.
+fn loudest_that_fits(palette: &Palette<'_>, positions_m: &[f64], powers: &[f64]) -> (Vec<TextureTone>, f64) {
+    let table = palette.table();
+    let dac: Vec<f64> =
+        positions_m.iter().zip(powers).map(|(&x, power)| power.sqrt() * table.gain(x)).collect();
+    let sum: f64 = dac.iter().sum();
+    let loudest = powers.iter().copied().fold(0.0, f64::max).sqrt();
+    let scale = if sum > 0.0 { (HEADROOM / sum).min(loudest.recip()) } else { 0.0 };
+    let tone = |((&position_m, power), phase_turns): ((&f64, &f64), f64)| TextureTone {
+        position_m,
+        frequency_hz: table.frequency_hz(position_m),
+        level: power.sqrt() * scale,
+        phase_turns,
+    };
+    (positions_m.iter().zip(powers).zip(low_crest_turns(&dac)).map(tone).collect(), scale)
+}

@@ -1,0 +1,32 @@
+//! Textures: tones whose fields together come near to a wanted RMS amplitude over the plate.
+//!
+//! ```text
+//! Target (wanted mean square, weight at each place)
+//!    |          Palette: mean square of a tone of level 1, for any turning point of the table
+//!    v            v
+//! non-negative least squares over candidates -> the fewest tones -> moved off the candidates -> Texture
+//!        (nnls)                                   (selection)          (refinement)
+//! ```
+//! Tones of different frequencies add in power, so the mean square of the sum is linear in the tones' powers, and the
+//! best powers are the solution of a convex problem: what it leaves no number of tones can mend.
+
+mod error;
+mod figures;
+mod fit;
+pub mod nnls;
+mod palette;
+mod pattern;
+mod phases;
+mod reach;
+mod refinement;
+mod selection;
+mod solid;
+mod target;
+
+pub use error::TextureError;
+pub use figures::Figures;
+pub use fit::{BEAT_OF_ULTRASOUND_HZ, BEAT_OF_VIBRATIONS_HZ, TONES_MAX, Texture, TextureTone};
+pub use palette::{PLACES, Palette};
+pub use pattern::{BEAT_RANGE_HZ, beat, stripes, stripes_m};
+pub use reach::{least_largest_error, least_largest_square_error};
+pub use target::{Target, Wanted};

@@ -1,0 +1,77 @@
+//! What a tone of each turning point does to the plate.
+
+use super::error::TextureError;
+use super::nnls::Columns;
+use crate::frequency::equation::Equation;
+use crate::frequency::numerov::{self, Grid};
+use crate::spec::plate::Plate;
+use crate::table::DriveTable;
+use num_complex::Complex64;
+use std::f64::consts::PI;
+
+/// Places along the plate at which a texture is fitted, uniform from 0 to the plate's end.
+pub const PLACES: usize = 201;
+
+/// The tones that a table gives, and the field of each.
+pub struct Palette<'a> {
+    plate: &'a Plate,
+    table: &'a DriveTable,
+    grid: Grid,
+    /// Points of the grid from one place to the next.
+    stride: usize,
+}
+
+impl<'a> Palette<'a> {
+    /// The tones of `table`, made for this plate (or one like it), on `plate`.
+    pub fn new(plate: &'a Plate, table: &'a DriveTable) -> Self {
+        let highest_hz = table.frequency_hz(table.span_end_m);
+        let step_m = plate.length_m() / (PLACES - 1) as f64;
+        let stride = numerov::refinement(plate, highest_hz, step_m);
+        let grid = Grid::new(plate, 1, Equation::Corrected, PLACES, stride);
+        Self { plate, table, grid, stride }
+    }
+
+    /// The plate.
+    pub fn plate(&self) -> &'a Plate {
+        self.plate
+    }
+
+    /// The table.
+    pub fn table(&self) -> &'a DriveTable {
+        self.table
+    }
+
+    /// Position of each place, metres from the driven end.
+    pub fn places_m(&self) -> Vec<f64> {
+        let step_m = self.plate.length_m() / (PLACES - 1) as f64;
+        (0..PLACES).map(|place| place as f64 * step_m).collect()
+    }
+
+    /// The mean square displacement at each place of a tone of level 1 with its turning point at each of `positions_m`
+    /// (in the table's span), in units of the table's peak at full scale, squared.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if a field is not finite: the plate's loss or its actuator leaves nothing.
+    pub fn squares(&self, positions_m: &[f64]) -> Result<Columns, TextureError> {
+        let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
+        let mut columns = Columns::new(PLACES);
+        numerov::solve_each(&self.grid, self.plate, &frequencies, |number, field| {
+            let scale = self.scale(positions_m[number], frequencies[number]);
+            columns.push(field.iter().step_by(self.stride).map(|f| 0.5 * (f * scale).norm_sqr()));
+        });
+        if columns.iter().flatten().all(|value| value.is_finite()) {
+            Ok(columns)
+        } else {
+            Err(TextureError::Silent)
+        }
+    }
+
+    /// From the driven end's displacement to that of a tone of level 1, over the table's peak at full scale.
+    fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
+        let spec = self.plate.spec();
+        let turn = PI * frequency_hz / self.table.sample_rate_hz;
+        let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
+        let dac = self.table.gain(position_m) * turn.sin() / turn;
+        actuator * dac * spec.full_scale_m / self.table.peak_at_full_scale_m
+    }
+}

@@ -1,0 +1,38 @@
+//! Which of many candidates are needed: the best powers of all, then the fewest tones that come near to them.
+
+use super::nnls::{Columns, few_non_negative_least_squares, non_negative_least_squares};
+use super::target::Target;
+
+/// Candidate turning points of a fit, uniform over those that are allowed.
+pub(super) const CANDIDATES: usize = 200;
+
+/// The target as the right-hand side of the least squares: the wanted mean squares, each times the root of its weight.
+pub(super) fn right_hand_side(target: &Target) -> Vec<f64> {
+    target.wanted.iter().zip(&target.weight).map(|(wanted, weight)| wanted * wanted * weight.sqrt()).collect()
+}
+
+/// Each row of `squares` times the root of its weight.
+pub(super) fn weighted(squares: &Columns, target: &Target) -> Columns {
+    let mut columns = Columns::new(squares.rows());
+    for column in squares.iter() {
+        columns.push(column.iter().zip(&target.weight).map(|(square, weight)| square * weight.sqrt()));
+    }
+    columns
+}
+
+/// Turning points that may be used, uniform over those that the target allows, metres.
+pub(super) fn candidates_m(target: &Target) -> Vec<f64> {
+    let (start, end) = target.allowed_m;
+    (0..CANDIDATES).map(|i| start + (end - start) * i as f64 / (CANDIDATES - 1) as f64).collect()
+}
+
+/// The powers of all candidates that come nearest to the target; `squares` are the candidates' fields.
+pub(super) fn best(squares: &Columns, target: &Target) -> Vec<f64> {
+    non_negative_least_squares(&weighted(squares, target), &right_hand_side(target))
+}
+
+/// As [`best`], with at most `most` powers above zero: `(candidate, power)`.
+pub(super) fn few(squares: &Columns, target: &Target, most: usize) -> Vec<(usize, f64)> {
+    let powers = few_non_negative_least_squares(&weighted(squares, target), &right_hand_side(target), most);
+    powers.into_iter().enumerate().filter(|&(_, power)| power > 0.0).collect()
+}

@@ -1,0 +1,239 @@
+//! Textures: what solid areas, profiles, stripes and beats reach.
+
+use slipline_plate::feeling::{Feeling, FeltEdge};
+use slipline_plate::texture::{
+    Figures, PLACES, Palette, Target, Texture, TextureError, beat, least_largest_error, nnls, stripes,
+    stripes_m,
+};
+use slipline_plate::{DriveTable, Plate, PlateSpec, preset};
+
+const SAMPLE_RATE_HZ: f64 = 400e3;
+
+fn membrane() -> (Plate, DriveTable) {
+    let plate = preset("membrane").expect("a preset");
+    let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 257).expect("has a table");
+    (plate, table)
+}
+
+fn solid(palette: &Palette<'_>, turning_point_m: f64, most: usize) -> (Texture, Target) {
+    let target = Target::solid(palette, turning_point_m).expect("room for an area");
+    (Texture::fit(palette, &target, most).expect("fits"), target)
+}
+
+#[test]
+fn companion_tones_fill_the_nodes_of_a_solid_area() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    for turning_point_m in [0.22, 0.24, 0.26] {
+        let (alone, _) = solid(&palette, turning_point_m, 1);
+        assert!(alone.figures.ripple_db.expect("solid") > 8.0, "one tone has nodes: {:?}", alone.figures);
+        let (together, _) = solid(&palette, turning_point_m, 8);
+        let Figures { ripple_db, contrast_db, .. } = together.figures;
+        assert!(ripple_db.expect("solid") <= 0.6, "{turning_point_m}: {ripple_db:?}");
+        assert!(contrast_db.expect("solid") >= 40.0, "{turning_point_m}: {contrast_db:?}");
+        let past_m = turning_point_m + 0.08;
+        let level_db =
+            |x: f64| 20.0 * together.rms_m[(x / plate.length_m() * (PLACES - 1) as f64) as usize].log10();
+        assert!(past_m > plate.length_m() || level_db(past_m) - level_db(0.1) <= -24.0, "{turning_point_m}");
+    }
+}
+
+#[test]
+fn a_solid_area_stays_even_when_the_wave_speed_is_off_by_a_percent() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let (texture, target) = solid(&palette, 0.26, 16);
+    for factor in [0.99, 1.01] {
+        let other = plate.with_wave_speed(factor).expect("in range");
+        let ripple_db = texture.on(&other, &palette, &target).expect("answers").ripple_db.expect("solid");
+        assert!(ripple_db <= 2.0, "{factor}: {ripple_db}");
+    }
+}
+
+#[test]
+fn the_worst_figures_are_those_over_the_tolerances() {
+    let spec = PlateSpec { wave_speed_tolerance: 0.01, ..membrane().0.spec().clone() };
+    let plate = Plate::new(spec).expect("valid");
+    let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 65).expect("has a table");
+    let palette = Palette::new(&plate, &table);
+    let (texture, target) = solid(&palette, 0.24, 8);
+    let worst = texture.worst(&palette, &target).expect("answers");
+    for factor in [0.99, 1.0, 1.01] {
+        let other = plate.with_wave_speed(factor).expect("in range");
+        let figures = texture.on(&other, &palette, &target).expect("answers");
+        assert!(figures.rms_error <= worst.rms_error + 1e-12 && figures.ripple_db <= worst.ripple_db);
+        assert!(figures.contrast_db >= worst.contrast_db);
+    }
+    assert!(worst.rms_error > texture.figures.rms_error);
+}
+
+#[test]
+fn the_tones_fit_the_dac_together() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    for most in [1, 4, 16] {
+        let (texture, _) = solid(&palette, 0.24, most);
+        assert!(texture.tones.len() <= most);
+        let sum: f64 = texture.tones.iter().map(|tone| tone.level * table.gain(tone.position_m)).sum();
+        assert!(sum <= 1.0 && texture.tones.iter().all(|tone| tone.level <= 1.0), "{most}: {sum}");
+        let full = texture.tones.iter().any(|tone| tone.level > 0.999) || sum > 0.998;
+        assert!(full, "{most}: as loud as it can be, not {sum}");
+        assert!(texture.tones.is_sorted_by(|one, other| one.frequency_hz < other.frequency_hz));
+    }
+}
+
+#[test]
+fn no_two_tones_beat_so_slowly_that_the_area_comes_and_goes() {
+    for (name, least_hz) in [("membrane", 5.0), ("al-bending", 1000.0), ("al-bending-displacement", 5.0)] {
+        let plate = preset(name).expect("a preset");
+        let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 257).expect("has a table");
+        let palette = Palette::new(&plate, &table);
+        let (start_m, end_m) = plate.span_m();
+        for share in [0.5, 0.7, 0.9] {
+            let (texture, _) = solid(&palette, start_m + share * (end_m - start_m), 16);
+            for pair in texture.tones.windows(2) {
+                let beat_hz = pair[1].frequency_hz - pair[0].frequency_hz;
+                let least_hz = if pair[0].frequency_hz < 20e3 { least_hz } else { 1000.0 };
+                assert!(beat_hz >= least_hz, "{name} {share}: {beat_hz} Hz");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_solid_area_ends_where_the_finger_feels_it_end() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let feeling = Feeling::default();
+    for (felt_edge_m, most) in [(0.25, 16), (0.27, 16), (0.3, 16), (0.25, 3), (0.28, 4), (0.3, 5)] {
+        let (texture, _) = Texture::solid_to(&palette, felt_edge_m, most, &feeling).expect("in range");
+        let FeltEdge::At(is_m) = texture.felt_edge(&palette, &feeling).expect("answers") else {
+            panic!("an edge on the plate")
+        };
+        assert!((is_m - felt_edge_m).abs() < 1e-4, "{felt_edge_m} of {most} tones: {is_m}");
+    }
+    let refused = Texture::solid_to(&palette, 0.05, 16, &feeling).expect_err("too near");
+    assert!(matches!(refused, TextureError::OutOfRange(_)), "{refused}");
+    let numb = Feeling { threshold: 1e6, ..feeling };
+    let refused = Texture::solid_to(&palette, 0.2, 16, &numb).expect_err("nothing is felt");
+    assert_eq!(refused, TextureError::NotFelt { edge: FeltEdge::Nowhere });
+}
+
+/// What is told of profiles: `(drawn from, to, least, most)` error that 16 tones leave.
+#[test]
+fn what_a_profile_cannot_have_is_told_by_its_reach() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let (start_m, end_m) = (0.01, 0.24);
+    let fit = |points: &[(f64, f64)]| {
+        let target = Target::profile(&palette, points).expect("valid");
+        Texture::fit(&palette, &target, 16).expect("fits")
+    };
+    let flat = fit(&[(start_m, 1.0), (end_m, 1.0)]);
+    assert!(flat.figures.rms_error < 0.02, "{:?}", flat.figures);
+    let up = fit(&[(start_m, 0.0), (end_m, 1.0)]);
+    assert!(
+        (0.1..0.25).contains(&up.figures.rms_error),
+        "every tone vibrates before its turning point: {:?}",
+        up.figures
+    );
+    // Sixteen tones come as near as any number.
+    for texture in [&flat, &up] {
+        assert!(texture.figures.rms_error < texture.reach.rms_error + 2e-3);
+    }
+    assert_eq!(flat.figures.ripple_db, None);
+}
+
+#[test]
+fn no_powers_have_a_smaller_largest_error_than_the_linear_programs() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let positions: Vec<f64> = (0..40).map(|i| 0.08 + 0.18 * f64::from(i) / 39.0).collect();
+    let columns = palette.squares(&positions).expect("answers");
+    let wanted: Vec<f64> = palette.places_m().iter().map(|&x| if x < 0.2 { 1.0 } else { 0.0 }).collect();
+    let largest = |powers: &[f64]| {
+        let is = columns.times(powers);
+        is.iter().zip(&wanted).map(|(is, wanted)| (is - wanted).abs()).fold(0.0, f64::max)
+    };
+    let (error, powers) = least_largest_error(&columns, &wanted).expect("solves");
+    assert!((largest(&powers) - error).abs() < 1e-6, "{error}");
+    let squares = nnls::non_negative_least_squares(&columns, &wanted);
+    assert!(error <= largest(&squares));
+    for tone in 0..positions.len() {
+        for factor in [0.99, 1.01] {
+            let mut others = powers.clone();
+            others[tone] *= factor;
+            assert!(largest(&others) >= error - 1e-6);
+        }
+    }
+    assert_eq!(least_largest_error(&columns, &vec![f64::NAN; PLACES]), None);
+}
+
+#[test]
+fn breakpoints_that_are_none_are_named() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let cases: [(&[(f64, f64)], usize); 6] = [
+        (&[(0.1, 1.0)], 2),
+        (&[(0.1, 1.0), (0.1, 0.5)], 2),
+        (&[(0.1, 1.0), (0.2, -0.5)], 2),
+        (&[(f64::NAN, 1.0), (0.2, 0.5)], 1),
+        (&[(0.1, 0.0), (0.2, 0.0)], 1),
+        (&[(0.1, 1.0), (0.1001, 1.0)], 1),
+    ];
+    for (points, number) in cases {
+        let error = Target::profile(&palette, points).expect_err("refused");
+        assert!(
+            matches!(error, TextureError::Profile { number: found, .. } if found == number),
+            "{points:?}: {error}"
+        );
+    }
+    for most in [0, 17] {
+        let target = Target::solid(&palette, 0.2).expect("valid");
+        let error = Texture::fit(&palette, &target, most).expect_err("refused").to_string();
+        assert!(error.contains("1 to 16"), "{error}");
+    }
+    assert!(Target::solid(&palette, 0.3).expect_err("off the span").to_string().contains("0.08 to 0.28 m"));
+}
+
+#[test]
+fn stripes_are_as_far_apart_as_the_nodes_of_the_field() {
+    let (plate, table) = membrane();
+    let palette = Palette::new(&plate, &table);
+    let tone = stripes(&palette, 0.05).expect("in range");
+    assert!((stripes_m(&plate, tone.frequency_hz).expect("enters") - 0.05).abs() < 1e-6);
+    let field = palette.squares(&[tone.position_m]).expect("answers");
+    let field = field.column(0);
+    let step_m = plate.length_m() / (PLACES - 1) as f64;
+    let nodes: Vec<f64> = (1..PLACES - 1)
+        .filter(|&i| field[i] < field[i - 1] && field[i] <= field[i + 1])
+        .map(|i| i as f64 * step_m)
+        .filter(|&x| x < tone.position_m)
+        .collect();
+    let middle_m = 0.5 * plate.turning_point_m(tone.frequency_hz).expect("enters");
+    let after = nodes.iter().position(|&node| node > middle_m).expect("nodes on both sides");
+    let apart_m = nodes[after] - nodes[after - 1];
+    assert!((apart_m - 0.05).abs() < 0.006, "{apart_m}");
+    let error = stripes(&palette, 0.001).expect_err("too fine").to_string();
+    assert!(error.starts_with("stripes = 0.001 m"), "{error}");
+}
+
+#[test]
+fn two_tones_beat_at_the_frequency_and_place_that_were_asked_for() {
+    let plate = preset("al-sh").expect("a preset");
+    let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 1025).expect("has a table");
+    let palette = Palette::new(&plate, &table);
+    let [low, high] = beat(&palette, 0.3, 180.0).expect("in range");
+    assert!((high.frequency_hz - low.frequency_hz - 180.0).abs() < 1e-3);
+    let peaks = [low, high].map(|tone| plate.airy_peak_m(tone.frequency_hz).expect("enters"));
+    assert!(peaks[0] < 0.3 && 0.3 < peaks[1] && peaks[1] - peaks[0] < 0.01, "{peaks:?}");
+    assert_eq!(low.level, high.level);
+    let sum: f64 = [low, high].iter().map(|tone| tone.level * table.gain(tone.position_m)).sum();
+    assert!(sum <= 1.0);
+    for (place_m, beat_hz, field) in
+        [(0.3, 0.5, "beat frequency"), (0.3, f64::NAN, "beat frequency"), (5.0, 180.0, "beat = 5")]
+    {
+        let error = beat(&palette, place_m, beat_hz).expect_err("refused").to_string();
+        assert!(error.starts_with(field), "{error}");
+    }
+}
