@@ -114,6 +114,15 @@ pub fn is_stream(path: &Path) -> bool {
 /// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and the
 /// errors of the system.
 pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, most)?)
+        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
+}
+
+/// Reads a file of at most `most` bytes; a larger file is not read.
+///
+/// # Errors
+/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, and the errors of the system.
+pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     // Before it is opened: the open call on a pipe waits until somebody writes to it, maybe for ever.
     let found = path.metadata()?;
     if found.is_dir() {
@@ -132,7 +141,7 @@ pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
         let told = must_be("the file is too big", Count::at_most(most, Counted::Bytes).with_unit());
         return Err(io::Error::new(ErrorKind::FileTooLarge, told));
     }
-    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
+    Ok(bytes)
 }
 
 /// The message for a path whose folder does not exist.

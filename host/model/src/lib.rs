@@ -21,4 +21,5 @@ pub mod export;
 pub mod field;
 pub mod jobs;
 pub mod setup;
+pub mod texture;
 pub mod waveform;

@@ -44,6 +44,25 @@ pub(super) fn boundary(text: &str) -> Result<Boundary, QuantityError> {
     typed(text, quantity::place_or_frequency, PlaceOrFrequency::Place(f64::NAN))
 }
 
+pub(super) fn place(text: &str) -> Result<Typed<f64>, QuantityError> {
+    typed(text, quantity::length_m, f64::NAN)
+}
+
+/// A beat on the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Beat {
+    pub(super) place: Typed<f64>,
+    pub(super) frequency: Typed<f64>,
+}
+
+/// `120mm:180Hz`, a place and a frequency.
+pub(super) fn beat(text: &str) -> Result<Beat, String> {
+    let (at, how_fast) = text.rsplit_once(':').ok_or("write PLACE:FREQUENCY, such as 120mm:180Hz")?;
+    let place = place(at).map_err(|error| format!("its place: {error}"))?;
+    let frequency = frequency(how_fast).map_err(|error| format!("its frequency: {error}"))?;
+    Ok(Beat { place, frequency })
+}
+
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
     typed(text, quantity::frequency_hz, f64::NAN)
 }

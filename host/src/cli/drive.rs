@@ -7,7 +7,12 @@ use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{DriveRequest, LinkState, Request, Snapshot};
+use slipline_model::atomic_file::{read_text, said};
+use slipline_model::setup::edit;
+use slipline_model::setup::file::{self, Opened};
+use slipline_plate::Plate;
 use slipline_plate::quantity::{show_frequency, show_place};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -15,9 +20,9 @@ use std::time::{Duration, Instant};
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
-    let tones = arguments.tones.on(&plate)?;
-    let (duration_s, glide_s) = (arguments.duration, arguments.glide);
+    let (plate, request) = wanted(arguments)?;
+    let tones = sounding(&request);
+    let duration_s = arguments.duration;
     let port = &arguments.port.port;
 
     let device = Device::connect(port)?;
@@ -32,7 +37,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
     };
-    let request = DriveRequest { glide_s, apply, ..DriveRequest::at(&tones) };
+    let request = DriveRequest { apply, ..request };
     let at = device.perform_at(Request::Drive(request))?;
 
     let played: Vec<(f64, f64, f64)> = tones
@@ -91,6 +96,28 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "clipped_samples": device.snapshot().status.map(|status| status.counters.clips),
     });
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
+}
+
+/// The plate, and what is to be driven on it.
+fn wanted(arguments: &DriveArguments) -> Result<(Arc<Plate>, DriveRequest), Failure> {
+    let Some(path) = &arguments.setup else {
+        let plate = argument::plate(arguments.plate.as_deref().unwrap_or_default())?;
+        let tones = arguments.tones.on(&plate)?;
+        let request = DriveRequest { glide_s: arguments.glide, ..DriveRequest::at(&tones) };
+        return Ok((Arc::new(plate), request));
+    };
+    let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+    let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
+    match file::read(&text).map_err(|error| refused(error.to_string()))? {
+        Opened::Setup(setup) => Ok((Arc::clone(&setup.plate), edit::drive(&setup))),
+        Opened::Plate(_) => Err(refused("a plate alone: drive it with --plate and --boundary".to_owned())),
+    }
+}
+
+/// The tones of a drive as (place in metres, level at the drive's master level).
+fn sounding(request: &DriveRequest) -> Vec<(f64, f64)> {
+    let master = 10.0_f64.powf(request.master_db / 20.0);
+    request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
 }
 
 /// Waits until the drive has begun, at a rise that counts from an index on; returns the index at which it began and when

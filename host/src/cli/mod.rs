@@ -16,6 +16,7 @@ mod failure;
 mod figure_file;
 mod figures;
 mod info;
+mod merit;
 mod output;
 mod presets;
 mod progress;
@@ -24,12 +25,15 @@ mod respond;
 mod serve;
 mod simulate;
 mod table;
+mod texture;
 mod verify;
 
 pub use design::DesignArguments;
 pub use destination::ForceArgument;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
+pub use merit::MeritArguments;
+pub use texture::TextureArguments;
 
 use crate::signals;
 use argument::{Boundary, FingerArgument, ToneArgument, Typed};
@@ -97,6 +101,10 @@ pub enum Command {
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
     #[command(after_help = DESIGN_EXIT_CODES)]
     Design(DesignArguments),
+    /// Make a texture: tones that together vibrate an even area, a drawn profile, stripes, or a beat.
+    Texture(TextureArguments),
+    /// Tell how sharp, how fast and how many a plate's boundaries are: contrast, ripple, edge, switching, bits per second.
+    Merit(MeritArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
 }
@@ -151,8 +159,12 @@ impl TonesArgument {
 pub struct DriveArguments {
     #[command(flatten)]
     port: PortArgument,
-    #[command(flatten)]
-    plate: PlateArgument,
+    /// A preset's name or a TOML file.
+    #[arg(long, value_name = "PLATE", required_unless_present = "setup")]
+    plate: Option<String>,
+    /// Plate, tones, master level and glide from a setup file, as the app and `slipline texture` write it.
+    #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "boundary", "tones", "level", "glide"])]
+    setup: Option<PathBuf>,
     #[command(flatten)]
     tones: TonesArgument,
     /// How long to drive, up to 600s; without it, until Ctrl-C, or 10 minutes: then the device stops by itself.
@@ -346,6 +358,8 @@ impl Command {
             Self::Serve(arguments) => serve::run(&arguments, json),
             Self::Check(arguments) => check::run(&arguments, json),
             Self::Design(arguments) => design::run(&arguments, json),
+            Self::Texture(arguments) => texture::run(&arguments, json),
+            Self::Merit(arguments) => merit::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
         }
     }

@@ -14,6 +14,7 @@ mod served;
 #[cfg(unix)]
 mod signals;
 mod terminal;
+mod textures;
 mod trace;
 #[cfg(unix)]
 mod trigger;

@@ -1,0 +1,26 @@
+//! Textures of the user: what is wanted, read from files, and the setup that plays it.
+//!
+//! ```text
+//! CSV, PNG --> breakpoints (profile_file) --> slipline_plate::texture --> Setup (for the file, the app and the device)
+//! ```
+
+mod profile_file;
+
+pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, from_csv, from_png};
+
+use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
+use slipline_plate::Plate;
+use slipline_plate::texture::TextureTone;
+use std::sync::Arc;
+
+/// The setup that plays these tones (16 at most; more are left out): the last one, which makes the edge, is the boundary.
+#[must_use]
+pub fn setup_of(plate: Arc<Plate>, tones: &[TextureTone]) -> Setup {
+    let tones = tones.iter().rev().take(MAX_TONES).zip(0..).map(|(tone, slot)| ToneSetup {
+        slot,
+        position_m: tone.position_m,
+        level: tone.level,
+        phase_turns: tone.phase_turns,
+    });
+    Setup { tones: tones.collect(), boundary: BoundaryMode::TurningPoint, ..Setup::new(plate) }
+}

@@ -1,0 +1,90 @@
+//! `slipline merit`.
+
+use super::{Failure, PlateArgument, argument, output, progress};
+use argument::Boundary;
+use clap::Args;
+use serde_json::json;
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_plate::Plate;
+use slipline_plate::merit::Merit;
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{show_length, show_place, show_si};
+use slipline_plate::texture::{Palette, TextureError};
+
+/// Boundaries, uniform over the span and each in the middle of its share.
+const BOUNDARIES: usize = 5;
+
+/// `merit`.
+#[derive(Debug, Args)]
+pub struct MeritArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// One boundary, by its turning point (120mm) or its frequency (126Hz); without it, five over the span.
+    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
+    boundary: Option<Boundary>,
+}
+
+pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let one = arguments.boundary.as_ref().map(|boundary| boundary.on(&plate, "--boundary")).transpose()?;
+    let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
+    let palette = Palette::new(&plate, &table);
+    let merits = match one {
+        Some(boundary_m) => vec![Merit::of(&palette, boundary_m).map_err(Failure::usage)?],
+        None => over_span(&plate, &palette)?,
+    };
+    let value = json!({
+        "plate": plate.name(),
+        "boundaries": merits.iter().map(|merit| json!({
+            "boundary_m": merit.turning_point_m,
+            "frequency_hz": merit.frequency_hz,
+            "contrast_db": merit.contrast_db,
+            "ripple_db": merit.ripple_db,
+            "edge_width_m": merit.edge_width_m,
+            "switching_time_s": merit.switching_time_s,
+            "two_point_m": merit.two_point_m,
+            "bits_per_s": merit.bits_per_s,
+        })).collect::<Vec<_>>(),
+    });
+    output::print(as_json, &value, |out| {
+        writeln!(
+            out,
+            "{:>9} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
+            "boundary", "contrast", "ripple", "edge", "switching", "two-point", "bit/s"
+        )?;
+        for merit in &merits {
+            let unknown = || "-".to_owned();
+            writeln!(
+                out,
+                "{:>9} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
+                show_place(merit.turning_point_m),
+                format!("{} dB", with_decimals(merit.contrast_db, 0)),
+                format!("{} dB", with_decimals(merit.ripple_db, 1)),
+                show_length(merit.edge_width_m),
+                merit.switching_time_s.map_or_else(unknown, |time_s| show_si(time_s, "s")),
+                merit.two_point_m.map_or_else(unknown, show_length),
+                merit.bits_per_s.map_or_else(unknown, |bits| with_decimals(bits, 0)),
+            )?;
+        }
+        Ok(())
+    })
+}
+
+/// The boundaries before which there is room for an even area; the error of the last one if there are none.
+fn over_span(plate: &Plate, palette: &Palette<'_>) -> Result<Vec<Merit>, Failure> {
+    let (start_m, end_m) = plate.span_m();
+    let at = |i: usize| start_m + (end_m - start_m) * (i as f64 + 0.5) / BOUNDARIES as f64;
+    let mut found = Vec::new();
+    let mut refused = None;
+    for boundary_m in (0..BOUNDARIES).map(at) {
+        match Merit::of(palette, boundary_m) {
+            Ok(merit) => found.push(merit),
+            Err(error @ TextureError::TooShort { .. }) => refused = Some(error),
+            Err(error) => return Err(Failure::usage(error)),
+        }
+    }
+    match refused {
+        Some(error) if found.is_empty() => Err(Failure::usage(error)),
+        _ => Ok(found),
+    }
+}

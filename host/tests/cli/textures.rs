@@ -1,0 +1,106 @@
+//! `slipline texture` and the setup that it writes, and `slipline merit`.
+
+use super::{failure, file, json, number};
+use serde_json::Value;
+
+fn texture(more: &[&str]) -> Value {
+    json(&[&["texture", "--plate", "membrane"], more].concat())
+}
+
+#[test]
+fn a_solid_area_has_its_tones_and_figures() {
+    let value = texture(&["--solid", "280mm", "--tones", "8"]);
+    let tones = value["tones"].as_array().unwrap();
+    assert!((2..=8).contains(&tones.len()));
+    for tone in tones {
+        assert!((0.08..=0.26).contains(&number(tone, "position_m")));
+        assert!(
+            (0.0..=1.0).contains(&number(tone, "level")) && (0.0..1.0).contains(&number(tone, "phase_turns"))
+        );
+    }
+    assert!(number(&value, "ripple_db") < 1.0 && number(&value, "contrast_db") > 20.0);
+    assert!(number(&value, "rms_error") <= number(&value, "worst_rms_error"));
+    assert!(number(&value["reach"], "rms_error") <= number(&value, "rms_error") + 1e-3);
+    assert!((0.0..0.2).contains(&number(&value["reach"], "largest_square_error")));
+}
+
+#[test]
+fn profiles_are_read_from_csv_and_from_images() {
+    let csv = file("profile.csv");
+    std::fs::write(&csv, "place_m,amplitude\n0.01,1\n0.24,0\n").unwrap();
+    let ramp = texture(&["--profile", csv.to_str().unwrap()]);
+    assert!(number(&ramp, "rms_error") < 0.1 && ramp["ripple_db"].is_null());
+
+    std::fs::write(&csv, "0.01,1\n0.24,loud\n").unwrap();
+    let message = failure(&["texture", "--plate", "membrane", "--profile", csv.to_str().unwrap()], 2);
+    assert!(message.contains("line 2") && message.contains("PLACE,AMPLITUDE"), "{message}");
+    std::fs::remove_file(&csv).unwrap();
+    let message = failure(&["texture", "--plate", "membrane", "--image", csv.to_str().unwrap()], 2);
+    assert!(message.contains("profile.csv"), "{message}");
+}
+
+#[test]
+fn stripes_and_beats_name_their_tones() {
+    let stripes = texture(&["--stripes", "50mm"]);
+    assert!((number(&stripes, "stripes_m") - 0.05).abs() < 1e-6);
+    assert_eq!(stripes["tones"].as_array().unwrap().len(), 1);
+    let beat = json(&["texture", "--plate", "al-sh", "--beat", "300mm:180Hz"]);
+    let hz = |tone: usize| number(&beat["tones"][tone], "frequency_hz");
+    assert!((hz(1) - hz(0) - 180.0).abs() < 0.01);
+}
+
+#[test]
+fn the_setup_that_it_writes_is_played() {
+    let setup = file("texture.toml");
+    let path = setup.to_str().unwrap();
+    let value = texture(&["--solid", "280mm", "--tones", "4", "--out", path]);
+    let message = failure(&["texture", "--plate", "membrane", "--solid", "280mm", "--out", path], 2);
+    assert!(message.contains("--force"), "{message}");
+    let driven = json(&["drive", "--port", "sim", "--setup", path, "--for", "50ms"]);
+    let (wanted, tones) = (value["tones"].as_array().unwrap(), driven["tones"].as_array().unwrap());
+    assert_eq!((tones.len(), number(&driven, "clipped_samples")), (wanted.len(), 0.0));
+    for tone in tones {
+        let found = wanted.iter().any(|wanted| {
+            (number(wanted, "position_m") - number(tone, "boundary_m")).abs() < 1e-6
+                && (number(wanted, "level") - number(tone, "level")).abs() < 1e-9
+        });
+        assert!(found, "{tone}");
+    }
+    let message = failure(&["drive", "--port", "sim", "--setup", path, "--boundary", "120mm"], 2);
+    assert!(message.contains("--boundary"), "{message}");
+    std::fs::remove_file(&setup).unwrap();
+    let message = failure(&["drive", "--port", "sim", "--setup", path], 2);
+    assert!(message.contains("texture.toml"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_had_is_refused_with_its_range() {
+    for (more, told) in [
+        (&["--solid", "20mm"][..], "--solid"),
+        (&["--stripes", "1mm"], "--stripes"),
+        (&["--beat", "120mm:0.1Hz"], "1 Hz to 1 kHz"),
+        (&["--beat", "120mm"], "PLACE:FREQUENCY"),
+        (&["--solid", "200mm", "--tones", "17"], "1 to 16"),
+        (&["--solid", "200mm", "--stripes", "12mm"], "--stripes"),
+        (&[], "--solid"),
+    ] {
+        let message = failure(&[&["texture", "--plate", "membrane"], more].concat(), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+}
+
+#[test]
+fn merit_tells_each_boundary_that_has_room_before_it() {
+    let value = json(&["merit", "--plate", "membrane"]);
+    let boundaries = value["boundaries"].as_array().unwrap();
+    // The first of five has none.
+    assert_eq!(boundaries.len(), 4);
+    for boundary in boundaries {
+        assert!(number(boundary, "contrast_db") > 20.0 && number(boundary, "ripple_db") < 2.0, "{boundary}");
+        assert!((0.005..0.1).contains(&number(boundary, "switching_time_s")), "{boundary}");
+    }
+    let one = json(&["merit", "--plate", "membrane", "--boundary", "220mm"]);
+    assert!((number(&one["boundaries"][0], "boundary_m") - 0.22).abs() < 1e-12);
+    let message = failure(&["merit", "--plate", "membrane", "--boundary", "85mm"], 2);
+    assert!(message.contains("even area"), "{message}");
+}
