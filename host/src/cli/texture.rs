@@ -191,7 +191,7 @@ fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static
         let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));
         lines.push(("Tone", format!("{place}, {frequency}, level {}", with_decimals(tone.level, 3))));
     }
-    if let Some(Fitted { is, reach, worst, largest, texture }) = &made.fitted {
+    if let Some(Fitted { is, reach, worst, texture, .. }) = &made.fitted {
         let percent = |share: f64| format!("{} %", with_decimals(100.0 * share, 1));
         let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
         let error = |figures: &Figures| percent(figures.rms_error);
