@@ -52,7 +52,7 @@ fn it_rises_with_a_table_that_comes_into_force_while_armed() {
     rig.live_ms(100);
     rig.stage(&Table::usual());
     rig.accepted(&Command::TableCommit);
-    assert_eq!(rises(&mut rig.device, 20), [], "nobody hears it");
+    assert_eq!(rises(&mut rig.device, 20), [0_u64; 0], "nobody hears it");
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn it_does_not_rise_for_what_begins_no_program() {
     rises(&mut rig.device, 40);
     for command in [Command::Stop, Command::Disarm, Command::Arm] {
         rig.accepted(&command);
-        assert_eq!(rises(&mut rig.device, 200), [], "{command:?}");
+        assert_eq!(rises(&mut rig.device, 200), [0_u64; 0], "{command:?}");
     }
 }
 
@@ -74,11 +74,11 @@ fn it_does_not_rise_for_a_program_that_is_dropped_or_whose_block_is_late() {
     rig.accepted(&later);
     rises(&mut rig.device, 4);
     rig.accepted(&Command::Stop);
-    assert_eq!(rises(&mut rig.device, 80), [], "stopped before it began");
+    assert_eq!(rises(&mut rig.device, 80), [0_u64; 0], "stopped before it began");
 
     let at = rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.5)], 2000)));
     let before = (at - rig.device.now()) / BLOCK;
-    assert_eq!(rises(&mut rig.device, before), []);
+    assert_eq!(rises(&mut rig.device, before), [0_u64; 0]);
     rig.device.inject_underrun();
-    assert_eq!(rises(&mut rig.device, 80), [], "its block is not played");
+    assert_eq!(rises(&mut rig.device, 80), [0_u64; 0], "its block is not played");
 }

@@ -44,7 +44,7 @@ fn it_begins_with_the_first_block_that_is_rendered_after_the_rise() {
     let mut rig = Rig::armed();
     for position in [0.1, 0.6] {
         let from = rig.accepted(&waiting(position));
-        assert_eq!(begun(&mut rig, 300), []);
+        assert_eq!(begun(&mut rig, 300), [0_u64; 0]);
         assert_eq!(rig.status().state, State::Waiting);
         let before = report(&mut rig);
         assert!(before.waits);
@@ -63,11 +63,11 @@ fn a_rise_that_came_before_counts_for_nothing() {
     rig.device.raise_trigger();
     begun(&mut rig, 3);
     rig.accepted(&waiting(0.1));
-    assert_eq!(begun(&mut rig, 100), []);
+    assert_eq!(begun(&mut rig, 100), [0_u64; 0]);
     // For the drive that takes its place neither, although the device was listening already.
     rig.device.raise_trigger();
     rig.accepted(&waiting(0.2));
-    assert_eq!(begun(&mut rig, 100), []);
+    assert_eq!(begun(&mut rig, 100), [0_u64; 0]);
     assert_eq!(report(&mut rig), TriggerReport { waits: true, began: None });
 }
 
@@ -82,7 +82,7 @@ fn it_waits_until_nothing_moves_that_it_was_planned_from() {
     assert!(from >= at + 40_000, "the glide is over: {from}");
     rig.device.raise_trigger();
     let blocks = (from - rig.device.now()) / BLOCK;
-    assert_eq!(begun(&mut rig, blocks + 100), [], "a rise during the glide counts for nothing");
+    assert_eq!(begun(&mut rig, blocks + 100), [0_u64; 0], "a rise during the glide counts for nothing");
     rig.device.raise_trigger();
     assert_eq!(begun(&mut rig, 3).len(), 1);
 }
@@ -100,7 +100,7 @@ fn a_newer_drive_takes_its_place_and_a_table_waits_for_it() {
     let at = rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.5)], 2000)));
     assert_eq!(begun(&mut rig, 10), [at]);
     rig.device.raise_trigger();
-    assert_eq!(begun(&mut rig, 100), []);
+    assert_eq!(begun(&mut rig, 100), [0_u64; 0]);
     assert_eq!(report(&mut rig), TriggerReport { waits: false, began: None });
     rig.accepted(&Command::TableCommit);
 }
@@ -113,7 +113,7 @@ fn stops_disarming_and_a_hello_drop_it() {
         begun(&mut rig, 10);
         rig.accepted(&command);
         rig.device.raise_trigger();
-        assert_eq!(begun(&mut rig, 200), [], "{command:?}");
+        assert_eq!(begun(&mut rig, 200), [0_u64; 0], "{command:?}");
         assert_eq!(report(&mut rig), TriggerReport { waits: false, began: None }, "{command:?}");
     }
     let mut rig = Rig::armed();
@@ -121,7 +121,7 @@ fn stops_disarming_and_a_hello_drop_it() {
     rig.hello();
     rig.arm();
     rig.device.raise_trigger();
-    assert_eq!(begun(&mut rig, 200), [], "another session");
+    assert_eq!(begun(&mut rig, 200), [0_u64; 0], "another session");
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn the_dead_man_and_a_fault_drop_it() {
     rig.device.advance(3200, |block| assert!(!block.begins));
     assert_eq!(rig.status().state, State::Idle);
     rig.device.raise_trigger();
-    assert_eq!(begun(&mut rig, 200), []);
+    assert_eq!(begun(&mut rig, 200), [0_u64; 0]);
 
     let mut rig = Rig::armed();
     rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.5)], 2000)));
@@ -144,7 +144,7 @@ fn the_dead_man_and_a_fault_drop_it() {
     begun(&mut rig, 10);
     assert_eq!(rig.status().first_fault, Some(Fault::Underrun));
     rig.device.raise_trigger();
-    assert_eq!(begun(&mut rig, 200), []);
+    assert_eq!(begun(&mut rig, 200), [0_u64; 0]);
     assert!(!report(&mut rig).waits);
 }
 
