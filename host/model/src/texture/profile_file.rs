@@ -1,6 +1,6 @@
 //! Profiles from files: breakpoints as CSV, or a row of grey pixels.
 
-use slipline_plate::quantity::{Count, Counted, WrongCount};
+use slipline_plate::quantity::{Count, Counted, WrongCount, must_be};
 use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
@@ -24,9 +24,10 @@ pub enum ProfileFileError {
     #[error("not a PNG image that can be read: {0}")]
     Png(#[from] png::DecodingError),
     /// The image has too few or too many pixels.
-    #[error(
-        "the image has {width} x {height} pixels: it must be 2 wide or more, and have at most 4194304 in all"
-    )]
+    #[error("{}", must_be(
+        format_args!("the image's size = {width} x {height} pixels"),
+        "2 wide or more, 4194304 in all or less",
+    ))]
     Size {
         /// Width, pixels.
         width: u32,

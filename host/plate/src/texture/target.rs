@@ -129,13 +129,13 @@ fn check_breakpoints(breakpoints: &[(f64, f64)]) -> Result<(), TextureError> {
     }
     for (number, &(place, amplitude)) in breakpoints.iter().enumerate() {
         if !place.is_finite() {
-            return refused(number, "the place must be a number");
+            return refused(number, "its place is not a number");
         }
         if !(amplitude.is_finite() && amplitude >= 0.0) {
-            return refused(number, "the amplitude must be a number of at least 0");
+            return refused(number, "its amplitude is not a number of at least 0");
         }
         if number > 0 && breakpoints[number - 1].0 >= place {
-            return refused(number, "the place must be beyond that of the breakpoint before");
+            return refused(number, "its place is not beyond that of the breakpoint before");
         }
     }
     if breakpoints.iter().all(|&(_, amplitude)| amplitude == 0.0) {
