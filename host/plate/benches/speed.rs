@@ -7,8 +7,9 @@
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
+use slipline_plate::texture::{Palette, TONES_MAX, Target, Texture};
 use slipline_plate::{
-    Equation, Model, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch,
+    DriveTable, Equation, Model, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch,
 };
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};
@@ -57,6 +58,7 @@ fn main() {
     lattice(&report);
     frequency_domain(&report);
     lights(&report);
+    textures(&report);
     time_lines(&report);
     sheets(&report);
 }
@@ -130,6 +132,23 @@ fn lights(report: &Report) {
             check,
             "",
         );
+    }
+}
+
+/// A solid area of 16 tones on each preset, from its table on: 200 candidates at 201 places, pruned and refined.
+fn textures(report: &Report) {
+    for preset in presets() {
+        let Some(plate) = preset.plate() else { continue };
+        let Ok(table) = DriveTable::build(&plate, 400e3, 257) else { continue };
+        let palette = Palette::new(&plate, &table);
+        let Ok(target) = Target::solid(&palette, plate.span_m().1) else { continue };
+        let mut check = 0.0;
+        let time = report.fastest(|| {
+            let texture = Texture::fit(&palette, &target, TONES_MAX);
+            check = texture.map_or(f64::NAN, |texture| texture.figures.rms_error);
+        });
+        let milliseconds = time.as_secs_f64() * 1e3;
+        report.row(&format!("texture {}", preset.name), "slipline 1", milliseconds, "ms", check, "");
     }
 }
 
