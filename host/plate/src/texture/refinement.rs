@@ -4,7 +4,7 @@
 //! projection: G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973).
 
 use super::error::TextureError;
-use super::nnls::non_negative_least_squares;
+use super::nnls::{Columns, non_negative_least_squares};
 use super::palette::Palette;
 use super::selection::{right_hand_side, weighted};
 use super::target::Target;
@@ -21,6 +21,8 @@ const SLOPE_STEP: f64 = 1e-4;
 pub(super) struct Placed {
     pub(super) positions_m: Vec<f64>,
     pub(super) powers: Vec<f64>,
+    /// The tones' fields, weighted.
+    fields: Columns,
     error: f64,
 }
 
@@ -30,7 +32,7 @@ fn place(palette: &Palette<'_>, target: &Target, positions_m: Vec<f64>) -> Resul
     let wanted = right_hand_side(target);
     let powers = non_negative_least_squares(&columns, &wanted);
     let error = columns.times(&powers).iter().zip(&wanted).map(|(is, wanted)| (wanted - is).powi(2)).sum();
-    Ok(Placed { positions_m, powers, error })
+    Ok(Placed { positions_m, powers, fields: columns, error })
 }
 
 /// Moves the tones at `positions_m` within what the target allows.
@@ -79,7 +81,7 @@ fn slopes(
     // To the side on which there is room.
     let aside: Vec<f64> =
         now.positions_m.iter().map(|&x| if x + step_m <= end { x + step_m } else { x - step_m }).collect();
-    let here = weighted(&palette.squares(&now.positions_m)?, target);
+    let here = &now.fields;
     let there = weighted(&palette.squares(&aside)?, target);
     let rest: Vec<f64> =
         right_hand_side(target).iter().zip(here.times(&now.powers)).map(|(wanted, is)| wanted - is).collect();
