@@ -69,19 +69,17 @@ impl Texture {
         let candidates_m = selection::candidates_m(target);
         let candidates = palette.squares(&candidates_m)?;
         let places_m = palette.places_m();
-        let best = candidates.times(&selection::best(&candidates, target));
-        let few = selection::few(&candidates, target, most);
-        let chosen_m: Vec<f64> = few.iter().map(|&(candidate, _)| candidates_m[candidate]).collect();
-        let mut placed = refinement::refine(palette, target, chosen_m)?;
-        let mut sounding = sounding_tones(placed);
+        let (best, few) = selection::best_and_few(&candidates, target, most);
+        let best = candidates.times(&best);
+        let refined = |places_m| refinement::refine(palette, target, places_m).map(sounding_tones);
+        let mut sounding = refined(few.into_iter().map(|candidate| candidates_m[candidate]).collect())?;
         // A step of this loop leaves one tone less, or is the last.
         loop {
             let parted = parted_m(palette, &sounding);
             if parted.len() == sounding.len() {
                 break;
             }
-            placed = refinement::refine(palette, target, parted)?;
-            sounding = sounding_tones(placed);
+            sounding = refined(parted)?;
         }
         let (positions_m, powers): (Vec<f64>, Vec<f64>) = sounding.into_iter().unzip();
         let squares = palette.squares(&positions_m)?.times(&powers);

@@ -74,12 +74,13 @@ pub fn non_negative_least_squares(a: &Columns, b: &[f64]) -> Vec<f64> {
     set.x
 }
 
-/// As [`non_negative_least_squares`] with at most `most` unknowns above zero: the unknown whose loss raises the error
-/// least is taken away, and the others are solved for again, until so few are left. (The best set of so many is a search
-/// without end; this one is near it where the columns change smoothly.)
-pub fn few_non_negative_least_squares(a: &Columns, b: &[f64], most: usize) -> Vec<f64> {
+/// The result of [`non_negative_least_squares`], and beside it the one with at most `most` unknowns above zero: the unknown
+/// whose loss raises the error least is taken away, and the others are solved for again, until so few are left. (The best
+/// set of so many is a search without end; this one is near it where the columns change smoothly.)
+pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     let mut set = ActiveSet::new(a, b);
     set.solve();
+    let all = set.x.clone();
     while set.free.len() > most {
         let Some(least) = set.least_missed() else { break };
         set.allowed[set.free[least]] = false;
@@ -90,7 +91,7 @@ pub fn few_non_negative_least_squares(a: &Columns, b: &[f64], most: usize) -> Ve
         set.restart();
         set.solve();
     }
-    set.x
+    (all, set.x)
 }
 
 /// One run of the algorithm.
@@ -465,7 +466,8 @@ mod tests {
             x[column] = value;
         }
         let b: Vec<f64> = a.times(&x).iter().map(|value| value + 1e-4 * numbers.next()).collect();
-        let few = few_non_negative_least_squares(&a, &b, 3);
+        let (all, few) = all_and_few(&a, &b, 3);
+        assert_eq!(all, non_negative_least_squares(&a, &b));
         for (column, value) in wanted {
             assert!((few[column] - value).abs() < 1e-2, "{column}: {}", few[column]);
         }

@@ -1,6 +1,6 @@
 //! Which of many candidates are needed: the best powers of all, then the fewest tones that come near to them.
 
-use super::nnls::{Columns, few_non_negative_least_squares, non_negative_least_squares};
+use super::nnls::{Columns, all_and_few};
 use super::target::Target;
 
 /// Candidate turning points of a fit, uniform over those that are allowed.
@@ -26,13 +26,10 @@ pub(super) fn candidates_m(target: &Target) -> Vec<f64> {
     (0..CANDIDATES).map(|i| start + (end - start) * i as f64 / (CANDIDATES - 1) as f64).collect()
 }
 
-/// The powers of all candidates that come nearest to the target; `squares` are the candidates' fields.
-pub(super) fn best(squares: &Columns, target: &Target) -> Vec<f64> {
-    non_negative_least_squares(&weighted(squares, target), &right_hand_side(target))
-}
-
-/// As [`best`], with at most `most` powers above zero: `(candidate, power)`.
-pub(super) fn few(squares: &Columns, target: &Target, most: usize) -> Vec<(usize, f64)> {
-    let powers = few_non_negative_least_squares(&weighted(squares, target), &right_hand_side(target), most);
-    powers.into_iter().enumerate().filter(|&(_, power)| power > 0.0).collect()
+/// The powers of all candidates that come nearest to the target, and the candidates, at most `most`, that come nearly as
+/// near; `squares` are the candidates' fields.
+pub(super) fn best_and_few(squares: &Columns, target: &Target, most: usize) -> (Vec<f64>, Vec<usize>) {
+    let (best, few) = all_and_few(&weighted(squares, target), &right_hand_side(target), most);
+    let sounding = few.iter().enumerate().filter(|&(_, &power)| power > 0.0).map(|(candidate, _)| candidate);
+    (best, sounding.collect())
 }
