@@ -6,7 +6,7 @@ use super::finger::Finger;
 use super::respond::{POINTS_MAX, POINTS_MIN, check_frequency, respond_touched};
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::plate::Plate;
-use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
+use crate::spec::sample_rate::{SAMPLE_RATE_MAX_HZ, hold_droop};
 use num_complex::Complex64;
 
 /// One tone of a drive.
@@ -63,8 +63,7 @@ pub fn predict_envelope(
     let mut fields = Vec::with_capacity(tones.len());
     for tone in tones {
         let response = respond_touched(plate, finger, tone.frequency_hz, points, Equation::Corrected)?;
-        let turn = std::f64::consts::PI * tone.frequency_hz / sample_rate_hz;
-        let droop = turn.sin() / turn;
+        let droop = hold_droop(tone.frequency_hz, sample_rate_hz);
         let actuator =
             plate.spec().actuator.as_ref().map_or(Complex64::ONE, |it| it.response(tone.frequency_hz));
         let scale =

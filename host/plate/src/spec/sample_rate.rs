@@ -25,6 +25,12 @@ pub fn sample_rates(plate: &Plate) -> Range {
     Range::new(plate.band_hz().1 / FREQUENCY_TO_RATE_MAX * (1.0 + 1e-9), SAMPLE_RATE_MAX_HZ, "Hz")
 }
 
+/// Gain of the DAC's zero-order hold at a frequency above 0: sinc(f/fs).
+pub(crate) fn hold_droop(frequency_hz: f64, sample_rate_hz: f64) -> f64 {
+    let turn = std::f64::consts::PI * frequency_hz / sample_rate_hz;
+    turn.sin() / turn
+}
+
 /// Refuses a sample rate that does not carry the plate's band.
 pub(crate) fn check(plate: &Plate, sample_rate_hz: f64) -> Result<(), SampleRateError> {
     OutOfRange::check("sample rate", sample_rate_hz, sample_rates(plate))

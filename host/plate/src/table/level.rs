@@ -16,7 +16,6 @@ use crate::spec::plate::Plate;
 use crate::spec::sample_rate;
 use crate::special::airy;
 use num_complex::Complex64;
-use std::f64::consts::PI;
 
 /// Number of wave speeds within the tolerance, the nominal one included; odd. On the presets, at 40 kHz, the phase of
 /// the ripple changes by about pi over a tolerance of 1 %, so by about a tenth of a turn from speed to speed.
@@ -123,8 +122,7 @@ impl DriveToPeak {
 
     /// Gain of the zero-order hold and the actuator.
     fn before_the_plate(&self, frequency_hz: f64) -> f64 {
-        let turn = PI * frequency_hz / self.sample_rate_hz;
-        let droop = turn.sin() / turn;
+        let droop = sample_rate::hold_droop(frequency_hz, self.sample_rate_hz);
         let actuator = self.plate.spec().actuator.as_ref();
         droop * actuator.map_or(1.0, |actuator| actuator.response(frequency_hz).norm())
     }

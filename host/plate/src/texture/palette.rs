@@ -5,9 +5,9 @@ use super::nnls::Columns;
 use crate::frequency::equation::Equation;
 use crate::frequency::numerov::{self, Grid};
 use crate::spec::plate::Plate;
+use crate::spec::sample_rate::hold_droop;
 use crate::table::DriveTable;
 use num_complex::Complex64;
-use std::f64::consts::PI;
 
 /// Places along the plate at which a texture is fitted, uniform from 0 to the plate's end.
 pub const PLACES: usize = 201;
@@ -69,9 +69,8 @@ impl<'a> Palette<'a> {
     /// From the driven end's displacement to that of a tone of level 1, over the table's peak at full scale.
     fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
         let spec = self.plate.spec();
-        let turn = PI * frequency_hz / self.table.sample_rate_hz;
         let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
-        let dac = self.table.gain(position_m) * turn.sin() / turn;
+        let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz);
         actuator * dac * spec.full_scale_m / self.table.peak_at_full_scale_m
     }
 }
