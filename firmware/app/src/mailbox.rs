@@ -64,8 +64,7 @@ use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
 /// A [`View`] without its motion.
 struct Moment {
     next: SampleIndex,
-    pending: Option<SampleIndex>,
-    waits: bool,
+    pending: Option<Pending>,
     stopping: bool,
     armed: bool,
     ready_at: SampleIndex,
@@ -142,8 +141,7 @@ impl<M: RawMutex> Mailbox<M> {
             let rest = self.shared.lock(|shared| {
                 (!shared.is_fading.get() && shared.changes.get() == changes).then(|| Moment {
                     next: shared.next.get(),
-                    pending: shared.pending.get().map(|pending| pending.at),
-                    waits: shared.waits(),
+                    pending: shared.pending.get(),
                     stopping: shared.stop.get().is_some() || shared.report.get().stopping,
                     armed: shared.armed.get(),
                     ready_at: shared.ready_at.get(),
@@ -151,19 +149,8 @@ impl<M: RawMutex> Mailbox<M> {
                     faults: shared.faults.get(),
                 })
             });
-            if let Some(Moment { next, pending, waits, stopping, armed, ready_at, report, faults }) = rest {
-                return View {
-                    next,
-                    motion,
-                    changes,
-                    pending,
-                    waits,
-                    stopping,
-                    armed,
-                    ready_at,
-                    report,
-                    faults,
-                };
+            if let Some(Moment { next, pending, stopping, armed, ready_at, report, faults }) = rest {
+                return View { next, motion, changes, pending, stopping, armed, ready_at, report, faults };
             }
             // The motion became another one meanwhile. That happens a few times at most: a motion begins, a ramp
             // begins, and a new motion would have to come from this side.

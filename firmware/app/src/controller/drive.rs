@@ -118,7 +118,7 @@ pub(super) fn publish<M: RawMutex>(
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        if view.pending.is_some() && !view.waits {
+        if view.pending.is_some() && !view.waits() {
             break;
         }
         let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;

@@ -88,7 +88,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             State::Stopping
         } else if !view.armed {
             State::Idle
-        } else if view.waits {
+        } else if view.waits() {
             State::Waiting
         } else if view.is_silent() {
             State::Armed

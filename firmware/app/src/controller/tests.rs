@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{Apply, Drive, TableChunk, Tone};
-use slipline_protocol::event::Faults;
+use slipline_protocol::event::{Counters, Faults, State};
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
@@ -368,4 +368,22 @@ fn a_stop_that_comes_while_a_change_of_tables_is_planned_leaves_the_old_table_in
         rig.accepted(&Command::TableCommit);
         assert_ne!(rig.controller.active, in_force);
     }
+}
+
+#[test]
+fn a_new_table_in_silence_is_neither_a_drive_nor_a_stop() {
+    let mut rig = Rig::armed();
+    let state = |rig: &Rig| rig.controller.status(&rig.mailbox, Counters::default()).state;
+    // The swap is pending: nothing has been rendered since.
+    rig.upload();
+    assert_eq!(state(&rig), State::Armed);
+    rig.render(TICK_BLOCKS);
+    rig.accepted(&Command::Disarm);
+    rig.render(TICK_BLOCKS);
+    rig.upload();
+    assert_eq!(state(&rig), State::Idle);
+    rig.render(TICK_BLOCKS);
+    rig.accepted(&Command::Arm);
+    rig.accepted(&full_scale(Apply::Next));
+    assert_eq!(state(&rig), State::Driving, "a tone is about to sound");
 }

@@ -2,6 +2,7 @@
 
 use slipline_protocol::units::SampleIndex;
 
+use super::pending::Pending;
 use super::report::Report;
 use crate::faults::FaultLatch;
 use crate::motion::Motion;
@@ -15,10 +16,8 @@ pub struct View {
     pub motion: Motion,
     /// How often that has changed; wraps.
     pub changes: u32,
-    /// When the pending program begins, or from when on it waits for the trigger input.
-    pub pending: Option<SampleIndex>,
-    /// Whether it waits for the trigger input.
-    pub waits: bool,
+    /// The program that has not begun.
+    pub pending: Option<Pending>,
     /// A stop has been ordered or is ramping.
     pub stopping: bool,
     /// Whether drives are accepted.
@@ -32,9 +31,15 @@ pub struct View {
 }
 
 impl View {
-    /// Whether nothing sounds and nothing is about to.
+    /// Whether nothing sounds and nothing is about to. A swap of the table in silence makes no sound.
     #[must_use]
-    pub const fn is_silent(&self) -> bool {
-        self.report.silent && self.pending.is_none()
+    pub fn is_silent(&self) -> bool {
+        self.report.silent && !self.pending.is_some_and(|pending| pending.sounds)
+    }
+
+    /// Whether a program waits for the trigger input.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.pending.is_some_and(|pending| pending.waits)
     }
 }

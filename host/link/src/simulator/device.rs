@@ -276,7 +276,7 @@ impl SimulatedDevice {
     /// Whether a drive waits for the trigger input.
     #[must_use]
     pub fn waits_for_trigger(&self) -> bool {
-        self.mailbox.view().waits
+        self.mailbox.view().waits()
     }
 
     /// Raises the trigger input for a moment.
