@@ -1,11 +1,17 @@
 //! Plates in bending, one dimension against two: twenty plates with both edges and every driven end.
 //!
 //! Behind an end that absorbs, peaks are compared over the whole span; at an end that takes no power, the resonances.
+//!
+//! The ends `displacement`, `force` and `resistance` are not among the twenty: in bending they leave the near field out, an
+//! approximation that plate files of today may use. Their light "drive match" is never green, which the last test holds.
 
 mod plates;
 
 use plates::{End, is_clamped, plates};
-use slipline_plate::{Equation, Peak, Plate, Response, plane, reflection, respond, respond_batch};
+use slipline_plate::check::{Checker, Colour, Conditions};
+use slipline_plate::{
+    DriveEnd, Equation, Peak, Plate, PlateSpec, Response, plane, reflection, respond, respond_batch,
+};
 
 const POINTS: usize = 601;
 /// Boundaries over a span.
@@ -23,9 +29,16 @@ fn in_two(plate: &Plate, frequency_hz: f64) -> Response {
     plane::respond(plate, frequency_hz, POINTS, &plane::Setup::of(plate)).expect("enters")
 }
 
-/// Whether the first width mode is alone: the third cannot enter at this frequency.
-fn is_alone(plate: &Plate, frequency_hz: f64) -> bool {
-    plate.ghost_boundary_m(frequency_hz, 3).is_none()
+/// The largest difference of |f| before the place where the third width mode turns, as a share of the peak: there this mode
+/// adds to the field. 0 where it does not run.
+fn beside_the_third_mode(plate: &Plate, one: &Response, two: &Response) -> f64 {
+    let Some(turns_m) = plate.ghost_boundary_m(one.frequency_hz, 3) else { return 0.0 };
+    let height = |response: &Response| response.peak.expect("a peak").amplitude;
+    let fields = one.position_m.iter().zip(one.amplitude.iter().zip(&two.amplitude));
+    fields
+        .take_while(|(x, _)| **x < turns_m)
+        .map(|(_, (f, g))| (f.norm() / height(one) - g.norm() / height(two)).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -36,16 +49,18 @@ fn behind_an_end_that_absorbs_peaks_are_where_and_as_high_as_in_two_dimensions()
         for boundary_m in (0..PLACES).map(|i| start_m + (end_m - start_m) * i as f64 / (PLACES - 1) as f64) {
             let at = format!("{end:?}, clamped {}, {boundary_m:.4} m", is_clamped(&plate));
             let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
-            let differs = plane::Comparison::of(&in_one(&plate, frequency_hz), &in_two(&plate, frequency_hz));
+            let (one, two) = (in_one(&plate, frequency_hz), in_two(&plate, frequency_hz));
+            let differs = plane::Comparison::of(&one, &two);
             let shift_m = differs.peak_shift_m.expect("peaks").abs();
-            // Between clamped edges width modes couple where the third one runs, too; a light says that it does.
-            let is_alone = is_alone(&plate, frequency_hz);
-            let allowed_m = if is_alone || !is_clamped(&plate) { 5e-4 } else { 8e-4 };
-            assert!(shift_m < allowed_m, "{at}: {shift_m}");
+            assert!(shift_m < 2.5e-4, "{at}: {shift_m}");
+            let beside = beside_the_third_mode(&plate, &one, &two);
+            // Between clamped edges the end excites the third mode, too. What the taper alone makes of it is left out.
+            let allowed = if is_clamped(&plate) { 0.06 } else { 0.12 };
+            assert!(beside < allowed, "{at}: {beside}");
             let reflected = reflection(&plate, frequency_hz).expect("enters").norm();
             assert!(reflected < REFLECTION, "{at}: {reflected}");
             // A lead-in leaves hardly a node to count.
-            let has_nodes = is_alone && matches!(end, End::Damper(..));
+            let has_nodes = matches!(end, End::Damper(..));
             assert!(!has_nodes || differs.nodes[0] == differs.nodes[1], "{at}: {:?}", differs.nodes);
             let level_db = differs.level_db.expect("peaks");
             (low_db, high_db) = (low_db.min(level_db), high_db.max(level_db));
@@ -119,7 +134,27 @@ fn at_an_end_that_takes_no_power_resonances_are_those_in_two_dimensions() {
             assert!(level_db.abs() < 0.3, "{at}: {level_db} dB");
             let (own, real) = (in_one(&plate, hz * (1.0 + place)), in_two(&plate, hz * (1.0 + true_place)));
             let nodes = plane::Comparison::of(&own, &real).nodes;
-            assert!(nodes[0] == nodes[1] || !is_alone(&plate, hz), "{at}: {nodes:?}");
+            assert_eq!(nodes[0], nodes[1], "{at}");
+        }
+    }
+}
+
+#[test]
+fn an_end_without_its_near_field_has_no_green_light() {
+    for (_, plate) in plates().into_iter().take(2) {
+        let at_frequency_hz = plate.frequency_for_boundary_hz(0.55 * plate.length_m());
+        for (end, colour) in [
+            (DriveEnd::Resistance { ratio: 1.0, at_frequency_hz }, Colour::Amber),
+            (DriveEnd::Force { at_frequency_hz }, Colour::Red),
+            (DriveEnd::Displacement, Colour::Red),
+        ] {
+            let plate = Plate::new(PlateSpec { drive_end: end, ..plate.spec().clone() }).expect("valid");
+            let sample_rate_hz = 4.0 * plate.band_hz().1;
+            let conditions = Conditions { sample_rate_hz, ..Conditions::default() };
+            let report = Checker::new(&plate, conditions).expect("checks");
+            let report = report.at(0.55 * plate.length_m()).expect("on it");
+            let light = report.light("drive match").expect("a light");
+            assert_eq!(light.colour, colour, "{end:?}: {light:?}");
         }
     }
 }

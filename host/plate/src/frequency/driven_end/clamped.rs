@@ -9,13 +9,16 @@
 //! ```
 //! The source acts on the share of the width mode at its cut-off: its force on w_i is F P_i, and it is moved by the sum of
 //! P_i w_i. The propagating wave enters by p(0) and p'(0), the other 2 N - 1 waves by their amplitudes; with the drive that
-//! makes 2 N unknowns for 2 N conditions, linear in p(0) and p'(0). The strip has the width of the end: what the taper
-//! changes within the reach of the near field, less than W, is left out.
+//! makes 2 N unknowns for 2 N conditions, linear in p(0) and p'(0). Of these waves some may run, too: a higher width mode
+//! goes to its own turning point and comes back ([`turning_wave`](super::turning_wave)). The others die out from the end
+//! on, and the strip has the width of the end: what the taper changes within the reach of that near field, less than W, is
+//! left out.
 
 use super::DrivenEnd;
-use super::near_field::{NearField, NearWave};
+use super::near_field::{Course, Decay, NearField, NearWave};
 use super::one_mode::source_force;
 use super::strip_waves::{ORDERS, Section, Wave, section};
+use super::turning_wave::{ModeLaw, TurningWave};
 use crate::spec::impedance::Impedance;
 use crate::spec::plate::Plate;
 use crate::spec::source::{EndSlope, LeadIn, Source};
@@ -24,6 +27,8 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 const ROWS: usize = 2 * ORDERS;
+/// Largest |ds/dt| of a wave that dies out; away from where two waves meet it is 1 to 2.
+const SLOPE_MOST: f64 = 2.0;
 
 /// The strip at the driven end at one frequency.
 struct Strip {
@@ -104,15 +109,51 @@ impl Strip {
     }
 }
 
-/// The columns of the conditions: p(0), p'(0) and each evanescent wave.
-struct Columns<'a> {
-    strip: &'a Strip,
-    ends: Vec<End>,
-    near: Vec<Wave>,
+/// A wave beside the propagating one.
+struct Beside {
+    /// Its value on the centre line.
+    centre: Complex64,
+    course: Course,
 }
 
-impl<'a> Columns<'a> {
-    fn new(strip: &'a Strip, propagating: Complex64) -> Self {
+/// `wave` beside the propagating one, and what it asks of the end. `number` is that of the width mode if it runs and
+/// returns.
+fn beside(strip: &Strip, plate: &Plate, wave: &Wave, number: Option<u32>) -> (Beside, End) {
+    let rigidity = strip.lossy_rigidity(strip.axial);
+    let square = wave.wavenumber * wave.wavenumber;
+    let Some(number) = number else {
+        // k^2 = s/W^2 with s linear in t = (W K)^2. Where two waves meet, their slopes are infinite; beside that
+        // point each goes on more slowly.
+        let slope = wave.slope / (wave.slope.norm() / SLOPE_MOST).max(1.0);
+        let axial = -slope * strip.axial;
+        let course = Course::DiesOut(Decay { axial, across: -square - axial });
+        return (Beside { centre: wave.centre, course }, strip.wave_end(rigidity, wave));
+    };
+    let area = strip.half_width * strip.half_width;
+    let law = ModeLaw::new(plate, number, area.recip(), strip.axial * area, [square * area, wave.slope]);
+    let rate = TurningWave::slope_per_m(&law, plate);
+    let end = strip.end(rigidity, &wave.shape, [Complex64::ONE, rate, -square, -square * rate]);
+    (Beside { centre: wave.centre, course: Course::Turns(law) }, end)
+}
+
+/// The number of the width mode (3, 5, ..) of the wave `index` of those beside the propagating one, if it runs: the
+/// wavenumbers of the even modes fall in the order of their numbers.
+fn number_of_running(near: &[Wave], index: usize) -> Option<u32> {
+    let square = |wave: &Wave| (wave.wavenumber * wave.wavenumber).re;
+    let own = square(&near[index]);
+    let before = near.iter().filter(|wave| square(wave) > own).count();
+    (own > 0.0).then_some(2 * before as u32 + 3)
+}
+
+/// The columns of the conditions: p(0), p'(0) and each wave beside it.
+struct Columns {
+    ends: Vec<End>,
+    near: Vec<Beside>,
+}
+
+impl Columns {
+    /// `narrowing_per_m` is W'/W at x = 0; 0 for the straight strip of the end's width, from which no wave returns.
+    fn new(strip: &Strip, plate: &Plate, narrowing_per_m: f64, propagating: Complex64) -> Self {
         let mut waves = strip.waves(strip.axial, propagating);
         let rigidity = strip.lossy_rigidity(strip.axial);
         let near = waves.split_off(1);
@@ -121,8 +162,11 @@ impl<'a> Columns<'a> {
         let by_value = [Complex64::ONE, Complex64::ZERO, -propagating, Complex64::ZERO];
         let by_slope = [Complex64::ZERO, Complex64::ONE, Complex64::ZERO, -propagating];
         let mut ends = vec![strip.end(rigidity, &shape, by_value), strip.end(rigidity, &shape, by_slope)];
-        ends.extend(near.iter().map(|wave| strip.wave_end(rigidity, wave)));
-        Self { strip, ends, near }
+        let number = |i: usize| if narrowing_per_m == 0.0 { None } else { number_of_running(&near, i) };
+        let waves = near.iter().enumerate().map(|(i, wave)| beside(strip, plate, wave, number(i)));
+        let (near, near_ends): (Vec<Beside>, Vec<End>) = waves.unzip();
+        ends.extend(near_ends);
+        Self { ends, near }
     }
 
     /// The end whose conditions are `first` = `drive` x drive and `second` = 0 for each polynomial.
@@ -154,14 +198,10 @@ impl<'a> Columns<'a> {
             right.row_mut(row).scale_mut(size.recip());
         }
         let found = matrix.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(ROWS, 2));
-        let waves = self.near.iter().enumerate().map(|(index, wave)| {
-            let decay = -Complex64::I * wave.wavenumber;
-            NearWave {
-                per_value: found[(index, 0)] * wave.centre,
-                per_slope: found[(index, 1)] * wave.centre,
-                axial: self.strip.axial,
-                across: decay * decay - self.strip.axial,
-            }
+        let waves = self.near.iter().enumerate().map(|(index, &Beside { centre, course })| NearWave {
+            per_value: found[(index, 0)] * centre,
+            per_slope: found[(index, 1)] * centre,
+            course,
         });
         DrivenEnd {
             alpha: found[(ROWS - 1, 0)],
@@ -178,9 +218,9 @@ fn propagating(plate: &Plate, frequency_hz: f64) -> Complex64 {
 }
 
 /// An end whose deflection is that of the width mode, 1 on the centre line, and whose slope is free or held.
-pub(super) fn moved(plate: &Plate, frequency_hz: f64, slope: EndSlope) -> DrivenEnd {
+pub(super) fn moved(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, slope: EndSlope) -> DrivenEnd {
     let strip = Strip::new(plate, frequency_hz);
-    let columns = Columns::new(&strip, propagating(plate, frequency_hz));
+    let columns = Columns::new(&strip, plate, narrowing_per_m, propagating(plate, frequency_hz));
     let drive = strip.section.mode.map(Complex64::from);
     columns.solve(
         |end| end.value.clone(),
@@ -193,10 +233,10 @@ pub(super) fn moved(plate: &Plate, frequency_hz: f64, slope: EndSlope) -> Driven
 }
 
 /// An end on which a source acts, with its lead-in behind it.
-pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> DrivenEnd {
+pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, source: &Source) -> DrivenEnd {
     let strip = Strip::new(plate, frequency_hz);
     let propagating = propagating(plate, frequency_hz);
-    let columns = Columns::new(&strip, propagating);
+    let columns = Columns::new(&strip, plate, narrowing_per_m, propagating);
     let behind = source.lead_in.map(|lead_in| dynamic_stiffness(&strip, &lead_in, propagating));
     let load = source.impedance.dynamic_stiffness(strip.omega);
     let loaded = |end: &End| -> (DVector<Complex64>, DVector<Complex64>) {
@@ -239,7 +279,7 @@ fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn, propagating: Complex64) ->
             (2 * index, Complex64::ONE, through, wave.wavenumber),
             (2 * index + 1, through, Complex64::ONE, -wave.wavenumber),
         ] {
-            let directed = Wave { wavenumber, shape: wave.shape.clone(), centre: wave.centre };
+            let directed = Wave { wavenumber, shape: wave.shape.clone(), ..*wave };
             let end = strip.wave_end(rigidity, &directed);
             // The agent at the far end is on the other side: -F takes the damper's force j omega R w.
             let far_force = &end.force + strip.on_mode(&end.value) * damper;

@@ -11,7 +11,7 @@
 //! DriveEnd -+- displacement, force, resistance: one-mode conditions        (one_mode)
 //!           +- source on a membrane or shear wave: its impedance            (one_mode)
 //!           +- slope, source on supported bending: supported strip          (supported), its lead-in (lead_in)
-//!           +- slope, source on clamped bending: all waves of the strip       (clamped, strip_waves)
+//!           +- slope, source on clamped bending: all waves of the strip       (clamped, strip_waves, turning_wave)
 //! ```
 
 mod clamped;
@@ -22,6 +22,7 @@ mod reflection;
 mod strip;
 mod strip_waves;
 mod supported;
+mod turning_wave;
 mod whole_end;
 
 use crate::spec::drive::DriveEnd;
@@ -59,7 +60,7 @@ impl DrivenEnd {
                 supported::moved(plate, frequency_hz, narrowing_per_m, slope)
             }
             (DriveEnd::DisplacementAndSlope { slope }, Model::BendingClamped(_)) => {
-                clamped::moved(plate, frequency_hz, slope)
+                clamped::moved(plate, frequency_hz, narrowing_per_m, slope)
             }
             (DriveEnd::Source(source), _) => Self::sourced(plate, frequency_hz, narrowing_per_m, &source),
             _ => one_mode::driven(plate, frequency_hz),
@@ -70,7 +71,7 @@ impl DrivenEnd {
     fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, source: &Source) -> Self {
         match plate.spec().model {
             Model::BendingSupported(_) => supported::sourced(plate, frequency_hz, narrowing_per_m, source),
-            Model::BendingClamped(_) => clamped::sourced(plate, frequency_hz, source),
+            Model::BendingClamped(_) => clamped::sourced(plate, frequency_hz, narrowing_per_m, source),
             _ => one_mode::sourced(plate, frequency_hz, source),
         }
     }

@@ -38,6 +38,8 @@ pub(super) struct Wave {
     pub(super) shape: DVector<Complex64>,
     /// Its value on the centre line.
     pub(super) centre: Complex64,
+    /// ds/dt.
+    pub(super) slope: Complex64,
 }
 
 /// A polynomial in b, constant term first.
@@ -123,10 +125,10 @@ impl Section {
         let triangle = Schur::new(companion).unpack().1;
         let mut squares: Vec<Complex64> = (0..2 * ORDERS).map(|i| triangle[(i, i)]).collect();
         squares.sort_by(|a, b| (a - propagating).norm().total_cmp(&(b - propagating).norm()));
-        squares.into_iter().map(|square| self.wave(square, &still, half_width_m)).collect()
+        squares.into_iter().map(|square| self.wave(t, square, &still, half_width_m)).collect()
     }
 
-    fn wave(&self, square: Complex64, still: &DMatrix<Complex64>, half_width_m: f64) -> Wave {
+    fn wave(&self, t: Complex64, square: Complex64, still: &DMatrix<Complex64>, half_width_m: f64) -> Wave {
         // A little off the eigenvalue, so that the matrix can be factored.
         let near = square * (1.0 + 1e-11);
         let matrix = still
@@ -142,7 +144,12 @@ impl Section {
         // Decaying, or without any loss leading, toward positive x.
         let root = if root.im < 0.0 { -root } else { root };
         let centre = shape.iter().zip(&self.centre).map(|(share, centre)| share * centre).sum();
-        Wave { wavenumber: root / half_width_m, shape, centre }
+        // From v (s^2 + 2 s B + C - t^2) v = 0, whose matrix is symmetric.
+        let product =
+            |other: DVector<Complex64>| shape.iter().zip(&other).map(|(a, b)| a * b).sum::<Complex64>();
+        let bent = self.slope.map(Complex64::from) * &shape + &shape * square;
+        let slope = t * product(shape.clone()) / product(bent);
+        Wave { wavenumber: root / half_width_m, shape, centre, slope }
     }
 }
 

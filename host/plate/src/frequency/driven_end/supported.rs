@@ -13,7 +13,7 @@
 
 use super::DrivenEnd;
 use super::lead_in;
-use super::near_field::{NearField, NearWave};
+use super::near_field::{Course, Decay, NearField, NearWave};
 use super::one_mode::source_force;
 use super::strip::Strip;
 use crate::spec::plate::Plate;
@@ -51,7 +51,8 @@ impl Strip {
     fn end(&self, first: [Complex64; 3], second: [Complex64; 3], drive: Complex64) -> DrivenEnd {
         let per_value = -second[0] / second[2];
         let per_slope = -second[1] / second[2];
-        let wave = NearWave { per_value, per_slope, axial: self.axial, across: self.across.into() };
+        let decay = Decay { axial: self.axial, across: self.across.into() };
+        let wave = NearWave { per_value, per_slope, course: Course::DiesOut(decay) };
         DrivenEnd {
             alpha: first[0] + first[2] * per_value,
             beta: first[1] + first[2] * per_slope,
