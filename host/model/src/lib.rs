@@ -21,5 +21,6 @@ pub mod export;
 pub mod field;
 pub mod jobs;
 pub mod setup;
+pub mod sound;
 pub mod texture;
 pub mod waveform;

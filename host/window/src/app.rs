@@ -19,6 +19,7 @@ mod paths;
 mod perform;
 mod playback;
 mod setup;
+mod sound;
 mod start;
 mod stop_presses;
 mod window;
@@ -27,8 +28,9 @@ pub use window::run;
 
 use crate::files::{FileJob, Files};
 use crate::intent::{Dialog, Grab};
-use crate::scene::{Notice, Scene};
+use crate::scene::{Notice, Scene, SoundScene};
 use crate::settings::{Settings, ThemeChoice};
+use crate::sound::Speaker;
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use notices::Notices;
@@ -92,6 +94,8 @@ pub struct Parts {
     pub time_domain: JobQueue<TimeDomainJob, Measured>,
     /// Draws figures.
     pub figures: JobQueue<FigureJob, Result<plate::File, String>>,
+    /// Plays sound.
+    pub speaker: Box<dyn Speaker>,
     /// Files.
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated device first.
@@ -127,6 +131,7 @@ pub struct App {
     /// The field that the setup would produce on its plate.
     predicted: SteadyField,
     finger: finger::OnPlate,
+    hearing: sound::Hearing,
     playback: Playback,
     background: background::Work,
     notices: Notices,
@@ -165,6 +170,7 @@ impl App {
             table_asked: None,
             predicted: SteadyField::default(),
             finger: finger::OnPlate::default(),
+            hearing: sound::Hearing::default(),
             playback: Playback::default(),
             background: background::Work::default(),
             notices: Notices::default(),
@@ -247,6 +253,11 @@ impl App {
             touch: self.finger.touch,
             finger: self.finger(),
             trace: &self.finger.trace,
+            sound: SoundScene {
+                choice: self.sound_choice(),
+                speaker: self.parts.speaker.state(),
+                unplayed: self.unplayed(),
+            },
             drive_wanted: self.autopilot.wants_drive(),
             predicted: &self.predicted,
             sounding: self.sounding_on_screen(),

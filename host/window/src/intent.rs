@@ -3,6 +3,7 @@
 
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
+use crate::sound::SoundChoice;
 use slipline_link::Request;
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::SourceChoice;
@@ -112,6 +113,10 @@ pub enum Intent {
     Touch(Touch),
     /// Move the finger to this place, in metres from the driven end.
     MoveFinger(f64),
+    /// Choose what is heard.
+    Sound(SoundChoice),
+    /// Set the volume of what is heard, 0..=1.
+    Volume(f32),
     /// The pointer took a handle.
     Grab(Grab),
     /// Undo the latest change.

@@ -16,4 +16,5 @@ pub mod files;
 pub mod intent;
 pub mod scene;
 pub mod settings;
+pub mod sound;
 pub mod view;

@@ -2,6 +2,7 @@
 
 use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
+use crate::sound::{SoundChoice, SpeakerState};
 use slipline_link::{PortInfo, Snapshot, upkeep};
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
@@ -34,6 +35,8 @@ pub struct Scene<'a> {
     pub finger: Option<Finger>,
     /// What the finger has met in the last seconds.
     pub trace: &'a Trace,
+    /// What is heard.
+    pub sound: SoundScene,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
     /// The plate under the tones that the device has acknowledged and sounds.
@@ -92,6 +95,16 @@ impl Scene<'_> {
     pub(crate) fn headroom_sum(&self) -> f64 {
         self.table.headroom_sum(self.setup)
     }
+}
+
+/// What is heard, and why not.
+pub struct SoundScene {
+    /// What is played.
+    pub choice: SoundChoice,
+    /// The state of the system's sound.
+    pub speaker: SpeakerState,
+    /// Why the drive, or a part of it, is not played.
+    pub unplayed: Option<String>,
 }
 
 /// The results of the background work.

@@ -58,6 +58,10 @@ pub struct Settings {
     pub unguarded_boards: Vec<String>,
     /// Whether the user has dragged the boundary once, so that the hint is no longer needed.
     pub has_dragged: bool,
+    /// Whether the finger on the simulated plate is heard.
+    pub hear_finger: bool,
+    /// The volume of what is heard, 0..=1.
+    pub volume: f32,
     /// Whether the wave is animated; not kept between runs, so that every start shows it moving.
     #[serde(skip, default = "moving")]
     pub animate: bool,
@@ -79,6 +83,8 @@ impl Default for Settings {
             recent: Vec::new(),
             unguarded_boards: Vec::new(),
             has_dragged: false,
+            hear_finger: true,
+            volume: 0.5,
             animate: true,
         }
     }
@@ -137,6 +143,8 @@ mod tests {
             recent: vec!["/a/b.toml".into(), "c.toml".into()],
             unguarded_boards: vec!["00ff".to_owned()],
             has_dragged: true,
+            hear_finger: false,
+            volume: 0.25,
             animate: true,
         }
     }

@@ -4,6 +4,7 @@
 
 mod trace;
 
+pub(crate) use trace::mean_over_contact;
 pub use trace::{Met, TRACE_S, Trace};
 
 use slipline_plate::{Finger, Plate};

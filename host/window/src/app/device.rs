@@ -19,6 +19,7 @@ impl App {
         // The chosen port is remembered even if it does not exist at the moment.
         self.settings.port = Some(port.to_string());
         self.autopilot.connecting(&port);
+        self.forget_sound();
         // The connection is tried again, so the message about the earlier failure is obsolete.
         self.notices.connected();
         self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));

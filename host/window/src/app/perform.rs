@@ -39,6 +39,8 @@ impl App {
                 Intent::Select(slot) => self.selected = slot,
                 Intent::Touch(touch) => self.touch(touch),
                 Intent::MoveFinger(place_m) => self.move_finger(place_m),
+                Intent::Sound(choice) => self.choose_sound(choice),
+                Intent::Volume(volume) => self.settings.volume = volume.clamp(0.0, 1.0),
                 Intent::Grab(grab) => {
                     self.grab = Some(grab);
                 }

@@ -3,6 +3,7 @@
 //! sounds.
 
 use super::App;
+use crate::sound::SoundChoice;
 use eframe::egui;
 use slipline_model::autopilot;
 use slipline_model::field::steady_field::SteadyField;
@@ -121,6 +122,11 @@ impl App {
 
     /// Advances the wave and requests the next frame, but only while something moves.
     pub(super) fn advance(&mut self, ctx: &egui::Context) {
+        self.move_on(ctx);
+        self.play_sound();
+    }
+
+    fn move_on(&mut self, ctx: &egui::Context) {
         let is_visible = ctx.input(|input| {
             let viewport = input.viewport();
             viewport.minimized != Some(true) && viewport.occluded != Some(true)
@@ -139,7 +145,8 @@ impl App {
             self.advance_sheet(step);
             ctx.request_repaint_after(FRAME);
         } else {
-            ctx.request_repaint_after(GLANCE);
+            let plays_drive = self.sound_choice() == SoundChoice::Drive;
+            ctx.request_repaint_after(if plays_drive { FRAME } else { GLANCE });
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::{App, Parts, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
+use crate::sound::SystemSpeaker;
 use eframe::egui;
 use slipline_link::native::list_ports;
 use slipline_link::native::{Handle, Worker, stop_on_panic};
@@ -106,6 +107,7 @@ fn open(
             wake(ctx),
         )?,
         figures: JobQueue::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
+        speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
         files: Box::new(SystemFiles::new(wake(ctx))),
         ports: Box::new(list_ports),
     };

@@ -2,7 +2,7 @@
 
 use super::field::{InputField, UNKNOWN, row};
 use super::slider::Quantity;
-use super::{Scene, ViewState, finger, stage, theme};
+use super::{Scene, ViewState, finger, sound, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, text::LayoutJob};
 use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
@@ -86,6 +86,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     ui.separator();
     finger::choice(ui, scene, intents);
+    sound::choice(ui, scene, intents);
 }
 
 /// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason

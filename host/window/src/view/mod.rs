@@ -29,6 +29,7 @@ mod plate_panel;
 mod plots;
 mod side_panel;
 mod slider;
+mod sound;
 mod stage;
 pub mod theme;
 mod tones_panel;

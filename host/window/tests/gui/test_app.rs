@@ -1,6 +1,7 @@
 //! The app on a simulated device in virtual time: no thread, no clock, no display.
 
 use crate::fake_files::FakeFiles;
+use crate::fake_speaker::FakeSpeaker;
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
@@ -29,6 +30,8 @@ pub(crate) struct TestApp {
     pub(crate) window: Harness<'static, App>,
     /// The files.
     pub(crate) files: FakeFiles,
+    /// What is heard.
+    pub(crate) speaker: FakeSpeaker,
     /// Number of jobs for the 2-D sheet so far.
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
     /// Why the computation in two dimensions is refused; `None` while it is not.
@@ -87,15 +90,17 @@ impl TestApp {
         let files = FakeFiles::default();
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
         let sheet_jobs = Rc::default();
+        let speaker = FakeSpeaker::default();
         let plane_refusal: Rc<RefCell<Option<String>>> = Rc::default();
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
+        parts.speaker = Box::new(speaker.clone());
         parts.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
             Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
             None => plane::work(job, task),
         });
         let window = open_window_with(parts, theme, builder);
-        Self { window, files, sheet_jobs, plane_refusal, worker }
+        Self { window, files, speaker, sheet_jobs, plane_refusal, worker }
     }
 
     /// Lets this many milliseconds pass, with a frame of the window every 50 ms.
@@ -194,6 +199,7 @@ fn parts(
         waveforms: JobQueue::inline(waveform::work()),
         time_domain: JobQueue::inline(|job, task: &_| time_domain::run(&job, task)),
         figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
+        speaker: Box::new(FakeSpeaker::default()),
         files: Box::new(files.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
     }

@@ -31,8 +31,9 @@ pub struct Met {
     pub speed_m_per_s: f64,
 }
 
-/// Mean over the contact, as far as it lies on the plate, of the largest displacement.
-fn mean_m(field: &SteadyField, plate: &Plate, finger: &Finger) -> f64 {
+/// Mean over a finger's contact, as far as it lies on the plate, of a displacement that is `at_m(x)` metres on the centre
+/// line and falls to the edges as the first width mode.
+pub(crate) fn mean_over_contact(plate: &Plate, finger: &Finger, at_m: impl Fn(f64) -> f64) -> f64 {
     let (columns, rows) = POINTS;
     let share = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
     let (mut sum, mut area) = (0.0, 0.0);
@@ -45,7 +46,7 @@ fn mean_m(field: &SteadyField, plate: &Plate, finger: &Finger) -> f64 {
         let half_m = (0.5 * finger.contact_m).min(half_width_m);
         for row in 0..rows {
             let beta = share(row, rows) * half_m / half_width_m;
-            sum += half_m * field.bound_at(x_m) * mode_shape(&plate.spec().model, beta);
+            sum += half_m * at_m(x_m) * mode_shape(&plate.spec().model, beta);
             area += half_m;
         }
     }
@@ -67,7 +68,7 @@ impl Trace {
             Some(latest) if time_s - latest.time_s > PAUSE_S => self.clear(),
             _ => {}
         }
-        let amplitude_m = mean_m(field, plate, finger);
+        let amplitude_m = mean_over_contact(plate, finger, |x_m| field.bound_at(x_m));
         let friction = match felt(field.frequency_at(finger.place_m), amplitude_m) {
             Sensation::Friction { ratio } => Some(ratio),
             Sensation::Vibration { .. } => None,

@@ -1,0 +1,78 @@
+//! What is heard: the finger's part of what sounds, or the drive itself.
+//!
+//! With the simulated device the finger is heard unless the user does not want it. With a real one nothing is heard until
+//! the user asks for it, each time anew: its plate has a sound of its own. The drive is never played unasked.
+
+use super::App;
+use crate::sound::{SoundChoice, SpeakerState};
+use slipline_model::autopilot;
+use slipline_model::sound::{Sound, at_finger, left_out_hz, of_drive};
+use slipline_plate::quantity::show_frequency;
+
+/// The choice for this connection, where it differs from the usual one.
+#[derive(Default)]
+pub(super) struct Hearing {
+    chosen: Option<SoundChoice>,
+}
+
+impl App {
+    /// What is heard.
+    pub(super) fn sound_choice(&self) -> SoundChoice {
+        self.hearing.chosen.unwrap_or_else(|| {
+            let is_usual = self.snapshot.is_simulated() && self.settings.hear_finger;
+            if is_usual { SoundChoice::Finger } else { SoundChoice::Off }
+        })
+    }
+
+    /// Chooses what is heard, until another device is connected; whether the finger is heard with the simulated device
+    /// is kept between runs.
+    pub(super) fn choose_sound(&mut self, choice: SoundChoice) {
+        self.hearing.chosen = Some(choice);
+        if self.snapshot.is_simulated() && choice != SoundChoice::Drive {
+            self.settings.hear_finger = choice == SoundChoice::Finger;
+        }
+        if matches!(self.parts.speaker.state(), SpeakerState::Failed(_)) {
+            self.parts.speaker.retry();
+        }
+    }
+
+    /// Forgets the choice: another device is connected.
+    pub(super) fn forget_sound(&mut self) {
+        self.hearing.chosen = None;
+    }
+
+    /// Tells the speaker what sounds now.
+    pub(super) fn play_sound(&self) {
+        let sound = match self.sound_choice() {
+            SoundChoice::Off => None,
+            SoundChoice::Finger => self.sound_of_finger(),
+            SoundChoice::Drive => self.sound_of_drive(),
+        };
+        self.parts.speaker.play(sound.unwrap_or_default(), self.settings.volume);
+    }
+
+    /// Why the drive, or a part of it, is not played.
+    pub(super) fn unplayed(&self) -> Option<String> {
+        if self.sound_choice() != SoundChoice::Drive {
+            return None;
+        }
+        let highest = show_frequency(slipline_model::sound::HIGHEST_DRIVE_HZ);
+        let left_out = show_frequency(left_out_hz(&autopilot::sounding(&self.snapshot)?)?);
+        Some(format!("A sound card plays the drive up to {highest}: the tone of {left_out} is left out."))
+    }
+
+    fn sound_of_finger(&self) -> Option<Sound> {
+        if !self.settings.animate {
+            return None;
+        }
+        let (finger, full_peak_m) = (self.finger()?, self.full_peak_m()?);
+        let field = self.sounding_on_screen()?;
+        let met = self.finger.trace.latest();
+        Some(at_finger(&self.setup.plate, field, &finger, full_peak_m, met))
+    }
+
+    fn sound_of_drive(&self) -> Option<Sound> {
+        let status = self.snapshot.status?;
+        Some(of_drive(&autopilot::sounding(&self.snapshot)?, status.foldback_per_mille))
+    }
+}

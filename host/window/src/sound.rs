@@ -1,0 +1,56 @@
+//! Sound: what a finger meets, or the drive itself, through the system's sound card.
+//!
+//! ```text
+//! App --play(sound, volume)--> Speaker   (tests: a recorder of what is played)
+//!                               |
+//!                               +-- SystemSpeaker: Mix <--samples-- the system's callback
+//! ```
+//! It is silent unless the app says again and again what sounds: a window that hangs, or is covered, falls silent
+//! within 0.3 s.
+
+mod mix;
+mod output;
+mod system;
+
+pub use system::SystemSpeaker;
+
+use slipline_model::sound::Sound;
+
+/// What is played.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SoundChoice {
+    /// Nothing.
+    #[default]
+    Off,
+    /// What the finger meets.
+    Finger,
+    /// The drive, for a voice coil at the sound card's output.
+    Drive,
+}
+
+/// The state of the system's sound.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum SpeakerState {
+    /// Nothing was to be played yet, or not for a while.
+    #[default]
+    Closed,
+    /// It is being opened.
+    Opening,
+    /// It plays.
+    Playing,
+    /// It cannot play, for this reason.
+    Failed(String),
+}
+
+/// What plays a sound: the system's sound card, or a test's stand-in.
+pub trait Speaker {
+    /// Plays this sound at this volume, 0..=1, until it is told another one, and for a short while only. Never blocks.
+    fn play(&self, sound: Sound, volume: f32);
+    /// Its state.
+    fn state(&self) -> SpeakerState;
+    /// Tries again after a failure.
+    fn retry(&self);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! The system's sound card: a thread that opens it when something sounds, and lets it go when nothing does.
+
+use super::mix::Mix;
+use super::output;
+use super::{Speaker, SpeakerState};
+use slipline_model::sound::{Sound, Synth};
+use std::io;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// The system's sound card.
+pub struct SystemSpeaker {
+    mix: Arc<Mix>,
+    state: Arc<Mutex<SpeakerState>>,
+    /// Wakes the thread that opens the card.
+    open: SyncSender<()>,
+}
+
+impl SystemSpeaker {
+    /// Starts the thread. `wake` is called whenever the state changes.
+    ///
+    /// # Errors
+    /// When the system cannot start a thread.
+    pub fn new(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        Self::with(wake, output::run)
+    }
+
+    /// As [`Self::new`], with another card: it calls what it is given for samples until that says that it is over.
+    pub(super) fn with(
+        wake: impl Fn() + Send + 'static,
+        run: impl Fn(&dyn Fn(), Source) -> Result<(), String> + Send + 'static,
+    ) -> io::Result<Self> {
+        let mix = Arc::new(Mix::new(Instant::now()));
+        let state = Arc::default();
+        let (open, opened) = sync_channel(1);
+        let thread =
+            Thread { mix: Arc::clone(&mix), state: Arc::clone(&state), opened, wake: Box::new(wake) };
+        std::thread::Builder::new().name("slipline-sound".to_owned()).spawn(move || thread.run(run))?;
+        Ok(Self { mix, state, open })
+    }
+}
+
+impl Speaker for SystemSpeaker {
+    fn play(&self, sound: Sound, volume: f32) {
+        let is_heard = !sound.is_silent();
+        self.mix.tell(sound, volume, Instant::now());
+        if is_heard && self.state() == SpeakerState::Closed {
+            // Full: it is asked already.
+            let _ = self.open.try_send(());
+        }
+    }
+
+    fn state(&self) -> SpeakerState {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn retry(&self) {
+        set(&self.state, SpeakerState::Closed);
+    }
+}
+
+fn set(state: &Mutex<SpeakerState>, to: SpeakerState) {
+    *state.lock().unwrap_or_else(PoisonError::into_inner) = to;
+}
+
+/// Where a card gets its samples.
+pub(super) struct Source {
+    mix: Arc<Mix>,
+    synth: Option<Synth>,
+}
+
+impl Source {
+    /// Fills `samples` at this rate in Hz, which does not change; returns `false` when nothing has sounded for so long
+    /// that the card shall be let go.
+    pub(super) fn fill(&mut self, rate_hz: f64, samples: &mut [f32]) -> bool {
+        let now = Instant::now();
+        let synth = self.synth.get_or_insert_with(|| Synth::new(rate_hz));
+        self.mix.fill(synth, samples, now);
+        !(synth.is_silent() && self.mix.is_idle(now))
+    }
+}
+
+struct Thread {
+    mix: Arc<Mix>,
+    state: Arc<Mutex<SpeakerState>>,
+    opened: Receiver<()>,
+    wake: Box<dyn Fn() + Send>,
+}
+
+impl Thread {
+    /// Until the app is gone.
+    fn run(self, run: impl Fn(&dyn Fn(), Source) -> Result<(), String>) {
+        let tell = |state| {
+            set(&self.state, state);
+            (self.wake)();
+        };
+        while self.opened.recv().is_ok() {
+            tell(SpeakerState::Opening);
+            let source = Source { mix: Arc::clone(&self.mix), synth: None };
+            match run(&|| tell(SpeakerState::Playing), source) {
+                Ok(()) => tell(SpeakerState::Closed),
+                Err(reason) => tell(SpeakerState::Failed(reason)),
+            }
+        }
+    }
+}
