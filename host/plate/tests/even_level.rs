@@ -31,14 +31,14 @@ fn designed(edge: Edge, thick_plate: bool, thickness_m: f64, band_hz: (f64, f64)
 #[test]
 fn the_tables_of_plates_made_for_an_even_level_make_it_even_in_two_dimensions() {
     let usual = |edge, thick_plate| designed(edge, thick_plate, 2e-3, (20e3, 40e3), 0.3);
-    // The last number: how far 1 % of wave speed may move the level, dB.
-    for (plate, detuned_db) in [
-        (preset("al-bending").expect("a preset"), 1.0),
-        (usual(Edge::Supported, false), 1.0),
-        (usual(Edge::Supported, true), 1.0),
-        (designed(Edge::Supported, false, 1e-3, (22e3, 36e3), 0.25), 1.0),
-        // Its nearest boundary is so near to the drive that the lowest frequency hardly enters the plate.
-        (usual(Edge::Clamped, false), 1.5),
+    for plate in [
+        preset("al-bending").expect("a preset"),
+        usual(Edge::Supported, false),
+        usual(Edge::Supported, true),
+        designed(Edge::Supported, false, 1e-3, (22e3, 36e3), 0.25),
+        usual(Edge::Clamped, false),
+        designed(Edge::Clamped, false, 1e-3, (22e3, 36e3), 0.25),
+        designed(Edge::Clamped, false, 2e-3, (30e3, 40e3), 0.2),
     ] {
         // So many samples a second that the hold of the DAC takes nothing.
         let table = DriveTable::build(&plate, 1e8, KNOTS).expect("a table");
@@ -51,7 +51,7 @@ fn the_tables_of_plates_made_for_an_even_level_make_it_even_in_two_dimensions() 
             let real = plate.with_wave_speed(speed).expect("in range");
             let (low_db, high_db) = extremes(&levels_db(&real, &table));
             let worst_db = (constant_db - low_db).max(high_db - constant_db);
-            assert!(worst_db < detuned_db, "{told}, speed {speed}: {worst_db}");
+            assert!(worst_db < 1.0, "{told}, speed {speed}: {worst_db}");
         }
     }
 }

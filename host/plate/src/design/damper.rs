@@ -8,9 +8,11 @@
 //! back, the best R a third. What matches a whole band is a lead-in: the plate goes on behind the drive, with a layer that
 //! dissipates and a damper at its far end. The designer takes the shortest whose reflection stays below the target over
 //! the band, with as much loss as possible: close to the cut-off much loss makes the lead-in unlike the plate, and its own
-//! beginning reflects.
+//! beginning reflects. What comes back from the far end of the lead-in also adds to the wave that the drive launches, and the
+//! longer the lead-in, the more that depends on the wave speed. So the level itself is judged, too, over the tolerance of
+//! the wave speed.
 
-use crate::frequency::driven_end::source_reflection;
+use crate::frequency::driven_end::{Scattering, SourceEnd};
 use crate::spec::drive::DriveEnd;
 use crate::spec::limits;
 use crate::spec::plate::Plate;
@@ -42,6 +44,11 @@ const LEAD_IN_LOSSES: [f64; 3] = [0.2, 0.14, 0.1];
 /// Largest reflection of a lead-in. With 0.11 (60 mm on the preset `al-bending`) a wave speed that is 1 % off costs 1.01 dB,
 /// with 0.09 (70 mm) 0.89 dB.
 const REFLECTION: f64 = 0.09;
+/// Largest unevenness of the level over the tolerance of the wave speed, dB; a little below the 1 dB that designs hold, because
+/// the band has more frequencies than are judged.
+const LEVEL_DB: f64 = 0.97;
+/// 20 lg e.
+const DB_PER_NEPER: f64 = 8.685_889_638_065_037;
 /// Lengths of a lead-in that are tried, in wavelengths of the band's middle.
 const LEAD_IN_WAVELENGTHS: (f64, f64, f64) = (0.5, 0.05, 4.0);
 /// Resistances behind a lead-in that are tried, over Z in the band's middle.
@@ -75,7 +82,7 @@ pub(super) fn matched(plate: &Plate, band_hz: (f64, f64)) -> (DriveEnd, Damper) 
     (DriveEnd::Resistance { ratio: 1.0, at_frequency_hz }, damper)
 }
 
-/// The shortest lead-in that stays below [`REFLECTION`] over the band, or the best one if none does; and its largest
+/// The shortest lead-in whose [`Unevenness`] is within the limits over the band, or the best one if none is; and its largest
 /// reflection.
 fn shortest_lead_in(
     plate: &Plate,
@@ -86,7 +93,15 @@ fn shortest_lead_in(
     let k0 = plate.width_mode(1).wavenumber_squared(0.0, at_frequency_hz).max(1e-300).sqrt();
     let (first, step, last) = LEAD_IN_WAVELENGTHS;
     let soft = Source::soft(&plate.spec().model, at_frequency_hz);
-    let mut best = (soft, f64::INFINITY);
+    let tolerance = plate.spec().wave_speed_tolerance;
+    let others = [1.0 - tolerance, 1.0 + tolerance].map(|speed| plate.with_wave_speed(speed).ok());
+    let places: Vec<[Option<SourceEnd<'_>>; 3]> = band_places(band_hz, LEAD_IN_PLACES)
+        .map(|hz| {
+            let end = |plate| SourceEnd::new(plate, hz, &LEAD_IN_LOSSES);
+            [end(plate), others[0].as_ref().and_then(end), others[1].as_ref().and_then(end)]
+        })
+        .collect();
+    let mut best = (soft, Unevenness::MOST);
     let count = ((last - first) / step) as usize;
     for loss_factor in LEAD_IN_LOSSES {
         for number in 0..=count {
@@ -96,29 +111,57 @@ fn shortest_lead_in(
                 let end_resistance_n_s_per_m = ratio * impedance;
                 let lead_in = LeadIn { length_m, loss_factor, end_resistance_n_s_per_m };
                 let source = Source { lead_in: Some(lead_in), ..soft };
-                let largest = largest_reflection(plate, &source, band_hz, best.1);
-                if largest < best.1 {
-                    best = (source, largest);
+                let found = Unevenness::over(&places, &source, best.1.merit());
+                if found.merit() < best.1.merit() {
+                    best = (source, found);
                 }
             }
-            if best.1 <= REFLECTION {
-                return best;
+            if best.1.merit() <= 1.0 {
+                return (best.0, best.1.reflected);
             }
         }
     }
-    best
+    (best.0, best.1.reflected)
 }
 
-/// The largest reflection of `source` over the band; the search ends early where it exceeds `enough`.
-fn largest_reflection(plate: &Plate, source: &Source, band_hz: (f64, f64), enough: f64) -> f64 {
-    let mut largest: f64 = 0.0;
-    for frequency_hz in band_places(band_hz, LEAD_IN_PLACES) {
-        largest = largest.max(source_reflection(plate, source, frequency_hz).map_or(1.0, |r| r.norm()));
-        if largest >= enough {
-            break;
-        }
+/// How a lead-in keeps a table from being even.
+#[derive(Debug, Clone, Copy)]
+struct Unevenness {
+    /// Largest |r| over the band.
+    reflected: f64,
+    /// How far the level may be off at a wave speed within the plate's tolerance, largest over the band, dB: by the
+    /// ripple, 20 lg(1 + |r|), and by half of what the launched wave changes over the tolerance. The table takes the middle.
+    level_db: f64,
+}
+
+impl Unevenness {
+    const MOST: Self = Self { reflected: 1.0, level_db: f64::INFINITY };
+
+    /// At most 1 within the limits.
+    fn merit(&self) -> f64 {
+        (self.reflected / REFLECTION).max(self.level_db / LEVEL_DB)
     }
-    largest
+
+    /// Of `source` at the `places` of the band, each at the nominal wave speed and at two others. The search ends early
+    /// where the merit reaches `enough`.
+    fn over(places: &[[Option<SourceEnd<'_>>; 3]], source: &Source, enough: f64) -> Self {
+        let mut found = Self { reflected: 0.0, level_db: 0.0 };
+        for [nominal, others @ ..] in places {
+            let Some(nominal) = nominal else { return Self::MOST };
+            let Scattering { reflected, launched_ln } = nominal.scattering(source);
+            found.reflected = found.reflected.max(reflected);
+            if found.merit() < enough {
+                let others = others.iter().flatten().map(|end| end.scattering(source).launched_ln);
+                let (low, high) =
+                    others.fold((launched_ln, launched_ln), |(low, high), ln| (low.min(ln), high.max(ln)));
+                found.level_db = found.level_db.max(DB_PER_NEPER * (reflected.ln_1p() + 0.5 * (high - low)));
+            }
+            if found.merit() >= enough {
+                break;
+            }
+        }
+        found
+    }
 }
 
 /// The next whole millimetre, or the next tenth below 10 mm; at least a lead-in's shortest length.

@@ -234,81 +234,120 @@ pub(super) fn moved(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, slop
 
 /// An end on which a source acts, with its lead-in behind it.
 pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, source: &Source) -> DrivenEnd {
-    let strip = Strip::new(plate, frequency_hz);
-    let propagating = propagating(plate, frequency_hz);
-    let columns = Columns::new(&strip, plate, narrowing_per_m, propagating);
-    let behind = source.lead_in.map(|lead_in| dynamic_stiffness(&strip, &lead_in, propagating));
-    let load = source.impedance.dynamic_stiffness(strip.omega);
-    let loaded = |end: &End| -> (DVector<Complex64>, DVector<Complex64>) {
-        let mut force = &end.force + strip.on_mode(&end.value) * load;
-        let mut moment = end.moment.clone();
-        if let Some(behind) = &behind {
-            let motion = DVector::from_iterator(ROWS, end.value.iter().chain(end.turn.iter()).copied());
-            let reaction = behind * motion;
-            force += reaction.rows(0, ORDERS);
-            moment += reaction.rows(ORDERS, ORDERS);
-        }
-        (force, moment)
-    };
-    let drive = strip.section.projection.map(|share| source_force(plate, source) * share);
-    columns.solve(
-        |end| loaded(end).0,
-        |end| match source.slope {
-            Some(EndSlope::Held) => end.turn.clone(),
-            Some(EndSlope::Free) | None => loaded(end).1,
-        },
-        &drive,
-    )
+    let losses = source.lead_in.map(|lead_in| lead_in.loss_factor);
+    Sourced::new(plate, frequency_hz, narrowing_per_m, losses.as_slice()).with(source)
 }
 
-/// The forces on (w_i, w_i') at the junction that move the strip behind it, per unit of w_i and w_i'.
-///
-/// With y = -x the strip lies at y = 0..l. Each wave runs away from either end; at the far end the moment is zero and a
-/// damper takes the force on the width mode.
-fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn, propagating: Complex64) -> DMatrix<Complex64> {
-    // D (1 - j eta) with K^4 D the same: K^2 goes with the inverse root.
-    let axial = strip.lossless / Complex64::new(1.0, -lead_in.loss_factor).sqrt();
-    let rigidity = strip.lossy_rigidity(axial);
-    let waves = strip.waves(axial, propagating);
-    let damper = -Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(strip.omega);
-    let mut conditions = DMatrix::<Complex64>::zeros(2 * ROWS, 2 * ROWS);
-    let mut forces = DMatrix::<Complex64>::zeros(ROWS, 2 * ROWS);
-    for (index, wave) in waves.iter().enumerate() {
-        let through = (Complex64::I * wave.wavenumber * lead_in.length_m).exp();
-        for (column, near, far, wavenumber) in [
-            (2 * index, Complex64::ONE, through, wave.wavenumber),
-            (2 * index + 1, through, Complex64::ONE, -wave.wavenumber),
-        ] {
-            let directed = Wave { wavenumber, shape: wave.shape.clone(), ..*wave };
-            let end = strip.wave_end(rigidity, &directed);
-            // The agent at the far end is on the other side: -F takes the damper's force j omega R w.
-            let far_force = &end.force + strip.on_mode(&end.value) * damper;
-            for row in 0..ORDERS {
-                conditions[(row, column)] = near * end.value[row];
-                conditions[(ORDERS + row, column)] = near * end.turn[row];
-                conditions[(ROWS + row, column)] = far * far_force[row];
-                conditions[(ROWS + ORDERS + row, column)] = far * end.moment[row];
-                forces[(row, column)] = near * end.force[row];
-                forces[(ORDERS + row, column)] = near * end.moment[row];
+/// An end on which one source or another acts: what does not depend on the source.
+pub(super) struct Sourced<'a> {
+    plate: &'a Plate,
+    strip: Strip,
+    columns: Columns,
+    /// Strips with the losses of the lead-ins.
+    behind: Vec<LossyStrip>,
+}
+
+/// The strip of a lead-in.
+struct LossyStrip {
+    loss_factor: f64,
+    rigidity: Complex64,
+    waves: Vec<Wave>,
+}
+
+impl<'a> Sourced<'a> {
+    /// `losses` are the loss factors of the lead-ins.
+    pub(super) fn new(plate: &'a Plate, frequency_hz: f64, narrowing_per_m: f64, losses: &[f64]) -> Self {
+        let strip = Strip::new(plate, frequency_hz);
+        let propagating = propagating(plate, frequency_hz);
+        let columns = Columns::new(&strip, plate, narrowing_per_m, propagating);
+        let behind = losses.iter().map(|&loss_factor| LossyStrip::new(&strip, loss_factor, propagating));
+        Self { plate, columns, behind: behind.collect(), strip }
+    }
+
+    /// The end with `source`, whose lead-in has one of the loss factors.
+    pub(super) fn with(&self, source: &Source) -> DrivenEnd {
+        let Self { plate, strip, columns, .. } = self;
+        let behind = source.lead_in.and_then(|lead_in| {
+            let lossy = self.behind.iter().find(|lossy| lossy.loss_factor == lead_in.loss_factor)?;
+            Some(lossy.dynamic_stiffness(strip, &lead_in))
+        });
+        let load = source.impedance.dynamic_stiffness(strip.omega);
+        let loaded = |end: &End| -> (DVector<Complex64>, DVector<Complex64>) {
+            let mut force = &end.force + strip.on_mode(&end.value) * load;
+            let mut moment = end.moment.clone();
+            if let Some(behind) = &behind {
+                let motion = DVector::from_iterator(ROWS, end.value.iter().chain(end.turn.iter()).copied());
+                let reaction = behind * motion;
+                force += reaction.rows(0, ORDERS);
+                moment += reaction.rows(ORDERS, ORDERS);
+            }
+            (force, moment)
+        };
+        let drive = strip.section.projection.map(|share| source_force(plate, source) * share);
+        columns.solve(
+            |end| loaded(end).0,
+            |end| match source.slope {
+                Some(EndSlope::Held) => end.turn.clone(),
+                Some(EndSlope::Free) | None => loaded(end).1,
+            },
+            &drive,
+        )
+    }
+}
+
+impl LossyStrip {
+    fn new(strip: &Strip, loss_factor: f64, propagating: Complex64) -> Self {
+        // D (1 - j eta) with K^4 D the same: K^2 goes with the inverse root.
+        let axial = strip.lossless / Complex64::new(1.0, -loss_factor).sqrt();
+        Self { loss_factor, rigidity: strip.lossy_rigidity(axial), waves: strip.waves(axial, propagating) }
+    }
+
+    /// The forces on (w_i, w_i') at the junction that move the strip behind it, per unit of w_i and w_i'.
+    ///
+    /// With y = -x the strip lies at y = 0..l. Each wave runs away from either end; at the far end the moment is zero and
+    /// a damper takes the force on the width mode.
+    fn dynamic_stiffness(&self, strip: &Strip, lead_in: &LeadIn) -> DMatrix<Complex64> {
+        let Self { rigidity, waves, .. } = self;
+        let damper = -Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(strip.omega);
+        let mut conditions = DMatrix::<Complex64>::zeros(2 * ROWS, 2 * ROWS);
+        let mut forces = DMatrix::<Complex64>::zeros(ROWS, 2 * ROWS);
+        for (index, wave) in waves.iter().enumerate() {
+            let through = (Complex64::I * wave.wavenumber * lead_in.length_m).exp();
+            for (column, near, far, wavenumber) in [
+                (2 * index, Complex64::ONE, through, wave.wavenumber),
+                (2 * index + 1, through, Complex64::ONE, -wave.wavenumber),
+            ] {
+                let directed = Wave { wavenumber, shape: wave.shape.clone(), ..*wave };
+                let end = strip.wave_end(*rigidity, &directed);
+                // The agent at the far end is on the other side: -F takes the damper's force j omega R w.
+                let far_force = &end.force + strip.on_mode(&end.value) * damper;
+                for row in 0..ORDERS {
+                    conditions[(row, column)] = near * end.value[row];
+                    conditions[(ORDERS + row, column)] = near * end.turn[row];
+                    conditions[(ROWS + row, column)] = far * far_force[row];
+                    conditions[(ROWS + ORDERS + row, column)] = far * end.moment[row];
+                    forces[(row, column)] = near * end.force[row];
+                    forces[(ORDERS + row, column)] = near * end.moment[row];
+                }
             }
         }
-    }
-    let mut right = DMatrix::<Complex64>::zeros(2 * ROWS, ROWS);
-    right.fill_diagonal(Complex64::ONE);
-    for row in 0..2 * ROWS {
-        let size = conditions.row(row).iter().map(|term| term.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        conditions.row_mut(row).scale_mut(size.recip());
-        right.row_mut(row).scale_mut(size.recip());
-    }
-    let amplitude = conditions.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(2 * ROWS, ROWS));
-    let mut stiffness = forces * amplitude;
-    // y = -x: w' and the force on it change their signs.
-    for row in 0..ROWS {
-        for column in 0..ROWS {
-            if (row < ORDERS) != (column < ORDERS) {
-                stiffness[(row, column)] = -stiffness[(row, column)];
+        let mut right = DMatrix::<Complex64>::zeros(2 * ROWS, ROWS);
+        right.fill_diagonal(Complex64::ONE);
+        for row in 0..2 * ROWS {
+            let size = conditions.row(row).iter().map(|term| term.norm()).fold(f64::MIN_POSITIVE, f64::max);
+            conditions.row_mut(row).scale_mut(size.recip());
+            right.row_mut(row).scale_mut(size.recip());
+        }
+        let amplitude = conditions.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(2 * ROWS, ROWS));
+        let mut stiffness = forces * amplitude;
+        // y = -x: w' and the force on it change their signs.
+        for row in 0..ROWS {
+            for column in 0..ROWS {
+                if (row < ORDERS) != (column < ORDERS) {
+                    stiffness[(row, column)] = -stiffness[(row, column)];
+                }
             }
         }
+        stiffness
     }
-    stiffness
 }

@@ -19,6 +19,7 @@ mod lead_in;
 mod near_field;
 mod one_mode;
 mod reflection;
+mod source_end;
 mod strip;
 mod strip_waves;
 mod supported;
@@ -32,8 +33,8 @@ use crate::spec::source::Source;
 use num_complex::Complex64;
 
 pub(crate) use near_field::NearField;
-pub(crate) use reflection::source_reflection;
 pub use reflection::{reflection, resistance_reflection};
+pub(crate) use source_end::{Scattering, SourceEnd};
 pub(crate) use whole_end::{drive_rise, with_whole_end};
 
 /// The condition alpha p(0) + beta p'(0) = drive for a drive of 1, and the near field.

@@ -4,7 +4,6 @@ use super::DrivenEnd;
 use super::whole_end::with_whole_end;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
-use crate::spec::source::Source;
 use num_complex::Complex64;
 
 /// Reflection r of the propagating wave at the driven end: on a straight strip of the end's width and with the drive at
@@ -13,23 +12,23 @@ use num_complex::Complex64;
 /// It is the reflection of the end as the solvers have it: for a plate in bending the ends `Force` and `Resistance` are
 /// approximations, see [`resistance_reflection`].
 pub fn reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
-    of_end(plate, frequency_hz, || DrivenEnd::with_narrowing(plate, frequency_hz, 0.0))
+    let k0 = entering(plate, frequency_hz)?;
+    Some(DrivenEnd::with_narrowing(plate, frequency_hz, 0.0).reflection(k0))
 }
 
-/// [`reflection`] with `source` at the end of a plate in bending, in place of the plate's own drive end.
-pub(crate) fn source_reflection(plate: &Plate, source: &Source, frequency_hz: f64) -> Option<Complex64> {
-    of_end(plate, frequency_hz, || DrivenEnd::sourced(plate, frequency_hz, 0.0, source))
-}
-
-fn of_end(plate: &Plate, frequency_hz: f64, end: impl FnOnce() -> DrivenEnd) -> Option<Complex64> {
+/// k0 with loss at the driven end, 1/m; `None` if the wave of `frequency_hz` cannot enter.
+pub(super) fn entering(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
     let width_mode = plate.width_mode(1);
-    if width_mode.wavenumber_squared(0.0, frequency_hz) <= 0.0 || !frequency_hz.is_finite() {
-        return None;
+    let enters = frequency_hz.is_finite() && width_mode.wavenumber_squared(0.0, frequency_hz) > 0.0;
+    enters.then(|| width_mode.lossy_wavenumber_squared(0.0, frequency_hz).sqrt())
+}
+
+impl DrivenEnd {
+    /// r for the wavenumber `k0`, 1/m.
+    pub(super) fn reflection(&self, k0: Complex64) -> Complex64 {
+        let step = Complex64::I * k0 * self.beta;
+        (step - self.alpha) / (step + self.alpha)
     }
-    let k0 = width_mode.lossy_wavenumber_squared(0.0, frequency_hz).sqrt();
-    let DrivenEnd { alpha, beta, .. } = end();
-    let step = Complex64::I * k0 * beta;
-    Some((step - alpha) / (step + alpha))
 }
 
 /// [`reflection`] of the free end with a damper of the same resistance that an end `Resistance` of a plate in bending

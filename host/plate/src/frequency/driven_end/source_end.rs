@@ -1,0 +1,52 @@
+//! One end of a plate in bending under many sources: what each sends back, and what it launches.
+
+use super::DrivenEnd;
+use super::clamped;
+use super::reflection::entering;
+use crate::spec::model::Model;
+use crate::spec::plate::Plate;
+use crate::spec::source::Source;
+use num_complex::Complex64;
+
+/// The straight strip of the driven end's width at one frequency. What does not depend on the source is computed once.
+pub(crate) struct SourceEnd<'a> {
+    plate: &'a Plate,
+    frequency_hz: f64,
+    /// k with loss, 1/m.
+    wavenumber: Complex64,
+    /// Z, N s/m.
+    impedance: f64,
+    clamped: Option<clamped::Sourced<'a>>,
+}
+
+/// What a driven end does to the waves of its strip.
+pub(crate) struct Scattering {
+    /// |r| of the returning wave.
+    pub(crate) reflected: f64,
+    /// The level of the wave that a drive of 1 launches into an endless strip: the root of its power, in any unit that does
+    /// not depend on the wave speed, as ln.
+    pub(crate) launched_ln: f64,
+}
+
+impl<'a> SourceEnd<'a> {
+    /// `losses` are the loss factors of the lead-ins that will be tried. `None` if the wave of `frequency_hz` cannot enter.
+    pub(crate) fn new(plate: &'a Plate, frequency_hz: f64, losses: &[f64]) -> Option<Self> {
+        let wavenumber = entering(plate, frequency_hz)?;
+        let impedance = plate.wave_impedance_n_s_per_m(frequency_hz)?;
+        let clamped = matches!(plate.spec().model, Model::BendingClamped(_))
+            .then(|| clamped::Sourced::new(plate, frequency_hz, 0.0, losses));
+        Some(Self { plate, frequency_hz, wavenumber, impedance, clamped })
+    }
+
+    /// The end with `source`, in place of the plate's own drive end.
+    pub(crate) fn scattering(&self, source: &Source) -> Scattering {
+        let end = match &self.clamped {
+            Some(clamped) => clamped.with(source),
+            None => DrivenEnd::sourced(self.plate, self.frequency_hz, 0.0, source),
+        };
+        let reflected = end.reflection(self.wavenumber).norm();
+        // p = t e^(jkx) meets alpha p + beta p' = drive, and its power goes with Z |t|^2.
+        let launched = end.drive / (end.alpha + Complex64::I * self.wavenumber * end.beta);
+        Scattering { reflected, launched_ln: launched.norm().ln() + 0.5 * self.impedance.ln() }
+    }
+}
