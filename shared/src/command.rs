@@ -1,8 +1,8 @@
 //! What a host tells a device.
 
 use crate::limits::{
-    CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_KNOTS, MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB, QUALITY_PER_MILLE,
-    RESONANCE_UHZ, STATIC_TRAVEL_PPM,
+    CHORD_PERIOD_LOG2, CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_HARMONIC, MAX_KNOTS, MAX_TONES, MIN_KNOTS,
+    MIN_MASTER_CDB, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
 };
 use crate::message::messages;
 use crate::schema::{body, choices};
@@ -48,6 +48,9 @@ messages! {
         0x17 since 1 TravelLimit -> TravelLimit,
         /// Asks how the drive stands that waits for the trigger input, and where the last one began that had waited.
         0x18 since 1 Trigger -> Trigger,
+        /// Sounds tones that are multiples of one base frequency, from silence on. Needs an armed device with a table. It may
+        /// take some milliseconds: the device renders a period of them before it answers.
+        0x19 since 2 Chord(Chord) -> Accepted,
         /// Begins to upload a turning-point table. What sounds goes on by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -76,7 +79,7 @@ messages! {
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: asks for the coil's resistance.
-        0x7f since 2 MeasureCoil(CoilTest) -> CoilMeasured,
+        0x7f since 3 MeasureCoil(CoilTest) -> CoilMeasured,
     }
 }
 
@@ -152,6 +155,38 @@ body! {
         /// Scales all tones.
         pub master: CentiDecibel ["1/100 dB", MIN_MASTER_CDB, 0],
         /// How long the change takes; from `min_glide` to `max_glide` of the device's hello.
+        pub glide: u32 ["samples"],
+        /// When it begins.
+        pub apply: Apply [""],
+    }
+}
+
+body! {
+    /// One tone of a chord; it sounds in the slot of its place in the list.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct ChordTone {
+        /// Which multiple of the base frequency it is. The multiples rise strictly from tone to tone, and their frequencies lie
+        /// within those of the table.
+        pub harmonic: u16 ["", 1, MAX_HARMONIC],
+        /// Its peak on the plate relative to the table's full scale, at the place that the table gives its frequency.
+        pub level: Level ["1/65535"],
+        /// Its phase at the start.
+        pub phase: Phase ["1/65536 turn"],
+    }
+}
+
+body! {
+    /// The body of [`Command::Chord`].
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    pub struct Chord {
+        /// The binary logarithm of the period in samples, so the period is 128 to 16384 samples. The base frequency is the sample
+        /// rate divided by the period.
+        pub period_log2: u8 ["", CHORD_PERIOD_LOG2.0, CHORD_PERIOD_LOG2.1],
+        /// The tones, at least one.
+        pub tones: Vec<ChordTone, MAX_TONES> [""],
+        /// Scales all tones.
+        pub master: CentiDecibel ["1/100 dB", MIN_MASTER_CDB, 0],
+        /// How long all of them together rise from silence; from `min_glide` to `max_glide` of the device's hello.
         pub glide: u32 ["samples"],
         /// When it begins.
         pub apply: Apply [""],

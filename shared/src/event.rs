@@ -37,7 +37,7 @@ messages! {
         0xd0 since 0 BootloaderToken(u32),
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: the coil's resistance.
-        0xff since 2 CoilMeasured(CoilReport),
+        0xff since 3 CoilMeasured(CoilReport),
     }
 }
 

@@ -29,6 +29,15 @@ pub const MAX_KNOT_STEP: u32 = ((1u64 << 32) * MAX_FREQUENCY_PER_MILLE as u64 / 
 /// The quietest master level a drive may ask for, in hundredths of a decibel.
 pub const MIN_MASTER_CDB: i16 = -9600;
 
+/// The binary logarithm of a chord's period in samples: 128 to 16384. A period is a whole number of blocks, so every block
+/// of a steady chord is one of those that the device has rendered before it accepted the chord.
+pub const CHORD_PERIOD_LOG2: (u8, u8) = (7, 14);
+/// The highest multiple of a chord's base frequency: 0.45 of the sample rate at the longest period.
+pub const MAX_HARMONIC: u16 = ((1u32 << CHORD_PERIOD_LOG2.1) * MAX_FREQUENCY_PER_MILLE / 1000) as u16;
+/// The largest sum of a chord's amplitudes, in per mille of full scale: `4 sqrt(2)`. Beyond it the RMS of sixteen tones, and so
+/// their peak, exceeds full scale with any phases.
+pub const MAX_CHORD_SUM_PER_MILLE: u32 = 5657;
+
 /// The resonance of an actuator whose travel is limited: 0.1 Hz to 10 MHz, in uHz.
 pub const RESONANCE_UHZ: (u64, u64) = (100_000, 10_000_000_000_000);
 /// The quality factor of its resonance: 0.1 to 1000, in thousandths.

@@ -36,6 +36,10 @@ choices! {
         13 since 1 Quality or Self::SampleRate,
         /// An actuator's travel at full scale, in millionths of its peak travel.
         14 since 1 StaticTravel or Self::SampleRate,
+        /// The binary logarithm of a chord's period in samples.
+        15 since 2 ChordPeriod or Self::Glide,
+        /// A tone's multiple of a chord's base frequency.
+        16 since 2 Harmonic or Self::ToneSlot,
     }
 }
 
@@ -59,6 +63,8 @@ impl Field {
             Self::Resonance => "actuator resonance (uHz)",
             Self::Quality => "actuator quality (1/1000)",
             Self::StaticTravel => "static travel (1e-6 of the peak travel)",
+            Self::ChordPeriod => "chord period (log2 of samples)",
+            Self::Harmonic => "multiple of the chord's base frequency",
         }
     }
 }
@@ -176,9 +182,15 @@ choices! {
             /// are too loud for the way.
             allowed_per_mille: u16 ["1/1000"],
         } or Self::Headroom { sum_per_mille: *travel_per_mille },
+        /// A chord's tones exceed full scale: the device has rendered a period of them. Lower the levels, or choose other
+        /// phases.
+        25 since 2 Peak {
+            /// The largest sample of the period, in per mille of full scale.
+            peak_per_mille: u16 ["1/1000 of full scale"],
+        } or Self::Headroom { sum_per_mille: *peak_per_mille },
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        25 since 2 CoilOpen or Self::NotSupported,
+        26 since 3 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -245,6 +257,12 @@ impl core::fmt::Display for Refusal {
                 travel_per_mille % 10,
                 allowed_per_mille / 10,
                 allowed_per_mille % 10
+            ),
+            Self::Peak { peak_per_mille } => write!(
+                f,
+                "the chord's peak is {}.{} % of full scale; lower its levels or choose other phases",
+                peak_per_mille / 10,
+                peak_per_mille % 10
             ),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),

@@ -64,6 +64,39 @@ pub const fn between(a: Knot, b: Knot, fraction: u32) -> Setting {
     Setting { step: PhaseStep(step), gain: Gain(gain as u32) }
 }
 
+/// Between which two of `count` knots the tones of a phase step (Q0.32) lie: the index of the first one, and the fraction of
+/// the way to the next one, Q1.31, 0..=2^31, rounded down. `None` for a step outside the table's, and for a table of fewer
+/// than two knots.
+///
+/// The steps must rise or fall strictly, as [`validate`] checks.
+pub fn place_of_step(count: u16, step: u32, knot: impl Fn(u16) -> Knot) -> Option<(u16, u32)> {
+    let last = count.checked_sub(1).filter(|&last| last > 0)?;
+    let rises = knot(0).step < knot(last).step;
+    // Whether the knot at an index comes after the step.
+    let is_after = |index: u16| if rises { knot(index).step > step } else { knot(index).step < step };
+    let is_before = |index: u16| if rises { knot(index).step < step } else { knot(index).step > step };
+    if is_after(0) || is_before(last) {
+        return None;
+    }
+    // The first interval whose end is not before the step.
+    let (mut low, mut high) = (0, last - 1);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if is_before(middle + 1) { low = middle + 1 } else { high = middle }
+    }
+    let (a, b) = (knot(low).step, knot(low + 1).step);
+    let way = u64::from(a.abs_diff(b)).max(1);
+    Some((low, ((u64::from(step.abs_diff(a)) << 31) / way) as u32))
+}
+
+/// The position at `fraction` (Q1.31) of the way from the knot at `index` to the next of `count`: the inverse of [`place`], to
+/// 2^-31 of the span, rounded down.
+#[must_use]
+pub const fn position_between(count: u16, index: u16, fraction: u32) -> FinePosition {
+    let last = if count > 1 { count as u64 - 1 } else { 1 };
+    FinePosition::saturating(((((index as u64) << 31) + fraction as u64) / last) as u32)
+}
+
 /// Checks a whole table: [`MIN_KNOTS`] to [`MAX_KNOTS`] knots; steps that rise or fall strictly, within
 /// 1..=[`MAX_KNOT_STEP`] (0.45 turns per sample); gains within 1..=[`Gain::FULL`].
 ///
@@ -207,6 +240,40 @@ mod tests {
             let want = f64::from(a) + u * (f64::from(b) - f64::from(a));
             prop_assert!((got.step.0 as f64 / 4_294_967_296.0 - want).abs() < 1e-5);
             prop_assert!((f64::from(got.gain.0) - want).abs() <= 1.0);
+        }
+
+        #[test]
+        fn the_place_of_a_step_is_where_the_table_has_it(
+            mut steps in prop::collection::vec(1..=MAX_KNOT_STEP, 2..60),
+            falls: bool,
+            at in 0.0..=1.0,
+        ) {
+            steps.sort_unstable();
+            steps.dedup();
+            prop_assume!(steps.len() > 1);
+            if falls {
+                steps.reverse();
+            }
+            let count = steps.len() as u16;
+            let knot = |index: u16| Knot { step: steps[usize::from(index)], gain: Gain(1) };
+            let (low, high) = (knot(0).step.min(knot(count - 1).step), knot(0).step.max(knot(count - 1).step));
+            let wanted = low + (at * f64::from(high - low)) as u32;
+            for step in [wanted, low, high].into_iter().chain(steps.iter().copied()) {
+                let (index, fraction) = place_of_step(count, step, knot).unwrap();
+                prop_assert!(index + 1 < count && fraction <= 1 << 31);
+                let there = between(knot(index), knot(index + 1), fraction).step.0;
+                // What the fraction is rounded by.
+                let unit = (u64::from(knot(index).step.abs_diff(knot(index + 1).step)) << 1) + 1;
+                prop_assert!(there.abs_diff(u64::from(step) << 32) <= unit, "{step}: {there}");
+                let position = position_between(count, index, fraction);
+                let steepest = steps.windows(2).map(|two| u64::from(two[0].abs_diff(two[1]))).max().unwrap();
+                let found = evaluate(count, position, knot).step.0;
+                prop_assert!(found.abs_diff(there) <= (steepest << 1) * u64::from(count), "{found} {there}");
+            }
+            for outside in [low - 1, high.saturating_add(1)] {
+                prop_assert_eq!(place_of_step(count, outside, knot), None);
+            }
+            prop_assert_eq!(place_of_step(1, low, knot), None);
         }
 
         #[test]

@@ -302,6 +302,8 @@ fn page() -> String {
         ("chunk_knots", limits::CHUNK_KNOTS.to_string()),
         ("staging_timeout_ms", limits::STAGING_TIMEOUT_MS.to_string()),
         ("max_apply_ahead_ms", limits::MAX_APPLY_AHEAD_MS.to_string()),
+        ("chord_longest", (1u32 << limits::CHORD_PERIOD_LOG2.1).to_string()),
+        ("chord_sum", limits::MAX_CHORD_SUM_PER_MILLE.to_string()),
         ("foldback_period_ms", limits::FOLDBACK_PERIOD_MS.to_string()),
         ("foldback_periods", limits::FOLDBACK_PERIODS.to_string()),
         ("schema", hex(&SCHEMA.to_le_bytes())),

@@ -17,8 +17,12 @@ HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABL
     0x81, 0x83, 0x84, 0x90, 0x91, 0x92, 0xA4, 0xD0,
 )  # fmt: skip
 TRIGGER, TRIGGER_REPLY = 0x18, 0x98
+CHORD = 0x19
 # Refusals without a field are their number.
 DISARM_FIRST = b"\x17"
+BUSY_DRIVE_ACTIVE = b"\x07\x01"
+# Then the peak.
+PEAK = 0x19
 STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode", "waiting")
 RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard fault")
 STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
@@ -74,7 +78,7 @@ def unframe(coded):
 
 
 def hello_body(nonce):
-    return bytes([1, 1]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
+    return bytes([1, 2]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
 
 
 class Reader:
@@ -151,6 +155,14 @@ def drive(tones, glide, at=None):
         body += bytes([slot]) + varint(round(position * 65535)) + varint(round(level * 65535)) + varint(0)
     apply = b"\0" if at is None else b"\2" if at == AT_TRIGGER else b"\1" + varint(at)
     return body + zigzag(0) + varint(glide) + apply
+
+
+def chord(period_log2, tones, glide):
+    """A chord at the next block, of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
+    body = bytes([period_log2]) + varint(len(tones))
+    for harmonic, level, turns in tones:
+        body += varint(harmonic) + varint(round(level * 65535)) + varint(round(turns % 1 * 65536) % 65536)
+    return body + zigzag(0) + varint(glide) + b"\0"
 
 
 class Host:

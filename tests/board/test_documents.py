@@ -6,7 +6,7 @@ from elftools.elf.elffile import ELFFile
 
 from boards import RENDERER_IRQ, on_f407
 from images import ROOT, firmware
-from host import DIGEST_START, DISARM, DRIVE, STORE, TABLE_COMMIT, drive, varint
+from host import CHORD, DIGEST_START, DISARM, DRIVE, STORE, TABLE_COMMIT, chord, drive, varint
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -55,6 +55,14 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.upload()
     host.arm()
     tones = [(slot, slot / 17, 0.06) for slot in range(16)]
+    host.accept(DRIVE, drive(tones, 4000))
+    host.live(0.005)
+    host.accept(DRIVE, drive([], 2000))
+    host.live(0.02)
+    host.accept(CHORD, chord(12, [((240 + 20 * n), 0.1, -n * n / 32) for n in range(16)], 4000))
+    host.live(0.005)
+    host.accept(DRIVE, drive([], 2000))
+    host.live(0.02)
     host.accept(DRIVE, drive(tones, 4000))
     host.live(0.005)
     host.stage(40)

@@ -28,16 +28,16 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_1, Accepted, DigestStart, Drive, Hello, HelloEvent, KeepAlive,
-    MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at,
-    fault_names,
+    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_2, Accepted, Chord, ChordTone, DigestStart, Drive, Hello,
+    HelloEvent, KeepAlive, MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent,
+    Version, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
 from stream import Stream
 from table import Table
 
-__all__ = ["AT_TRIGGER", "Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
+__all__ = ["AT_TRIGGER", "ChordTone", "Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
 
 KEEP_ALIVE_S = 0.2
 _FIRST_SESSION = 0
@@ -84,7 +84,7 @@ class Client:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def hello(self, version: Version = VERSION_1_1, nonce: Optional[bytes] = None) -> HelloEvent:
+    def hello(self, version: Version = VERSION_1_2, nonce: Optional[bytes] = None) -> HelloEvent:
         """Begins a new session, which ends the one before, and returns who the device is.
 
         From then on both speak the lower of the two minors: `minor`.
@@ -132,6 +132,27 @@ class Client:
         check_integer(glide, self.device.min_glide, self.device.max_glide, "Drive.glide")
         drive = Drive(tuple(tones), master, glide, apply)
         return self._patiently("CommitPending", 0.001, lambda: self._accepted("Drive", drive))
+
+    def chord(
+        self,
+        period_log2: int,
+        tones: Sequence[ChordTone],
+        *,
+        master: int = 0,
+        glide: Optional[int] = None,
+        apply: Choice = NEXT_BLOCK,
+    ) -> int:
+        """Sounds multiples of `sample_rate_hz / 2**period_log2` from an index on, once nothing else sounds.
+
+        The device takes amplitudes that add up to more than 1 if the peak of a period, which it renders first, does not
+        exceed full scale; else it refuses with `Peak`. The other arguments are those of `drive`. Raises `FieldError`, and
+        `SliplineError` with a device older than 1.2.
+        """
+        glide = self.device.min_glide if glide is None else glide
+        check_integer(glide, self.device.min_glide, self.device.max_glide, "Chord.glide")
+        chord = Chord(period_log2, tuple(tones), master, glide, apply)
+        ready = lambda: self._patiently("CommitPending", 0.001, lambda: self._accepted("Chord", chord))
+        return self._patiently("DriveActive", 0.01, ready)
 
     def stop(self) -> int:
         """Ramps to silence; the device stays armed."""

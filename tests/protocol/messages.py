@@ -1,6 +1,6 @@
-"""The messages of protocol 1.1, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges.
+"""The messages of protocol 1.2, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges.
 
-What stands since 1.1 is named so: it goes to no device of 1.0, and none sends it.
+What stands since 1.1 or 1.2 is named so: it goes to no device that is older, and none sends it.
 """
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
     "ChunkFirst", "SampleRate", "Span", "DigestCount",
     "Resonance", "Quality", "StaticTravel",  # since 1.1
+    "ChordPeriod", "Harmonic",  # since 1.2
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -55,6 +56,7 @@ REFUSAL = Enumeration(
     "NoDigest",
     "DisarmFirst",  # since 1.1
     ("Travel", {"travel_per_mille": U16, "allowed_per_mille": U16}),  # since 1.1
+    ("Peak", {"peak_per_mille": U16}),  # since 1.2
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -91,6 +93,7 @@ class Version(Record):
 
 VERSION_1_0 = Version(1, 0, bytes.fromhex("e7457e07"))
 VERSION_1_1 = Version(1, 1, VERSION_1_0.schema)
+VERSION_1_2 = Version(1, 2, VERSION_1_0.schema)
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,15 @@ class Tone(Record):
 
     slot: int = field(U8, 0, 15)
     position: int = field(U16)
+    level: int = field(U16)
+    phase: int = field(U16)
+
+
+@dataclass(frozen=True)
+class ChordTone(Record):
+    """A tone of a chord: `harmonic` counts the base frequency, `level` in 1/65535, `phase` in 1/65536 turn. Since 1.2."""
+
+    harmonic: int = field(U16, 1, 7372)
     level: int = field(U16)
     phase: int = field(U16)
 
@@ -168,6 +180,17 @@ class Drive(Record):
     """Sounds these tones: `master` in 1/100 dB, `glide` in samples."""
 
     tones: tuple[Tone, ...] = field(List(16, Fields(Tone)))
+    master: int = field(I16, -9600, 0)
+    glide: int = field(U32)
+    apply: Choice = field(APPLY)
+
+
+@dataclass(frozen=True)
+class Chord(Record):
+    """Sounds multiples of the sample rate over `1 << period_log2`: `master` in 1/100 dB, `glide` in samples. Since 1.2."""
+
+    period_log2: int = field(U8, 7, 14)
+    tones: tuple[ChordTone, ...] = field(List(16, Fields(ChordTone)))
     master: int = field(I16, -9600, 0)
     glide: int = field(U32)
     apply: Choice = field(APPLY)
@@ -335,6 +358,7 @@ COMMANDS = {
         Kind(0x16, "SetTravelLimit", Fields(SetTravelLimit), since=1),
         Kind(0x17, "TravelLimit", since=1),
         Kind(0x18, "Trigger", since=1),
+        Kind(0x19, "Chord", Fields(Chord), since=2),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -370,7 +394,7 @@ _BY_ID = {kind.id: kind for kind in (*COMMANDS.values(), *EVENTS.values())}
 
 
 def kind_of(id: int) -> Kind:
-    """The kind with this id. Raises `DecodeError` if protocol 1.1 has none."""
+    """The kind with this id. Raises `DecodeError` if protocol 1.2 has none."""
     if id not in _BY_ID:
-        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.1")
+        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.2")
     return _BY_ID[id]

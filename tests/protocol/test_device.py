@@ -1,6 +1,7 @@
 """Tables, drives, stops and digests, at the simulated device that `slipline serve` offers in real time."""
 from __future__ import annotations
 
+import math
 import struct
 import subprocess
 import sys
@@ -10,8 +11,10 @@ import zlib
 from pathlib import Path
 
 from device_case import DeviceCase
-from errors import Closed, FieldError, SliplineError
-from messages import AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, Drive, Tone, TravelLimit, at, fault_names
+from errors import Closed, FieldError, Refused, SliplineError
+from messages import (
+    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, ChordTone, Drive, Tone, TravelLimit, at, fault_names,
+)  # fmt: skip
 from records import Choice
 from server import Server
 from table import Table
@@ -144,6 +147,53 @@ class AtSocket(DriveCase):
         client.hello(VERSION_1_0)
         with self.assertRaisesRegex(SliplineError, "AtTrigger needs protocol 1.1, the device has 1.0"):
             client.drive([tone], apply=AT_TRIGGER)
+
+    def test_a_chord_whose_peak_the_device_proves(self) -> None:
+        client = self.client
+        self.make_ready()
+        rate = client.device.sample_rate_hz
+        # Frequencies of the table, 500 to 2000 Hz, whose gain is 0.5: two amplitudes of 0.5 and two of 0.3.
+        base = rate / 2**14
+        harmonics = [round(hertz / base) for hertz in (600, 900, 1300, 1900)]
+
+        def tones(*phases: int) -> list[ChordTone]:
+            levels = (65535, 65535, 39321, 39321)
+            return [ChordTone(*tone) for tone in zip(harmonics, levels, phases)]
+
+        with self.assertRaises(Refused) as caught:
+            client.chord(14, tones(16384, 16384, 16384, 16384))
+        self.assertEqual(caught.exception.refusal.name, "Peak")
+        self.assertAlmostEqual(caught.exception.refusal.peak_per_mille, 1600, delta=2)
+        # The peak of other phases, from the page's formulas.
+        turns = (0, 16384, 40000, 9000)
+        peak = max(
+            abs(
+                sum(
+                    amplitude * math.sin(2 * math.pi * (harmonic * n / 2**14 + phase / 65536))
+                    for amplitude, harmonic, phase in zip((0.5, 0.5, 0.3, 0.3), harmonics, turns)
+                )
+            )
+            for n in range(2**14)
+        )
+        master = math.floor(-2000 * math.log10(peak * 1.001))
+        start = client.chord(14, tones(*turns), master=master)
+        status = self.wait_for(lambda status: status.now > start + 2 * client.device.min_glide)
+        self.assertEqual((status.state.name, status.counters.clips), ("Driving", 0))
+        self.assertAlmostEqual(status.sum_per_mille, 1600 * 10 ** (master / 2000), delta=3)
+        self.assertGreater(status.sum_per_mille, 1000)
+        # Whole periods later the codes are the same.
+        first = client.status().now + rate // 10
+        later = first + 20 * 2**14
+        self.assertEqual(client.digest(first, 2**14), client.digest(later, 2**14))
+        client.drive([])
+        self.wait_for(lambda status: status.state.name == "Armed")
+        for harmonic in (5, 7000):
+            with self.assertRaises(Refused) as caught:
+                client.chord(14, [ChordTone(harmonic, 1, 0)])
+            self.assertEqual(caught.exception.refusal.field.name, "Harmonic")
+        client.hello(VERSION_1_1)
+        with self.assertRaisesRegex(SliplineError, "Chord needs protocol 1.2, the device has 1.1"):
+            client.chord(14, tones(0, 0, 0, 0))
 
     def test_the_kept_table(self) -> None:
         client = self.client

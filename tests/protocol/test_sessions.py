@@ -6,7 +6,7 @@ import unittest
 
 from device_case import DeviceCase
 from frame import TO_DEVICE, Frame
-from messages import COMMANDS, VERSION_1_0, VERSION_1_1, Hello, KeepAlive, Kind, Tone, Version, fault_names
+from messages import COMMANDS, VERSION_1_0, VERSION_1_1, VERSION_1_2, Hello, KeepAlive, Kind, Tone, Version, fault_names
 from postcard import U8
 from records import Choice
 
@@ -110,6 +110,7 @@ class Sessions(DeviceCase):
         for version, driven in (
             (VERSION_1_0, True),
             (VERSION_1_1, True),
+            (VERSION_1_2, True),
             (Version(1, 9, VERSION_1_0.schema), True),
             (Version(2, 0, VERSION_1_0.schema), False),
             (Version(1, 0, bytes(4)), False),

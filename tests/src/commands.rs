@@ -4,7 +4,7 @@ use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk, Tra
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder};
 
-use crate::rig::{Table, drive};
+use crate::rig::{Table, chord, drive};
 
 /// One of every command, in the order of their ids.
 ///
@@ -32,6 +32,8 @@ pub fn every_command() -> Vec<Command> {
         Command::SetTravelLimit(TravelSetting { limit: Some(limit) }),
         Command::TravelLimit,
         Command::Trigger,
+        // 29.3 and 39.1 kHz.
+        Command::Chord(chord(12, &[(300, 0.5, 0.0), (400, 0.6, 0.25)])),
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,

@@ -5,14 +5,15 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use slipline_app::Stop;
 use slipline_link::mirror::Mirror;
-use slipline_protocol::command::{Apply, Drive};
+use slipline_protocol::command::{Apply, Chord, Drive};
 use slipline_protocol::event::Event;
-use slipline_protocol::refusal::Busy;
+use slipline_protocol::limits::CHORD_PERIOD_LOG2;
+use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::{CentiDecibel, Gain, Phase};
 use slipline_protocol::{Command, Refusal};
 
 use crate::client::Client;
-use crate::rig::{BLOCK, RATE_HZ, Rig, Table, tone};
+use crate::rig::{BLOCK, RATE_HZ, Rig, Table, chord, tone};
 
 /// One action of the user.
 #[derive(Clone, Debug)]
@@ -23,6 +24,17 @@ pub enum Action {
         tones: Vec<(u8, f64, f64, u16)>,
         /// In hundredths of a decibel.
         master: i16,
+        /// In samples.
+        glide: u32,
+        /// How far ahead it is to begin, if not at the next block.
+        ahead: Option<u64>,
+    },
+    /// A chord.
+    Chord {
+        /// The binary logarithm of its period in samples.
+        period_log2: u8,
+        /// Place among the table's multiples, level and phase of each tone.
+        tones: Vec<(f64, f64, u16)>,
         /// In samples.
         glide: u32,
         /// How far ahead it is to begin, if not at the next block.
@@ -43,7 +55,12 @@ pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
     let tones = prop::collection::vec((0..16u8, 0.0..=1.0, 0.0..=1.0, any::<u16>()), 0..5);
     let glide = prop_oneof![2000u32..4000, 2000u32..40_000];
     let ahead = prop::option::weighted(0.2, 0u64..4000);
+    let chord_tones = prop::collection::vec((0.0..=1.0, 0.0..=1.0, any::<u16>()), 1..=16);
+    let chord = (CHORD_PERIOD_LOG2.0..=CHORD_PERIOD_LOG2.1, chord_tones, glide.clone(), ahead.clone());
     let action = prop_oneof![
+        4 => chord.prop_map(|(period_log2, tones, glide, ahead)| {
+            Action::Chord { period_log2, tones, glide, ahead }
+        }),
         10 => (tones, -2000i16..=0, glide, ahead)
             .prop_map(|(tones, master, glide, ahead)| Action::Drive { tones, master, glide, ahead }),
         2 => (0..3usize).prop_map(Action::Table),
@@ -89,6 +106,27 @@ pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, 
                     Event::Refused(
                         Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_),
                     ) => {}
+                    other => return Err(TestCaseError::fail(format!("{other:?}"))),
+                }
+            }
+            Action::Chord { period_log2, tones, glide, ahead } => {
+                let at = ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead);
+                let chord = random_chord(table, *period_log2, tones, *glide, at);
+                match rig.send(&Command::Chord(chord.clone())) {
+                    Event::Accepted(accepted) => mirror.acknowledge_chord(&chord, accepted.at)?,
+                    Event::Refused(
+                        Refusal::Headroom { .. }
+                        | Refusal::Peak { .. }
+                        | Refusal::Busy(_)
+                        // The table has none of the multiples, or the chord is to begin before it is silent.
+                        | Refusal::OutOfRange { field: Field::Harmonic | Field::ApplyAt, .. },
+                    ) => {}
+                    Event::Refused(Refusal::OutOfRange { field: Field::ChordPeriod, .. }) => {
+                        prop_assert!(!(7..=14).contains(period_log2));
+                    }
+                    Event::Refused(Refusal::OutOfRange { field: Field::ToneCount, .. }) => {
+                        prop_assert!(tones.is_empty());
+                    }
                     other => return Err(TestCaseError::fail(format!("{other:?}"))),
                 }
             }
@@ -157,6 +195,29 @@ fn random_drive(tones: &[(u8, f64, f64, u16)], master: i16, glide: u32, at: Opti
         glide,
         apply: at.map_or(Apply::Next, Apply::At),
     }
+}
+
+/// A chord of multiples that the table has, if it has any: as loud as phases at random may allow, or louder.
+fn random_chord(
+    table: &Table,
+    period_log2: u8,
+    tones: &[(f64, f64, u16)],
+    glide: u32,
+    at: Option<u64>,
+) -> Chord {
+    let steps = [table.knots[0].step, table.knots[table.knots.len() - 1].step].map(f64::from);
+    let base = 2f64.powi(32 - i32::from(period_log2));
+    let (low, high) = ((steps[0].min(steps[1]) / base).ceil(), (steps[0].max(steps[1]) / base).floor());
+    let mut placed: Vec<(u16, f64, f64)> = tones
+        .iter()
+        .map(|&(place, share, phase)| {
+            let harmonic = (low + place * (high - low).max(0.0)).round() as u16;
+            (harmonic, share * (2.0 / tones.len() as f64).sqrt().min(1.0), f64::from(phase) / 65_536.0)
+        })
+        .collect();
+    placed.sort_by_key(|tone| tone.0);
+    placed.dedup_by_key(|tone| tone.0);
+    Chord { glide, apply: at.map_or(Apply::Next, Apply::At), ..chord(period_log2, &placed) }
 }
 
 /// Whether the device has taken the table.

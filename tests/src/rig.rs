@@ -1,7 +1,9 @@
 //! A test rig: a simulated device with a small synchronous client, in virtual time.
 
 use slipline_link::simulator::{Options, SentBlock, SimulatedDevice};
-use slipline_protocol::command::{Apply, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone};
+use slipline_protocol::command::{
+    Apply, Chord, ChordTone, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone,
+};
 use slipline_protocol::event::Event;
 use slipline_protocol::limits::{CHUNK_KNOTS, KEEP_ALIVE_PERIOD_MS};
 use slipline_protocol::table::{self, Knot};
@@ -108,6 +110,23 @@ pub fn drive(tones: &[(u8, f64, f64)], glide: u32) -> Drive {
         tones: tones.iter().map(|&(slot, position, level)| tone(slot, position, level)).collect(),
         master: CentiDecibel(0),
         glide,
+        apply: Apply::Next,
+    }
+}
+
+/// A chord of these tones: multiple of the base frequency `rate / 2^period_log2`, level 0..=1, phase in turns.
+#[must_use]
+pub fn chord(period_log2: u8, tones: &[(u16, f64, f64)]) -> Chord {
+    let tone = |&(harmonic, level, turns): &(u16, f64, f64)| ChordTone {
+        harmonic,
+        level: Level((level * 65_535.0).round() as u16),
+        phase: Phase((turns.rem_euclid(1.0) * 65_536.0) as u16),
+    };
+    Chord {
+        period_log2,
+        tones: tones.iter().map(tone).collect(),
+        master: CentiDecibel(0),
+        glide: 2000,
         apply: Apply::Next,
     }
 }

@@ -19,7 +19,7 @@ use slipline_link::table::DeviceTable;
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{DriveRequest, LinkError, Outcome, Port, PortInfo, Request, Ticket};
 use slipline_protocol::Decoder;
-use slipline_protocol::command::DigestWindow;
+use slipline_protocol::command::{Apply, DigestWindow};
 
 /// One line of a transcript.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,11 +68,14 @@ pub fn table() -> DeviceTable {
     DeviceTable::from_knots((0.08, 0.27), 4e5, knots, 1e-6).expect("values in range")
 }
 
-/// What the host of every transcript is asked, and after how many milliseconds the next.
+/// What the host of a minor version's transcript is asked, and after how many milliseconds the next.
+///
+/// # Panics
+/// Never: its values are in range.
 #[must_use]
-pub fn requests() -> Vec<(Request, u64)> {
+pub fn requests(minor: u8) -> Vec<(Request, u64)> {
     let drive = |tones: &[(f64, f64)]| Request::Drive(DriveRequest::at(tones));
-    vec![
+    let mut requests = vec![
         (Request::Connect(Port::Serial("A".to_owned())), 100),
         // No table: refused by the device.
         (Request::Store, 50),
@@ -94,9 +97,24 @@ pub fn requests() -> Vec<(Request, u64)> {
         (Request::ReadBack, 20),
         (Request::Disarm, 50),
         (Request::Forget, 50),
-        // The simulated device has no bootloader in ROM before it is disarmed and silent.
-        (Request::Disconnect, 500),
-    ]
+    ];
+    if minor >= 1 {
+        let limited = table().with_travel_limit(50.0, 2.0, 0.5).expect("values in range");
+        let waiting = DriveRequest { apply: Apply::AtTrigger, ..DriveRequest::at(&[(0.1, 0.5), (0.2, 0.4)]) };
+        requests.extend([
+            (Request::Upload(Arc::new(limited)), 100),
+            (Request::Arm, 50),
+            (Request::Drive(waiting), 50),
+            (Request::Refresh, 20),
+            // It drops the drive that waits.
+            (Request::Stop, 50),
+            (drive(&[(0.12, 0.3)]), 100),
+            (Request::Disarm, 50),
+        ]);
+    }
+    // The simulated device has no bootloader in ROM before it is disarmed and silent.
+    requests.push((Request::Disconnect, 500));
+    requests
 }
 
 /// What answers the host's bytes.
@@ -137,13 +155,13 @@ impl<P: Peer> Opener for Ways<P> {
     }
 }
 
-/// Lets this build's host say all of [`requests`] to a peer; `pass` is called for every millisecond. Returns how each
-/// request ended.
-pub fn play<P: Peer>(peer: &Arc<Mutex<P>>, mut pass: impl FnMut(&mut P)) -> Vec<Option<Outcome>> {
+/// Lets this build's host say all of a minor's [`requests`] to a peer; `pass` is called for every millisecond. Returns how
+/// each request ended.
+pub fn play<P: Peer>(peer: &Arc<Mutex<P>>, minor: u8, mut pass: impl FnMut(&mut P)) -> Vec<Option<Outcome>> {
     let nonces = Box::new(|| *b"1.0!");
     let mut connection = Connection::new(Ways(peer.clone()), Waker::new(|| ()), nonces);
     let mut now = Duration::ZERO;
-    for (number, (request, milliseconds)) in (1..).zip(requests()) {
+    for (number, (request, milliseconds)) in (1..).zip(requests(minor)) {
         connection.request(Ticket(number), request, now);
         connection.step(now);
         for _ in 0..milliseconds {
@@ -152,7 +170,7 @@ pub fn play<P: Peer>(peer: &Arc<Mutex<P>>, mut pass: impl FnMut(&mut P)) -> Vec<
             connection.step(now);
         }
     }
-    (1..).zip(requests()).map(|(number, _)| connection.view().outcome(Ticket(number)).cloned()).collect()
+    (1..).zip(requests(minor)).map(|(number, _)| connection.view().outcome(Ticket(number)).cloned()).collect()
 }
 
 /// A device that is listened to.

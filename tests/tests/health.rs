@@ -343,7 +343,9 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
         let faults = Faults::NONE.with(Fault::EmergencyStop);
         let event = rig.send(&command);
         let expected = match command {
-            Command::Arm | Command::Drive(_) => event == Event::Refused(Refusal::Faulted { faults }),
+            Command::Arm | Command::Drive(_) | Command::Chord(_) => {
+                event == Event::Refused(Refusal::Faulted { faults })
+            }
             Command::KeepAlive(_) | Command::Status => {
                 matches!(&event, Event::Status(status) if status.state == State::Fault && status.faults == faults)
             }

@@ -69,12 +69,14 @@ mod portable;
 mod quantize;
 pub mod sine;
 mod steady;
+mod steady_bank;
 
 pub use self::block::{AMPLITUDE_ONE, BLOCK, FULL_SCALE, MAX_STEP_CHANGE, TONES, ToneBlock};
 use self::kernel::{Kernel, Survey};
 use self::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 use self::native::Native;
 use self::portable::Portable;
+pub use self::steady_bank::SteadyBank;
 
 /// The bank. Its state is one exact phase per tone; the other fields are tables that are computed from the tones.
 #[derive(Clone, Debug)]

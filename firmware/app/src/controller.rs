@@ -31,6 +31,7 @@ use slipline_protocol::units::SampleIndex;
 use self::range::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderEntry;
+use crate::chord::Candidate;
 use crate::digest::DigestState;
 use crate::excursion::Excursion;
 use crate::mailbox::Mailbox;
@@ -60,7 +61,7 @@ pub struct Device {
 }
 
 /// The thread side's state: what commands change and what may take time.
-pub struct Controller<F, S> {
+pub struct Controller<'a, F, S> {
     device: Device,
     boot: Boot,
     timing: Timing,
@@ -76,6 +77,7 @@ pub struct Controller<F, S> {
     active: TableRef,
     upload: Option<Upload>,
     excursion: Excursion,
+    candidate: &'a mut Candidate,
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
@@ -83,10 +85,11 @@ pub struct Controller<F, S> {
     is_outrun: Cell<bool>,
 }
 
-impl<F: FlashPages, S: System> Controller<F, S> {
-    /// A controller that has not read the store yet.
+impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
+    /// A controller that has not read the store yet. `candidate` lies elsewhere, because a firmware has no room for it on the
+    /// stack on which it makes the controller.
     #[must_use]
-    pub fn new(device: Device, boot: Boot, flash: F, system: S) -> Self {
+    pub fn new(device: Device, boot: Boot, flash: F, system: S, candidate: &'a mut Candidate) -> Self {
         Self {
             timing: Timing::at(device.sample_rate_hz),
             thermal: Thermal::new(boot.heat),
@@ -101,6 +104,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             active: TableRef::default(),
             upload: None,
             excursion: Excursion::unlimited(device.sample_rate_hz),
+            candidate,
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
@@ -146,7 +150,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         }
     }
 
-    /// Does a numbered command. A drive and a commit of a table take long: they ask `is_stopped` now and then whether a
+    /// Does a numbered command. A drive, a chord and a commit of a table take long: they ask `is_stopped` now and then whether a
     /// stop has come, and start nothing after one.
     ///
     /// # Errors
@@ -161,6 +165,7 @@ impl<F: FlashPages, S: System> Controller<F, S> {
             Command::Arm => self.arm(mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
             Command::Drive(drive) => self.drive(drive, is_stopped, mailbox).map(accepted),
+            Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
                 let standing =
                     if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };

@@ -32,6 +32,7 @@ extern crate std;
 pub mod bank;
 pub mod boot;
 pub mod bootloader;
+pub mod chord;
 pub mod controller;
 pub mod crash;
 pub mod digest;

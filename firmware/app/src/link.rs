@@ -11,6 +11,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 
 use crate::boot::Boot;
+use crate::chord::Candidate;
 use crate::controller::{Controller, Device};
 use crate::inbox::Inbox;
 use crate::mailbox::Mailbox;
@@ -21,20 +22,20 @@ use crate::session::Session;
 const PACKET: usize = 64;
 
 /// Session and controller together, on a stream of bytes.
-pub struct Link<F, S> {
+pub struct Link<'a, F, S> {
     inbox: Inbox,
     session: Session,
-    controller: Controller<F, S>,
+    controller: Controller<'a, F, S>,
 }
 
-impl<F: FlashPages, S: System> Link<F, S> {
-    /// A link before the first byte.
+impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
+    /// A link before the first byte. `candidate` is the memory in which chords are proven.
     #[must_use]
-    pub fn new(device: Device, boot: Boot, flash: F, system: S) -> Self {
+    pub fn new(device: Device, boot: Boot, flash: F, system: S, candidate: &'a mut Candidate) -> Self {
         Self {
             inbox: Inbox::new(),
             session: Session::new(),
-            controller: Controller::new(device, boot, flash, system),
+            controller: Controller::new(device, boot, flash, system, candidate),
         }
     }
 

@@ -91,7 +91,12 @@ impl Motion {
     #[must_use]
     pub fn goals(&self) -> [Option<Target>; MAX_TONES] {
         self.tones.map(|tone| {
-            (tone.to_level.0 != 0).then_some(Target { position: tone.to, level: tone.to_level, phase: 0 })
+            (tone.to_level.0 != 0).then_some(Target {
+                position: tone.to,
+                level: tone.to_level,
+                phase: 0,
+                setting: None,
+            })
         })
     }
 
@@ -111,11 +116,36 @@ impl Motion {
     /// The motion that a program starts where this one is at the program's index, `here`.
     #[must_use]
     pub fn follow(&self, here: &[Placement; MAX_TONES], program: &Program, slots: &TableSlots) -> Self {
+        self.toward(here, Outline::new(program.at, program.glide, program.table), &program.targets, slots)
+    }
+
+    /// The motion from silence to these targets.
+    #[must_use]
+    pub(crate) fn rising(
+        at: SampleIndex,
+        glide: u32,
+        table: TableRef,
+        targets: &[Option<Target>; MAX_TONES],
+        slots: &TableSlots,
+    ) -> Self {
+        // Not on the stack, which has no room for them beside the motion that is made.
+        static SILENT: Motion = Motion::silent();
+        static NOWHERE: [Placement; MAX_TONES] = [Placement::NOWHERE; MAX_TONES];
+        SILENT.toward(&NOWHERE, Outline::new(at, glide, table), targets, slots)
+    }
+
+    fn toward(
+        &self,
+        here: &[Placement; MAX_TONES],
+        outline: Outline,
+        targets: &[Option<Target>; MAX_TONES],
+        slots: &TableSlots,
+    ) -> Self {
         let mut next = Self::silent();
-        next.outline = Outline::new(program.at, program.glide, program.table);
+        next.outline = outline;
         let outline = &mut next.outline;
         for (((tone, old), placement), target) in
-            next.tones.iter_mut().zip(&self.tones).zip(here).zip(&program.targets)
+            next.tones.iter_mut().zip(&self.tones).zip(here).zip(targets)
         {
             *tone = match target {
                 None => ToneTrajectory::fading(placement),
@@ -124,7 +154,9 @@ impl Motion {
                     to: target.position,
                     from_level: Gain(0),
                     to_level: target.level,
-                    setting: SettingTrajectory::hold(slots.evaluate(program.table, target.position)),
+                    setting: SettingTrajectory::hold(
+                        target.setting.unwrap_or_else(|| slots.evaluate(outline.table, target.position)),
+                    ),
                     phase: target.phase,
                 },
                 Some(target) => ToneTrajectory {
@@ -132,11 +164,11 @@ impl Motion {
                     to: target.position,
                     from_level: placement.level,
                     to_level: target.level,
-                    setting: if self.table() == program.table && old.setting == SettingTrajectory::Along {
+                    setting: if self.table() == outline.table && old.setting == SettingTrajectory::Along {
                         // It follows this table already.
                         SettingTrajectory::Along
                     } else {
-                        SettingTrajectory::from(placement, slots.evaluate(program.table, placement.position))
+                        SettingTrajectory::from(placement, slots.evaluate(outline.table, placement.position))
                     },
                     phase: 0,
                 },

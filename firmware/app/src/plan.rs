@@ -4,12 +4,13 @@
 //! nothing else. The controller plans before it accepts a command. The host's mirror plans with the index that the device
 //! has answered and gets the same motion.
 
-use slipline_protocol::command::Drive;
+use slipline_protocol::command::{Chord, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
-use slipline_protocol::units::SampleIndex;
+use slipline_protocol::units::{CentiDecibel, SampleIndex};
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
+use crate::chord::ChordTones;
 use crate::headroom;
 use crate::level::master_gain;
 use crate::motion::{Motion, Placement};
@@ -69,28 +70,44 @@ impl Planner<'_> {
         self.complete(Program { at, glide, table, targets: motion.goals() }, motion)
     }
 
-    /// Checks a drive's fields; returns where each tone shall go.
-    fn targets(&self, drive: &Drive, table: TableRef) -> Result<[Option<Target>; MAX_TONES], Refusal> {
-        let timing = self.timing;
+    /// Checks a chord's fields and places its tones by a table.
+    ///
+    /// # Errors
+    /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, and as [`ChordTones::of`].
+    pub fn place_chord(&self, chord: &Chord, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
         if table.knots == 0 {
             return Err(Refusal::NoTable);
         }
-        if !(MIN_MASTER_CDB..=0).contains(&drive.master.0) {
-            return Err(out_of_range(
-                Field::MasterLevel,
-                i64::from(MIN_MASTER_CDB),
-                0,
-                i64::from(drive.master.0),
-            ));
+        self.check_ranges(chord.master, chord.glide)?;
+        tones.set(chord, table.knots, |index| self.slots.knot(table.slot, index))
+    }
+
+    /// Makes the motion of a chord that rises from silence at `at`. Whether its sum fits is not checked here: that is
+    /// [`Proof::check`](crate::chord::Proof::check)'s work.
+    ///
+    /// # Errors
+    /// [`Busy::DriveActive`] if anything sounds at `at`, or if a stop has come.
+    pub fn chord(
+        &mut self,
+        tones: &ChordTones,
+        at: SampleIndex,
+        glide: u32,
+        table: TableRef,
+        motion: &Motion,
+    ) -> Result<Motion, Refusal> {
+        self.refuse_if_stopped()?;
+        if !motion.is_silent_from(at) {
+            return Err(Refusal::Busy(Busy::DriveActive));
         }
-        if !(timing.min_glide..=timing.max_glide).contains(&drive.glide) {
-            return Err(out_of_range(
-                Field::Glide,
-                i64::from(timing.min_glide),
-                i64::from(timing.max_glide),
-                i64::from(drive.glide),
-            ));
+        Ok(Motion::rising(at, glide, table, tones.targets(), self.slots))
+    }
+
+    /// Checks a drive's fields; returns where each tone shall go.
+    fn targets(&self, drive: &Drive, table: TableRef) -> Result<[Option<Target>; MAX_TONES], Refusal> {
+        if table.knots == 0 {
+            return Err(Refusal::NoTable);
         }
+        self.check_ranges(drive.master, drive.glide)?;
         let master = master_gain(drive.master);
         let mut targets = [None; MAX_TONES];
         for tone in &drive.tones {
@@ -104,9 +121,26 @@ impl Planner<'_> {
                 position: tone.position.fine(),
                 level: master.scaled(tone.level),
                 phase: u64::from(tone.phase.0) << 48,
+                setting: None,
             });
         }
         Ok(targets)
+    }
+
+    fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
+        let timing = self.timing;
+        if !(MIN_MASTER_CDB..=0).contains(&master.0) {
+            return Err(out_of_range(Field::MasterLevel, i64::from(MIN_MASTER_CDB), 0, i64::from(master.0)));
+        }
+        if !(timing.min_glide..=timing.max_glide).contains(&glide) {
+            return Err(out_of_range(
+                Field::Glide,
+                i64::from(timing.min_glide),
+                i64::from(timing.max_glide),
+                i64::from(glide),
+            ));
+        }
+        Ok(())
     }
 
     /// Checks the headroom, stretches the glide, and goes on from where the tones are.

@@ -5,6 +5,7 @@
 //! ```
 
 use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::table::Setting;
 use slipline_protocol::units::{FinePosition, Gain, SampleIndex};
 
 use crate::slots::TableRef;
@@ -18,6 +19,8 @@ pub struct Target {
     pub level: Gain,
     /// Its phase at the start, if it starts from silence; 2^64 = one turn.
     pub phase: u64,
+    /// What it sounds as if it starts from silence; the table's value at its place if that is `None`.
+    pub setting: Option<Setting>,
 }
 
 /// A change of the drive, complete and immutable.

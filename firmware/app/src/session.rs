@@ -84,7 +84,7 @@ impl Session {
         &mut self,
         inbox: &mut Inbox,
         mut receive: impl FnMut(&mut Inbox),
-        controller: &mut Controller<F, S>,
+        controller: &mut Controller<'_, F, S>,
         mailbox: &Mailbox<M>,
     ) {
         let Some(incoming) = inbox.next() else { return };
@@ -112,7 +112,7 @@ impl Session {
         incoming: &Incoming,
         counters: Counters,
         is_stopped: &mut dyn FnMut() -> bool,
-        controller: &mut Controller<F, S>,
+        controller: &mut Controller<'_, F, S>,
         mailbox: &Mailbox<M>,
     ) -> (u32, Event) {
         let Incoming { header, command, stopped_at } = incoming;
@@ -147,7 +147,7 @@ impl Session {
     fn begin<M: RawMutex, F: FlashPages, S: System>(
         &mut self,
         hello: &Hello,
-        controller: &mut Controller<F, S>,
+        controller: &mut Controller<'_, F, S>,
         mailbox: &Mailbox<M>,
     ) {
         if self.id != 0 && hello.nonce == self.nonce {
@@ -176,7 +176,7 @@ impl Session {
         sequence: u16,
         command: &Result<Command, Refusal>,
         is_stopped: &mut dyn FnMut() -> bool,
-        controller: &mut Controller<F, S>,
+        controller: &mut Controller<'_, F, S>,
         mailbox: &Mailbox<M>,
     ) -> Event {
         if let Some((done, reply)) = &self.last_reply

@@ -15,6 +15,7 @@ use embassy_sync::pipe::Pipe;
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
+use slipline_app::chord::Candidate;
 use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, System, Underrun};
 use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing, release};
 
@@ -149,7 +150,8 @@ async fn run_link() {
         simulated: true,
         sample_rate_hz: SAMPLE_RATE_HZ,
     };
-    let mut link = Link::new(device, Boot::cold(), NoFlash, NoBootloader);
+    let mut candidate = Candidate::new();
+    let mut link = Link::new(device, Boot::cold(), NoFlash, NoBootloader, &mut candidate);
     link.run(&MAILBOX, UartRead, UartWrite).await;
 }
 

@@ -7,6 +7,7 @@ use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Instant, Timer};
 use slipline_app::boot::{Boot, STABLE_AFTER_MS};
+use slipline_app::chord::Candidate;
 use slipline_app::ports::{CycleCounter, System};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -115,7 +116,9 @@ async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins) {
 
 #[embassy_executor::task]
 async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
-    let mut link = Link::new(identity(), boot, store, Rom);
+    // In RAM from the start, not on the stack.
+    static CANDIDATE: ConstStaticCell<Candidate> = ConstStaticCell::new(Candidate::new());
+    let mut link = Link::new(identity(), boot, store, Rom, CANDIDATE.take());
     link.run(&MAILBOX, read, write).await;
 }
 

@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     Command::TableChunk(chunk) => knots.extend_from_slice(&chunk.knots),
                     Command::TableCommit => mirror.acknowledge_table(Arc::from(knots.as_slice()), at)?,
                     Command::Drive(drive) => mirror.acknowledge_drive(&drive, at)?,
+                    Command::Chord(chord) => mirror.acknowledge_chord(&chord, at)?,
                     Command::Stop | Command::Disarm => mirror.acknowledge_stop(Stop::Normal, at)?,
                     Command::EmergencyStop => mirror.acknowledge_stop(Stop::Emergency, at)?,
                     _ => {}

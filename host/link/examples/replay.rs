@@ -33,6 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Change::Armed => "armed",
             Change::Disarmed => "disarmed",
             Change::Drive(_) => "drive",
+            Change::Chord(_) => "chord",
             Change::Stop => "stop",
             Change::EmergencyStop => "emergency stop",
             Change::Table(_) => "table",

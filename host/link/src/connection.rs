@@ -178,7 +178,7 @@ impl<O: Opener> Connection<O> {
     /// Takes a request. What cannot be done now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
         self.recorder.set_time(now);
-        if !matches!(request, Request::Drive(_) | Request::Refresh | Request::Note(..)) {
+        if !matches!(request, Request::Drive(_) | Request::Chord(_) | Request::Refresh | Request::Note(..)) {
             self.recorder.log(Severity::Detail, format!("Request: {}.", request.name()));
         }
         match request {

@@ -7,7 +7,7 @@ use slipline_app::excursion::shortest_glide;
 use slipline_protocol::command::{Apply, Drive, TableHeader, Tone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::MIN_MASTER_CDB;
-use slipline_protocol::units::{CentiDecibel, Phase};
+use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 /// One tone, in metres and shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,27 +110,49 @@ impl DriveRequest {
                 let (got, min, max) = (tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
                 refuse(OutOfRange { field: "boundary (mm)", got, min, max })
             })?;
-            let level = table::level(tone.level)
-                .ok_or_else(|| refuse(OutOfRange { field: "level", got: tone.level, min: 0.0, max: 1.0 }))?;
-            if !tone.phase_turns.is_finite() {
-                let got = tone.phase_turns;
-                return Err(refuse(OutOfRange { field: "phase (turns)", got, min: 0.0, max: 1.0 }));
-            }
-            let phase = Phase((tone.phase_turns.rem_euclid(1.0) * 65536.0).round() as u32 as u16);
+            let level = level(tone.level).map_err(refuse)?;
+            let phase = phase(tone.phase_turns).map_err(refuse)?;
             tones.push(Tone { slot, position, level, phase }).map_err(|_| too_many())?;
         }
-        let lowest_db = f64::from(MIN_MASTER_CDB) / 100.0;
-        OutOfRange::check("master level (dB)", self.master_db, lowest_db, 0.0)?;
-        OutOfRange::check("glide time (s)", self.glide_s, 0.0, f64::INFINITY)?;
-        // A float beyond u32 saturates, and the device's range is put over it.
-        let glide = (self.glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
-        let timing = Timing::at(identity.sample_rate_hz);
-        let shortest = travel.map_or(0, |limit| shortest_glide(limit, &timing)).max(identity.min_glide);
         Ok(Drive {
             tones,
-            master: CentiDecibel((self.master_db * 100.0).round() as i16),
-            glide: glide.min(identity.max_glide).max(shortest),
+            master: master(self.master_db)?,
+            glide: glide(self.glide_s, identity, travel)?,
             apply: self.apply,
         })
     }
+}
+
+/// A tone's level in the device's units.
+pub(crate) fn level(level: f64) -> Result<Level, OutOfRange> {
+    table::level(level).ok_or(OutOfRange { field: "level", got: level, min: 0.0, max: 1.0 })
+}
+
+/// A phase in the device's units, of any number of turns.
+pub(crate) fn phase(turns: f64) -> Result<Phase, OutOfRange> {
+    if !turns.is_finite() {
+        return Err(OutOfRange { field: "phase (turns)", got: turns, min: 0.0, max: 1.0 });
+    }
+    Ok(Phase((turns.rem_euclid(1.0) * 65536.0).round() as u32 as u16))
+}
+
+/// A master level in the device's units.
+pub(crate) fn master(master_db: f64) -> Result<CentiDecibel, OutOfRange> {
+    let lowest_db = f64::from(MIN_MASTER_CDB) / 100.0;
+    OutOfRange::check("master level (dB)", master_db, lowest_db, 0.0)?;
+    Ok(CentiDecibel((master_db * 100.0).round() as i16))
+}
+
+/// A glide in the device's units: the nearest time that it can, and that its actuator can follow.
+pub(crate) fn glide(
+    glide_s: f64,
+    identity: &Identity,
+    travel: Option<&TravelLimit>,
+) -> Result<u32, OutOfRange> {
+    OutOfRange::check("glide time (s)", glide_s, 0.0, f64::INFINITY)?;
+    // A float beyond u32 saturates, and the device's range is put over it.
+    let glide = (glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
+    let timing = Timing::at(identity.sample_rate_hz);
+    let shortest = travel.map_or(0, |limit| shortest_glide(limit, &timing)).max(identity.min_glide);
+    Ok(glide.min(identity.max_glide).max(shortest))
 }

@@ -18,6 +18,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
 mod channel;
+pub mod chord;
 mod commands;
 pub mod connection;
 mod drive;
@@ -47,6 +48,7 @@ pub mod transport;
 mod undecided;
 pub mod upkeep;
 
+pub use chord::{ChordRequest, ChordToneRequest};
 pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
 pub use error::LinkError;

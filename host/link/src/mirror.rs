@@ -13,12 +13,13 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
+use slipline_app::chord::ChordTones;
 use slipline_app::mailbox::{Mailbox, Stop};
 use slipline_app::plan::Planner;
 use slipline_app::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
-use slipline_protocol::command::Drive;
+use slipline_protocol::command::{Chord, Drive};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
@@ -26,6 +27,7 @@ use slipline_protocol::units::SampleIndex;
 #[derive(Clone, Debug)]
 enum Scheduled {
     Drive(Drive),
+    Chord(Chord),
     Table(Arc<[Knot]>),
     Stop(Stop),
 }
@@ -135,6 +137,14 @@ impl Mirror {
         self.acknowledge(at, Scheduled::Drive(drive.clone()))
     }
 
+    /// A chord was accepted and begins at `at`. Its peak is not proven again.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_chord(&mut self, chord: &Chord, at: SampleIndex) -> Result<(), TooLate> {
+        self.acknowledge(at, Scheduled::Chord(chord.clone()))
+    }
+
     /// A table was swapped in at `at`, by a commit or because the device held it already.
     ///
     /// # Errors
@@ -191,7 +201,7 @@ impl Mirror {
             match change {
                 Scheduled::Table(knots) if at <= index => table = Some(knots),
                 Scheduled::Table(_) => later.push_back((at, change)),
-                Scheduled::Drive(_) | Scheduled::Stop(_) => {}
+                Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Stop(_) => {}
             }
         }
         let limit = self.latest_limit;
@@ -240,6 +250,12 @@ impl Mirror {
                 return;
             }
             Scheduled::Drive(drive) => planner.drive(&drive, at, self.table, &view.motion),
+            Scheduled::Chord(chord) => {
+                let mut tones = ChordTones::NONE;
+                planner
+                    .place_chord(&chord, self.table, &mut tones)
+                    .and_then(|()| planner.chord(&tones, at, chord.glide, self.table, &view.motion))
+            }
             Scheduled::Table(knots) => {
                 let slot = self.table.slot.other();
                 let mut count = 0;

@@ -10,7 +10,7 @@ use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::command::{Drive, TravelLimit};
+use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{Maintenance, State, Status, TableReport, TriggerReport};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -66,8 +66,8 @@ impl Recorder {
         self.enter(at, change, true);
     }
 
-    /// Notes a drive that waits for the trigger input, whose rise counts from an index on.
-    pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Arc<Drive>) {
+    /// Notes a drive or a chord that waits for the trigger input, whose rise counts from an index on.
+    pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Change) {
         self.undecided.wait(from, drive);
     }
 
@@ -108,7 +108,7 @@ impl Recorder {
             return;
         }
         let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
-            Change::Drive(_) => Some(true),
+            Change::Drive(_) | Change::Chord(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
             Change::Armed | Change::Table(_) | Change::Limit(_) => None,
         });

@@ -1,5 +1,6 @@
 //! What a program asks of the link, and how it ended.
 
+use crate::chord::ChordRequest;
 use crate::drive::DriveRequest;
 use crate::log::Severity;
 use crate::port::Port;
@@ -10,7 +11,8 @@ use slipline_protocol::event::Digest;
 use std::sync::Arc;
 
 /// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all
-/// others, and a newer [`Request::Drive`] or a [`Request::Disarm`] replaces a drive that the device has not taken yet.
+/// others, and a newer [`Request::Drive`], [`Request::Chord`] or a [`Request::Disarm`] replaces a drive or a chord that the
+/// device has not taken yet.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
@@ -24,6 +26,8 @@ pub enum Request {
     Disarm,
     /// Sound these tones.
     Drive(DriveRequest),
+    /// Sound these multiples of one base frequency, from silence on.
+    Chord(ChordRequest),
     /// Ramp to silence; stay armed.
     Stop,
     /// Ramp to silence at once, mute, latch a fault.
@@ -65,6 +69,7 @@ impl Request {
             Self::Arm => "arm",
             Self::Disarm => "disarm",
             Self::Drive(_) => "drive",
+            Self::Chord(_) => "chord",
             Self::Stop => "stop",
             Self::EmergencyStop => "emergency stop",
             Self::ClearFaults => "clear faults",

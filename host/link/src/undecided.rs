@@ -5,10 +5,8 @@
 //! since then is held back until it has answered, so that the journal stays in the order of the indices.
 
 use crate::journal::Change;
-use slipline_protocol::command::Drive;
 use slipline_protocol::event::TriggerReport;
 use slipline_protocol::units::SampleIndex;
-use std::sync::Arc;
 
 /// A change on its way into the journal; the fields are those of [`Acknowledged`](crate::journal::Acknowledged).
 #[derive(Clone, Debug, PartialEq)]
@@ -21,9 +19,9 @@ pub(crate) struct Held {
 /// What is not decided.
 #[derive(Debug, Default)]
 pub(crate) struct Undecided {
-    /// The drives that were accepted, with the index from which on a rise counts. Each has taken the place of the one before
+    /// The drives and chords that were accepted, with the index from which on a rise counts. Each has taken the place of the one before
     /// it, so only the last may wait still.
-    drives: Vec<(SampleIndex, Arc<Drive>)>,
+    drives: Vec<(SampleIndex, Change)>,
     held: Vec<Held>,
 }
 
@@ -39,7 +37,7 @@ impl Undecided {
     }
 
     /// A drive waits; a rise counts from an index on.
-    pub(crate) fn wait(&mut self, from: SampleIndex, drive: Arc<Drive>) {
+    pub(crate) fn wait(&mut self, from: SampleIndex, drive: Change) {
         self.drives.push((from, drive));
     }
 
@@ -67,7 +65,7 @@ impl Undecided {
         if let Some((at, place)) = last {
             let drive = decided.swap_remove(place).1;
             // Whether those before it had begun, nobody tells any more.
-            entries.push(Held { at, change: Change::Drive(drive), is_exact: place == 0 });
+            entries.push(Held { at, change: drive, is_exact: place == 0 });
         }
         entries.sort_by_key(|held| held.at);
         entries
@@ -84,12 +82,14 @@ impl Undecided {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipline_protocol::command::Apply;
+    use slipline_protocol::command::{Apply, Drive};
     use slipline_protocol::units::CentiDecibel;
+    use std::sync::Arc;
 
-    fn drive(glide: u32) -> Arc<Drive> {
+    fn drive(glide: u32) -> Change {
         let tones = heapless::Vec::new();
-        Arc::new(Drive { tones, master: CentiDecibel(0), glide, apply: Apply::AtTrigger })
+        let drive = Drive { tones, master: CentiDecibel(0), glide, apply: Apply::AtTrigger };
+        Change::Drive(Arc::new(drive))
     }
 
     fn held(at: SampleIndex, change: Change) -> Held {
@@ -103,7 +103,7 @@ mod tests {
         undecided.hold(held(6400, Change::Stop));
         let began = TriggerReport { waits: false, began: Some(2560) };
         let entries = undecided.decide(&began);
-        assert_eq!(entries, [held(2560, Change::Drive(drive(2000))), held(6400, Change::Stop)]);
+        assert_eq!(entries, [held(2560, drive(2000)), held(6400, Change::Stop)]);
         assert!(undecided.is_empty());
     }
 
@@ -129,11 +129,11 @@ mod tests {
         };
         let mut undecided = two();
         let entries = undecided.decide(&TriggerReport { waits: true, began: Some(2560) });
-        assert_eq!(entries, [held(2560, Change::Drive(drive(2000)))]);
+        assert_eq!(entries, [held(2560, drive(2000))]);
         assert!(!undecided.is_empty(), "the second waits");
 
         let entries = two().decide(&TriggerReport { waits: false, began: Some(7680) });
-        let unsure = Held { is_exact: false, ..held(7680, Change::Drive(drive(3000))) };
+        let unsure = Held { is_exact: false, ..held(7680, drive(3000)) };
         assert_eq!(entries, [unsure], "the first may have begun before");
     }
 }

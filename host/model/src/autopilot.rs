@@ -238,6 +238,8 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     for entry in snapshot.journal.iter() {
         match &entry.change {
             Change::Drive(drive) => latest = Some((entry.number, drive)),
+            // The app sends none: one that sounds is not its own.
+            Change::Chord(_) => latest = None,
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }

@@ -4,6 +4,7 @@
 //! stand here, those of a later minor in a file of its own.
 
 mod v1_1;
+mod v1_2;
 
 use heapless::{String, Vec};
 use slipline_protocol::command::*;
@@ -34,6 +35,7 @@ pub(crate) fn commands_of(minor: u8) -> std::vec::Vec<Example<Command>> {
     match minor {
         0 => commands(),
         1 => v1_1::commands(),
+        2 => v1_2::commands(),
         _ => panic!("minor {minor} needs a file of examples here"),
     }
 }
@@ -46,6 +48,7 @@ pub(crate) fn events_of(minor: u8) -> std::vec::Vec<Example<Event>> {
     match minor {
         0 => events(),
         1 => v1_1::events(),
+        2 => v1_2::events(),
         _ => panic!("minor {minor} needs a file of examples here"),
     }
 }

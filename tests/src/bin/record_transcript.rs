@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 fn main() {
     let recorder = Arc::new(Mutex::new(Recorder::default()));
-    play(&recorder, Recorder::pass);
+    play(&recorder, MINOR, Recorder::pass);
     println!("# A host and a device of protocol {MAJOR}.{MINOR}. Frozen: never edit this file.");
     for line in &recorder.lock().expect("nobody else holds it").lines {
         let hex = |frame: &[u8]| frame.iter().map(|byte| format!("{byte:02x}")).collect::<String>();

@@ -160,6 +160,15 @@ pub fn program(data: &[u8]) {
             1 => Action::EmergencyStop,
             2 => Action::Rest,
             3 | 4 => Action::Table(usize::from(byte() % 3)),
+            5..=7 => {
+                let period_log2 = 5 + byte() % 12;
+                let tones = (0..byte() % 17)
+                    .map(|_| (share(byte()) * 1.1, share(byte()), u16::from(byte()) << 8))
+                    .collect();
+                let glide = 2000 + u32::from(u16::from_le_bytes([byte(), byte()]));
+                let ahead = (byte() % 4 == 0).then(|| u64::from(byte()) * 20);
+                Action::Chord { period_log2, tones, glide, ahead }
+            }
             _ => {
                 let tones = (0..byte() % 6)
                     .map(|_| (byte() % 16, share(byte()), share(byte()), u16::from(byte()) << 8))

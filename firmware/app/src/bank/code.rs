@@ -26,6 +26,12 @@ fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> u32 
     }
 }
 
+/// The code of one sample, 0..=[`MAX_CODE`].
+#[must_use]
+pub fn code_of(sample: i32) -> u16 {
+    quantize(sample, ROUND).0
+}
+
 /// The sum of the squares of a block's distances from mid-scale: at most `128 * 2048^2`, 29 bits.
 #[must_use]
 pub fn energy(codes: &[u16; BLOCK]) -> u32 {

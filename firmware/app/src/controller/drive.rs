@@ -3,7 +3,7 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::command::{Apply, Drive};
+use slipline_protocol::command::{Apply, Chord, Drive};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
@@ -20,7 +20,7 @@ use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 /// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.
 const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
 
-impl<F: FlashPages, S: System> Controller<F, S> {
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
         let view = mailbox.view();
         self.refuse_if_unfit(view.faults)?;
@@ -69,35 +69,102 @@ impl<F: FlashPages, S: System> Controller<F, S> {
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
-        let (armed, faults) = mailbox.standing();
-        self.refuse_unless_armed(armed, faults)?;
-        self.excursion.check_glide(drive.glide, &self.timing)?;
-        let waits = drive.apply == Apply::AtTrigger;
-        if waits && !self.system.has_trigger_input() {
-            return Err(Refusal::NotSupported);
-        }
-        let hand_over = if waits { Mailbox::publish_waiting } else { Mailbox::publish };
-        let at = publish(mailbox, &self.is_outrun, hand_over, |view, lead| {
+        self.refuse_unless_drivable(drive.glide, drive.apply, mailbox)?;
+        let at = publish(mailbox, &self.is_outrun, hand_over(drive.apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
-            let earliest = view.next.max(view.ready_at);
-            let at = match drive.apply {
-                Apply::Next => earliest.saturating_add(lead),
-                Apply::At(at) => {
-                    let latest = view.next.saturating_add(self.timing.max_apply_ahead);
-                    in_range(Field::ApplyAt, earliest, latest, at)?;
-                    block_at_or_after(at)
-                }
-                // Where nothing that sounds moves any more: what is planned for there holds at every later index.
-                Apply::AtTrigger if view.motion.is_silent_from(earliest) => earliest.saturating_add(lead),
-                Apply::AtTrigger => block_at_or_after(earliest.max(view.motion.end())).saturating_add(lead),
-            };
+            let at = self.begin(drive.apply, view.next.max(view.ready_at), view, lead)?;
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
+    }
+
+    /// Never inlined: a chord's tones would lie on the stack under every other command.
+    #[inline(never)]
+    pub(super) fn chord<M: RawMutex>(
+        &mut self,
+        chord: &Chord,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        self.refuse_unless_drivable(chord.glide, chord.apply, mailbox)?;
+        let planner =
+            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
+        if !ends_silent(mailbox) {
+            return Err(Refusal::Busy(Busy::DriveActive));
+        }
+        self.candidate.check(is_stopped)?;
+        let at = publish(mailbox, &self.is_outrun, hand_over(chord.apply), |view, lead| {
+            self.refuse_unless_armed(view.armed, view.faults)?;
+            let mut earliest = view.next.max(view.ready_at);
+            if view.motion.ends_silent() && !view.motion.is_silent_from(earliest) {
+                // What sounds fades already: the chord begins where that ends.
+                earliest = block_at_or_after(view.motion.end());
+            }
+            let at = self.begin(chord.apply, earliest, view, lead)?;
+            let mut planner = self.planner(mailbox, is_stopped);
+            let motion = planner.chord(&self.candidate.tones, at, chord.glide, self.active, &view.motion)?;
+            self.excursion.check(&motion, mailbox.slots())?;
+            Ok(motion)
+        })?;
+        self.user_acted_at = self.user_acted_at.max(at);
+        Ok(at)
+    }
+
+    fn refuse_unless_drivable<M: RawMutex>(
+        &self,
+        glide: u32,
+        apply: Apply,
+        mailbox: &Mailbox<M>,
+    ) -> Result<(), Refusal> {
+        // Before anything else, and again at each attempt, because the renderer may disarm at any moment.
+        let (armed, faults) = mailbox.standing();
+        self.refuse_unless_armed(armed, faults)?;
+        self.excursion.check_glide(glide, &self.timing)?;
+        if apply == Apply::AtTrigger && !self.system.has_trigger_input() {
+            return Err(Refusal::NotSupported);
+        }
+        Ok(())
+    }
+
+    /// Where a change begins that may begin from `earliest` on, `lead` samples later if nobody asks for an index.
+    fn begin(
+        &self,
+        apply: Apply,
+        earliest: SampleIndex,
+        view: &View,
+        lead: u64,
+    ) -> Result<SampleIndex, Refusal> {
+        Ok(match apply {
+            Apply::Next => earliest.saturating_add(lead),
+            Apply::At(at) => {
+                let latest = view.next.saturating_add(self.timing.max_apply_ahead);
+                in_range(Field::ApplyAt, earliest, latest, at)?;
+                block_at_or_after(at)
+            }
+            // Where nothing that sounds moves any more: what is planned for there holds at every later index.
+            Apply::AtTrigger if view.motion.is_silent_from(earliest) => earliest.saturating_add(lead),
+            Apply::AtTrigger => block_at_or_after(earliest.max(view.motion.end())).saturating_add(lead),
+        })
+    }
+}
+
+/// Whether what sounds fades, or nothing sounds. Never inlined: the copy would stay on the stack.
+#[inline(never)]
+fn ends_silent<M: RawMutex>(mailbox: &Mailbox<M>) -> bool {
+    mailbox.view().motion.ends_silent()
+}
+
+/// How a motion is handed over.
+type HandOver<M> = fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>;
+
+fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
+    match apply {
+        Apply::AtTrigger => Mailbox::publish_waiting,
+        Apply::Next | Apply::At(_) => Mailbox::publish,
     }
 }
 

@@ -11,7 +11,7 @@ use crate::ports::{FlashPages, System};
 use crate::slots::TableRef;
 use crate::upload::Upload;
 
-impl<F: FlashPages, S: System> Controller<F, S> {
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Puts a limit in force, or none. What sounds was judged by the limit before, so it must have ended. Judging two
     /// tables takes the thread some milliseconds, in which there is nothing to stop.
     pub(super) fn set_travel_limit<M: RawMutex>(

@@ -17,7 +17,7 @@ use crate::ports::{FlashPages, System};
 /// Bits of a DAC code.
 const DAC_BITS: u8 = 12;
 
-impl<F: FlashPages, S: System> Controller<F, S> {
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Who the device is.
     #[must_use]
     pub fn identity(&self) -> Identity {

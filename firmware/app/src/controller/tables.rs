@@ -13,7 +13,7 @@ use crate::slots::TableRef;
 use crate::store;
 
 // What reads and writes the flash is never inlined: its buffers would lie on the stack under every other command.
-impl<F: FlashPages, S: System> Controller<F, S> {
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn commit_table<M: RawMutex>(
         &mut self,
         is_stopped: &mut dyn FnMut() -> bool,

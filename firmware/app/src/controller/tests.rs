@@ -88,7 +88,7 @@ unsafe impl RawMutex for Interrupted {
 
 /// Both halves of the application, without a link between them and the test.
 struct Rig {
-    controller: Controller<NoFlash, Rom>,
+    controller: Controller<'static, NoFlash, Rom>,
     mailbox: Rc<Mailbox<Interrupted>>,
     renderer: Rc<RefCell<Renderer>>,
     rom: Rom,
@@ -99,7 +99,13 @@ impl Rig {
     fn armed() -> Self {
         let rom = Rom::default();
         let mut rig = Self {
-            controller: Controller::new(DEVICE, Boot::cold(), NoFlash, rom.clone()),
+            controller: Controller::new(
+                DEVICE,
+                Boot::cold(),
+                NoFlash,
+                rom.clone(),
+                Box::leak(Box::default()),
+            ),
             mailbox: Rc::new(Mailbox::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
             rom,
@@ -302,7 +308,8 @@ fn safe_mode_does_not_touch_the_kept_table() {
     // the last runs may have ended on it.
     let boot = Boot { safe_mode: true, ..Boot::cold() };
     let mailbox = Mailbox::<Interrupted>::new();
-    let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default());
+    let mut candidate = Candidate::new();
+    let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default(), &mut candidate);
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
     let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox)

@@ -32,7 +32,7 @@ fn mailbox() -> Box<Local> {
 /// A tone that starts from silence at full scale.
 fn onset(at: SampleIndex, mailbox: &Local) -> Motion {
     let mut targets = [None; MAX_TONES];
-    targets[2] = Some(Target { position: FinePosition::END, level: Gain::FULL, phase: 0 });
+    targets[2] = Some(Target { position: FinePosition::END, level: Gain::FULL, phase: 0, setting: None });
     let table = TableRef { slot: SlotIndex::Second, knots: 2 };
     let program = Program { at, glide: 2000, table, targets };
     Motion::silent().follow(&[Placement::default(); MAX_TONES], &program, mailbox.slots())

@@ -41,8 +41,12 @@ fn table(slot: SlotIndex) -> TableRef {
 fn program(at: SampleIndex, glide: u32, slot: SlotIndex, targets: &[(usize, u16, u32)]) -> Program {
     let mut program = Program { at, glide, table: table(slot), targets: [None; MAX_TONES] };
     for &(slot, position, level) in targets {
-        program.targets[slot] =
-            Some(Target { position: Position(position).fine(), level: Gain(level), phase: 7 << 40 });
+        program.targets[slot] = Some(Target {
+            position: Position(position).fine(),
+            level: Gain(level),
+            phase: 7 << 40,
+            setting: None,
+        });
     }
     program
 }

@@ -79,7 +79,7 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Superseded);
             }
             Event::Refused(refusal::Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
-                if matches!(task.job, Job::Drive(_)) && task.tries < BUSY_TRIES =>
+                if task.job.sounds() && task.tries < BUSY_TRIES =>
             {
                 self.try_drive_again(task, recorder, now);
             }
@@ -142,7 +142,7 @@ impl CommandQueue {
 
     /// The last change is being taken up, or a stop ramps out: the drive is sent again soon, unless a newer one waits.
     fn try_drive_again(&mut self, mut task: Task, recorder: &mut Recorder, now: Duration) {
-        if self.tasks.iter().any(|waiting| matches!(waiting.job, Job::Drive(_))) {
+        if self.tasks.iter().any(|waiting| waiting.job.sounds()) {
             recorder.superseded();
             recorder.finish(task.ticket, Outcome::Superseded);
         } else {
@@ -178,17 +178,12 @@ impl CommandQueue {
                 }
             }
             Command::Drive(drive) => {
-                let waits = drive.apply == Apply::AtTrigger;
-                if waits {
-                    recorder.wait_for_trigger(at, Arc::new(drive));
-                } else {
-                    recorder.acknowledge(at, Change::Drive(Arc::new(drive)));
-                }
-                if task.is_overtaken {
-                    recorder.stop_again(at);
-                }
-                self.ask_for_trigger(recorder);
-                self.status_stale |= waits;
+                let apply = drive.apply;
+                self.sounds(&task, apply, at, Change::Drive(Arc::new(drive)), recorder);
+            }
+            Command::Chord(chord) => {
+                let apply = chord.apply;
+                self.sounds(&task, apply, at, Change::Chord(Arc::new(chord)), recorder);
             }
             Command::ClearFaults => self.arm_unasked(recorder),
             Command::DigestStart(_) => {
@@ -232,6 +227,28 @@ impl CommandQueue {
         let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
         Next::Continue
+    }
+
+    /// Notes a drive or a chord that the device has accepted.
+    fn sounds(
+        &mut self,
+        task: &Task,
+        apply: Apply,
+        at: SampleIndex,
+        change: Change,
+        recorder: &mut Recorder,
+    ) {
+        let waits = apply == Apply::AtTrigger;
+        if waits {
+            recorder.wait_for_trigger(at, change);
+        } else {
+            recorder.acknowledge(at, change);
+        }
+        if task.is_overtaken {
+            recorder.stop_again(at);
+        }
+        self.ask_for_trigger(recorder);
+        self.status_stale |= waits;
     }
 
     /// Asks what became of a drive that has waited for the trigger input, if that is not known.

@@ -8,6 +8,7 @@
 use super::task::{Current, Job, Stage, Task};
 use super::upload::{Upload, Uploads};
 use crate::channel::{Channel, KEEP_ALIVE_PERIOD};
+use crate::drive::DriveError;
 use crate::error::LinkError;
 use crate::recorder::Recorder;
 use crate::refusal::Refusal;
@@ -126,8 +127,12 @@ impl CommandQueue {
             Request::Upload(table) => Job::BeginUpload(Upload::new(ticket, table)),
             Request::CancelUpload => Job::CancelUpload,
             Request::Drive(drive) => {
-                self.drop_tasks(recorder, |job| matches!(job, Job::Drive(_)));
+                self.drop_tasks(recorder, Job::sounds);
                 Job::Drive(drive)
+            }
+            Request::Chord(chord) => {
+                self.drop_tasks(recorder, Job::sounds);
+                Job::Chord(chord)
             }
             // The connection deals with these itself.
             Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
@@ -165,7 +170,7 @@ impl CommandQueue {
         self.tasks.retain(|task| {
             let drop = which(&task.job);
             if drop {
-                if matches!(task.job, Job::Drive(_)) {
+                if task.job.sounds() {
                     recorder.superseded();
                 }
                 recorder.finish(task.ticket, Outcome::Superseded);
@@ -307,10 +312,14 @@ impl CommandQueue {
                     recorder.view.travel_limit.as_ref(),
                 ) {
                     Ok(drive) => Command::Drive(drive),
-                    Err(error) => {
-                        recorder.finish(task.ticket, Outcome::Refused(error.into()));
-                        return true;
-                    }
+                    Err(error) => return refuse(&task, error, recorder),
+                }
+            }
+            Job::Chord(request) => {
+                let Some(identity) = recorder.view.identity.clone() else { return true };
+                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
+                    Ok(chord) => Command::Chord(chord),
+                    Err(error) => return refuse(&task, error, recorder),
                 }
             }
         };
@@ -322,4 +331,10 @@ impl CommandQueue {
         self.current = Some(Current::Task(Box::new(task)));
         true
     }
+}
+
+/// Ends a task that cannot be put into the device's units; the next one may be sent.
+fn refuse(task: &Task, error: DriveError, recorder: &mut Recorder) -> bool {
+    recorder.finish(task.ticket, Outcome::Refused(error.into()));
+    true
 }

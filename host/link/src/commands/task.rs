@@ -1,6 +1,7 @@
 //! What is to be sent to a device: one task for each request, in order.
 
 use super::upload::Upload;
+use crate::chord::ChordRequest;
 use crate::drive::DriveRequest;
 use crate::request::Ticket;
 use slipline_protocol::Command;
@@ -14,6 +15,7 @@ pub(super) enum Job {
     /// Arm a device that may be armed without the user's request.
     ArmUnasked,
     Drive(DriveRequest),
+    Chord(ChordRequest),
     BeginUpload(Upload),
     CancelUpload,
     DigestRead,
@@ -22,10 +24,15 @@ pub(super) enum Job {
 }
 
 impl Job {
+    /// Whether it makes the device sound: a newer such job takes its place.
+    pub(super) const fn sounds(&self) -> bool {
+        matches!(self, Self::Drive(_) | Self::Chord(_))
+    }
+
     /// Whether this stop, emergency stop or disarm undoes it.
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
-            Self::Drive(_) => true,
+            Self::Drive(_) | Self::Chord(_) => true,
             Self::ArmUnasked | Self::Send(Command::Arm | Command::ClearFaults) => {
                 matches!(stop, Command::EmergencyStop)
             }

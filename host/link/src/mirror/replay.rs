@@ -194,8 +194,8 @@ impl Replay {
     }
 
     fn take(&mut self, entry: &Acknowledged) {
-        let has_skipped =
-            matches!(entry.change, Change::Drive(_) | Change::Table(_)) && self.skip_silence(entry.at);
+        let has_skipped = matches!(entry.change, Change::Drive(_) | Change::Chord(_) | Change::Table(_))
+            && self.skip_silence(entry.at);
         let Some(mirror) = &mut self.mirror else { return };
         // A change that comes too late, or that the renderer cannot take, shows in `Mirror::is_true`.
         let _ = match &entry.change {
@@ -214,6 +214,12 @@ impl Replay {
                     self.drive_began = entry.at;
                 }
                 mirror.acknowledge_drive(drive, entry.at)
+            }
+            Change::Chord(chord) => {
+                if self.silent_since.take().is_some_and(|_| has_skipped) {
+                    self.drive_began = entry.at;
+                }
+                mirror.acknowledge_chord(chord, entry.at)
             }
             Change::Table(table) => mirror.acknowledge_table(table.knots().into(), entry.at),
             Change::Stop | Change::Disarmed => {

@@ -16,6 +16,7 @@ use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};
+use slipline_app::chord::Candidate;
 use slipline_app::mailbox::{Mailbox, Pulses};
 use slipline_app::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
@@ -136,7 +137,6 @@ impl SimulatedDevice {
             simulated: true,
             sample_rate_hz: options.sample_rate_hz,
         };
-        let mut link = Link::new(device, boot, peripherals.clone(), peripherals.clone());
         let mut renderer = Renderer::starting_at(Timing::at(options.sample_rate_hz), options.first_index);
         let now = renderer.index();
         let (link_mailbox, link_peripherals) = (mailbox.clone(), peripherals.clone());
@@ -146,6 +146,9 @@ impl SimulatedDevice {
             peripherals,
             mailbox,
             link: Box::pin(async move {
+                let (flash, system) = (link_peripherals.clone(), link_peripherals.clone());
+                let mut candidate = Candidate::new();
+                let mut link = Link::new(device, boot, flash, system, &mut candidate);
                 link.run(&link_mailbox, link_peripherals.clone(), link_peripherals).await;
             }),
             renderer: Box::pin(async move {

@@ -1,0 +1,158 @@
+//! Chords: tones that are multiples of one base frequency, and the proof that their sum fits the DAC.
+//!
+//! ```text
+//! Chord + table --ChordTones::of--> targets --Planner::chord--> Motion, as of a drive
+//!                                     | their sum is above full scale
+//!                                     +--Proof: renders one period silently--> fits, or Refusal::Peak
+//! ```
+//! The base frequency is `rate / P` with a period of `P = 2^p` samples, and tone i has the phase step `m_i 2^64 / P`, exact in
+//! the 64 bits of a phase. After P samples every phase is what it was, so the sum repeats. P is a whole number of blocks, and
+//! a steady block follows from its phases and its tones alone: each block of a steady chord is one of the `P / 128` that the
+//! proof has rendered, bit for bit. So the largest code that the proof has seen is the largest that is ever sent.
+//!
+//! **While the amplitude moves** (the rise from silence, a ramp to silence, the thermal fold-back) all tones are scaled by one
+//! factor of at most 1, within a block, too. So the sum stays below the proven peak, up to what the gliding kernel is less
+//! exact than the steady one: -96 dB of each tone's amplitude at worst (asserted by the bank's tests), 9e-5 for the largest
+//! sum of amplitudes. A code is clamped only above `2047.5 / 2047`, which is 2.4e-4 more than full scale.
+//!
+//! **A change of single tones** (a drive, a table) has no proof: it must keep the sum of the amplitudes within full scale on
+//! its whole way, from the chord on. To let all tones of a chord fade needs none.
+//!
+//! **No tone is louder than in a drive.** Its gain is the table's at the place that has its frequency, and a frequency beyond
+//! the table's ends is refused.
+
+#![cfg_attr(not(test), deny(clippy::float_arithmetic))]
+
+mod proof;
+
+use slipline_protocol::command::Chord;
+use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_CHORD_SUM_PER_MILLE, MAX_TONES};
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::table::{self, Knot, Setting};
+use slipline_protocol::units::{Gain, PhaseStep, per_mille};
+
+pub use self::proof::{Candidate, Extent, Proof};
+use crate::level::master_gain;
+use crate::program::Target;
+
+const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
+    Refusal::OutOfRange { field, min, max, got }
+}
+
+/// A chord's tones, checked: what each of them sounds as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChordTones {
+    targets: [Option<Target>; MAX_TONES],
+    /// The period is `2^period_log2` samples.
+    period_log2: u8,
+}
+
+impl ChordTones {
+    /// No tones, at the shortest period.
+    pub const NONE: Self = Self { targets: [None; MAX_TONES], period_log2: CHORD_PERIOD_LOG2.0 };
+
+    /// A chord's tones by a table of so many knots, which `knot` returns by index.
+    ///
+    /// # Errors
+    /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the number of tones, the period, and a multiple that is not above the
+    /// one before it or lies outside the table's frequencies.
+    pub fn of(chord: &Chord, knots: u16, knot: impl Fn(u16) -> Knot) -> Result<Self, Refusal> {
+        let mut tones = Self::NONE;
+        tones.set(chord, knots, knot).map(|()| tones)
+    }
+
+    /// As [`ChordTones::of`], in place: a firmware has no room for another copy on its stack. After an error they are no
+    /// chord's.
+    ///
+    /// # Errors
+    /// As [`ChordTones::of`].
+    pub(crate) fn set(
+        &mut self,
+        chord: &Chord,
+        knots: u16,
+        knot: impl Fn(u16) -> Knot,
+    ) -> Result<(), Refusal> {
+        if knots < 2 {
+            return Err(Refusal::NoTable);
+        }
+        let (shortest, longest) = CHORD_PERIOD_LOG2;
+        let period_log2 = chord.period_log2;
+        if !(shortest..=longest).contains(&period_log2) {
+            return Err(out_of_range(
+                Field::ChordPeriod,
+                shortest.into(),
+                longest.into(),
+                period_log2.into(),
+            ));
+        }
+        if chord.tones.is_empty() {
+            return Err(out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
+        }
+        // The base frequency's phase step, Q0.32; the shifts are in range by the check above.
+        let base = 1u32 << (32 - u32::from(period_log2));
+        let (first, last) = (knot(0).step, knot(knots - 1).step);
+        let (mut lowest, highest) = (first.min(last).div_ceil(base), first.max(last) / base);
+        let master = master_gain(chord.master);
+        *self = Self { period_log2, ..Self::NONE };
+        for (tone, target) in chord.tones.iter().zip(&mut self.targets) {
+            let harmonic = u32::from(tone.harmonic);
+            let outside = || out_of_range(Field::Harmonic, lowest.into(), highest.into(), harmonic.into());
+            if !(lowest..=highest).contains(&harmonic) {
+                return Err(outside());
+            }
+            let step = harmonic * base;
+            let (index, fraction) = table::place_of_step(knots, step, &knot).ok_or_else(outside)?;
+            let gain = table::between(knot(index), knot(index + 1), fraction).gain;
+            *target = Some(Target {
+                position: table::position_between(knots, index, fraction),
+                level: master.scaled(tone.level),
+                phase: u64::from(tone.phase.0) << 48,
+                setting: Some(Setting { step: PhaseStep(u64::from(step) << 32), gain }),
+            });
+            lowest = harmonic + 1;
+        }
+        Ok(())
+    }
+
+    /// Where each slot goes.
+    #[must_use]
+    pub(crate) const fn targets(&self) -> &[Option<Target>; MAX_TONES] {
+        &self.targets
+    }
+
+    /// Samples in a period.
+    #[must_use]
+    pub const fn period(&self) -> u32 {
+        1 << self.period_log2
+    }
+
+    /// The sum of the amplitudes, Q1.31.
+    #[must_use]
+    pub fn sum(&self) -> u64 {
+        self.sounding().map(|(_, _, _, amplitude)| u64::from(amplitude.0)).sum()
+    }
+
+    /// Checks that phases may exist with which the tones fit. It also keeps every sample within 32 bits.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`].
+    pub fn check_sum(&self) -> Result<(), Refusal> {
+        let sum_per_mille = per_mille(self.sum());
+        if u32::from(sum_per_mille) > MAX_CHORD_SUM_PER_MILLE {
+            return Err(Refusal::Headroom { sum_per_mille });
+        }
+        Ok(())
+    }
+
+    /// Slot, phase step, phase and amplitude of every tone.
+    fn sounding(&self) -> impl Iterator<Item = (usize, PhaseStep, u64, Gain)> {
+        self.targets.iter().enumerate().filter_map(|(slot, target)| {
+            let target = target.as_ref()?;
+            let setting = target.setting?;
+            Some((slot, setting.step, target.phase, setting.gain.times(target.level)))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

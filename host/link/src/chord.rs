@@ -1,0 +1,108 @@
+//! A chord in shares and seconds, its form in the device's units, and its peak as the device will prove it.
+
+use crate::drive::{self, DriveError};
+use crate::out_of_range::OutOfRange;
+use crate::table::DeviceTable;
+use slipline_app::chord::{ChordTones, Extent, Proof};
+use slipline_protocol::command::{Apply, Chord, ChordTone, TravelLimit};
+use slipline_protocol::event::Identity;
+use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_HARMONIC};
+use slipline_protocol::refusal::Refusal;
+
+/// One tone of a chord.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChordToneRequest {
+    /// Which multiple of the base frequency it is; the multiples rise from tone to tone.
+    pub harmonic: u16,
+    /// Its peak relative to the table's full scale, 0..=1.
+    pub level: f64,
+    /// Phase at its start, in turns.
+    pub phase_turns: f64,
+}
+
+/// Tones that are multiples of the base frequency `rate / 2^period_log2`, so that they repeat exactly. They begin in silence;
+/// together they may be as loud as their peak allows, which the device proves before it accepts them.
+///
+/// ```
+/// use slipline_link::{ChordRequest, ChordToneRequest, DeviceTable, Request};
+/// use slipline_link::simulator::loopback::Loopback;
+/// use std::sync::Arc;
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut loopback = Loopback::connect(400_000)?;
+/// let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
+/// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6)?;
+/// loopback.perform(Request::Upload(Arc::new(table)), |_| ())?;
+/// // 21.5, 22.3 and 23 kHz: multiples of 400 kHz / 4096. Their levels add up to 1.2, their peak is less.
+/// let tone = |harmonic, phase_turns| ChordToneRequest { harmonic, level: 0.4, phase_turns };
+/// let chord = ChordRequest::of(12, vec![tone(220, 0.0), tone(228, 0.25), tone(236, 0.0)]);
+/// let mut highest = 0;
+/// loopback.perform(Request::Chord(chord), |_| ())?;
+/// loopback.pass(20_000, |codes| highest = codes.iter().copied().max().unwrap_or(0).max(highest));
+/// assert!(highest > 3500 && highest <= 4095);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChordRequest {
+    /// The binary logarithm of the period in samples, 7..=14.
+    pub period_log2: u8,
+    /// The tones, 1 to 16.
+    pub tones: Vec<ChordToneRequest>,
+    /// Scales all tones, in dB, -96..=0.
+    pub master_db: f64,
+    /// How long they rise from silence, in seconds; taken to the nearest time the device can.
+    pub glide_s: f64,
+    /// When it begins.
+    pub apply: Apply,
+}
+
+impl ChordRequest {
+    /// A chord at full master level that begins at once and rises in 20 ms.
+    #[must_use]
+    pub const fn of(period_log2: u8, tones: Vec<ChordToneRequest>) -> Self {
+        Self { period_log2, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
+    }
+
+    /// The chord in a device's own units. A limit of the travel makes the rise as long as the actuator needs to follow.
+    ///
+    /// # Errors
+    /// [`DriveError`], naming the value and its range. Whether the multiples rise and lie within the table's frequencies, and
+    /// whether the peak fits, is for the device to say.
+    pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Chord, DriveError> {
+        let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
+        if self.tones.len() > usize::from(identity.tones) {
+            return Err(too_many());
+        }
+        let (shortest, longest) = CHORD_PERIOD_LOG2;
+        let (least, most) = (shortest.into(), longest.into());
+        OutOfRange::check("chord's period (log2 of samples)", self.period_log2.into(), least, most)?;
+        let mut tones = heapless::Vec::new();
+        for (slot, tone) in (0..).zip(&self.tones) {
+            let refuse = |value| DriveError::Tone { slot, value };
+            let (harmonic, highest) = (f64::from(tone.harmonic), f64::from(MAX_HARMONIC));
+            OutOfRange::check("multiple of the base frequency", harmonic, 1.0, highest).map_err(refuse)?;
+            let level = drive::level(tone.level).map_err(refuse)?;
+            let phase = drive::phase(tone.phase_turns).map_err(refuse)?;
+            tones.push(ChordTone { harmonic: tone.harmonic, level, phase }).map_err(|_| too_many())?;
+        }
+        Ok(Chord {
+            period_log2: self.period_log2,
+            tones,
+            master: drive::master(self.master_db)?,
+            glide: drive::glide(self.glide_s, identity, travel)?,
+            apply: self.apply,
+        })
+    }
+}
+
+/// Between which samples a chord lies once it has risen, by the device's own computation with this table.
+///
+/// # Errors
+/// What the device would refuse: a multiple outside the table's frequencies, or a sum of amplitudes that no phases make fit.
+pub fn extent(chord: &Chord, table: &DeviceTable) -> Result<Extent, Refusal> {
+    let knot = |index: u16| table.knots().get(usize::from(index)).copied().unwrap_or_default();
+    let tones = ChordTones::of(chord, table.header().knots, knot)?;
+    tones.check_sum()?;
+    Proof::new().extent(&tones, &mut || false)
+}

@@ -1,0 +1,89 @@
+"""Chords: the device renders a period of them before it accepts them, in slices, and plays those very blocks."""
+from host import (
+    BLOCK, BUSY_DRIVE_ACTIVE, CHORD, CLEAR_FAULTS, EMERGENCY_STOP, PEAK, RATE_HZ, REFUSED, STOP, Reader, chord,
+    frame,
+)  # fmt: skip
+from rig import MID, MILLISECOND, is_silent
+from test_latency import PHASES, STOP_BLOCKS, STOPS_SEQUENCE, send, wait_phase
+
+GLIDE = 5 * MILLISECOND
+
+
+def sixteen(period_log2, level):
+    """Tones from 23 to 53 kHz with Schroeder's phases: their amplitudes add up to eleven times the level, their peak is less
+    than half of that."""
+    scale = 2 ** (period_log2 - 12)
+    return [((240 + 20 * n) * scale, level, -n * n / 32) for n in range(16)]
+
+
+def refused(host, body):
+    """The refusal's bytes."""
+    _, reply, reply_body = host.exchange(CHORD, body)
+    assert reply == REFUSED, f"{reply:#x} {reply_body.hex()}"
+    return reply_body
+
+
+def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
+    host, board = cool.host, cool.board
+    for period_log2 in (12, 14):
+        period = 2**period_log2
+        # In phase they meet.
+        body = refused(host, chord(period_log2, [(m, 0.22, 0.25) for m, _, _ in sixteen(period_log2, 0)], GLIDE))
+        assert body[0] == PEAK and 2000 < Reader(body[1:]).number() < 3000
+        body = chord(period_log2, sixteen(period_log2, 0.22), GLIDE)
+        sequence, _ = send(cool, CHORD, body)
+        asked, answer = board.seconds, []
+        while not answer:
+            board.run(1e-5)
+            answer = [reply for reply in host.replies() if reply[1] == sequence]
+        took = board.seconds - asked
+        assert answer[0][2] != REFUSED, answer
+        first = Reader(answer[0][3]).number()
+        print(f"\n{cool.facts.name}: a chord of {period} samples is proven and answered in {1000 * took:.1f} ms")
+        host.live(0.03)
+        status = host.status()
+        assert (status["state"], status["clips"], status["underruns"]) == ("driving", 0, 0)
+        assert status["sum"] > 2000, "more than a drive may have"
+        assert status["max_cycles"] < 0.5 * BLOCK / RATE_HZ * board.CORE_HZ
+        # The mirror is told what the host did not hear of by itself.
+        host.live(2 * period / RATE_HZ)
+        stop = host.accept(STOP)
+        host.live(0.04)
+        until = cool.played()
+        told = first, frame(host.session, sequence, CHORD, body)
+        accepted = sorted([*host.accepted, told], key=lambda entry: entry[0])
+        host.accepted = accepted
+        codes, expected = cool.codes(first, until), mirror(accepted, first, until)
+        wrong = [i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
+        assert not wrong, f"{len(wrong)} codes differ, the first at {wrong[0]} of {until - first}"
+        steady = codes[GLIDE + BLOCK : stop - first]
+        assert 1800 < max(abs(code - MID) for code in steady) <= 2047
+        assert steady[:period] == steady[period : 2 * period], "it repeats"
+        assert is_silent(codes[-MILLISECOND:])
+
+
+def test_a_stop_is_taken_while_a_chord_is_proven(rig):
+    """R-69: within the time of any stop, and nothing sounds afterwards."""
+    host, seen = rig.host, []
+    host.connect()
+    host.upload()
+    for phase in range(PHASES):
+        host.arm()
+        wait_phase(rig, phase)
+        before = rig.played()
+        sequence, _ = send(rig, CHORD, chord(14, sixteen(14, 0.22), GLIDE))
+        # The proof of 128 blocks is under way, at its begin or deep in it.
+        rig.board.run(0.0005 + 0.0006 * phase)
+        host.sequence = STOPS_SEQUENCE
+        stop, played = send(rig, EMERGENCY_STOP)
+        answers = {}
+        for _ in range(100):
+            rig.board.run(0.0005)
+            answers |= {number: (reply, body) for _, number, reply, body in host.replies()}
+        assert answers[sequence] == (REFUSED, BUSY_DRIVE_ACTIVE)
+        seen.append((Reader(answers[stop][1]).number() - played) / BLOCK)
+        assert set(rig.codes(before, rig.played())) == {MID}
+        host.hello()
+        host.accept(CLEAR_FAULTS)
+    print(f"emergency stop while a chord is proven: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte")
+    assert max(seen) <= STOP_BLOCKS
