@@ -28,7 +28,7 @@ fn info_tells_who_the_simulated_device_is() {
     assert_eq!(info["simulated"], true);
     assert_eq!(number(&info, "sample_rate_hz"), 400_000.0);
     assert_eq!(number(&info, "tones"), 16.0);
-    assert_eq!(info["protocol"], "1.1");
+    assert_eq!(info["protocol"], "1.2");
 }
 
 #[test]
