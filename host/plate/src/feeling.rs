@@ -5,6 +5,7 @@
 //! [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. See [`crate::sensation`] for the
 //! threshold and for the friction.
 
+use crate::quantity::{OutOfRange, Range};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use crate::spec::Plate;
 
@@ -64,6 +65,40 @@ impl FeltEdge {
 }
 
 impl Feeling {
+    /// The same feeling, if every value is in its range: `threshold` 0.01 to 100, `friction.scale_m` 1 nm to 1 mm,
+    /// `friction.residual` 0 to 0.99, `friction.exponent` 0.1 to 10, `least_friction_change` 0.001 to 0.99, `contact_m` 0
+    /// to 100 mm.
+    ///
+    /// # Errors
+    /// The first value that is outside its range.
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        for (field, value, low, high, unit) in [
+            ("feeling.threshold", self.threshold, 0.01, 100.0, ""),
+            ("feeling.friction_scale_m", self.friction.scale_m, 1e-9, 1e-3, "m"),
+            ("feeling.friction_residual", self.friction.residual, 0.0, 0.99, ""),
+            ("feeling.friction_exponent", self.friction.exponent, 0.1, 10.0, ""),
+            ("feeling.least_friction_change", self.least_friction_change, 0.001, 0.99, ""),
+            ("feeling.contact_m", self.contact_m, 0.0, 0.1, "m"),
+        ] {
+            OutOfRange::check(field, value, Range::new(low, high, unit))?;
+        }
+        Ok(self)
+    }
+
+    /// The displacement amplitude from which on a tone of this frequency alone is felt, metres. Infinite above 20 kHz if
+    /// even the residual friction is not low enough.
+    pub fn just_felt_m(&self, frequency_hz: f64) -> f64 {
+        if frequency_hz < SLIPPERY_FROM_HZ {
+            return self.threshold * threshold_m(frequency_hz);
+        }
+        let share = self.least_friction_change / (1.0 - self.friction.residual);
+        if share < 1.0 {
+            self.friction.scale_m * (-(1.0 - share).ln()).powf(1.0 / self.friction.exponent)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// How strongly each place is felt: 1 is just felt, 2 is twice as much. All tones have the same number of places.
     pub fn strength(&self, plate: &Plate, tones: &[FeltTone<'_>]) -> Vec<f64> {
         let places = tones.iter().map(|tone| tone.squares.len()).min().unwrap_or(0);
@@ -71,7 +106,7 @@ impl Feeling {
         let mut ultrasound = vec![0.0; places];
         for tone in tones {
             let (sum, share) = if tone.frequency_hz < SLIPPERY_FROM_HZ {
-                (&mut vibration, (self.threshold * threshold_m(tone.frequency_hz)).powi(-2))
+                (&mut vibration, self.just_felt_m(tone.frequency_hz).powi(-2))
             } else {
                 (&mut ultrasound, 1.0)
             };
@@ -163,9 +198,33 @@ mod tests {
         let feeling = Feeling::default();
         // 1 - mu/mu0 = 0.8 (1 - e^-(a/a0)^1.5) is 0.1 here.
         let amplitude = feeling.friction.scale_m * (-(1.0_f64 - 0.1 / 0.8).ln()).powf(1.0 / 1.5);
+        assert!((feeling.just_felt_m(25e3) / amplitude - 1.0).abs() < 1e-12);
+        let rough = FrictionCurve { residual: 0.9, ..feeling.friction };
+        assert_eq!(Feeling { friction: rough, ..feeling }.just_felt_m(25e3), f64::INFINITY);
         let squares = vec![0.5 * amplitude * amplitude; PLACES];
         let strength = feeling.strength(&plate(), &[tone(25e3, &squares)]);
         assert!(strength.iter().all(|strength| (strength - 1.0).abs() < 1e-9), "{}", strength[0]);
+    }
+
+    #[test]
+    fn a_value_outside_its_range_is_refused_by_its_name() {
+        let usual = Feeling::default();
+        assert_eq!(usual.checked(), Ok(usual));
+        let friction = |change: fn(&mut FrictionCurve)| {
+            let mut feeling = usual;
+            change(&mut feeling.friction);
+            feeling
+        };
+        for (feeling, field) in [
+            (Feeling { threshold: 0.0, ..usual }, "feeling.threshold"),
+            (friction(|curve| curve.scale_m = f64::NAN), "feeling.friction_scale_m"),
+            (friction(|curve| curve.residual = 1.0), "feeling.friction_residual"),
+            (friction(|curve| curve.exponent = -1.0), "feeling.friction_exponent"),
+            (Feeling { least_friction_change: 0.0, ..usual }, "feeling.least_friction_change"),
+            (Feeling { contact_m: f64::INFINITY, ..usual }, "feeling.contact_m"),
+        ] {
+            assert_eq!(feeling.checked().map_err(|refused| refused.field), Err(field));
+        }
     }
 
     #[test]

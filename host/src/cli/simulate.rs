@@ -4,9 +4,11 @@ use super::destination::Destination;
 use super::{Failure, SimulateArguments, argument, differs, output, progress};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
+use slipline_model::field::felt::Felt;
 use slipline_model::field::simulation::{
     SAMPLE_RATE_HZ, Simulated, Simulation, SlowBeat, Solver, ToneResult, sheet_grid,
 };
+use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
 use slipline_plate::{Plate, SheetError, table_sensitivity};
@@ -49,8 +51,12 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         figure.write(&file, &envelope_figure(&result, plate.name()))?;
     }
 
+    // What is felt is measured, too; illustrative.
+    let feeling = Feeling::default();
+    let felt_edge_m = |felt: Option<Felt>| felt.and_then(|felt| felt.edge.place_m());
     let of_tone = |tone: &ToneResult| {
         let mut value = tone_value(tone);
+        value["measured_felt_edge_m"] = json!(felt_edge_m(tone.felt(simulation.actual, &feeling)));
         if arguments.sheet {
             value["two_dimensions"] = differs::value(&tone.differs);
         }
@@ -71,6 +77,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
         put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
         if result.tones.len() > 1 {
+            put("measured_felt_edge_of_all_m", json!(felt_edge_m(result.felt(simulation.actual, &feeling))));
             put("tones", json!(result.tones.iter().map(of_tone).collect::<Vec<_>>()));
         }
     }
@@ -93,6 +100,8 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
         writeln!(out)?;
         output::table(out, &rows(&result))?;
+        writeln!(out)?;
+        writeln!(out, "{}", felt_words(result.felt(simulation.actual, &feeling)))?;
         if arguments.sheet {
             writeln!(out)?;
             for tone in &result.tones {
@@ -134,6 +143,20 @@ fn slow_beat(beat: SlowBeat, measured_s: f64) -> String {
     format!(
         "Two tones beat once in {period} and {measured} were measured, where {needed} tell them apart: {unknown}."
     )
+}
+
+/// Where a finger feels it, by the measured fields.
+fn felt_words(felt: Option<Felt>) -> String {
+    match felt {
+        None => "What is felt is not known: two tones beat more slowly than was measured.".to_owned(),
+        Some(Felt { not_felt: Some(why), .. }) => {
+            format!("A finger feels nothing: {} (illustrative).", why.reason())
+        }
+        Some(felt) => match felt.edge.place_m() {
+            Some(edge_m) => format!("A finger feels it up to {} (illustrative).", show_place(edge_m)),
+            None => "A finger feels it up to the plate's end (illustrative).".to_owned(),
+        },
+    }
 }
 
 fn tone_value(tone: &ToneResult) -> Value {

@@ -123,6 +123,9 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
     let off_m = number(&run, "measured_peak_position_m") - number(&run, "peak_position_m");
     assert!(off_m.abs() < number(&run, "edge_width_m") / 20.0);
     assert!(number(&run, "measured_peak_amplitude_m") > 1e-6);
+    // The peak is 47 dB over the threshold of 105 Hz.
+    let felt_m = number(&run, "measured_felt_edge_m");
+    assert!(felt_m > 0.12 + number(&run, "edge_width_m") && felt_m < 0.24, "{felt_m}");
     assert!(run.get("tones").is_none());
 
     let text = std::fs::read_to_string(&csv).unwrap();

@@ -40,6 +40,8 @@ use slipline_link::{Port, PortInfo, Request, Snapshot, Ticket};
 use slipline_model::autopilot::Autopilot;
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
+use slipline_model::field::felt::Felt;
+use slipline_model::field::line::Line;
 use slipline_model::field::sheet::{self, SheetJob};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::{Measured, TimeDomainJob};
@@ -48,8 +50,9 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
-use slipline_model::setup::Setup;
+use slipline_model::scenes::SCENES;
 use slipline_model::setup::undo::History;
+use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use std::sync::Arc;
@@ -130,6 +133,14 @@ pub struct App {
     table_asked: Option<(Arc<Plate>, u32)>,
     /// The field that the setup would produce on its plate.
     predicted: SteadyField,
+    /// What is felt of that field without a finger; `None` while its height is not known.
+    felt: Option<Felt>,
+    /// The boundary line of each tone, in their order.
+    lines: Vec<Line>,
+    /// The places that the line of the selected tone can have, in metres; `None` until they are asked for.
+    limits_m: Option<(u8, (f64, f64))>,
+    /// Where the user has put the felt edge of each slot's tone, in metres: it stays there when a level changes.
+    wanted_m: [Option<f64>; MAX_TONES],
     finger: finger::OnPlate,
     hearing: sound::Hearing,
     playback: Playback,
@@ -169,6 +180,10 @@ impl App {
             table: TableState::Waiting,
             table_asked: None,
             predicted: SteadyField::default(),
+            felt: None,
+            lines: Vec::new(),
+            limits_m: None,
+            wanted_m: [None; MAX_TONES],
             finger: finger::OnPlate::default(),
             hearing: sound::Hearing::default(),
             playback: Playback::default(),
@@ -183,6 +198,7 @@ impl App {
         let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);
         app.connect(port);
         app.predict();
+        app.remember_lines();
         app
     }
 
@@ -244,6 +260,7 @@ impl App {
 
     /// Shows the window in all of `ui`, then carries out the intents of its views.
     pub fn show(&mut self, ui: &mut egui::Ui) {
+        let limits_m = self.limits_m();
         let mut view = std::mem::take(&mut self.view);
         let scene = Scene {
             setup: &self.setup,
@@ -260,6 +277,9 @@ impl App {
             },
             drive_wanted: self.autopilot.wants_drive(),
             predicted: &self.predicted,
+            felt: self.felt.as_ref(),
+            lines: &self.lines,
+            limits_m,
             sounding: self.sounding_on_screen(),
             full_peak_m: self.full_peak_m(),
             table: &self.table,
@@ -296,8 +316,8 @@ fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {
     });
 }
 
-/// The setup of a first start: the first preset. `None` when that preset is damaged.
+/// The setup of a first start: the first scene. `None` when its preset is damaged.
 #[must_use]
 pub fn first_setup() -> Option<Setup> {
-    slipline_plate::presets().first()?.plate().map(|plate| Setup::new(Arc::new(plate)))
+    SCENES.first()?.setup()
 }

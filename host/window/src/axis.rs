@@ -39,6 +39,12 @@ impl Axis {
         f64::from((x - self.left) / self.points_per_m)
     }
 
+    /// Size of a pixel in points.
+    #[must_use]
+    pub fn pixel(&self) -> f32 {
+        self.pixels_per_point.recip()
+    }
+
     /// Screen points per metre.
     #[must_use]
     pub fn points_per_m(&self) -> f32 {

@@ -97,6 +97,13 @@ pub enum Confirm {
 pub enum Intent {
     /// Change the setup.
     Edit(Edit),
+    /// Move the line of the tone in this slot to this place, in metres from the driven end.
+    MoveLine {
+        /// Which tone.
+        slot: u8,
+        /// The place of its line.
+        place_m: f64,
+    },
     /// Send a request to the link.
     Request(Request),
     /// Connect to a port.

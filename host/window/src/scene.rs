@@ -4,6 +4,8 @@ use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
 use crate::sound::{SoundChoice, SpeakerState};
 use slipline_link::{PortInfo, Snapshot, upkeep};
+use slipline_model::field::felt::Felt;
+use slipline_model::field::line::Line;
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
@@ -39,6 +41,12 @@ pub struct Scene<'a> {
     pub sound: SoundScene,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
+    /// What is felt of the setup's tones, by a finger that comes; `None` while `full_peak_m` is not known.
+    pub felt: Option<&'a Felt>,
+    /// The boundary line of each tone, in their order.
+    pub lines: &'a [Line],
+    /// The places that the line of the selected tone can have, in metres.
+    pub limits_m: (f64, f64),
     /// The plate under the tones that the device has acknowledged and sounds.
     pub sounding: Option<&'a SteadyField>,
     /// The peak at level 1 in metres; `None` until the table for the plate is finished.
@@ -72,6 +80,11 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
+    /// The boundary line of the tone in a slot.
+    pub(crate) fn line(&self, slot: u8) -> Option<&Line> {
+        self.lines.iter().find(|line| line.slot == slot)
+    }
+
     /// The CRC of the table for the plate on the screen.
     pub(crate) fn table_crc(&self) -> Option<u32> {
         self.table.made().map(|made| made.device_table.crc())

@@ -1,6 +1,7 @@
 //! Envelope and waveform as CSV and WAV files.
 
-use crate::field::steady_field::{POINTS, SteadyField, drawn_boundary_m};
+use crate::field::line::{Line, lines};
+use crate::field::steady_field::{POINTS, SteadyField};
 use crate::field::time_domain::Measured;
 use crate::setup::{BoundaryMode, Setup};
 use crate::waveform::Waveform;
@@ -28,7 +29,7 @@ pub fn envelope_csv(
         rows.push((x_m, format!("{x_m:.6},,,{metres:e}")));
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut text = envelope_head(setup, measured, full_peak_m);
+    let mut text = envelope_head(setup, &lines(setup, Some(steady)), measured, full_peak_m);
     text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m\n");
     for (_, row) in rows {
         text.push_str(&row);
@@ -38,10 +39,10 @@ pub fn envelope_csv(
 }
 
 /// The header of an envelope: plate and tones, line by line.
-fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -> String {
+fn envelope_head(setup: &Setup, lines: &[Line], measured: Option<&Measured>, full_peak_m: f64) -> String {
     let boundary = match setup.boundary {
-        BoundaryMode::TurningPoint => "the turning point".to_owned(),
-        BoundaryMode::FeltEdge { threshold_m } => format!("where {threshold_m:e} m is just felt"),
+        BoundaryMode::TurningPoint => "the turning point",
+        BoundaryMode::FeltEdge => "the felt edge, illustrative; the turning point of a tone that is not felt",
     };
     let simulated = match measured {
         Some(measured) => format!(
@@ -50,31 +51,30 @@ fn envelope_head(setup: &Setup, measured: Option<&Measured>, full_peak_m: f64) -
         ),
         None => "not run for what is on the screen".to_owned(),
     };
-    let mut lines = vec![
+    let mut head = vec![
         "Envelope along the plate, by Slipline".to_owned(),
         format!("plate: {}", setup.plate.name()),
         format!("boundary: {boundary}"),
         format!("master level: {:.2} dB", setup.master_db + 0.0),
         format!("peak at level 1: {full_peak_m:e} m"),
     ];
-    for tone in &setup.tones {
-        lines.push(format!(
+    for (tone, line) in setup.tones.iter().zip(lines) {
+        head.push(format!(
             "tone {}: frequency {:.4} Hz, turning point {:.6} m, boundary {:.6} m, level {:.4}, phase {:.4} turns",
             tone.slot + 1,
             setup.plate.frequency_for_boundary_hz(tone.position_m),
             tone.position_m,
-            drawn_boundary_m(setup, tone, Some(full_peak_m)),
+            line.place_m,
             tone.level,
             tone.phase_turns
         ));
     }
-    lines
-        .push(format!("predicted: steady state by theory, at {POINTS} places; maximum and root mean square"));
-    lines.push(format!("simulated: {simulated}"));
-    lines.push(
+    head.push(format!("predicted: steady state by theory, at {POINTS} places; maximum and root mean square"));
+    head.push(format!("simulated: {simulated}"));
+    head.push(
         "units: metres from the driven end, metres of displacement; an empty cell has no value".to_owned(),
     );
-    lines.iter().map(|line| format!("# {line}\n")).collect()
+    head.iter().map(|line| format!("# {line}\n")).collect()
 }
 
 /// The latest codes as CSV: sample index, time and DAC code. `None` while there are no codes.

@@ -1,6 +1,8 @@
 //! Fields on the plate: displacement over x and time, by theory and by simulation.
 
 pub mod displacement_map;
+pub mod felt;
+pub mod line;
 pub mod sheet;
 pub mod simulation;
 pub mod steady_field;

@@ -11,6 +11,7 @@
 
 mod beat;
 mod demodulator;
+mod feeling;
 mod waves;
 
 pub use beat::SlowBeat;

@@ -2,7 +2,7 @@
 //!
 //! One solution costs tens of microseconds, so the field is solved again for every step of a drag.
 
-use crate::setup::{BoundaryMode, Setup, ToneSetup};
+use crate::setup::{Setup, ToneSetup};
 use slipline_plate::{Complex64, Equation, Finger, Plate, respond, respond_touched};
 
 /// Number of points along the plate.
@@ -156,29 +156,6 @@ pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
     setup.tones.iter().map(|tone| SteadyTone::of(setup, tone, full_peak_m)).collect()
 }
 
-/// The shown boundary of a tone, in metres: its turning point, or the place where it is just felt.
-///
-/// `None` when the tone cannot be felt anywhere, or cannot enter the plate.
-#[must_use]
-pub fn shown_boundary_m(plate: &Plate, tone: &SteadyTone, mode: BoundaryMode) -> Option<f64> {
-    match mode {
-        BoundaryMode::TurningPoint => plate.turning_point_m(tone.frequency_hz),
-        BoundaryMode::FeltEdge { threshold_m } => {
-            plate.threshold_boundary_m(tone.frequency_hz, threshold_m / tone.peak_m)
-        }
-    }
-}
-
-/// The place where the boundary of a setup's tone is drawn, in metres: its shown boundary, or its turning point if
-/// that is not felt or not known. `full_peak_m` is the table's peak at level 1.
-#[must_use]
-pub fn drawn_boundary_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> f64 {
-    full_peak_m
-        .map(|full_peak_m| SteadyTone::of(setup, tone, full_peak_m))
-        .and_then(|steady| shown_boundary_m(&setup.plate, &steady, setup.boundary))
-        .unwrap_or(tone.position_m)
-}
-
 /// The unit in which a displacement of this size is written, and that unit in metres.
 #[must_use]
 pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
@@ -200,17 +177,6 @@ pub fn full_colour_m(sounding: Option<&SteadyField>, full_peak_m: f64) -> f64 {
 #[must_use]
 pub fn envelope_top_m(steady: &SteadyField, full_peak_m: f64) -> f64 {
     (full_peak_m * 1.08).max(steady.highest_m() * 1.05).max(1e-12)
-}
-
-/// The turning point that puts the shown boundary at `x`, in metres: the inverse of [`shown_boundary_m`].
-#[must_use]
-pub fn turning_point_for(plate: &Plate, x_m: f64, peak_m: f64, mode: BoundaryMode) -> Option<f64> {
-    match mode {
-        BoundaryMode::TurningPoint => Some(x_m),
-        BoundaryMode::FeltEdge { threshold_m } => plate
-            .frequency_for_threshold_hz(x_m, threshold_m / peak_m)
-            .and_then(|frequency_hz| plate.turning_point_m(frequency_hz)),
-    }
 }
 
 #[cfg(test)]
@@ -236,16 +202,5 @@ mod tests {
         let tone = SteadyTone { slot: 0, frequency_hz: 1.0, peak_m: 1e-4 };
         let steady = SteadyField::solve(&plate, &[tone]);
         assert!(steady.tones.is_empty() && steady.highest_m() == 0.0 && steady.bound_at(f64::NAN) == 0.0);
-    }
-
-    #[test]
-    fn the_felt_edge_is_dragged_to_where_the_pointer_is() {
-        let plate = slipline_plate::preset("membrane").unwrap();
-        let mode = BoundaryMode::FeltEdge { threshold_m: 1e-5 };
-        let x0 = turning_point_for(&plate, 0.2, 1e-4, mode).unwrap();
-        let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x0), peak_m: 1e-4 };
-        let shown = shown_boundary_m(&plate, &tone, mode).unwrap();
-        assert!((shown - 0.2).abs() < 1e-4 && x0 < 0.2, "{x0} {shown}");
-        assert!(turning_point_for(&plate, 0.2, 1e-6, mode).is_none(), "too faint to be felt");
     }
 }

@@ -5,7 +5,7 @@
 mod trace;
 
 pub(crate) use trace::mean_over_contact;
-pub use trace::{Met, TRACE_S, Trace};
+pub use trace::{Met, TRACE_S, Trace, Under};
 
 use slipline_plate::{Finger, Plate};
 

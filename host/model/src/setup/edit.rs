@@ -5,12 +5,11 @@
 //!                                     \--> crate::setup::undo (undo, redo)
 //! ```
 
-use crate::setup::{
-    BoundaryMode, GLIDE_RANGE_S, MASTER_MIN_DB, MAX_TONES, Setup, THRESHOLD_RANGE_M, ToneSetup,
-};
+use crate::setup::{BoundaryMode, GLIDE_RANGE_S, MASTER_MIN_DB, MAX_TONES, Setup, ToneSetup};
 use slipline_link::protocol::command::Apply;
 use slipline_link::{DriveRequest, ToneRequest};
 use slipline_plate::Plate;
+use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::sync::Arc;
 
@@ -52,8 +51,10 @@ pub enum Edit {
     Master(f64),
     /// Set the glide time, in seconds.
     Glide(f64),
-    /// Choose which boundary the handle moves.
+    /// Choose which place the boundary lines hold.
     Boundary(BoundaryMode),
+    /// Set how a finger feels.
+    Feeling(Feeling),
     /// Change the plate; the tones keep their places as far as its span allows.
     Plate(Arc<Plate>),
     /// Replace the whole setup, for example by one read from a file.
@@ -91,7 +92,8 @@ impl Edit {
             Self::Remove { .. } => "remove tone",
             Self::Master(_) => "master level",
             Self::Glide(_) => "glide",
-            Self::Boundary(_) => "boundary mode",
+            Self::Boundary(_) => "what the line holds",
+            Self::Feeling(_) => "feeling",
             Self::Plate(_) => "plate",
             Self::Replace(_) => "open setup",
             Self::New(_) => "new setup",
@@ -150,12 +152,8 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
         Edit::Glide(seconds) => {
             next.glide_s = within("glide", seconds, GLIDE_RANGE_S, "s")?;
         }
-        Edit::Boundary(mode) => {
-            if let BoundaryMode::FeltEdge { threshold_m } = mode {
-                within("threshold", threshold_m, THRESHOLD_RANGE_M, "m")?;
-            }
-            next.boundary = mode;
-        }
+        Edit::Boundary(mode) => next.boundary = mode,
+        Edit::Feeling(feeling) => next.feeling = feeling.checked().map_err(EditError::OutOfRange)?,
         Edit::Plate(ref plate) => {
             let (start, end) = plate.span_m();
             let (old_start, old_end) = setup.plate.span_m();

@@ -5,22 +5,30 @@
 //! master_db = -6.0              # -96 to 0 dB
 //! glide_s = 0.02                # 0.005 to 10 s
 //! [boundary]
-//! holds = "turning-point"       # or "felt-edge"
-//! threshold_m = 1e-6            # felt-edge only: 1e-9 to 1e-2 m
+//! holds = "felt-edge"           # or "turning-point"
+//! [feeling]                     # each value may be left out; see slipline_plate::feeling
+//! threshold = 1.0               # 0.01 to 100, in units of the threshold at the tone's frequency
+//! friction_scale_m = 1e-6       # 1e-9 to 1e-3 m
+//! friction_residual = 0.2       # 0 to 0.99
+//! friction_exponent = 1.5       # 0.1 to 10
+//! least_friction_change = 0.1   # 0.001 to 0.99
+//! contact_m = 0.01              # 0 to 0.1 m
 //! [[tones]]                     # 1 to 16
 //! slot = 0                      # 0 to 15, each once
-//! position_m = 0.16             # within the plate's span
+//! position_m = 0.16             # turning point, within the plate's span
 //! level = 0.8                   # 0 to 1
 //! phase_turns = 0.0             # 0 to 1
 //! [plate]                       # a plate file
 //! ```
 
+mod text;
+
 use crate::setup::edit::{Edit, EditError, apply};
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
-use serde::{Deserialize, Serialize};
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
+use text::{SetupText, ToneText};
 
 /// The largest file that is read, in bytes: a plate file with every taper point fits.
 pub const FILE_BYTES_MAX: usize = 1 << 20;
@@ -60,50 +68,8 @@ pub enum SetupFileError {
     #[error("tones: slot {0} is named twice or outside 0 to 15")]
     Slot(i64),
     /// The `holds` value is not known to this program.
-    #[error("{}", must_be(format_args!("boundary.holds = {:?}", .0), "\"turning-point\" or \"felt-edge\""))]
+    #[error("{}", must_be(format_args!("boundary.holds = {:?}", .0), "\"felt-edge\" or \"turning-point\""))]
     Holds(String),
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SetupText {
-    slipline_setup: i64,
-    #[serde(default)]
-    master_db: f64,
-    #[serde(default = "default_glide")]
-    glide_s: f64,
-    #[serde(default)]
-    boundary: BoundaryText,
-    tones: Vec<ToneText>,
-    plate: toml::Table,
-}
-
-fn default_glide() -> f64 {
-    0.02
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BoundaryText {
-    holds: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    threshold_m: Option<f64>,
-}
-
-impl Default for BoundaryText {
-    fn default() -> Self {
-        Self { holds: "turning-point".to_owned(), threshold_m: None }
-    }
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ToneText {
-    slot: i64,
-    position_m: f64,
-    level: f64,
-    #[serde(default)]
-    phase_turns: f64,
 }
 
 /// A setup read from a file, or a plate read from one.
@@ -171,11 +137,12 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
         edits.push(Edit::Level { slot, level: tone.level });
         edits.push(Edit::Phase { slot, turns: tone.phase_turns });
     }
-    edits.push(Edit::Boundary(match (parsed.boundary.holds.as_str(), parsed.boundary.threshold_m) {
-        ("turning-point", _) => BoundaryMode::TurningPoint,
-        ("felt-edge", threshold_m) => BoundaryMode::FeltEdge { threshold_m: threshold_m.unwrap_or(1e-6) },
-        (other, _) => return Err(SetupFileError::Holds(other.chars().take(40).collect())),
+    edits.push(Edit::Boundary(match parsed.boundary.holds.as_str() {
+        "turning-point" => BoundaryMode::TurningPoint,
+        "felt-edge" => BoundaryMode::FeltEdge,
+        other => return Err(SetupFileError::Holds(other.chars().take(40).collect())),
     }));
+    edits.push(Edit::Feeling(parsed.feeling.into()));
     for edit in &edits {
         setup = apply(&setup, edit)?;
     }
@@ -185,12 +152,6 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
 /// The setup as TOML text that [`read`] reads back to the same setup.
 #[must_use]
 pub fn write(setup: &Setup) -> String {
-    let boundary = match setup.boundary {
-        BoundaryMode::TurningPoint => BoundaryText::default(),
-        BoundaryMode::FeltEdge { threshold_m } => {
-            BoundaryText { holds: "felt-edge".to_owned(), threshold_m: Some(threshold_m) }
-        }
-    };
     let tones = setup
         .tones
         .iter()
@@ -205,7 +166,8 @@ pub fn write(setup: &Setup) -> String {
         slipline_setup: VERSION,
         master_db: setup.master_db,
         glide_s: setup.glide_s,
-        boundary,
+        boundary: setup.boundary.into(),
+        feeling: setup.feeling.into(),
         tones,
         plate: toml::from_str(&setup.plate.to_toml()).unwrap_or_default(),
     };
@@ -216,6 +178,7 @@ pub fn write(setup: &Setup) -> String {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use slipline_plate::feeling::Feeling;
 
     fn sample() -> Setup {
         let mut setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
@@ -225,7 +188,8 @@ mod tests {
             Edit::Phase { slot: 1, turns: 0.5 },
             Edit::Master(-6.5),
             Edit::Glide(0.1),
-            Edit::Boundary(BoundaryMode::FeltEdge { threshold_m: 2e-6 }),
+            Edit::Boundary(BoundaryMode::TurningPoint),
+            Edit::Feeling(Feeling { threshold: 2.0, contact_m: 0.008, ..Feeling::default() }),
         ] {
             setup = apply(&setup, &edit).unwrap();
         }
@@ -293,7 +257,9 @@ mod tests {
             ("position_m = 0.12", "position_m = nan", "tones.position_m"),
             ("slot = 1", "slot = 0", "slot 0"),
             ("slot = 1", "slot = 99", "slot 99"),
-            ("holds = \"felt-edge\"", "holds = \"x\"", "felt-edge"),
+            ("holds = \"turning-point\"", "holds = \"x\"", "felt-edge"),
+            ("threshold = 2.0", "threshold = 0.0", "feeling.threshold"),
+            ("contact_m = 0.008", "contact_m = nan", "feeling.contact_m"),
             ("slipline_setup = 1", "slipline_setup = 7", "version 1"),
             ("glide_s = 0.1", "glyde_s = 0.1", "glyde_s"),
             ("loss_factor = ", "loss_factor = 9", "loss_factor"),

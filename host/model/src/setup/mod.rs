@@ -8,6 +8,7 @@ pub mod file;
 pub mod undo;
 
 use slipline_plate::Plate;
+use slipline_plate::feeling::Feeling;
 use std::sync::Arc;
 
 /// Tones a setup may have; the device may allow fewer.
@@ -21,8 +22,6 @@ pub const GLIDE_RANGE_S: (f64, f64) = (
     slipline_link::protocol::limits::MIN_GLIDE_MS as f64 * 1e-3,
     slipline_link::protocol::limits::MAX_GLIDE_MS as f64 * 1e-3,
 );
-/// Thresholds of feeling a setup may have, in metres of displacement.
-pub const THRESHOLD_RANGE_M: (f64, f64) = (1e-9, 1e-2);
 
 /// One tone: one peak on the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,17 +37,14 @@ pub struct ToneSetup {
     pub phase_turns: f64,
 }
 
-/// Which of the two boundaries the handle moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Which place the boundary line of a tone holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoundaryMode {
-    /// The turning point x0 of the tone.
+    /// The felt edge: beyond it nothing of the tone is felt. See [`crate::field::line`].
     #[default]
+    FeltEdge,
+    /// The turning point x0 of the tone.
     TurningPoint,
-    /// The place past the peak where the amplitude falls to the threshold of feeling.
-    FeltEdge {
-        /// Peak displacement that is just felt, in metres. Illustrative: calibrate on your own plate.
-        threshold_m: f64,
-    },
 }
 
 /// Everything the user has set up.
@@ -62,8 +58,10 @@ pub struct Setup {
     pub master_db: f64,
     /// The glide time of a change, in seconds.
     pub glide_s: f64,
-    /// Which boundary the handle moves.
+    /// Which place the boundary lines hold.
     pub boundary: BoundaryMode,
+    /// How a finger feels. Illustrative: calibrate on your own plate.
+    pub feeling: Feeling,
 }
 
 impl PartialEq for Setup {
@@ -73,6 +71,7 @@ impl PartialEq for Setup {
             && self.master_db == other.master_db
             && self.glide_s == other.glide_s
             && self.boundary == other.boundary
+            && self.feeling == other.feeling
     }
 }
 
@@ -82,7 +81,14 @@ impl Setup {
     pub fn new(plate: Arc<Plate>) -> Self {
         let (start, end) = plate.span_m();
         let tone = ToneSetup { slot: 0, position_m: 0.5 * (start + end), level: 0.8, phase_turns: 0.0 };
-        Self { plate, tones: vec![tone], master_db: 0.0, glide_s: 0.02, boundary: BoundaryMode::TurningPoint }
+        Self {
+            plate,
+            tones: vec![tone],
+            master_db: 0.0,
+            glide_s: 0.02,
+            boundary: BoundaryMode::default(),
+            feeling: Feeling::default(),
+        }
     }
 
     /// The master level in dB at which tones whose sum is `sum` times full scale (more than 1) fit the DAC. It is

@@ -1,25 +1,10 @@
-//! What a finger may feel. All numbers are illustrative: calibrate on your own plate.
+//! The laws behind what a finger feels: threshold and friction. All numbers are illustrative: calibrate on your own plate.
 //!
-//! Below 20 kHz a finger can feel vibration only; its level is the amplitude over the threshold of feeling. From 20 kHz
-//! on the squeeze film of air can make the plate slippery.
+//! Below 20 kHz a finger can feel vibration only, from the threshold of its frequency on. From 20 kHz on the squeeze film
+//! of air can make the plate slippery. [`crate::feeling`] is the model that is made of them.
 
 /// From this frequency on, Hz, a tone can make the plate slippery; below it a tone is felt as a vibration.
 pub const SLIPPERY_FROM_HZ: f64 = 20e3;
-
-/// What a finger may feel at one position (illustrative).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sensation {
-    /// A vibration.
-    Vibration {
-        /// Sensation level: amplitude over the threshold of feeling, dB. Below 0 it is not felt.
-        level_db: f64,
-    },
-    /// Reduced friction.
-    Friction {
-        /// mu/mu0: friction over the friction of the plate at rest, 0 to 1.
-        ratio: f64,
-    },
-}
 
 /// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p) of the displacement amplitude a. Default: a0 = 1 um, r = 0.2,
 /// p = 1.5.
@@ -63,17 +48,6 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
     }
 }
 
-/// What is felt at a frequency in Hz and a displacement amplitude in metres, with the default friction curve. The
-/// sensation level is finite at an amplitude of 0.
-pub fn felt(frequency_hz: f64, amplitude_m: f64) -> Sensation {
-    if frequency_hz >= SLIPPERY_FROM_HZ {
-        Sensation::Friction { ratio: FrictionCurve::default().ratio(amplitude_m) }
-    } else {
-        let level = amplitude_m.abs().max(1e-15) / threshold_m(frequency_hz);
-        Sensation::Vibration { level_db: 20.0 * level.log10() }
-    }
-}
-
 /// Squeeze number of the air film under a finger, 12 eta omega l^2/(p0 h^2), with a contact of 5 mm and a film of about
 /// 5 um: 0.4 at 30 Hz, 275 at 20 kHz. From about 10 on, the film carries the finger.
 pub fn squeeze_number(frequency_hz: f64) -> f64 {
@@ -93,12 +67,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn below_20_khz_it_is_a_vibration_and_from_there_on_friction() {
-        assert!(matches!(felt(19_999.0, 1e-6), Sensation::Vibration { .. }));
-        assert!(matches!(felt(20_000.0, 1e-6), Sensation::Friction { .. }));
-    }
-
-    #[test]
     fn friction_falls_from_one_to_its_residual() {
         let curve = FrictionCurve::default();
         assert_eq!(curve.ratio(0.0), 1.0);
@@ -112,10 +80,6 @@ mod tests {
         let octave = 20.0 * (threshold_m(100.0) / threshold_m(200.0)).log10();
         assert!((octave - 12.04).abs() < 0.01, "{octave}");
         assert!(threshold_m(250.0) < threshold_m(150.0) && threshold_m(250.0) < threshold_m(400.0));
-        let Sensation::Vibration { level_db } = felt(250.0, threshold_m(250.0)) else {
-            panic!("a vibration")
-        };
-        assert!(level_db.abs() < 1e-9);
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub const LOSS: Limits = Limits { green: 3.0, amber: 6.0 };
 pub const LOSS_SMALL: f64 = 1.0;
 
 /// Width of a fingertip's contact, metres: the unit of the edge width.
-pub const FINGERTIP_M: f64 = 0.01;
+pub const FINGERTIP_M: f64 = crate::frequency::CONTACT_M;
 
 /// Edge width in fingertips. Up to 4, one short stroke of the finger crosses the edge. Beyond 15 (150 mm) the edge is
 /// wider than a hand and feels like a slow fade, not like a boundary.
@@ -92,7 +92,7 @@ pub const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
 pub const DAC_STEPS: Limits = Limits { green: 16.0, amber: 4.0 };
 
 /// From this frequency on, Hz, a tone is inaudible and can make a surface slippery.
-pub const ULTRASONIC_HZ: f64 = 20e3;
+pub const ULTRASONIC_HZ: f64 = crate::sensation::SLIPPERY_FROM_HZ;
 
 /// Two ultrasonic tones closer than this, Hz, beat at a rate that skin can feel (up to about 1 kHz).
 pub const BEAT_HZ: f64 = 1e3;

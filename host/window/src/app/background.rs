@@ -233,6 +233,7 @@ impl App {
                     self.parts.tables.cancel();
                     self.table = TableState::Ready(kept);
                     self.predict();
+                    self.remember_lines();
                 }
             }
             Some("design") => {

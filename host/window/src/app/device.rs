@@ -166,6 +166,7 @@ impl App {
             self.background.keep(&table);
             self.table = table;
             self.predict();
+            self.remember_lines();
             let snapshot = Arc::clone(&self.snapshot);
             self.run_autopilot(&snapshot);
             self.update_playback();

@@ -3,7 +3,7 @@
 
 use super::App;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
-use slipline_model::field::touch::{Touch, Trace, refusal};
+use slipline_model::field::touch::{Touch, Trace, Under, refusal};
 use slipline_plate::Finger;
 
 /// The state of the finger.
@@ -74,8 +74,9 @@ impl App {
     /// Adds what the finger meets now to its trace; called only while the wave moves.
     pub(super) fn trace_finger(&mut self, now_s: f64) {
         let plate = &self.setup.plate;
-        let (Some(finger), Some(field)) = (self.finger(), self.playback.field_of(plate)) else { return };
-        self.finger.trace.push(field, plate, &finger, now_s);
+        let (Some(finger), Some(sounding)) = (self.finger(), self.playback.on(plate)) else { return };
+        let (field, felt, feeling) = (&sounding.steady, &sounding.felt, &self.setup.feeling);
+        self.finger.trace.push(&Under { plate, field, felt, feeling }, &finger, now_s);
     }
 
     /// Forgets what the finger has met: it was lifted, or the wave under it is another one.

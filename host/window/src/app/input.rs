@@ -5,8 +5,6 @@ use crate::files::FileJob;
 use crate::intent::{Dialog, Grab, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
-use slipline_model::field::steady_field::turning_point_for;
-use slipline_model::setup::edit::Edit;
 
 /// The smallest window after zooming, in points: in a smaller one the panels would overlap.
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
@@ -68,10 +66,9 @@ impl App {
             } else if focused.is_none() || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
-                    && let Some(tone) = self.setup.tone(self.selected)
+                    && let Some(line) = self.line(self.selected)
                 {
-                    let position_m = tone.position_m + step_m;
-                    asked.push(Intent::Edit(Edit::Move { slot: self.selected, position_m }));
+                    asked.push(Intent::MoveLine { slot: self.selected, place_m: line.place_m + step_m });
                 }
             }
             presses
@@ -102,15 +99,8 @@ impl App {
     fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
         let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
         let Held::Tone(slot) = grab.held else { return self.move_finger(shown_m) };
-        let Some(tone) = self.setup.tone(slot) else { return };
-        let plate = &self.setup.plate;
-        let position_m = self
-            .full_peak_m()
-            .map(|full_peak_m| tone.level * self.setup.master() * full_peak_m)
-            .and_then(|peak_m| turning_point_for(plate, shown_m, peak_m, self.setup.boundary))
-            .unwrap_or_else(|| shown_m.clamp(plate.span_m().0, plate.span_m().1));
         self.settings.has_dragged = true;
-        self.edit(&Edit::Move { slot, position_m });
+        self.move_line(slot, shown_m);
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {

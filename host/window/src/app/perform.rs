@@ -22,6 +22,7 @@ impl App {
         for intent in intents {
             match intent {
                 Intent::Edit(edit) => self.edit(&edit),
+                Intent::MoveLine { slot, place_m } => self.move_line(slot, place_m),
                 Intent::Request(request) => {
                     if let Request::AutoReconnect(looks) = request {
                         self.settings.auto_reconnect = looks;

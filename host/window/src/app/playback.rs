@@ -6,10 +6,12 @@ use super::App;
 use crate::sound::SoundChoice;
 use eframe::egui;
 use slipline_model::autopilot;
-use slipline_model::field::steady_field::SteadyField;
+use slipline_model::field::felt::Felt;
+use slipline_model::field::steady_field::{SteadyField, SteadyTone};
 use slipline_model::field::time_domain::{Measured, TimeDomainJob};
 use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
+use slipline_plate::feeling::Feeling;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -32,10 +34,17 @@ pub(super) struct Playback {
 }
 
 impl Playback {
-    /// The field of what sounds, if it was solved for this plate.
-    pub(super) fn field_of(&self, plate: &Arc<Plate>) -> Option<&SteadyField> {
-        let sounding = self.sounding.as_ref()?;
-        Arc::ptr_eq(&sounding.plate, plate).then_some(&sounding.steady)
+    /// What sounds, if it was solved for this plate.
+    pub(super) fn on(&self, plate: &Arc<Plate>) -> Option<&Sounding> {
+        self.sounding.as_ref().filter(|sounding| Arc::ptr_eq(&sounding.plate, plate))
+    }
+
+    /// What sounds is felt in another way now.
+    pub(super) fn feel(&mut self, feeling: &Feeling) {
+        if let Some(sounding) = &mut self.sounding {
+            let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
+            sounding.felt = Felt::of(&sounding.plate, feeling, &SteadyField::solve(&sounding.plate, &tones));
+        }
     }
 }
 
@@ -45,8 +54,10 @@ pub(super) struct Sounding {
     pub(super) number: u64,
     /// The plate of the solution: the screen may already show another one, whose table is not on the device yet.
     pub(super) plate: Arc<Plate>,
-    /// The steady field on that plate.
+    /// The steady field on that plate, with the finger if there is one.
     pub(super) steady: SteadyField,
+    /// What is felt of it.
+    pub(super) felt: Felt,
 }
 
 impl App {
@@ -80,9 +91,14 @@ impl App {
         // The device sounds a newer drive, so an earlier refusal no longer matters.
         self.notices.driven();
         let plate = Arc::clone(&self.setup.plate);
-        let steady = SteadyField::solve_touched(&plate, &acknowledged.tones, self.finger().as_ref());
+        let alone = SteadyField::solve(&plate, &acknowledged.tones);
+        let felt = Felt::of(&plate, &self.setup.feeling, &alone);
+        let steady = match self.finger() {
+            None => alone,
+            finger => SteadyField::solve_touched(&plate, &acknowledged.tones, finger.as_ref()),
+        };
         self.playback.sounding =
-            Some(Sounding { number: acknowledged.number, plate: Arc::clone(&plate), steady });
+            Some(Sounding { number: acknowledged.number, plate: Arc::clone(&plate), steady, felt });
         let Some(identity) = &self.snapshot.identity else { return };
         let job = TimeDomainJob {
             number: acknowledged.number,
@@ -99,7 +115,7 @@ impl App {
 
     /// The field of what sounds, if it was solved for the plate on the screen.
     pub(super) fn sounding_on_screen(&self) -> Option<&SteadyField> {
-        self.playback.field_of(&self.setup.plate)
+        self.playback.on(&self.setup.plate).map(|sounding| &sounding.steady)
     }
 
     /// The result of the simulated plate, if it belongs to what sounds.

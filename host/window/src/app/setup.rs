@@ -2,9 +2,11 @@
 //! driven.
 
 use super::App;
+use slipline_model::field::felt::Felt;
+use slipline_model::field::line::{self, Holds, Line};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
-use slipline_model::setup::Setup;
 use slipline_model::setup::edit::{self, Edit};
+use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
@@ -14,23 +16,51 @@ impl App {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
+                let full_peak_m = self.full_peak_m();
                 if let Edit::Add { position_m } = *edit {
-                    let told = [moved_into_span(&next, position_m), make_fit(&mut next)];
+                    let told = [make_fit(&mut next), place_line(&mut next, position_m, full_peak_m)];
                     let told: Vec<String> = told.into_iter().flatten().collect();
                     if !told.is_empty() {
                         self.notices.tell(told.join(" "));
                     }
                 }
+                // What these change moves the felt edges; the lines hold them.
+                let wanted_m = self.wanted_m;
+                let are_held = matches!(
+                    edit,
+                    Edit::Level { .. } | Edit::Master(_) | Edit::Feeling(_) | Edit::Add { .. }
+                );
+                if are_held {
+                    next = line::held(
+                        next,
+                        |slot| wanted_m.get(usize::from(slot)).copied().flatten(),
+                        full_peak_m,
+                    );
+                }
                 self.history.note(&self.setup, edit, self.gesture);
                 self.take(next);
+                if are_held {
+                    for (now_m, before_m) in self.wanted_m.iter_mut().zip(wanted_m) {
+                        *now_m = before_m.or(*now_m);
+                    }
+                }
             }
             Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    /// Moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
+    pub(super) fn move_line(&mut self, slot: u8, place_m: f64) {
+        if let Some(tone) = self.setup.tone(slot).filter(|_| place_m.is_finite()) {
+            let position_m = line::turning_point_m(&self.setup, tone, self.full_peak_m(), place_m);
+            self.edit(&Edit::Move { slot, position_m });
         }
     }
 
     /// Replaces the setup, after an edit, undo or redo.
     pub(super) fn take(&mut self, next: Setup) {
         let is_new_plate = !Arc::ptr_eq(&self.setup.plate, &next.plate);
+        let is_felt_anew = self.setup.feeling != next.feeling;
         let added = next.tones.iter().find(|tone| self.setup.tone(tone.slot).is_none()).map(|tone| tone.slot);
         self.setup = next;
         if let Some(slot) = added {
@@ -48,6 +78,38 @@ impl App {
             self.send_drive();
         }
         self.predict();
+        self.remember_lines();
+        if is_felt_anew {
+            self.playback.feel(&self.setup.feeling);
+        }
+    }
+
+    /// The felt edges that the lines show now are where the user wants them.
+    pub(super) fn remember_lines(&mut self) {
+        self.wanted_m = [None; MAX_TONES];
+        for line in self.lines.iter().filter(|line| line.holds == Holds::FeltEdge) {
+            if let Some(wanted_m) = self.wanted_m.get_mut(usize::from(line.slot)) {
+                *wanted_m = Some(line.place_m);
+            }
+        }
+    }
+
+    /// The line of the tone in a slot.
+    pub(super) fn line(&self, slot: u8) -> Option<&Line> {
+        self.lines.iter().find(|line| line.slot == slot)
+    }
+
+    /// The places that the line of the selected tone can have, in metres.
+    pub(super) fn limits_m(&mut self) -> (f64, f64) {
+        if let Some((slot, limits_m)) = self.limits_m
+            && slot == self.selected
+        {
+            return limits_m;
+        }
+        let Some(tone) = self.setup.tone(self.selected) else { return self.setup.plate.span_m() };
+        let limits_m = line::limits_m(&self.setup, tone, self.full_peak_m());
+        self.limits_m = Some((self.selected, limits_m));
+        limits_m
     }
 
     /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
@@ -55,11 +117,21 @@ impl App {
         self.screen_table().map(|made| made.drive_table.peak_at_full_scale_m)
     }
 
-    /// Predicts the field of the setup.
+    /// Predicts the field of the setup, what is felt of it, and where its lines are.
     pub(super) fn predict(&mut self) {
+        let plate = &self.setup.plate;
+        let full_peak_m = self.full_peak_m();
         // While the height is not known, the shape is drawn with unit height.
-        let tones = steady_tones(&self.setup, self.full_peak_m().unwrap_or(1.0));
-        self.predicted = SteadyField::solve_touched(&self.setup.plate, &tones, self.finger().as_ref());
+        let tones = steady_tones(&self.setup, full_peak_m.unwrap_or(1.0));
+        let alone = SteadyField::solve(plate, &tones);
+        let known = full_peak_m.map(|_| &alone);
+        self.lines = line::lines(&self.setup, known);
+        self.felt = known.map(|known| Felt::of(plate, &self.setup.feeling, known));
+        self.limits_m = None;
+        self.predicted = match self.finger() {
+            None => alone,
+            Some(finger) => SteadyField::solve_touched(plate, &tones, Some(&finger)),
+        };
     }
 }
 
@@ -75,11 +147,19 @@ fn make_fit(setup: &mut Setup) -> Option<String> {
     Some(format!("Master lowered to {master} dB, so that {count} tones fit."))
 }
 
-/// The message about an added tone if its requested place, in metres, was outside the span.
-fn moved_into_span(setup: &Setup, asked_m: f64) -> Option<String> {
-    let tone = setup.tones.last().filter(|tone| tone.position_m != asked_m)?;
-    let (start, end) = setup.plate.span_m();
-    let (number, place) = (tone.slot + 1, show_place(tone.position_m));
-    let (start, end) = (show_place(start), show_place(end));
-    Some(format!("Tone {number} is at {place}: the span is {start} to {end}."))
+/// Puts the line of the tone that was added last at `place_m`, in metres. Returns the message to the user if it cannot be
+/// there.
+fn place_line(setup: &mut Setup, place_m: f64, full_peak_m: Option<f64>) -> Option<String> {
+    let tone = *setup.tones.last()?;
+    let position_m = line::turning_point_m(setup, &tone, full_peak_m, place_m);
+    setup.tones.last_mut()?.position_m = position_m;
+    let there = Line::of(setup, setup.tones.last()?, full_peak_m);
+    // The smallest step of the arrow keys.
+    if (there.place_m - place_m).abs() < 1e-4 {
+        return None;
+    }
+    let (low_m, high_m) = line::limits_m(setup, &tone, full_peak_m);
+    let (number, place) = (tone.slot + 1, show_place(there.place_m));
+    let (low, high) = (show_place(low_m), show_place(high_m));
+    Some(format!("Tone {number} is at {place}: a line can be at {low} to {high}."))
 }

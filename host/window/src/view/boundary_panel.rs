@@ -1,15 +1,16 @@
 //! The boundary panel: the boundary's place, its tone and its level.
 
 use super::field::{InputField, UNKNOWN, row};
+use super::place_field::{allowed, typed_position};
 use super::slider::Quantity;
-use super::{Scene, ViewState, finger, sound, stage, theme};
+use super::{Scene, ViewState, feeling_fields, finger, sound, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, text::LayoutJob};
-use slipline_model::field::steady_field::{SteadyTone, shown_boundary_m, turning_point_for};
+use slipline_model::field::line::Holds;
+use slipline_model::field::steady_field::SteadyTone;
+use slipline_model::setup::BoundaryMode;
 use slipline_model::setup::edit::Edit;
-use slipline_model::setup::{BoundaryMode, ToneSetup};
-use slipline_plate::Plate;
-use slipline_plate::quantity::{self, PlaceOrFrequency, show_frequency, show_length, show_place};
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
@@ -36,7 +37,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
     let mut reason = None;
     ui.horizontal_top(|ui| {
-        let value = position_words(scene, &tone, steady.as_ref());
+        let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
         let place = InputField {
             name: "Boundary position",
             value: &value,
@@ -44,8 +45,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             width: 124.0,
             caption: Some("Position"),
         };
-        let taken = place
-            .show_apart(ui, &mut view.fields, &mut reason, |text| position(scene, steady.as_ref(), text));
+        let taken =
+            place.show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text));
         let value = show_frequency(frequency_hz);
         let pitch = InputField {
             name: "Boundary frequency",
@@ -55,13 +56,16 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             caption: Some("Frequency"),
         };
         let taken = pitch
-            .show_apart(ui, &mut view.fields, &mut reason, |text| position(scene, steady.as_ref(), text))
+            .show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text))
             .or(taken);
         if let Some(position_m) = taken {
             intents.push(Intent::Edit(Edit::Move { slot, position_m }));
         }
     });
-    range(ui, plate, reason);
+    range(ui, scene, reason);
+    if let Some(Holds::FeltEdge | Holds::PlateEnd) = scene.line(slot).map(|line| line.holds) {
+        row(ui, "Turning point", show_place(tone.position_m));
+    }
     if let Some(wave) = scene.predicted.tone(slot) {
         row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
         let height_m =
@@ -73,7 +77,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     ui.separator();
     theme::heading(ui, "The line holds");
-    mode(ui, scene, view, frequency_hz, intents);
+    mode(ui, scene, view, intents);
 
     ui.add_space(6.0);
     ui.separator();
@@ -91,21 +95,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
 /// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason
 /// moves nothing.
-fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
+fn range(ui: &mut egui::Ui, scene: &Scene<'_>, reason: Option<String>) {
     let palette = theme::palette(ui);
-    let ((start, end), (low, high)) = (plate.span_m(), plate.band_hz());
-    let span = format!(
-        "{:.0} to {:.0} mm, or {} to {}",
-        start * 1e3,
-        end * 1e3,
-        show_frequency(low),
-        show_frequency(high)
-    );
     let (text, colour) = match reason {
-        // A reason that already names the range needs no second one.
-        Some(reason) if reason.starts_with("outside") => (reason, palette.wrong),
-        Some(reason) => (format!("{reason}. Type {span}."), palette.wrong),
-        None => (span, palette.weak),
+        Some(reason) => (reason, palette.wrong),
+        None => (allowed(scene, scene.limits_m), palette.weak),
     };
     let size = egui::vec2(ui.available_width(), 2.0 * ui.text_style_height(&egui::TextStyle::Small));
     ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
@@ -117,99 +111,24 @@ fn range(ui: &mut egui::Ui, plate: &Plate, reason: Option<String>) {
     });
 }
 
-/// The place of the boundary as text; a felt edge is unknown until the height of its tone is known.
-fn position_words(scene: &Scene<'_>, tone: &ToneSetup, steady: Option<&SteadyTone>) -> String {
-    let setup = scene.setup;
-    match (setup.boundary, steady) {
-        (BoundaryMode::TurningPoint, _) => show_place(tone.position_m),
-        (BoundaryMode::FeltEdge { .. }, None) => UNKNOWN.to_owned(),
-        (mode, Some(steady)) => {
-            shown_boundary_m(&setup.plate, steady, mode).map_or_else(|| "not felt".to_owned(), show_place)
-        }
-    }
-}
-
-/// The turning point for a typed place or frequency.
-fn position(scene: &Scene<'_>, tone: Option<&SteadyTone>, text: &str) -> Result<f64, String> {
-    let plate = &scene.setup.plate;
-    let (start, end) = plate.span_m();
-    let x_m = match quantity::place_or_frequency(text).map_err(|error| error.to_string())? {
-        PlaceOrFrequency::Place(x_m) if scene.setup.boundary == BoundaryMode::TurningPoint => x_m,
-        PlaceOrFrequency::Place(x_m) => {
-            let tone = tone.ok_or("not known until the table is made: type a frequency")?;
-            turning_point_for(plate, x_m, tone.peak_m, scene.setup.boundary)
-                .ok_or("no tone of this level has its felt edge there")?
-        }
-        PlaceOrFrequency::Frequency(hertz) => plate.turning_point_m(hertz).ok_or_else(|| {
-            format!(
-                "{} cannot enter this plate: its cut-off is {}",
-                show_frequency(hertz),
-                show_frequency(plate.cut_off_hz())
-            )
-        })?,
-    };
-    // The ends of the range must not be refused because of rounding in the text.
-    if (start - 1e-5..=end + 1e-5).contains(&x_m) {
-        return Ok(x_m);
-    }
-    let (low, high) = plate.band_hz();
-    Err(format!(
-        "outside {:.0} to {:.0} mm ({} to {})",
-        start * 1e3,
-        end * 1e3,
-        show_frequency(low),
-        show_frequency(high)
-    ))
-}
-
-fn mode(
-    ui: &mut egui::Ui,
-    scene: &Scene<'_>,
-    view: &mut ViewState,
-    frequency_hz: f64,
-    intents: &mut Intents,
-) {
-    let setup = scene.setup;
-    // A tenth of the full peak, where the edge's width ends. Illustrative until it is calibrated.
-    let default_threshold_m = scene.full_peak_m.map(|full_peak_m| (0.1 * full_peak_m).clamp(1e-9, 1e-2));
-    let is_felt = matches!(setup.boundary, BoundaryMode::FeltEdge { .. });
+/// What the line holds, and how a finger feels.
+fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     ui.horizontal(|ui| {
-        let turning = ui.radio(!is_felt, "Turning point");
-        if turning.on_hover_text("Where the wave turns back: set by the frequency alone").clicked() {
-            intents.push(Intent::Edit(Edit::Boundary(BoundaryMode::TurningPoint)));
-        }
-        let felt =
-            ui.add_enabled(default_threshold_m.is_some(), egui::RadioButton::new(is_felt, "Felt edge"));
-        let felt = felt.on_hover_text(
-            "Past the peak, where the motion of the plate without a finger falls below what is just felt",
-        );
-        if let Some(threshold_m) = default_threshold_m.filter(|_| felt.clicked()) {
-            let mode = BoundaryMode::FeltEdge { threshold_m };
-            intents.push(Intent::Edit(Edit::Boundary(mode)));
-        }
-    });
-    if let BoundaryMode::FeltEdge { threshold_m } = setup.boundary {
-        ui.horizontal_top(|ui| {
-            ui.label("just felt at");
-            let value = show_length(threshold_m);
-            let field = InputField {
-                name: "Threshold of feeling",
-                value: &value,
-                hint: "Peak displacement that is just felt: 1 nm to 10 mm. Illustrative: calibrate on your own plate",
-                width: 90.0, caption: None,
-            };
-            let taken = field.show(ui, &mut view.fields, |text| {
-                let metres = quantity::length_m(text).map_err(|error| error.to_string())?;
-                let mode = BoundaryMode::FeltEdge { threshold_m: metres };
-                slipline_model::setup::edit::apply(setup, &Edit::Boundary(mode)).map_err(|error| error.to_string())?;
-                Ok(mode)
-            });
-            if let Some(mode) = taken {
+        for (mode, name, help) in MODES {
+            let radio = ui.radio(scene.setup.boundary == mode, name).on_hover_text(help);
+            if radio.clicked() {
                 intents.push(Intent::Edit(Edit::Boundary(mode)));
             }
-        });
-        if frequency_hz >= SLIPPERY_FROM_HZ {
-            ui.label(RichText::new("A film of air needs about 1 µm.").small().weak());
         }
-    }
+    });
+    feeling_fields::show(ui, scene, view, intents);
 }
+
+const MODES: [(BoundaryMode, &str, &str); 2] = [
+    (
+        BoundaryMode::FeltEdge,
+        "Felt edge",
+        "Where the motion of the plate without a finger falls below what is just felt. Illustrative: fingers differ",
+    ),
+    (BoundaryMode::TurningPoint, "Turning point", "Where the wave turns back: set by the frequency alone"),
+];

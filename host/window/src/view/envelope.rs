@@ -55,15 +55,17 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         }
     }
     edge(ui, scene, axis, &height);
-    if let BoundaryMode::FeltEdge { threshold_m } = scene.setup.boundary
-        && is_known
-        && threshold_m < top_m
-    {
-        let y = height.screen(threshold_m);
+    // The amplitude from which on the selected tone is felt.
+    let tone = scene.setup.tone(scene.selected).filter(|_| is_known);
+    let just_felt_m = tone.map_or(f64::INFINITY, |tone| {
+        scene.setup.feeling.just_felt_m(scene.setup.plate.frequency_for_boundary_hz(tone.position_m))
+    });
+    if scene.setup.boundary == BoundaryMode::FeltEdge && just_felt_m < top_m {
+        let y = height.screen(just_felt_m);
         let line = [pos2(axis.screen().min, y), pos2(axis.screen().max, y)];
-        painter.extend(Shape::dashed_line(&line, Stroke::new(1.0, palette.warn), 5.0, 4.0));
+        painter.extend(Shape::dashed_line(&line, Stroke::new(1.0, palette.weak), 5.0, 4.0));
         let place = pos2(axis.screen().max - 4.0, y - 2.0);
-        painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.warn);
+        painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.weak);
     }
 }
 

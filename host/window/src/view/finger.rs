@@ -4,6 +4,7 @@ use super::{Scene, ViewState, handle, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{self, CornerRadius, CursorIcon, Rect, RichText, Sense, Stroke, StrokeKind, pos2, vec2};
+use slipline_model::field::felt::Zone;
 use slipline_model::field::touch::{Touch, refusal};
 use slipline_plate::quantity::show_place;
 use theme::HANDLE;
@@ -34,9 +35,10 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
         (Some(reason), _) => reason.clone(),
         (None, Some(finger)) => {
             format!(
-                "At {}: drag it along the plate. Drive and boundary line stay those of the plate without it; wave, \
-                 envelope and strip are those with it.",
-                show_place(finger.place_m)
+                "At {}: {}. Drag it along the plate. Wave and envelope are those with it; drive, boundary line and strip \
+                 stay those of the plate without it.",
+                show_place(finger.place_m),
+                scene.felt.map_or("not known yet", |felt| Zone::of(felt.at(finger.place_m)).name())
             )
         }
         (None, None) => return,

@@ -14,7 +14,8 @@
 
 use super::{Scene, aligned, plots, theme};
 use crate::intent::Intents;
-use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2};
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2};
+use slipline_model::field::felt::Zone;
 use slipline_model::field::steady_field::displacement_unit;
 use slipline_model::field::touch::{Met, TRACE_S, Trace};
 use slipline_plate::quantity::ticks::{label, round_step};
@@ -88,6 +89,8 @@ struct Lane {
     value: fn(&Met) -> Option<f64>,
     /// The top of the scale.
     top: f64,
+    /// Whether its curve and its words tell how it is felt.
+    is_felt: bool,
     /// The unit in which values are written, and that unit in SI units.
     unit: (&'static str, f64),
 }
@@ -98,14 +101,19 @@ fn lanes(trace: &Trace) -> Vec<Lane> {
     let amplitude: fn(&Met) -> Option<f64> = |met| Some(met.amplitude_m);
     let speed: fn(&Met) -> Option<f64> = |met| Some(met.speed_m_per_s);
     let top_m = round_step(most(amplitude).max(LEAST_AMPLITUDE_M));
-    let mut lanes =
-        vec![Lane { names: &["amplitude"], value: amplitude, top: top_m, unit: displacement_unit(top_m) }];
+    let mut lanes = vec![Lane {
+        names: &["amplitude"],
+        value: amplitude,
+        top: top_m,
+        is_felt: true,
+        unit: displacement_unit(top_m),
+    }];
     if trace.iter().any(|met| met.friction.is_some()) {
         let names = &["friction, illustrative", "friction"];
-        lanes.push(Lane { names, value: |met| met.friction, top: 1.0, unit: ("", 1.0) });
+        lanes.push(Lane { names, value: |met| met.friction, top: 1.0, is_felt: false, unit: ("", 1.0) });
     }
     let top = round_step(most(speed).max(LEAST_SPEED_M_PER_S));
-    lanes.push(Lane { names: &["speed"], value: speed, top, unit: ("mm/s", 1e-3) });
+    lanes.push(Lane { names: &["speed"], value: speed, top, is_felt: false, unit: ("mm/s", 1e-3) });
     lanes
 }
 
@@ -117,11 +125,18 @@ impl Lane {
         if unit.is_empty() { written } else { format!("{written} {unit}") }
     }
 
+    /// What was met, in words: an amplitude with how it is felt.
+    fn words_of(&self, met: &Met) -> String {
+        let Some(value) = (self.value)(met) else { return String::new() };
+        let zone = if self.is_felt { format!(", {}", Zone::of(met.felt).name()) } else { String::new() };
+        self.words(value) + &zone
+    }
+
     /// Paints the lane, with the words for what was met at `shown`.
     fn show(&self, ui: &mut egui::Ui, trace: &Trace, time: &Time<'_>, rect: Rect, shown: Option<&Met>) {
         let palette = theme::palette(ui);
         let font = FontId::proportional(11.5);
-        let words = shown.and_then(self.value).map_or_else(String::new, |value| self.words(value));
+        let words = shown.map_or_else(String::new, |met| self.words_of(met));
         let response = ui.interact(rect, ui.scope_id().with(self.names), Sense::hover());
         let said = format!("{}: {words}", self.names[0]);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
@@ -135,11 +150,16 @@ impl Lane {
             let share = (value / self.top).clamp(0.0, 1.0) as f32;
             pos2(time.screen(met), rect.bottom() - 1.0 - share * reach)
         };
-        let points: Vec<Option<Pos2>> =
-            trace.iter().map(|met| (self.value)(met).map(|value| at(met, value))).collect();
-        for line in points.split(Option::is_none) {
-            let line: Vec<Pos2> = line.iter().flatten().copied().collect();
-            painter.add(Shape::line(line, Stroke::new(1.4, palette.accent)));
+        let points: Vec<(Option<Pos2>, bool)> = trace
+            .iter()
+            .map(|met| ((self.value)(met).map(|value| at(met, value)), Zone::of(met.felt) != Zone::Not))
+            .collect();
+        // Where nothing is felt the curve is weak.
+        for pair in points.windows(2) {
+            if let [(Some(from), _), (Some(to), is_felt)] = *pair {
+                let ink = if is_felt || !self.is_felt { palette.accent } else { palette.weak };
+                painter.line_segment([from, to], Stroke::new(1.4, ink));
+            }
         }
         if let Some((met, value)) = shown.and_then(|met| Some((met, (self.value)(met)?))) {
             painter.circle_filled(at(met, value), 2.5, palette.accent);

@@ -7,7 +7,7 @@ use eframe::egui::{
     self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
     vec2,
 };
-use slipline_model::field::steady_field::drawn_boundary_m;
+use slipline_model::field::line::{Holds, Line};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{show_frequency, show_place};
 use theme::HANDLE;
@@ -86,7 +86,7 @@ fn grid(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let painter = ui.painter();
     let over = layout.axis.over_plate(layout.envelope);
     painter.rect_filled(over, CornerRadius::same(3), palette.well);
-    for beyond in layout.axis.beyond(scene.setup.plate.span_m()) {
+    for beyond in layout.axis.beyond(scene.limits_m) {
         painter.rect_filled(Rect::from_x_y_ranges(beyond, over.y_range()), 0.0, palette.beyond());
     }
     for x_mm in layout.axis.ticks_mm(90.0).places {
@@ -101,8 +101,8 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let font = FontId::proportional(11.5);
     let top = layout.scale.top() + 3.0;
     painter.hline(layout.axis.screen(), top, Stroke::new(1.0, palette.line));
-    // The span in which a boundary can be placed.
-    let (start, end) = scene.setup.plate.span_m();
+    // Where the selected line can be.
+    let (start, end) = scene.limits_m;
     let span = Rangef::new(layout.axis.screen_from_place(start), layout.axis.screen_from_place(end));
     painter.hline(span, top, Stroke::new(2.0, palette.weak));
     let ticks = layout.axis.ticks_mm(90.0);
@@ -114,8 +114,7 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     }
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
     painter.text(unit, Align2::RIGHT_TOP, "x, mm", font.clone(), palette.weak);
-    let below = pos2(layout.axis.screen().max, layout.scale.bottom() + 2.0);
-    painter.text(below, Align2::RIGHT_BOTTOM, felt_strip::words(scene), font, palette.weak);
+    felt_strip::legend(ui, scene, &layout.axis, layout.scale.bottom() + 2.0);
 }
 
 /// The text of the hint, in the longest form that fits.
@@ -126,8 +125,8 @@ fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
         return;
     }
     let palette = theme::palette(ui);
-    let Some(tone) = scene.setup.tone(scene.selected) else { return };
-    let line = layout.axis.line_from_place(drawn_boundary_m(scene.setup, tone, scene.full_peak_m));
+    let Some(line) = scene.line(scene.selected) else { return };
+    let line = layout.axis.line_from_place(line.place_m);
     let right = layout.axis.screen().max;
     let size = |text: &str| {
         let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(14.0), palette.text);
@@ -169,10 +168,8 @@ fn handle(
     intents: &mut Intents,
 ) {
     let setup = scene.setup;
-    let Some(tone) = setup.tone(slot) else { return };
-    let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-    let shown_m = drawn_boundary_m(scene.setup, tone, scene.full_peak_m);
-    let x = layout.axis.line_from_place(shown_m);
+    let (Some(tone), Some(line)) = (setup.tone(slot), scene.line(slot)) else { return };
+    let x = layout.axis.line_from_place(line.place_m);
     let is_selected = slot == scene.selected;
     let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
     let rows = Rangef::new(layout.label.top(), layout.strip.bottom());
@@ -182,7 +179,7 @@ fn handle(
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Tone(slot));
     let name = handle_name(scene, slot);
-    response.widget_info(|| egui::WidgetInfo::slider(true, tone.position_m * 1e3, &name));
+    response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
     if response.is_pointer_button_down_on()
         && !is_held
         && let Some(pointer) = response.interact_pointer_pos()
@@ -200,19 +197,15 @@ fn handle(
             intents.push(Intent::Select(slot));
         }
     }
-    if let Some(position_m) = handle::by_assistive_technology(ui, id, tone.position_m) {
-        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+    if let Some(place_m) = handle::by_assistive_technology(ui, id, line.place_m) {
+        intents.push(Intent::MoveLine { slot, place_m });
     }
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
+        let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
         let edge_m = setup.plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN);
-        let mut label = format!(
-            "{}   {}   edge {:.0} mm",
-            show_place(shown_m),
-            show_frequency(frequency_hz),
-            edge_m * 1e3
-        );
+        let mut label = flag(line, frequency_hz, edge_m);
         if is_held || response.has_focus() {
             label.push_str(end_of_span(setup.plate.span_m(), tone.position_m));
         }
@@ -222,6 +215,18 @@ fn handle(
         let place = pos2(x, layout.plate.center().y);
         let number = (slot + 1).to_string();
         ui.painter().text(place, Align2::CENTER_CENTER, number, FontId::proportional(11.5), palette.text);
+    }
+}
+
+/// The words of the flag on the selected line: its place, its frequency, and how wide the edge is or why there is none.
+fn flag(line: &Line, frequency_hz: f64, edge_m: f64) -> String {
+    let (place, frequency) = (show_place(line.place_m), show_frequency(frequency_hz));
+    match line.holds {
+        Holds::FeltEdge | Holds::TurningPoint => {
+            format!("{place}   {frequency}   edge {:.0} mm", edge_m * 1e3)
+        }
+        Holds::PlateEnd => format!("felt to the plate's end   {frequency}"),
+        Holds::Unfelt(why) => format!("{place}   {frequency}   {}", why.words()),
     }
 }
 
@@ -284,10 +289,9 @@ fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intent
     let is_double = ui.input(|input| input.pointer.button_double_clicked(egui::PointerButton::Primary));
     let Some(pointer) = response.hover_pos() else { return };
     let near_handle = scene
-        .setup
-        .tones
+        .lines
         .iter()
-        .any(|tone| (layout.axis.screen_from_place(tone.position_m) - pointer.x).abs() < HANDLE);
+        .any(|line| (layout.axis.screen_from_place(line.place_m) - pointer.x).abs() < HANDLE);
     if is_double && !near_handle {
         intents.push(Intent::Edit(Edit::Add { position_m: layout.axis.place_from_screen(pointer.x) }));
     }

@@ -1,13 +1,14 @@
 //! The tones panel: one row per tone, and their sum.
 
-use super::field::{InputField, row};
+use super::field::{InputField, UNKNOWN, row};
+use super::place_field::typed_position;
 use super::slider::Quantity;
 use super::{Scene, ViewState, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::MAX_TONES;
 use slipline_model::setup::edit::Edit;
-use slipline_plate::quantity::{self, PlaceOrFrequency, show_frequency, show_place};
+use slipline_plate::quantity::{show_frequency, show_place};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;
@@ -45,7 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                     if number.on_hover_text(&name).clicked() {
                         intents.push(Intent::Select(slot));
                     }
-                    let value = show_place(tone.position_m);
+                    let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
                     let label = format!("Position of tone {}", slot + 1);
                     let field = InputField {
                         name: &label,
@@ -54,7 +55,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                         width: 84.0,
                         caption: None,
                     };
-                    let taken = field.show(ui, &mut view.fields, |text| place(scene, text));
+                    let taken = field.show(ui, &mut view.fields, |text| typed_position(scene, tone, text));
                     if let Some(position_m) = taken {
                         intents.push(Intent::Edit(Edit::Move { slot, position_m }));
                     }
@@ -96,26 +97,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
 }
 
-fn place(scene: &Scene<'_>, text: &str) -> Result<f64, String> {
-    let plate = &scene.setup.plate;
-    let (start, end) = plate.span_m();
-    let x_m = match quantity::place_or_frequency(text).map_err(|error| error.to_string())? {
-        PlaceOrFrequency::Place(x_m) => x_m,
-        PlaceOrFrequency::Frequency(hertz) => {
-            plate.turning_point_m(hertz).ok_or("this frequency cannot enter the plate")?
-        }
-    };
-    if (start - 1e-5..=end + 1e-5).contains(&x_m) {
-        Ok(x_m)
-    } else {
-        Err(format!("outside {:.0} to {:.0} mm", start * 1e3, end * 1e3))
-    }
-}
-
-/// The middle of the widest gap between the tones and the ends of the span, in metres.
+/// The middle of the widest gap between the lines and the ends of where they can be, in metres.
 fn widest_gap_m(scene: &Scene<'_>) -> f64 {
-    let (start, end) = scene.setup.plate.span_m();
-    let mut places: Vec<f64> = scene.setup.tones.iter().map(|tone| tone.position_m).collect();
+    let (start, end) = scene.limits_m;
+    let mut places: Vec<f64> = scene.lines.iter().map(|line| line.place_m).collect();
     places.extend([start, end]);
     places.sort_by(f64::total_cmp);
     let widest = places.windows(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));

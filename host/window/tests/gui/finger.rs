@@ -52,7 +52,7 @@ fn a_finger_is_dragged_along_the_plate_and_the_field_follows() {
     let on_peak = height(&app);
     assert_ne!(on_peak, untouched);
     assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
-    assert!(app.window.query_by_label_contains("boundary line stay those of the plate without it").is_some());
+    assert!(app.window.query_by_label_contains("boundary line and strip stay those").is_some());
     let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
     let place_mm = finger_mm(&app);
     app.window.drag_at(finger);

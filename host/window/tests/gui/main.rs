@@ -5,6 +5,7 @@ mod drive_time;
 mod exports;
 mod fake_files;
 mod fake_speaker;
+mod feeling;
 mod finger;
 mod finger_trace;
 mod fixed_link;

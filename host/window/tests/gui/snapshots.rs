@@ -9,6 +9,7 @@ use eframe::egui::{Color32, ColorImage, Theme};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_model::export::figures::encode;
+use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::path::PathBuf;
 
@@ -18,16 +19,32 @@ const DIFFERS: u8 = 24;
 /// The largest share of pixels that may differ, per thousand.
 const MOST_PER_MILLE: usize = 3;
 
+/// The window at a first start.
+fn first_picture(theme: ThemeChoice, size: [u16; 2]) -> ColorImage {
+    painted(theme, size, TestApp::first_start)
+}
+
 /// The window in this theme and of this size in points, after `prepare` has acted on it.
 fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut TestApp)) -> ColorImage {
+    painted(theme, size, |theme, builder| {
+        let mut app = TestApp::driving_with(theme, builder);
+        prepare(&mut app);
+        app
+    })
+}
+
+fn painted(
+    theme: ThemeChoice,
+    size: [u16; 2],
+    open: impl FnOnce(ThemeChoice, HarnessBuilder<App>) -> TestApp,
+) -> ColorImage {
     let painter = Painter::default();
     let egui_theme = if theme == ThemeChoice::Dark { Theme::Dark } else { Theme::Light };
     let builder = HarnessBuilder::default()
         .with_size(size.map(f32::from))
         .with_theme(egui_theme)
         .renderer(painter.clone());
-    let mut app = TestApp::driving_with(theme, builder);
-    prepare(&mut app);
+    let app = open(theme, builder);
     painter.paint(&app.window.ctx, app.window.output(), size.map(usize::from))
 }
 
@@ -78,12 +95,12 @@ const SMALLEST: [u16; 2] = [960, 620];
 
 #[test]
 fn the_window_looks_as_it_was_approved_in_light() {
-    compare("light", &picture(ThemeChoice::Light, USUAL, |_| ()));
+    compare("light", &first_picture(ThemeChoice::Light, USUAL));
 }
 
 #[test]
 fn the_window_looks_as_it_was_approved_in_dark() {
-    compare("dark", &picture(ThemeChoice::Dark, USUAL, |_| ()));
+    compare("dark", &first_picture(ThemeChoice::Dark, USUAL));
 }
 
 #[test]

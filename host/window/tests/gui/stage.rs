@@ -38,7 +38,7 @@ fn the_words_about_what_is_felt_lie_below_the_strip() {
         let mut app = TestApp::driving();
         app.window.set_size(size.into());
         app.wait(100);
-        let (line, words) = (line_rect(&app), painted(&app, "illustrative").unwrap());
+        let (line, words) = (line_rect(&app), painted(&app, "vibration, illustrative").unwrap());
         assert!(words.top() >= line.bottom(), "{size:?}: {words} {line}");
         let number = painted(&app, "300").unwrap();
         assert!(!words.intersects(number), "{size:?}: {words} {number}");

@@ -16,6 +16,7 @@ use slipline_model::jobs::design;
 use slipline_model::jobs::plane::{self, PlaneChecked};
 use slipline_model::jobs::table;
 use slipline_model::setup::file as setup_file;
+use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_model::waveform;
 use slipline_window::app::{App, Link, Parts, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
@@ -40,7 +41,7 @@ pub(crate) struct TestApp {
 }
 
 impl TestApp {
-    /// The app at its first start, connected and driving.
+    /// The app on a membrane, connected and driving.
     pub(crate) fn driving() -> Self {
         Self::driving_with(
             ThemeChoice::Light,
@@ -50,7 +51,21 @@ impl TestApp {
 
     /// As [`Self::driving`], with another theme and window.
     pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        let mut app = Self::starting(theme, builder);
+        Self::driving_setup(membrane(), theme, builder)
+    }
+
+    /// The app at its first start in this theme and window, with the scene of a first start.
+    pub(crate) fn first_start(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
+        Self::driving_setup(first_setup().unwrap(), theme, builder)
+    }
+
+    /// The app with this setup, driving.
+    pub(crate) fn driving_setup(
+        setup: Setup,
+        theme: ThemeChoice,
+        builder: egui_kittest::HarnessBuilder<App>,
+    ) -> Self {
+        let mut app = Self::starting_with(setup, theme, builder, JobQueue::inline(table::make), true);
         for _ in 0..40 {
             app.wait(50);
             if app.is_driving() {
@@ -66,21 +81,18 @@ impl TestApp {
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(ThemeChoice::Light, builder, tables, true)
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true)
     }
 
     /// The app at its first start, with the device's cable pulled.
     pub(crate) fn unplugged() -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(ThemeChoice::Light, builder, JobQueue::inline(table::make), false)
-    }
-
-    fn starting(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
-        Self::starting_with(theme, builder, JobQueue::inline(table::make), true)
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, JobQueue::inline(table::make), false)
     }
 
     fn starting_with(
+        setup: Setup,
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
@@ -99,7 +111,7 @@ impl TestApp {
             Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
             None => plane::work(job, task),
         });
-        let window = open_window_with(parts, theme, builder);
+        let window = open_window_with(parts, setup, theme, builder);
         Self { window, files, speaker, sheet_jobs, plane_refusal, worker }
     }
 
@@ -176,7 +188,7 @@ pub(crate) fn open_window(
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
     let parts = parts(link, files, JobQueue::inline(table::make), &Rc::default());
-    open_window_with(parts, theme, builder)
+    open_window_with(parts, membrane(), theme, builder)
 }
 
 fn parts(
@@ -205,13 +217,21 @@ fn parts(
     }
 }
 
+/// One tone in the middle of the membrane, whose line holds the turning point: what most tests use, because its table is
+/// made soon and its places are those of the device.
+fn membrane() -> Setup {
+    let plate = slipline_plate::preset("membrane").unwrap();
+    Setup { boundary: BoundaryMode::TurningPoint, ..Setup::new(plate.into()) }
+}
+
 fn open_window_with(
     parts: Parts,
+    setup: Setup,
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
     let settings = Settings { theme, ..Settings::default() };
-    let app = App::new(&egui::Context::default(), parts, first_setup().unwrap(), settings);
+    let app = App::new(&egui::Context::default(), parts, setup, settings);
     builder.with_step_dt(1.0 / 60.0).build_ui_state(
         |ui: &mut egui::Ui, app: &mut App| {
             slipline_window::view::theme::install(ui.ctx());

@@ -35,12 +35,12 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
 fn the_head_says_what_the_envelope_is_of() {
     let mut setup = setup();
     setup.master_db = -3.0;
-    setup.boundary = BoundaryMode::FeltEdge { threshold_m: 1e-5 };
+    setup.boundary = BoundaryMode::FeltEdge;
     let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
     let text = envelope_csv(&setup, &steady, None, 1e-4);
     for part in [
         "# plate: membrane",
-        "# boundary: where 1e-5 m is just felt",
+        "# boundary: the felt edge, illustrative",
         "# master level: -3.00 dB",
         "# peak at level 1: 1e-4 m",
         "# tone 1: frequency 138.2",

@@ -1,8 +1,10 @@
 //! What a finger on the plate meets, and the trace of it over the last seconds.
 
 use crate::field::displacement_map::mode_shape;
+use crate::field::felt::Felt;
 use crate::field::steady_field::SteadyField;
-use slipline_plate::sensation::{Sensation, felt};
+use slipline_plate::feeling::Feeling;
+use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Finger, Plate};
 use std::collections::VecDeque;
 
@@ -27,6 +29,9 @@ pub struct Met {
     pub amplitude_m: f64,
     /// Friction over that of the plate at rest, 0..=1; `None` below 20 kHz, where a vibration is felt. Illustrative.
     pub friction: Option<f64>,
+    /// How strongly the place is felt, 1 is just felt: of the motion that the plate has here without the finger, so it
+    /// ends where the strip of what is felt ends. Illustrative.
+    pub felt: f64,
     /// How fast the finger moves along the plate, in metres per second, 0 or more.
     pub speed_m_per_s: f64,
 }
@@ -53,6 +58,19 @@ pub(crate) fn mean_over_contact(plate: &Plate, finger: &Finger, at_m: impl Fn(f6
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
+/// What is under a finger.
+#[derive(Clone, Copy, Debug)]
+pub struct Under<'a> {
+    /// The plate.
+    pub plate: &'a Plate,
+    /// Its field with the finger.
+    pub field: &'a SteadyField,
+    /// What is felt of its field without the finger.
+    pub felt: &'a Felt,
+    /// How the finger feels.
+    pub feeling: &'a Feeling,
+}
+
 /// What a finger has met in the last [`TRACE_S`] seconds.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
@@ -60,26 +78,32 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Adds what this finger meets in this field at `time_s`, and forgets what is older than [`TRACE_S`]. A time that is
-    /// not later than the one before adds nothing.
-    pub fn push(&mut self, field: &SteadyField, plate: &Plate, finger: &Finger, time_s: f64) {
+    /// Adds what this finger meets at `time_s`, and forgets what is older than [`TRACE_S`]. A time that is not later than
+    /// the one before adds nothing.
+    pub fn push(&mut self, here: &Under<'_>, finger: &Finger, time_s: f64) {
         match self.met.back() {
             Some(latest) if time_s <= latest.time_s => return,
             Some(latest) if time_s - latest.time_s > PAUSE_S => self.clear(),
             _ => {}
         }
+        let Under { plate, field, felt, feeling } = *here;
         let amplitude_m = mean_over_contact(plate, finger, |x_m| field.bound_at(x_m));
-        let friction = match felt(field.frequency_at(finger.place_m), amplitude_m) {
-            Sensation::Friction { ratio } => Some(ratio),
-            Sensation::Vibration { .. } => None,
-        };
+        let is_slippery = field.frequency_at(finger.place_m) >= SLIPPERY_FROM_HZ;
+        let friction = is_slippery.then(|| feeling.friction.ratio(amplitude_m));
         let place_m = finger.place_m;
         // The oldest of the frames over which the mean is taken; one frame at least.
         let is_recent = |met: &&Met| time_s - met.time_s <= SPEED_OVER_S;
         let before = self.met.iter().find(is_recent).or(self.met.back());
         let speed_m_per_s =
             before.map_or(0.0, |before| (place_m - before.place_m).abs() / (time_s - before.time_s));
-        self.met.push_back(Met { time_s, place_m, amplitude_m, friction, speed_m_per_s });
+        self.met.push_back(Met {
+            time_s,
+            place_m,
+            amplitude_m,
+            friction,
+            felt: felt.at(place_m),
+            speed_m_per_s,
+        });
         while self.met.front().is_some_and(|oldest| time_s - oldest.time_s > TRACE_S) {
             self.met.pop_front();
         }
@@ -119,23 +143,39 @@ mod tests {
     use super::*;
     use crate::field::steady_field::SteadyTone;
 
-    fn sounding(name: &str, x_m: f64) -> (Plate, SteadyField) {
-        let plate = slipline_plate::preset(name).unwrap();
-        let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x_m), peak_m: 1e-4 };
-        let field = SteadyField::solve(&plate, &[tone]);
-        (plate, field)
+    /// A plate that sounds, and what is felt of it.
+    struct Sounding {
+        plate: Plate,
+        field: SteadyField,
+        felt: Felt,
     }
 
-    fn met((plate, field): &(Plate, SteadyField), finger: Finger) -> Met {
-        let mut trace = Trace::default();
-        trace.push(field, plate, &finger, 1.0);
-        *trace.latest().unwrap()
+    fn sounding(name: &str, x_m: f64) -> Sounding {
+        let plate = slipline_plate::preset(name).unwrap();
+        let tone = SteadyTone { slot: 0, frequency_hz: plate.frequency_for_boundary_hz(x_m), peak_m: 2.5e-6 };
+        let field = SteadyField::solve(&plate, &[tone]);
+        let felt = Felt::of(&plate, &Feeling::default(), &field);
+        Sounding { plate, field, felt }
+    }
+
+    impl Sounding {
+        fn push(&self, trace: &mut Trace, finger: Finger, time_s: f64) {
+            let feeling = &Feeling::default();
+            let under = Under { plate: &self.plate, field: &self.field, felt: &self.felt, feeling };
+            trace.push(&under, &finger, time_s);
+        }
+
+        fn met(&self, finger: Finger) -> Met {
+            let mut trace = Trace::default();
+            self.push(&mut trace, finger, 1.0);
+            *trace.latest().unwrap()
+        }
     }
 
     #[test]
     fn the_amplitude_is_the_mean_over_the_contact_and_nothing_is_met_beyond_the_boundary() {
         let membrane = sounding("membrane", 0.18);
-        let (plate, field) = &membrane;
+        let Sounding { plate, field, .. } = &membrane;
         // A fingertip, and a patch from edge to edge of the plate.
         for contact_m in [0.01, 0.05] {
             let finger = Finger { contact_m, ..Finger::light(0.15) };
@@ -148,11 +188,11 @@ mod tests {
                 sum += half_m * field.bound_at(x_m) * angle.sin() / angle;
                 area += half_m;
             }
-            let here = met(&membrane, finger);
+            let here = membrane.met(finger);
             assert!((here.amplitude_m / (sum / area) - 1.0).abs() < 0.01, "{here:?}");
             assert_eq!((here.friction, here.place_m), (None, 0.15), "below 20 kHz");
         }
-        let [here, beyond] = [0.15, 0.31].map(|place_m| met(&membrane, Finger::light(place_m)).amplitude_m);
+        let [here, beyond] = [0.15, 0.31].map(|place_m| membrane.met(Finger::light(place_m)).amplitude_m);
         assert!(beyond < 0.02 * here);
     }
 
@@ -162,19 +202,34 @@ mod tests {
         let (start, end) = plate.span_m();
         let mut aluminium = sounding("al-bending", 0.5 * (start + end));
         for scale in [0.0, 1e-2] {
-            aluminium.1.bound_m.iter_mut().for_each(|bound| *bound *= scale);
-            let met = met(&aluminium, Finger::light(aluminium.1.tones[0].peak_position_m.unwrap()));
+            aluminium.field.bound_m.iter_mut().for_each(|bound| *bound *= scale);
+            let met = aluminium.met(Finger::light(aluminium.field.tones[0].peak_position_m.unwrap()));
             let curve = slipline_plate::sensation::FrictionCurve::default();
             assert_eq!(met.friction, Some(curve.ratio(met.amplitude_m)));
         }
     }
 
+    #[test]
+    fn a_finger_that_is_dragged_stops_feeling_at_the_felt_edge_however_hard_it_presses() {
+        for (name, x_m) in [("membrane", 0.12), ("al-bending", 0.23)] {
+            let mut plate = sounding(name, x_m);
+            let edge_m = plate.felt.edge.place_m().unwrap();
+            let firm = Finger::firm(edge_m - 0.02);
+            let tone = plate.field.tones[0].tone;
+            plate.field = SteadyField::solve_touched(&plate.plate, &[tone], Some(&firm));
+            for (off_m, is_felt) in [(-5e-4, true), (5e-4, false)] {
+                let met = plate.met(Finger { place_m: edge_m + off_m, ..firm });
+                assert_eq!(met.felt >= 1.0, is_felt, "{name} {off_m}: {met:?}");
+            }
+        }
+    }
+
     /// A trace with a frame every 50 ms, in which the finger is where `place_m` says at each time.
     fn traced(frames: usize, place_m: impl Fn(f64) -> f64) -> Trace {
-        let (plate, field) = sounding("membrane", 0.18);
+        let membrane = sounding("membrane", 0.18);
         let mut trace = Trace::default();
         for time_s in (0..frames).map(|i| 0.05 * i as f64) {
-            trace.push(&field, &plate, &Finger::light(place_m(time_s)), time_s);
+            membrane.push(&mut trace, Finger::light(place_m(time_s)), time_s);
         }
         trace
     }
@@ -199,10 +254,10 @@ mod tests {
 
     #[test]
     fn a_pause_begins_a_new_trace_and_no_time_counts_twice() {
-        let (plate, field) = sounding("membrane", 0.18);
+        let membrane = sounding("membrane", 0.18);
         let mut trace = traced(20, |_| 0.1);
         let mut push = |place_m, time_s| {
-            trace.push(&field, &plate, &Finger::light(place_m), time_s);
+            membrane.push(&mut trace, Finger::light(place_m), time_s);
             (trace.iter().count(), trace.latest().unwrap().speed_m_per_s)
         };
         assert_eq!(push(0.2, 0.95), (20, 0.0), "the same time again");

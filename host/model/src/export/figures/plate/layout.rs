@@ -6,7 +6,7 @@ use super::super::page::Place;
 use super::super::plot::TEXT;
 use super::super::{PRINT_WIDTH, font};
 use super::Subject;
-use crate::field::steady_field::drawn_boundary_m;
+use crate::field::line::{Line, lines};
 use crate::setup::{BoundaryMode, Setup};
 use slipline_plate::Plate;
 use slipline_plate::quantity::ticks;
@@ -38,6 +38,8 @@ pub(super) struct Layout {
     pub(super) legend: f64,
     /// The caption, line by line.
     pub(super) caption: Vec<String>,
+    /// The boundary line of each tone.
+    pub(super) lines: Vec<Line>,
     /// The plate's length in metres.
     pub(super) length_m: f64,
     /// Whether its width is drawn to the scale of its length.
@@ -59,7 +61,8 @@ impl Layout {
         let top = colours + 24.0;
         let high = top + room + 10.0;
         let envelope = (high, high + ENVELOPE);
-        let caption = caption(&subject.setup, subject.full_peak_m);
+        let lines = lines(&subject.setup, Some(&subject.predicted));
+        let caption = caption(&subject.setup, &lines, subject.full_peak_m);
         let caption = font::joined(caption.iter().map(String::as_str), "  ", TEXT, right - left);
         Self {
             left,
@@ -71,6 +74,7 @@ impl Layout {
             envelope,
             legend: envelope.1 + Axes::bottom_room(TEXT) + 8.0,
             caption,
+            lines,
             length_m: plate.length_m(),
             is_to_scale,
             across,
@@ -102,23 +106,21 @@ impl Layout {
 }
 
 /// The numbers of each tone and the values common to all tones, as phrases that are not broken over lines.
-fn caption(setup: &Setup, full_peak_m: f64) -> Vec<String> {
+fn caption(setup: &Setup, lines: &[Line], full_peak_m: f64) -> Vec<String> {
     let mut phrases: Vec<String> = Vec::new();
-    for tone in &setup.tones {
+    for (tone, line) in setup.tones.iter().zip(lines) {
         let hertz = setup.plate.frequency_for_boundary_hz(tone.position_m);
         phrases.push(format!(
             "Tone {}: boundary {}, {}, level {:.2}.",
             tone.slot + 1,
-            show_place(drawn_boundary_m(setup, tone, Some(full_peak_m))),
+            show_place(line.place_m),
             show_frequency(hertz),
             tone.level
         ));
     }
     phrases.push(match setup.boundary {
         BoundaryMode::TurningPoint => "Boundary: the turning point.".to_owned(),
-        BoundaryMode::FeltEdge { threshold_m } => {
-            format!("Boundary: where {} is just felt.", show_length(threshold_m))
-        }
+        BoundaryMode::FeltEdge => "Boundary: where it is just felt (illustrative).".to_owned(),
     });
     phrases.push(format!("Master level {} dB.", ticks::label(setup.master_db, 0.1)));
     phrases.push(format!("Level 1 peaks at {}.", show_length(full_peak_m)));

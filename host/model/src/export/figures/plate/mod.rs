@@ -12,9 +12,7 @@ use super::legend::{Sample, legend, row_height};
 use super::page::{Anchor, BLACK, HUES, Ink, Page, Pen, Place};
 use super::plot::{TEXT, TITLE};
 use crate::field::sheet::Frame;
-use crate::field::steady_field::{
-    POINTS, SteadyField, displacement_unit, drawn_boundary_m, envelope_top_m, full_colour_m,
-};
+use crate::field::steady_field::{POINTS, SteadyField, displacement_unit, envelope_top_m, full_colour_m};
 use crate::field::time_domain::Measured;
 use crate::jobs::Task;
 use crate::setup::{BoundaryMode, Setup};
@@ -103,6 +101,13 @@ impl Subject {
     fn full_colour_m(&self) -> f64 {
         full_colour_m(self.sounding.as_ref(), self.full_peak_m)
     }
+
+    /// The amplitude from which on the first tone is felt, if the lines hold felt edges.
+    fn just_felt_m(&self) -> Option<f64> {
+        let tone = self.setup.tones.first().filter(|_| self.setup.boundary == BoundaryMode::FeltEdge)?;
+        let frequency_hz = self.setup.plate.frequency_for_boundary_hz(tone.position_m);
+        Some(self.setup.feeling.just_felt_m(frequency_hz))
+    }
 }
 
 /// A figure being drawn.
@@ -188,8 +193,8 @@ impl Figure<'_> {
                     predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
                 page.line(curve(&rms), MEAN);
             }
-            if let BoundaryMode::FeltEdge { threshold_m } = subject.setup.boundary {
-                page.line([at((0.0, threshold_m)), at((layout.length_m, threshold_m))], FELT);
+            if let Some(just_felt_m) = subject.just_felt_m().filter(|&just_felt_m| just_felt_m < top_m) {
+                page.line([at((0.0, just_felt_m)), at((layout.length_m, just_felt_m))], FELT);
             }
             for point in subject.measured.iter().flat_map(Measured::points) {
                 page.ring(at(point), RING, SIMULATED);
@@ -204,8 +209,8 @@ impl Figure<'_> {
         let (subject, layout) = (self.subject, self.layout);
         let setup = &subject.setup;
         let mut marks: Vec<(f64, String)> = Vec::new();
-        for tone in &setup.tones {
-            let shown_m = drawn_boundary_m(setup, tone, Some(subject.full_peak_m));
+        for (tone, line) in setup.tones.iter().zip(&layout.lines) {
+            let shown_m = line.place_m;
             let x = layout.x(shown_m);
             self.page.line([(x, layout.plate.0), (x, layout.envelope.1)], BOUNDARY);
             let text = if setup.tones.len() > 1 {
@@ -245,7 +250,7 @@ impl Figure<'_> {
         if subject.measured.is_some() {
             entry("simulated plate", Sample::Ring(SIMULATED, RING));
         }
-        if let BoundaryMode::FeltEdge { .. } = subject.setup.boundary {
+        if subject.just_felt_m().is_some() {
             entry("just felt", Sample::Line(FELT));
         }
         entry("boundary", Sample::Upright(BOUNDARY));

@@ -1,0 +1,177 @@
+//! What a finger feels along the plate under a steady field, by [`slipline_plate::feeling`].
+//!
+//! It is felt of the motion that the plate has without the finger: thresholds are told so, and the place does not change
+//! with how hard one presses. Illustrative: fingers differ.
+
+use crate::field::steady_field::{SteadyField, interpolate};
+use slipline_plate::feeling::{Feeling, FeltEdge, FeltTone};
+use slipline_plate::sensation::SLIPPERY_FROM_HZ;
+use slipline_plate::{Complex64, Plate};
+
+/// A place that is felt this many times as strongly as what is just felt is felt clearly: 6 dB.
+const CLEARLY: f64 = 2.0;
+
+/// How a place is felt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Zone {
+    /// At least twice as strong as what is just felt.
+    Clearly,
+    /// Just felt, up to twice as strong.
+    Just,
+    /// Not felt.
+    Not,
+}
+
+impl Zone {
+    /// All zones, the strongest first.
+    pub const ALL: [Self; 3] = [Self::Clearly, Self::Just, Self::Not];
+
+    /// The zone of a strength.
+    #[must_use]
+    pub fn of(strength: f64) -> Self {
+        match strength {
+            strength if strength >= CLEARLY => Self::Clearly,
+            strength if strength >= 1.0 => Self::Just,
+            _ => Self::Not,
+        }
+    }
+
+    /// Its name in the legend.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clearly => "clearly felt",
+            Self::Just => "just felt",
+            Self::Not => "not felt",
+        }
+    }
+}
+
+/// Why nothing of a tone is felt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotFelt {
+    /// On an ultrasonic plate a tone below 20 kHz makes nothing slippery, and skin does not feel it as a vibration.
+    BelowUltrasound,
+    /// The amplitude is too low.
+    TooWeak,
+}
+
+impl NotFelt {
+    /// Why a tone of this frequency is not felt on this plate.
+    #[must_use]
+    pub fn of(plate: &Plate, frequency_hz: f64) -> Self {
+        if frequency_hz < SLIPPERY_FROM_HZ && plate.band_hz().1 >= SLIPPERY_FROM_HZ {
+            Self::BelowUltrasound
+        } else {
+            Self::TooWeak
+        }
+    }
+
+    /// The reason in words.
+    #[must_use]
+    pub const fn reason(self) -> &'static str {
+        match self {
+            Self::BelowUltrasound => "below 20 kHz",
+            Self::TooWeak => "too weak",
+        }
+    }
+
+    /// That nothing is felt, and why.
+    #[must_use]
+    pub fn words(self) -> String {
+        format!("not felt: {}", self.reason())
+    }
+}
+
+/// What is felt along a plate.
+#[derive(Clone, Debug)]
+pub struct Felt {
+    length_m: f64,
+    /// How strongly each place is felt, uniform from 0 to the plate's end: 1 is just felt.
+    pub strength: Vec<f64>,
+    /// Where it ends.
+    pub edge: FeltEdge,
+    /// Why nothing is felt, if nothing is.
+    pub not_felt: Option<NotFelt>,
+}
+
+impl Felt {
+    /// What is felt of all tones of a field without a finger.
+    #[must_use]
+    pub fn of(plate: &Plate, feeling: &Feeling, field: &SteadyField) -> Self {
+        let tones: Vec<(f64, &[Complex64])> =
+            field.tones.iter().map(|wave| (wave.tone.frequency_hz, &wave.wave[..])).collect();
+        Self::of_tones(plate, feeling, &tones)
+    }
+
+    /// What is felt of these tones: the frequency of each in Hz, and its displacement amplitude at places uniform from 0 to
+    /// the plate's end, in metres.
+    #[must_use]
+    pub fn of_tones(plate: &Plate, feeling: &Feeling, tones: &[(f64, &[Complex64])]) -> Self {
+        let squares: Vec<Vec<f64>> = tones
+            .iter()
+            .map(|(_, wave)| wave.iter().map(|amplitude| 0.5 * amplitude.norm_sqr()).collect())
+            .collect();
+        let felt: Vec<FeltTone<'_>> = tones
+            .iter()
+            .zip(&squares)
+            .map(|(&(frequency_hz, _), squares)| FeltTone { frequency_hz, squares })
+            .collect();
+        let strength = feeling.strength(plate, &felt);
+        let edge = Feeling::edge(plate, &strength);
+        let highest_hz = tones.iter().map(|&(frequency_hz, _)| frequency_hz).fold(0.0, f64::max);
+        let not_felt = (edge == FeltEdge::Nowhere).then(|| NotFelt::of(plate, highest_hz));
+        Self { length_m: plate.length_m(), strength, edge, not_felt }
+    }
+
+    /// How strongly a place is felt; 0 off the plate.
+    #[must_use]
+    pub fn at(&self, x_m: f64) -> f64 {
+        interpolate(&self.strength, x_m / self.length_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::steady_field::SteadyTone;
+
+    fn felt(name: &str, hertz: &[f64], peak_m: f64) -> Felt {
+        let plate = slipline_plate::preset(name).unwrap();
+        let tones: Vec<SteadyTone> =
+            (0..).zip(hertz).map(|(slot, &frequency_hz)| SteadyTone { slot, frequency_hz, peak_m }).collect();
+        Felt::of(&plate, &Feeling::default(), &SteadyField::solve(&plate, &tones))
+    }
+
+    #[test]
+    fn a_slippery_area_ends_with_a_narrow_zone_that_is_just_felt() {
+        let felt = felt("al-bending", &[25e3], 2.5e-6);
+        let FeltEdge::At(edge_m) = felt.edge else { panic!("{:?}", felt.edge) };
+        assert_eq!([0.02, 0.002, -0.002].map(|before_m| Zone::of(felt.at(edge_m - before_m))), Zone::ALL);
+        assert!((felt.at(edge_m) - 1.0).abs() < 0.01 && felt.at(9.0) == 0.0);
+        assert_eq!(felt.not_felt, None);
+    }
+
+    #[test]
+    fn a_wide_peak_is_felt_by_its_amplitude_over_the_threshold() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let felt = felt("membrane", &[150.0], 1e-5);
+        let strongest = felt.strength.iter().copied().fold(0.0, f64::max);
+        // The mean under the contact is a little less than the peak.
+        let over = 1e-5 / slipline_plate::sensation::threshold_m(150.0);
+        assert!((0.97..1.0).contains(&(strongest / over)), "{strongest} {over}");
+        assert!(felt.edge.place_m().unwrap() < plate.length_m());
+    }
+
+    #[test]
+    fn why_nothing_is_felt_is_told_by_the_highest_tone() {
+        for (name, hertz, peak_m, why) in [
+            ("al-bending", &[19.5e3][..], 2.5e-6, Some(NotFelt::BelowUltrasound)),
+            ("al-bending", &[19.5e3, 25e3], 1e-8, Some(NotFelt::TooWeak)),
+            ("al-bending", &[19.5e3, 25e3], 2.5e-6, None),
+            ("membrane", &[150.0], 1e-9, Some(NotFelt::TooWeak)),
+        ] {
+            assert_eq!(felt(name, hertz, peak_m).not_felt, why, "{name} {hertz:?} {peak_m}");
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The boundary line of a tone: the one number for its place, in the window and in what is exported.
+//!
+//! ```text
+//! line holds the felt edge (default):  turning point <--> felt edge of the tone alone, at its level
+//! line holds the turning point:        the same place
+//! ```
+//! A felt edge is that of the tone alone, so that another tone does not move the line.
+
+use crate::field::felt::{Felt, NotFelt};
+use crate::field::steady_field::{SteadyField, SteadyTone, ToneWave};
+use crate::setup::{BoundaryMode, Setup, ToneSetup};
+use slipline_plate::feeling::FeltEdge;
+
+/// A place is found if it is this near, in metres: a hundredth of the smallest step of the arrow keys.
+const CLOSE_M: f64 = 1e-6;
+/// Solutions that finding a place may take.
+const TRIES: usize = 40;
+
+/// What is at the place of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// The turning point, because that is what the user has chosen or because the tone's height is not known yet.
+    TurningPoint,
+    /// The felt edge.
+    FeltEdge,
+    /// The plate's end: the tone is felt up to there.
+    PlateEnd,
+    /// The turning point, because the tone is not felt.
+    Unfelt(NotFelt),
+}
+
+/// The boundary line of a tone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// The device's slot of the tone.
+    pub slot: u8,
+    /// Its place, in metres from the driven end.
+    pub place_m: f64,
+    /// What is there.
+    pub holds: Holds,
+}
+
+impl Line {
+    /// The line of a tone whose wave is solved; `wave` is `None` while its height is not known.
+    fn of_wave(setup: &Setup, tone: &ToneSetup, wave: Option<&ToneWave>) -> Self {
+        let turning_point = |holds| Self { slot: tone.slot, place_m: tone.position_m, holds };
+        let (BoundaryMode::FeltEdge, Some(wave)) = (setup.boundary, wave) else {
+            return turning_point(Holds::TurningPoint);
+        };
+        let tone_alone = [(wave.tone.frequency_hz, &wave.wave[..])];
+        let felt = Felt::of_tones(&setup.plate, &setup.feeling, &tone_alone);
+        match felt.edge {
+            FeltEdge::At(place_m) => Self { slot: tone.slot, place_m, holds: Holds::FeltEdge },
+            FeltEdge::PlateEnd => {
+                Self { slot: tone.slot, place_m: setup.plate.length_m(), holds: Holds::PlateEnd }
+            }
+            FeltEdge::Nowhere => turning_point(Holds::Unfelt(felt.not_felt.unwrap_or(NotFelt::TooWeak))),
+        }
+    }
+
+    /// The line of a tone; `full_peak_m` is the table's peak at level 1, if it is known.
+    #[must_use]
+    pub fn of(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> Self {
+        let is_solved = setup.boundary == BoundaryMode::FeltEdge;
+        let field = full_peak_m
+            .filter(|_| is_solved)
+            .map(|full_peak_m| SteadyField::solve(&setup.plate, &[SteadyTone::of(setup, tone, full_peak_m)]));
+        Self::of_wave(setup, tone, field.as_ref().and_then(|field| field.tones.first()))
+    }
+}
+
+/// The lines of a setup's tones, in their order; `field` is the field of the setup without a finger in metres of
+/// displacement, if that is known.
+#[must_use]
+pub fn lines(setup: &Setup, field: Option<&SteadyField>) -> Vec<Line> {
+    let wave = |slot| field.and_then(|field| field.tone(slot));
+    setup.tones.iter().map(|tone| Line::of_wave(setup, tone, wave(tone.slot))).collect()
+}
+
+/// The places of the line with the tone's turning point at either end of the plate's span, in metres.
+#[must_use]
+pub fn limits_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> (f64, f64) {
+    let (start_m, end_m) = setup.plate.span_m();
+    let at = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, full_peak_m).place_m;
+    (at(start_m), at(end_m))
+}
+
+/// The turning point that puts the tone's line at `place_m`, or as near to it as the plate's span allows, in metres.
+///
+/// Where no felt edge is as near to the driven end, the line can only be that of a tone that is not felt, at its turning
+/// point.
+#[must_use]
+pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>, place_m: f64) -> f64 {
+    let (start_m, end_m) = setup.plate.span_m();
+    let clamped_m = place_m.clamp(start_m, end_m);
+    if setup.boundary == BoundaryMode::TurningPoint || full_peak_m.is_none() {
+        return clamped_m;
+    }
+    let line = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, full_peak_m);
+    // How far the felt edge is beyond the wanted place: it rises with the turning point.
+    let off_m = |position_m| match line(position_m) {
+        Line { holds: Holds::Unfelt(_), .. } => f64::NEG_INFINITY,
+        Line { place_m: found_m, .. } => found_m - place_m,
+    };
+    let (mut low_m, mut high_m) = (start_m, end_m);
+    let mut at_m = tone.position_m.clamp(start_m, end_m);
+    let mut latest: Option<(f64, f64)> = None;
+    for _ in 0..TRIES {
+        let off = off_m(at_m);
+        if off.abs() < CLOSE_M {
+            return at_m;
+        }
+        if off < 0.0 {
+            low_m = at_m;
+        } else {
+            high_m = at_m;
+        }
+        if high_m - low_m < CLOSE_M {
+            break;
+        }
+        // The secant of the latest two, or as if the edge kept its distance from the turning point.
+        let slope = latest.map_or(1.0, |(before_m, before)| (off - before) / (at_m - before_m));
+        let next_m = at_m - off / slope;
+        latest = off.is_finite().then_some((at_m, off));
+        at_m = if next_m > low_m && next_m < high_m {
+            next_m
+        } else if next_m >= high_m && high_m == end_m {
+            end_m
+        } else if next_m <= low_m && low_m == start_m && off.is_finite() {
+            start_m
+        } else {
+            0.5 * (low_m + high_m)
+        };
+    }
+    // There is no such felt edge. The place itself, if a tone that turns there is not felt; else the nearest felt edge.
+    match line(clamped_m).holds {
+        Holds::Unfelt(_) => clamped_m,
+        _ => high_m,
+    }
+}
+
+/// The setup with its lines at these places again, as far as they can be there: what the line holds stays where it is
+/// when a level changes. `places_m` gives the place of each tone's line by its slot.
+#[must_use]
+pub fn held(mut setup: Setup, places_m: impl Fn(u8) -> Option<f64>, full_peak_m: Option<f64>) -> Setup {
+    for i in 0..setup.tones.len() {
+        let tone = setup.tones[i];
+        if let Some(place_m) = places_m(tone.slot) {
+            setup.tones[i].position_m = turning_point_m(&setup, &tone, full_peak_m, place_m);
+        }
+    }
+    setup
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,30 @@
+//! What a finger feels of a simulated plate.
+
+use super::{Simulated, ToneResult};
+use crate::field::felt::Felt;
+use slipline_plate::feeling::Feeling;
+use slipline_plate::{Complex64, Plate};
+
+impl ToneResult {
+    fn measured_tone(&self) -> Option<(f64, &[Complex64])> {
+        (!self.is_blurred).then_some((self.frequency_hz, &self.field_m[..]))
+    }
+
+    /// What is felt of this tone alone, measured; `None` if it could not be told from another one. `plate` is the one on
+    /// which the waves ran.
+    #[must_use]
+    pub fn felt(&self, plate: &Plate, feeling: &Feeling) -> Option<Felt> {
+        self.measured_tone().map(|tone| Felt::of_tones(plate, feeling, &[tone]))
+    }
+}
+
+impl Simulated {
+    /// What is felt of all tones together, measured; `None` if two of them could not be told apart. `plate` is the one on
+    /// which the waves ran.
+    #[must_use]
+    pub fn felt(&self, plate: &Plate, feeling: &Feeling) -> Option<Felt> {
+        let tones: Option<Vec<(f64, &[Complex64])>> =
+            self.tones.iter().map(ToneResult::measured_tone).collect();
+        tones.map(|tones| Felt::of_tones(plate, feeling, &tones))
+    }
+}

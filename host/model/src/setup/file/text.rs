@@ -1,0 +1,104 @@
+//! The text of a setup file, field by field.
+
+use crate::setup::BoundaryMode;
+use serde::{Deserialize, Serialize};
+use slipline_plate::feeling::Feeling;
+use slipline_plate::sensation::FrictionCurve;
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SetupText {
+    pub(super) slipline_setup: i64,
+    #[serde(default)]
+    pub(super) master_db: f64,
+    #[serde(default = "default_glide")]
+    pub(super) glide_s: f64,
+    #[serde(default)]
+    pub(super) boundary: BoundaryText,
+    #[serde(default)]
+    pub(super) feeling: FeelingText,
+    pub(super) tones: Vec<ToneText>,
+    pub(super) plate: toml::Table,
+}
+
+fn default_glide() -> f64 {
+    0.02
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BoundaryText {
+    pub(super) holds: String,
+}
+
+impl Default for BoundaryText {
+    fn default() -> Self {
+        Self::from(BoundaryMode::default())
+    }
+}
+
+impl From<BoundaryMode> for BoundaryText {
+    fn from(mode: BoundaryMode) -> Self {
+        let holds = match mode {
+            BoundaryMode::FeltEdge => "felt-edge",
+            BoundaryMode::TurningPoint => "turning-point",
+        };
+        Self { holds: holds.to_owned() }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FeelingText {
+    pub(super) threshold: f64,
+    pub(super) friction_scale_m: f64,
+    pub(super) friction_residual: f64,
+    pub(super) friction_exponent: f64,
+    pub(super) least_friction_change: f64,
+    pub(super) contact_m: f64,
+}
+
+impl Default for FeelingText {
+    fn default() -> Self {
+        Self::from(Feeling::default())
+    }
+}
+
+impl From<Feeling> for FeelingText {
+    fn from(feeling: Feeling) -> Self {
+        let FrictionCurve { scale_m, residual, exponent } = feeling.friction;
+        Self {
+            threshold: feeling.threshold,
+            friction_scale_m: scale_m,
+            friction_residual: residual,
+            friction_exponent: exponent,
+            least_friction_change: feeling.least_friction_change,
+            contact_m: feeling.contact_m,
+        }
+    }
+}
+
+impl From<FeelingText> for Feeling {
+    fn from(text: FeelingText) -> Self {
+        Self {
+            threshold: text.threshold,
+            friction: FrictionCurve {
+                scale_m: text.friction_scale_m,
+                residual: text.friction_residual,
+                exponent: text.friction_exponent,
+            },
+            least_friction_change: text.least_friction_change,
+            contact_m: text.contact_m,
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ToneText {
+    pub(super) slot: i64,
+    pub(super) position_m: f64,
+    pub(super) level: f64,
+    #[serde(default)]
+    pub(super) phase_turns: f64,
+}

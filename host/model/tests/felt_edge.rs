@@ -1,0 +1,62 @@
+//! One number for one place: the line that the window draws is where a simulated plate stops being felt.
+
+use slipline_model::field::line::{Holds, Line, limits_m, turning_point_m};
+use slipline_model::field::simulation::{KNOTS, SAMPLE_RATE_HZ, Simulation, Solver};
+use slipline_model::setup::{Setup, ToneSetup};
+use slipline_plate::DriveTable;
+use std::sync::Arc;
+
+/// Presets at levels at which their felt edges lie on the plate.
+const LEVELS: [(&str, f64); 6] = [
+    ("membrane", 0.03),
+    ("membrane-heavy", 0.03),
+    ("al-bending", 0.8),
+    ("al-bending-displacement", 1.0),
+    ("paper-rubber", 0.5),
+    ("al-sh", 1.0),
+];
+
+/// Places of each preset, from its nearest felt edge to its farthest on the plate.
+const PLACES: u32 = 5;
+
+#[test]
+fn the_line_is_where_the_simulated_plate_stops_being_felt() {
+    std::thread::scope(|scope| {
+        for (name, level) in LEVELS {
+            scope.spawn(move || compare(name, level));
+        }
+    });
+}
+
+fn compare(name: &str, level: f64) {
+    let plate = Arc::new(slipline_plate::preset(name).unwrap());
+    let table = DriveTable::build(&plate, f64::from(SAMPLE_RATE_HZ), KNOTS).unwrap();
+    let mut setup = Setup::new(Arc::clone(&plate));
+    setup.tones[0].level = level;
+    let (tone, full_peak_m) = (setup.tones[0], Some(table.peak_at_full_scale_m));
+    let line = |position_m| Line::of(&setup, &ToneSetup { position_m, ..tone }, full_peak_m);
+    // Tones below 20 kHz are not felt on an ultrasonic plate.
+    let (start_m, end_m) = plate.span_m();
+    let mut turning_points = (0..=200).map(|i| start_m + (end_m - start_m) * f64::from(i) / 200.0);
+    let nearest = turning_points.find(|&at_m| line(at_m).holds == Holds::FeltEdge).unwrap();
+    let (nearest_m, (_, farthest_m)) = (line(nearest).place_m, limits_m(&setup, &tone, full_peak_m));
+    for i in 0..PLACES {
+        let share = (f64::from(i) + 0.5) / f64::from(PLACES);
+        let place_m = nearest_m + (farthest_m - nearest_m) * share;
+        let position_m = turning_point_m(&setup, &tone, full_peak_m, place_m);
+        let drawn_m = line(position_m).place_m;
+        assert!((drawn_m - place_m).abs() < 1e-5, "{name}: {drawn_m} for {place_m}");
+        let simulation = Simulation {
+            plate: &plate,
+            actual: &plate,
+            tones: &[(position_m, level)],
+            has_gains: true,
+            seconds: None,
+            solver: Solver::Line,
+            finger: None,
+        };
+        let felt = simulation.run_with(&table).unwrap().felt(&plate, &setup.feeling).unwrap();
+        let felt_m = felt.edge.place_m().unwrap_or(f64::NAN);
+        assert!((felt_m - drawn_m).abs() < 1e-3, "{name}: drawn at {drawn_m}, felt to {felt_m}");
+    }
+}
