@@ -7,11 +7,7 @@
 //! span over two-point distance, switching time -> bits per second
 //! ```
 
-use crate::frequency::Equation;
-use crate::frequency::respond;
-use crate::spec::Plate;
-use crate::table::DriveTable;
-use crate::texture::{Palette, TONES_MAX, Target, Texture, TextureError};
+use crate::texture::{PLACES, Palette, TONES_MAX, Target, Texture, TextureError};
 use crate::time::TimeDomainLine;
 use std::f64::consts::TAU;
 
@@ -21,8 +17,6 @@ const NEIGHBOURS: usize = 400;
 const DIP: f64 = 0.5;
 /// Switched means: within this share of the new amplitude.
 const SWITCHED: f64 = 0.1;
-/// Points of the plate in time.
-const LINE_POINTS: usize = 401;
 /// The plate in time is watched for this share of the time in which a change decays to a thousandth: there, it has
 /// decayed to a twentieth and less.
 const WATCHED: f64 = 0.5;
@@ -65,8 +59,7 @@ impl Merit {
             return Err(TextureError::Silent);
         };
         let frequency_hz = table.frequency_hz(turning_point_m);
-        let peak = Peak::of(plate, table, turning_point_m).ok_or(TextureError::Silent)?;
-        let switching_time_s = peak.switching_time_s(plate, table);
+        let switching_time_s = Peak::of(palette, turning_point_m)?.switching_time_s(palette);
         let two_point_m = two_point_m(palette, turning_point_m)?;
         let (start_m, end_m) = plate.span_m();
         let bits = |distance_m: f64| (1.0 + (end_m - start_m) / distance_m).log2();
@@ -104,40 +97,47 @@ fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
     last_above(0.1) - last_above(0.9)
 }
 
-/// The peak of a boundary's own tone.
+/// The peak of a boundary's own tone at level 1.
 struct Peak {
     frequency_hz: f64,
-    /// Number of the line's point that is nearest to it.
-    point: usize,
-    /// Displacement there for a DAC amplitude of 1, metres.
+    /// DAC amplitude, 0 to 1.
+    gain: f64,
+    /// Number of the palette's place that is nearest to it.
+    place: usize,
+    /// Displacement there, metres.
     amplitude_m: f64,
 }
 
 impl Peak {
-    fn of(plate: &Plate, table: &DriveTable, turning_point_m: f64) -> Option<Self> {
-        let frequency_hz = table.frequency_hz(turning_point_m);
-        let response = respond(plate, frequency_hz, LINE_POINTS, Equation::Corrected).ok()?;
-        let at_m = response.peak.map_or(turning_point_m, |peak| peak.position_m);
-        let point = (at_m / plate.length_m() * (LINE_POINTS - 1) as f64).round() as usize;
-        let point = point.min(LINE_POINTS - 1);
-        let actuator = plate.spec().actuator.as_ref().map_or(1.0, |it| it.response(frequency_hz).norm());
-        let amplitude_m = response.amplitude[point].norm() * actuator * plate.spec().full_scale_m;
-        Some(Self { frequency_hz, point, amplitude_m })
+    fn of(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
+        let table = palette.table();
+        let columns = palette.squares(&[turning_point_m])?;
+        let squares = columns.column(0);
+        // Where loss leaves no peak, the table levels the turning point.
+        let turning = turning_point_m / palette.plate().length_m() * (PLACES - 1) as f64;
+        let place = Some(last_top(squares)).filter(|&top| top > 0).unwrap_or(turning.round() as usize);
+        Ok(Self {
+            frequency_hz: table.frequency_hz(turning_point_m),
+            gain: table.gain(turning_point_m),
+            place,
+            amplitude_m: (2.0 * squares[place]).sqrt() * table.peak_at_full_scale_m,
+        })
     }
 
-    fn switching_time_s(&self, plate: &Plate, table: &DriveTable) -> Option<f64> {
-        let rate_hz = table.sample_rate_hz;
-        let mut line = TimeDomainLine::new(plate, rate_hz, LINE_POINTS, 1).ok()?;
+    fn switching_time_s(&self, palette: &Palette<'_>) -> Option<f64> {
+        let rate_hz = palette.table().sample_rate_hz;
+        let mut line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES, 1).ok()?;
         let block = (rate_hz / line.step_rate_hz()).round().max(1.0) as u64;
         let turn = TAU * self.frequency_hz / rate_hz;
         let samples = (WATCHED * line.settle_time_s() * rate_hz) as u64;
-        let mut field = vec![num_complex::Complex64::ZERO; LINE_POINTS];
+        let mut field = vec![num_complex::Complex64::ZERO; PLACES];
         let mut switched_s = 0.0;
         for first in (0..samples).step_by(block as usize) {
-            let codes: Vec<f32> = (first..first + block).map(|n| (turn * n as f64).cos() as f32).collect();
+            let code = |n: u64| (self.gain * (turn * n as f64).cos()) as f32;
+            let codes: Vec<f32> = (first..first + block).map(code).collect();
             line.push(&codes);
             line.analytic_m(&mut field);
-            let amplitude_m = field[self.point].norm();
+            let amplitude_m = field[self.place].norm();
             if (amplitude_m / self.amplitude_m - 1.0).abs() > SWITCHED {
                 switched_s = (first + block) as f64 / rate_hz - line.latency_s();
             }

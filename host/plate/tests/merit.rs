@@ -46,6 +46,18 @@ fn a_plate_that_rings_is_switched_when_it_has_rung() {
 }
 
 #[test]
+fn the_hold_of_a_slow_dac_delays_no_boundary() {
+    // At 100 kS/s the hold takes 2 dB of 38 kHz.
+    let plate = preset("al-sh").expect("a preset");
+    let [slow_s, fast_s] = [100e3, 400e3].map(|rate_hz| {
+        let table = DriveTable::build(&plate, rate_hz, 257).expect("has a table");
+        let merit = Merit::of(&Palette::new(&plate, &table), 0.495).expect("room for an area");
+        merit.switching_time_s.expect("has a line")
+    });
+    assert!((slow_s / fast_s - 1.0).abs() < 0.1, "{slow_s} s, {fast_s} s");
+}
+
+#[test]
 fn the_bits_are_those_of_the_distances_and_of_the_time() {
     let plate = preset("membrane").expect("a preset");
     let merit = merit(&plate, 0.22);
