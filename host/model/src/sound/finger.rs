@@ -92,7 +92,7 @@ mod tests {
         let plate = slipline_plate::preset("al-bending").unwrap();
         let field = SteadyField::default();
         let noise = |speed_m_per_s, friction| {
-            let met = Met { time_s: 0.0, place_m: 0.1, amplitude_m: 0.0, friction, speed_m_per_s };
+            let met = Met { time_s: 0.0, place_m: 0.1, amplitude_m: 0.0, friction, felt: 1.0, speed_m_per_s };
             at_finger(&plate, &field, &Finger::light(0.1), 1e-6, Some(&met)).noise
         };
         assert_eq!(noise(0.0, Some(1.0)), 0.0);
