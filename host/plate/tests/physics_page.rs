@@ -33,6 +33,7 @@ fn every_light_has_its_row_with_the_limits_in_force() {
     }
     for (name, limit) in [
         ("edge slope", limits::EDGE_SLOPE),
+        ("edge slope", limits::EDGE_SLOPE_STRICT),
         ("edge curvature", limits::EDGE_CURVATURE),
         ("wavelengths", limits::WAVELENGTHS),
         ("edge width", limits::EDGE_WIDTH),

@@ -43,7 +43,7 @@ pub enum End {
     ///
     /// As all that acts on the end, it acts on the first width mode. The damper of a [`crate::Sheet`] resists every point
     /// of the end. That makes 0.01 dB on the membrane preset; on al-sh, whose edges meet the end at 43 degrees and whose
-    /// third width mode propagates there, 0.18 dB.
+    /// third width mode propagates there, 0.31 dB.
     Damper {
         /// R over the wave impedance Z at `at_frequency_hz` (0.01 to 100).
         ratio: f64,

@@ -107,11 +107,7 @@ impl Case<'_> {
     fn reflection(&self) -> Deviation {
         let setup = plane::Setup::of(self.plate);
         let r = plane::reflection(self.plate, self.frequency_hz, &setup).expect("enters").norm();
-        Deviation {
-            what: "reflection",
-            share: 20.0 * (1.0 + r).log10() / LEVEL_DB,
-            lights: vec!["drive match"],
-        }
+        deviation("reflection", 20.0 * (1.0 + r).log10() / LEVEL_DB, "drive match")
     }
 
     fn thickness(&self) -> Option<Deviation> {

@@ -2,9 +2,13 @@
 
 use crate::check::grading::{Finding, Site, pick};
 use crate::check::report::Colour;
-use crate::check::thresholds::{EDGE_CURVATURE, EDGE_SLOPE, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS};
+use crate::check::thresholds::{
+    EDGE_CURVATURE, EDGE_SLOPE, EDGE_SLOPE_STRICT, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS,
+};
 use crate::quantity::number_format::with_decimals;
+use crate::spec::model::Model;
 use crate::spec::plate::Plate;
+use crate::spec::turning_width::TurningWidth;
 use std::f64::consts::TAU;
 
 /// Number of positions between the driven end and the boundary at which the taper is evaluated.
@@ -42,21 +46,31 @@ fn largest(plate: &Plate, to_m: f64, value: impl Fn(f64) -> f64) -> f64 {
 
 pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
     let slope = edge_slope(site.plate, site.boundary_m);
-    // W'^2/3 of the width (see EDGE_SLOPE), in percent.
-    let off = 100.0 / 3.0 * slope * slope;
+    let turning_width = site.plate.spec().turning_width;
+    // The most that the turning width is off, as a share of it over W'^2.
+    let share = match turning_width {
+        TurningWidth::Arc => 1.0 / 9.0,
+        TurningWidth::Plain => 1.0 / 3.0,
+    };
+    let limits = match (turning_width, &site.plate.spec().model) {
+        (TurningWidth::Plain, _) | (_, Model::BendingClamped(_)) => EDGE_SLOPE_STRICT,
+        (TurningWidth::Arc, _) => EDGE_SLOPE,
+    };
+    let off = 100.0 * share * slope * slope;
+    let measured = turning_width.told();
     site.graded(
         "edge slope",
         slope,
         "",
-        EDGE_SLOPE,
+        limits,
         [
             format!(
-                "The edges converge slowly (|W'| = {} at the boundary): the amplitude equation holds to {} % of the width.",
+                "The edges converge slowly (|W'| = {} at the boundary): the turning width, {measured}, holds to {} %.",
                 with_decimals(slope, 2),
                 with_decimals(off, 1)
             ),
             format!(
-                "|W'| is {slope:.2} at the boundary, which is not small: the turning width may be off by {off:.0} %, measure before you trust the boundary."
+                "|W'| is {slope:.2} at the boundary, which is not small: the turning width, {measured}, may be off by {off:.0} %, measure before you trust the boundary."
             ),
             format!(
                 "|W'| is {slope:.2} at the boundary: the edges converge too fast for one width mode and the amplitude equation."

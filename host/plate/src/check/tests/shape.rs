@@ -2,7 +2,7 @@
 
 use super::{light, report, value};
 use crate::check::{Checker, Colour, Conditions, edge_curvature, edge_slope};
-use crate::{DriveEnd, Plate, Taper, TurningWidth, preset};
+use crate::{DriveEnd, Model, Plate, Taper, TurningWidth, preset};
 
 #[test]
 fn a_half_width_of_100_mm_is_not_a_small_slope() {
@@ -18,10 +18,30 @@ fn a_half_width_of_100_mm_is_not_a_small_slope() {
     assert!((value(&report, "edge curvature") - 0.213_444).abs() < 1e-9);
     assert_eq!(light(&report, "edge slope").colour, Colour::Green);
     assert_eq!(light(&report, "edge curvature").colour, Colour::Amber);
-    let wide = Checker::new(&plate, Conditions::default()).expect("checks").at(0.08).expect("on it");
-    assert_eq!(light(&wide, "edge slope").colour, Colour::Amber);
-    // W0 = 200 mm, d W0 = 0.92: at 100 mm 0.58.
-    assert_eq!(light(&super::report("al-sh", 0.1), "edge slope").colour, Colour::Red);
+    // Straight across, 0.319 at 80 mm makes W'^2/3 = 3.4 % of the width; along the arc a third of that is left at most.
+    let slope_light = |plate: &Plate, x: f64| {
+        let report = Checker::new(plate, Conditions::default()).expect("checks").at(x).expect("on it");
+        let light = light(&report, "edge slope");
+        (light.colour, light.sentence.clone())
+    };
+    let (colour, said) = slope_light(&plate, 0.08);
+    assert_eq!(colour, Colour::Green);
+    assert!(said.contains("along the arc, holds to 1.1 %"), "{said}");
+    let (colour, said) = slope_light(&plate.with_turning_width(TurningWidth::Plain), 0.08);
+    assert_eq!(colour, Colour::Amber);
+    assert!(said.contains("straight across, may be off by 3 %"), "{said}");
+    // W0 = 200 mm, d W0 = 0.92: at 100 mm 0.58, at 20 mm 0.84.
+    let steep = preset("al-sh").expect("preset");
+    assert_eq!(slope_light(&steep, 0.1).0, Colour::Amber);
+    assert_eq!(slope_light(&steep, 0.02).0, Colour::Red);
+    assert_eq!(slope_light(&steep.with_turning_width(TurningWidth::Plain), 0.1).0, Colour::Red);
+    // Clamped edges have the limits of the straight width: 0.3 at the drive of a linear taper.
+    let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
+    spec.taper = Taper::Linear { half_width_m: 0.06, end_half_width_m: 0.06 - 0.3 * 0.18 };
+    (spec.length_m, spec.span_start_m, spec.span_end_m) = (0.18, 0.05, 0.15);
+    assert_eq!(slope_light(&Plate::new(spec.clone()).expect("valid"), 0.1).0, Colour::Green);
+    spec.model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+    assert_eq!(slope_light(&Plate::new(spec).expect("valid"), 0.1).0, Colour::Amber);
 }
 
 #[test]
