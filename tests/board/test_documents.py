@@ -6,7 +6,7 @@ from elftools.elf.elffile import ELFFile
 
 from boards import RENDERER_IRQ, on_f407
 from images import ROOT, firmware
-from host import CHORD, DIGEST_START, DISARM, DRIVE, STORE, TABLE_COMMIT, chord, drive, varint
+from host import BLOCK, CHORD, DIGEST_START, DISARM, DRIVE, STOP, STORE, TABLE_COMMIT, chord, drive, varint
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -68,7 +68,11 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.stage(40)
     host.accept(TABLE_COMMIT)
     host.accept(DIGEST_START, varint(host.status()["now"] + 4000) + varint(1000))
-    host.live(0.02)
+    host.live(0.002)
+    # A stop at a block's beginning begins in the block that waits.
+    board.run_until(lambda: rig.played() % BLOCK == 0, 0.001, step=1e-6)
+    assert host.accept(STOP) % BLOCK == 1
+    host.live(0.1)
     host.accept(DISARM)
     host.live(0.1)
     host.accept(STORE, patience=3)

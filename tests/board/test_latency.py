@@ -1,7 +1,8 @@
 """How soon a command sounds at the pin: counted in blocks of 128 codes from its last byte on the cable.
 
-A block is rendered while the one before it plays, so one to two blocks pass in any case. What comes on top is the thread's
-time: frames, planning, and the renderer's interrupt between. The host's bytes are sent at eight phases of a block.
+A block is rendered while the one before it plays, so one to two blocks pass in any case, but for a stop, which may begin in
+the block that waits. What comes on top is the thread's time: frames, planning, and the renderer's interrupt between. The
+host's bytes are sent at eight phases of a block.
 """
 import pytest
 
@@ -12,9 +13,7 @@ from host import (
 
 MOST_KNOTS, PHASES, TONES = 1025, 8, 16
 MILLISECOND = RATE_HZ // 1000
-# A stop takes two blocks and the time to handle its last packet, at most: it is rendered with the first block that
-# begins after that, and this one is played a block later.
-DRIVE_BLOCKS, STOP_BLOCKS = 4, 2.25
+DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF
 

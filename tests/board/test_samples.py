@@ -2,7 +2,7 @@
 from boards import RENDERER_IRQ
 from copies import on_copy
 from core.usb import UsbHost
-from host import DRIVE, KEEP_ALIVE, RATE_HZ, STOP, drive, frame, varint
+from host import BLOCK, DRIVE, EMERGENCY_STOP, KEEP_ALIVE, RATE_HZ, STOP, drive, frame, varint
 from rig import MID, MILLISECOND, is_silent, start
 
 
@@ -32,6 +32,34 @@ def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(cool, mirror):
     # The deadline is a block (R-44), and the link wants the other half.
     print(f"worst block: {status['max_cycles']} cycles of {armed.board.CORE_HZ * 128 / RATE_HZ:.0f}")
     assert 0 < status["max_cycles"] < 0.5 * 128 / RATE_HZ * armed.board.CORE_HZ
+
+
+def test_a_stop_begins_in_the_block_that_waits_and_is_the_mirrors_bit_for_bit(cool, mirror):
+    """R-69: sent at eight phases of a block, while all tones glide. The other stops begin with a block."""
+
+    def stopped(rig, message, phase):
+        rig.board.run_until(lambda: rig.played() % BLOCK == 0, 0.001, step=1e-6)
+        rig.board.run(phase / 8 * BLOCK / RATE_HZ)
+        before = rig.played()
+        stop = rig.host.accept(message)
+        rig.host.live(0.003 if message == EMERGENCY_STOP else 0.035)
+        until = rig.played()
+        codes, expected = rig.codes(first, until), mirror(rig.host.accepted, first, until)
+        wrong = [first + i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
+        assert not wrong, f"{len(wrong)} codes differ, the first at {wrong[0]}, stop {stop}"
+        assert max(codes) - min(codes) > 2000 and is_silent(codes[-100:])
+        assert rig.host.status()["underruns"] == 0
+        return stop, stop - before
+
+    host = cool.host
+    first = host.accept(DRIVE, drive(sixteen(), 5 * MILLISECOND))
+    host.live(0.01)
+    host.accept(DRIVE, drive(sixteen(0.9), 100 * MILLISECOND))
+    host.live(0.01)
+    for message, phases in ((EMERGENCY_STOP, range(8)), (STOP, (1, 7))):
+        seen = [on_copy(cool, lambda rig, phase=phase: stopped(rig, message, phase)) for phase in phases]
+        print(f"stop {message:#x}: {[f'{index % BLOCK} of {index}, {soon / BLOCK:.2f} blocks' for index, soon in seen]}")
+        assert {index % BLOCK for index, _ in seen} <= {0, 1} and sum(index % BLOCK for index, _ in seen) >= len(phases) / 2
 
 
 def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use slipline_app::Stop;
 use slipline_link::mirror::Mirror;
+use slipline_link::simulator::Options;
 use slipline_protocol::command::{Apply, Chord, Drive};
 use slipline_protocol::event::Event;
 use slipline_protocol::limits::CHORD_PERIOD_LOG2;
@@ -71,7 +72,8 @@ pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
     prop::collection::vec((action, 1u64..40), 1..40)
 }
 
-/// Plays the actions with these tables, the first of them from the start, and returns the device's codes.
+/// Plays the actions with these tables, the first of them from the start, and returns the device's codes. A rendered block
+/// waits while the one before it plays, or is played at once.
 ///
 /// # Errors
 /// The test fails if the mirror's codes differ from the device's, if a code was clamped, or if a command was answered
@@ -79,8 +81,12 @@ pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
 ///
 /// # Panics
 /// If the device refuses what it must accept.
-pub fn play(actions: &[(Action, u64)], tables: &[Table; 3]) -> Result<Vec<u16>, TestCaseError> {
-    let mut rig = Rig::default();
+pub fn play(
+    actions: &[(Action, u64)],
+    tables: &[Table; 3],
+    block_waits: bool,
+) -> Result<Vec<u16>, TestCaseError> {
+    let mut rig = Rig::new(Options { block_waits, ..Options::default() });
     rig.hello();
     let mut mirror = Mirror::new(RATE_HZ, 0);
     rig.stage(&tables[0]);

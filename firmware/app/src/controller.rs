@@ -40,7 +40,7 @@ use crate::ports::{FlashPages, System};
 use crate::ramp::RampShape;
 use crate::slots::TableRef;
 use crate::thermal::Thermal;
-use crate::timing::Timing;
+use crate::timing::{BLOCK_SAMPLES, Timing};
 use crate::upload::{self, Upload};
 
 /// The facts about a device that never change.
@@ -214,7 +214,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                     Ok(Event::Digest(Digest { from, count, crc: None }))
                 }
                 DigestState::Done(DigestWindow { from, count }, crc) => {
-                    Ok(Event::Digest(Digest { from, count, crc: Some(crc) }))
+                    // A stop may still begin in the block that was rendered last.
+                    let end = from.saturating_add(count.into()).saturating_add(BLOCK_SAMPLES);
+                    Ok(Event::Digest(Digest { from, count, crc: (end <= mailbox.now()).then_some(crc) }))
                 }
             },
             Command::Store => self.store(mailbox),

@@ -100,11 +100,13 @@ pub enum DigestState {
 /// The renderer's part: takes every block, adds up those of the window.
 pub(crate) struct Digester {
     running: Option<(DigestWindow, Remainder)>,
+    /// What it was before the last block.
+    before: Option<Remainder>,
 }
 
 impl Digester {
     pub(crate) const fn new() -> Self {
-        Self { running: None }
+        Self { running: None, before: None }
     }
 
     /// Takes the block at `index` and returns the new state, if it has changed.
@@ -116,12 +118,14 @@ impl Digester {
     ) -> Option<DigestState> {
         let DigestState::Waiting(window) = state else {
             self.running = None;
+            self.before = None;
             return None;
         };
         if self.running.as_ref().is_none_or(|(running, _)| *running != window) {
             self.running = Some((window, Remainder::START));
         }
         let (_, remainder) = self.running.as_mut()?;
+        self.before = Some(*remainder);
         let end = window.from.saturating_add(u64::from(window.count));
         // The window's part of this block, as offsets of at most a block.
         let offset = |at: SampleIndex| usize::try_from(at.saturating_sub(index)).unwrap_or(BLOCK).min(BLOCK);
@@ -131,6 +135,25 @@ impl Digester {
         }
         let (_, remainder) = self.running.take()?;
         Some(DigestState::Done(window, remainder.digest()))
+    }
+
+    /// Takes the block at `index` once more, with other codes. Nothing has been taken since it was taken first.
+    pub(crate) fn retake(
+        &mut self,
+        state: DigestState,
+        index: SampleIndex,
+        codes: &[u16; BLOCK],
+    ) -> Option<DigestState> {
+        let window = match state {
+            DigestState::Waiting(window) if self.running.is_some_and(|(running, _)| running == window) => {
+                window
+            }
+            DigestState::Done(window, _) => window,
+            DigestState::Waiting(_) | DigestState::None => return None,
+        };
+        // None: it was done before that block.
+        self.running = Some((window, self.before?));
+        self.take(DigestState::Waiting(window), index, codes)
     }
 }
 

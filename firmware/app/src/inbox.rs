@@ -5,7 +5,6 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Deque;
 use slipline_protocol::event::{Counters, Fault};
-use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Decoder, Direction, Header, Refusal};
 
 use crate::mailbox::{Mailbox, Stop};
@@ -17,8 +16,8 @@ const QUEUE: usize = 8;
 pub(crate) struct Incoming {
     pub(crate) header: Header,
     pub(crate) command: Result<Command, Refusal>,
-    /// Where a stop, which is done already, takes effect.
-    pub(crate) stopped_at: Option<SampleIndex>,
+    /// It is a stop, which is done already.
+    pub(crate) is_stop: bool,
 }
 
 /// The decoder and the queue behind it.
@@ -62,19 +61,20 @@ impl Inbox {
         command: Result<Command, Refusal>,
         mailbox: &Mailbox<M>,
     ) {
-        let stopped_at = match command {
-            Ok(Command::Stop) => Some(mailbox.stop(Stop::Normal)),
-            Ok(Command::EmergencyStop) => Some(mailbox.fault(Fault::EmergencyStop, Stop::Emergency)),
-            _ => None,
-        };
-        if stopped_at.is_some() {
+        let is_stop = matches!(command, Ok(Command::Stop | Command::EmergencyStop));
+        match command {
+            Ok(Command::Stop) => mailbox.stop_at_once(Stop::Normal),
+            Ok(Command::EmergencyStop) => mailbox.fault_at_once(Fault::EmergencyStop, Stop::Emergency),
+            _ => {}
+        }
+        if is_stop {
             self.stops = self.stops.wrapping_add(1);
             // A command that came before a stop must not start anything after it.
             while self.queue.pop_front().is_some() {
                 self.dropped = self.dropped.saturating_add(1);
             }
         }
-        if self.queue.push_back(Incoming { header, command, stopped_at }).is_err() {
+        if self.queue.push_back(Incoming { header, command, is_stop }).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }

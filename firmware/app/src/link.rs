@@ -7,6 +7,7 @@ use core::pin::pin;
 use core::task::{Context, Poll};
 
 use embassy_futures::select::{Either4, select4};
+use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 
@@ -79,7 +80,13 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
                     session.expire(mailbox.now(), controller.timing().transmit);
                 }
                 Either4::Second(Ok(count)) if count > 0 => {
+                    let stops = inbox.stops();
                     inbox.receive(packet.get(..count).unwrap_or_default(), mailbox);
+                    if inbox.stops() != stops {
+                        // A renderer that runs in turn with this loop, not above it, takes the stop before the answer
+                        // says where the ramp begins.
+                        yield_now().await;
+                    }
                 }
                 Either4::Second(_) => gone = true,
                 Either4::Third(Ok(count)) if count > 0 => session.sent(count, mailbox.now()),

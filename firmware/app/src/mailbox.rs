@@ -5,6 +5,7 @@
 //!   publish(motion) ----------->   pending, at its start   ---->  begin_block() -> Orders, place()
 //!   publish_waiting(motion) --->   pending, at the trigger ---->
 //!   stop(kind), arm(), feed() -->  stop, armed, fed        ---->
+//!   stop_at_once(kind)       -->  wakes it                ---->  revised(), stop_in_last_block()
 //!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
 //!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
 //! ```
@@ -35,6 +36,7 @@ mod pulses;
 mod report;
 mod shared;
 mod stop;
+mod stopping;
 mod view;
 
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -78,6 +80,8 @@ pub struct Mailbox<M: RawMutex> {
     motions: [MotionCell; 2],
     slots: TableSlots,
     tick: Signal<M, ()>,
+    /// Wakes the renderer between two blocks.
+    stopped: Signal<M, ()>,
     pulses: [AtomicU32; 3],
 }
 
@@ -96,6 +100,7 @@ impl<M: RawMutex> Mailbox<M> {
             motions: [const { MotionCell::silent() }; 2],
             slots: TableSlots::new(),
             tick: Signal::new(),
+            stopped: Signal::new(),
             pulses: [const { AtomicU32::new(0) }; 3],
         }
     }
@@ -157,27 +162,6 @@ impl<M: RawMutex> Mailbox<M> {
         }
     }
 
-    /// Orders a ramp to silence, drops what is pending, and returns the index at which the ramp begins.
-    pub fn stop(&self, stop: Stop) -> SampleIndex {
-        self.shared.lock(|shared| {
-            shared.pending.set(None);
-            // With what was pending gone, silence stays silence: there is nothing to ramp. The motion is asked, not
-            // the report, which lags: the block that is being rendered may have begun to sound.
-            let last = shared.next.get().saturating_sub(BLOCK_SAMPLES);
-            if !shared.outline().is_silent_from(last) {
-                shared.stop.set(Some(stop.quicker(shared.stop.get())));
-            }
-            shared.next.get()
-        })
-    }
-
-    /// Orders a ramp to silence and then the mute; no drive begins until armed again.
-    pub fn disarm(&self, stop: Stop) -> SampleIndex {
-        let at = self.stop(stop);
-        self.shared.lock(|shared| shared.armed.set(false));
-        at
-    }
-
     /// Unmutes; drives may begin at the index returned, after some blocks of mid-scale. Starts the dead-man's
     /// time.
     pub fn arm(&self) -> SampleIndex {
@@ -203,13 +187,6 @@ impl<M: RawMutex> Mailbox<M> {
     /// Feeds the dead-man.
     pub fn feed(&self) {
         self.shared.lock(|shared| shared.fed_at.set(shared.next.get()));
-    }
-
-    /// Latches a fault and disarms, with a ramp.
-    pub fn fault(&self, fault: Fault, stop: Stop) -> SampleIndex {
-        let at = self.disarm(stop);
-        self.latch(fault);
-        at
     }
 
     /// Latches a fault at the present index.

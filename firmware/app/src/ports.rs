@@ -17,6 +17,17 @@ pub trait DacStream {
     /// the DAC goes to mid-scale by itself ([`fade`](crate::fade)). Blocks that come meanwhile take up their time but are
     /// not played either, so the caller falls silent at once.
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
+
+    /// Whether the block that was taken last will be played, and waits for long enough still that other codes can be
+    /// computed for it.
+    fn is_revisable(&self) -> bool;
+
+    /// Plays other codes in place of the block that was taken last, which [is revisable](DacStream::is_revisable).
+    ///
+    /// # Errors
+    /// [`Underrun`] if they come too late after all. The block is played as it was, and then the DAC goes to mid-scale by
+    /// itself, as after a block that was late.
+    fn revise_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
 }
 
 /// A block came too late.

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Orders --> stop? program? dead-man? --> Motion --at(next block)--> 16 ToneBlocks --bank--> samples --> codes
+//! a stop that comes while the block waits to be played: samples --> revised codes
 //! ```
 //! The whole renderer must take less than half of a block's time. So what a block needs lies in the renderer itself and
 //! is changed in place, and the thread side plans new motions: to plan here, or to copy sixteen tones, would cost a good
@@ -15,6 +16,9 @@
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
+mod revision;
+
+use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::event::Fault;
 use slipline_protocol::units::{Gain, SampleIndex};
@@ -54,6 +58,9 @@ pub struct Renderer {
     /// Whether none of them can be heard.
     is_quiet: bool,
     samples: [i32; BLOCK],
+    /// How many of them were clamped, and what the block has added to the report's energy.
+    clipped: u32,
+    energy: u32,
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
     limit_goal: u32,
@@ -99,6 +106,8 @@ impl Renderer {
             is_steady: true,
             is_quiet: true,
             samples: [0; BLOCK],
+            clipped: 0,
+            energy: 0,
             limit: Gain::FULL.0,
             limit_goal: Gain::FULL.0,
             limit_due,
@@ -128,7 +137,8 @@ impl Renderer {
     /// Renders, mutes or unmutes, and hands over, for ever.
     ///
     /// A block is rendered when the DAC has room for it and not before: a block kept ready would bear a delay more, but
-    /// every command would be heard a block later.
+    /// every command would be heard a block later. It waits in the DAC while the block before it plays; a stop that comes
+    /// meanwhile still begins in it, if there is time.
     pub async fn run<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,
@@ -140,7 +150,14 @@ impl Renderer {
         let mut codes = [code::MID_SCALE; BLOCK];
         self.begin(mailbox);
         loop {
-            dac.room().await;
+            if let Either::Second(()) = select(dac.room(), mailbox.stopped()).await {
+                if dac.is_revisable()
+                    && self.revise(mailbox, &mut codes, |codes| dac.revise_block(codes)).is_err()
+                {
+                    self.underrun(mailbox);
+                }
+                continue;
+            }
             let before = cycles.cycles();
             let has_listened = self.listens;
             if has_listened {
@@ -199,19 +216,18 @@ impl Renderer {
         let next = index.saturating_add(BLOCK_SAMPLES);
         self.move_tones(next, mailbox);
         self.bank.render(&self.tones, &mut self.samples);
-        let clipped = code::codes(&self.samples, codes);
+        self.clipped = code::codes(&self.samples, codes);
 
-        if let Some(state) = self.digester.take(mailbox.digest(), index, codes) {
+        if let Some(state) = self.digester.take(orders.digest, index, codes) {
             mailbox.set_digest(state);
         }
         self.switch_mute(&orders);
         self.report.silent = self.outline.is_silent_from(next);
         self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
         self.report.muted = self.muted;
-        self.report.clips = self.report.clips.saturating_add(clipped);
-        if !self.is_quiet {
-            self.report.energy = self.report.energy.wrapping_add(u64::from(code::energy(codes)));
-        }
+        self.report.clips = self.report.clips.saturating_add(self.clipped);
+        self.energy = if self.is_quiet { 0 } else { code::energy(codes) };
+        self.report.energy = self.report.energy.wrapping_add(self.energy.into());
         mailbox.end_block(self.report);
         self.index = next;
         if (index / BLOCK_SAMPLES).is_multiple_of(TICK_BLOCKS) {
@@ -304,18 +320,33 @@ impl Renderer {
 
     /// Begins a ramp to silence, unless one is under way that ends sooner.
     fn fade<M: RawMutex>(&mut self, stop: Stop, mailbox: &Mailbox<M>) {
-        let ramp = match stop {
+        let ramp = self.ramp(stop);
+        if self.may_fade(self.index, ramp) {
+            self.fade_from(self.index, ramp, mailbox);
+        }
+    }
+
+    /// The length of a ramp to silence in samples.
+    const fn ramp(&self, stop: Stop) -> u32 {
+        match stop {
             Stop::Normal => self.timing.stop_ramp,
             Stop::HostLost => self.timing.dead_man_ramp,
             Stop::Emergency => self.timing.emergency_ramp,
-        };
-        let end = self.index.saturating_add(u64::from(ramp));
-        if self.outline.is_silent_from(self.index) || self.stop_ends.is_some_and(|current| current <= end) {
-            return;
         }
-        mailbox.fade(&self.here, self.index, ramp);
+    }
+
+    /// Whether there is something to ramp down, and no ramp under way that ends as soon as one from `start`.
+    fn may_fade(&self, start: SampleIndex, ramp: u32) -> bool {
+        let end = start.saturating_add(u64::from(ramp));
+        !self.outline.is_silent_from(self.index) && self.stop_ends.is_none_or(|current| current > end)
+    }
+
+    /// The motion in force becomes a ramp that takes the tones, as they would be at the next block's first sample, to
+    /// silence.
+    fn fade_from<M: RawMutex>(&mut self, start: SampleIndex, ramp: u32, mailbox: &Mailbox<M>) {
+        mailbox.fade(&self.here, start, ramp);
         self.outline = mailbox.outline();
-        self.stop_ends = Some(end);
+        self.stop_ends = Some(start.saturating_add(u64::from(ramp)));
     }
 
     /// Computes what the bank renders in this block, up to `next`.

@@ -115,9 +115,9 @@ impl Session {
         controller: &mut Controller<'_, F, S>,
         mailbox: &Mailbox<M>,
     ) -> (u32, Event) {
-        let Incoming { header, command, stopped_at } = incoming;
-        if let Some(at) = *stopped_at {
-            return (header.session, Event::Accepted(Accepted { at }));
+        let Incoming { header, command, is_stop } = incoming;
+        if *is_stop {
+            return (header.session, Event::Accepted(Accepted { at: mailbox.stopped_at() }));
         }
         if let Ok(Command::Hello(hello)) = command {
             self.begin(hello, controller, mailbox);

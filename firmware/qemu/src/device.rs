@@ -191,6 +191,15 @@ impl DacStream for ShownDac {
         self.first += BLOCK as u64;
         Ok(())
     }
+
+    /// A block is shown at once.
+    fn is_revisable(&self) -> bool {
+        false
+    }
+
+    fn revise_block(&mut self, _: &[u16; BLOCK]) -> Result<(), Underrun> {
+        Err(Underrun)
+    }
 }
 
 /// This board has no amplifier to mute.

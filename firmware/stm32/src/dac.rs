@@ -202,6 +202,14 @@ impl DacStream for Dac {
             }
         }
     }
+
+    fn is_revisable(&self) -> bool {
+        !STARVED.load(Ordering::Relaxed) && HALVES.is_revisable(&RING)
+    }
+
+    fn revise_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
+        HALVES.revise(&RING, codes).map_err(|_| Underrun)
+    }
 }
 
 /// Waits until a half is free or the DAC has stopped.

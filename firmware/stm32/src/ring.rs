@@ -13,6 +13,9 @@
 //! line over as many of them as it needs; then blocks are taken again. So what is heard of a missed deadline is one line
 //! from the last good code to mid-scale, and [`Halves::offer`] reports it.
 //!
+//! **A block that waits can be revised**, for a stop that comes after it was rendered, while [`REVISION`] samples are left
+//! until the DMA enters its half ([`Halves::revise`]).
+//!
 //! Latency: a block is rendered and written while the other half plays, so the renderer has one block's time less
 //! [`MARGIN`], and what it renders sounds one block after it began.
 
@@ -26,6 +29,11 @@ use slipline_app::fade::fade;
 /// interrupts that may come between (a byte or two of the UART), twice that with the flash's wait states: 1800 cycles
 /// are 4.3 samples on the F407, 4.2 on the G474. The DMA holds one code more ready than its counter says.
 pub(crate) const MARGIN: usize = 8;
+
+/// A block that has been handed over can be revised if the DMA enters its half in no fewer samples. Until the new codes are
+/// handed over the renderer takes 5130 cycles (F407) or 6010 cycles (G474), wait states included: 14.2 samples
+/// (`tests/board/test_speed.py` compares). Bytes of the UART that come between take 3 more, and [`MARGIN`] comes on top.
+pub(crate) const REVISION: usize = 28;
 
 /// The block came too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,9 +120,7 @@ impl Halves {
         }
         let written = self.written.load(Relaxed);
         let free = (written & 1) as usize;
-        // Half 0 plays while more than a block is left of the ring.
-        let until_free = if free == 1 { ring.left().saturating_sub(BLOCK) } else { ring.left() };
-        if ring.playing() == free || until_free < MARGIN {
+        if samples_until(free, ring) < MARGIN {
             return Err(self.late());
         }
         // The line is over when the half that plays ends at mid-scale: so does all of the free half then.
@@ -130,12 +136,50 @@ impl Halves {
         Ok(true)
     }
 
+    /// Whether the half that was written last will be played as it is, and waits for long enough still to be written anew.
+    pub(crate) fn is_revisable(&self, ring: &impl Ring) -> bool {
+        !self.fading.load(Relaxed) && self.waits_for(ring) >= REVISION
+    }
+
+    /// Writes other codes into the half that was written last, which is revisable.
+    ///
+    /// # Errors
+    /// [`Late`]: the half is played as it was, and the line follows it.
+    pub(crate) fn revise(&self, ring: &impl Ring, codes: &[u16; BLOCK]) -> Result<(), Late> {
+        if self.waits_for(ring) < MARGIN {
+            self.fading.store(true, Relaxed);
+            return Err(Late);
+        }
+        ring.write(self.written_last(), codes.iter().copied());
+        Ok(())
+    }
+
+    fn written_last(&self) -> usize {
+        (self.written.load(Relaxed).wrapping_sub(1) & 1) as usize
+    }
+
+    /// Samples until the DMA enters the half that was written last; 0 if it may have done so.
+    fn waits_for(&self, ring: &impl Ring) -> usize {
+        if self.unplayed() == 2 { samples_until(self.written_last(), ring) } else { 0 }
+    }
+
     /// The block's half is the one that is free or, if the DMA has left that behind, the one that plays.
     fn late(&self) -> Late {
         let free = if self.unplayed() == 1 { 2 } else { 1 };
         self.written.store(self.played.load(Relaxed).wrapping_add(free), Relaxed);
         self.fading.store(true, Relaxed);
         Late
+    }
+}
+
+/// Samples until the DMA enters a half; 0 while it plays that.
+fn samples_until(half: usize, ring: &impl Ring) -> usize {
+    let left = ring.left();
+    // Half 0 plays while more than a block is left of the ring.
+    match (half, left > BLOCK) {
+        (0, true) | (1, false) => 0,
+        (0, false) => left,
+        (_, _) => left.saturating_sub(BLOCK),
     }
 }
 

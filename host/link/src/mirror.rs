@@ -9,6 +9,7 @@
 pub mod replay;
 
 use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -153,13 +154,16 @@ impl Mirror {
         self.acknowledge(at, Scheduled::Table(knots))
     }
 
-    /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency stop.
+    /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency stop. At a
+    /// block's first sample the block was rendered with it; later in a block, it began in one that was rendered already.
     ///
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
-        // What was accepted but had not begun is dropped, as in the device; a table is in force all the same.
-        self.changes.retain(|(begins, change)| *begins < at || matches!(change, Scheduled::Table(_)));
+        // A drive that was accepted but had not begun is dropped, as in the device; a table is in force all the same.
+        self.changes.retain(|(begins, change)| {
+            *begins < at || !matches!(change, Scheduled::Drive(_) | Scheduled::Chord(_))
+        });
         self.acknowledge(at, Scheduled::Stop(stop))
     }
 
@@ -231,7 +235,20 @@ impl Mirror {
             // The mirror is not told the keep-alives, so its own dead-man must never act.
             self.mailbox.feed();
             self.renderer.render(&self.mailbox, &mut codes);
+            self.revise(&mut codes);
             sink(first, &codes);
+        }
+    }
+
+    /// A stop within the block that was rendered last: the device had rendered it before the stop came.
+    fn revise(&mut self, codes: &mut [u16; BLOCK]) {
+        let next = self.now();
+        let within =
+            |(at, change): &mut (SampleIndex, Scheduled)| *at < next && matches!(change, Scheduled::Stop(_));
+        while let Some((_, Scheduled::Stop(stop))) = self.changes.pop_front_if(within) {
+            self.mailbox.stop_at_once(stop);
+            let revised = self.renderer.revise(&self.mailbox, codes, |_| Ok::<(), Infallible>(()));
+            self.diverged |= revised != Ok(true);
         }
     }
 

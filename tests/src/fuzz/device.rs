@@ -149,6 +149,7 @@ pub fn session(data: &[u8]) {
 /// If that does not hold.
 pub fn program(data: &[u8]) {
     let mut bytes = data.iter().copied();
+    let block_waits = data.len().is_multiple_of(2);
     let tables = [(); 3].map(|()| any_table(&mut bytes));
     let mut actions = Vec::new();
     while actions.len() < 30 {
@@ -181,7 +182,7 @@ pub fn program(data: &[u8]) {
         let blocks = 1 + u64::from(byte() % 40);
         actions.push((action, blocks));
     }
-    if let Err(fault) = play(&actions, &tables) {
+    if let Err(fault) = play(&actions, &tables, block_waits) {
         panic!("{fault}");
     }
 }

@@ -7,13 +7,17 @@ use slipline_protocol::event::Fault;
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
-use super::{Mailbox, Orders, Report, Shared};
+use super::{Mailbox, Orders, Report, Shared, Stop};
 use crate::digest::DigestState;
 use crate::motion::cell::MotionCell;
 use crate::motion::outline::Outline;
 use crate::motion::{Onset, Placement};
 use crate::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
+
+/// A ramp in a block that was rendered without it changes the block's second code first. So the index at which it is told
+/// to begin tells it from a ramp with which a block begins.
+const REVISED: u64 = 1;
 
 impl<M: RawMutex> Mailbox<M> {
     /// Sets the index of the first block.
@@ -52,6 +56,7 @@ impl<M: RawMutex> Mailbox<M> {
                 ready_at: shared.ready_at.get(),
                 fed_at: shared.fed_at.get(),
                 limit_per_mille: shared.limit_per_mille.get(),
+                digest: shared.digest.get(),
             };
             if let Some(due) = due {
                 shared.pending.set(None);
@@ -65,6 +70,29 @@ impl<M: RawMutex> Mailbox<M> {
                 }
             }
             orders
+        })
+    }
+
+    /// Waits for a stop at once; may wake for one that is taken already.
+    pub(crate) async fn stopped(&self) {
+        self.stopped.wait().await;
+    }
+
+    /// Takes a stop at once that is to begin in the block at `last`, which was rendered last, if it may begin there. One
+    /// that may not begins with the next block.
+    pub(crate) fn stop_in_last_block(
+        &self,
+        last: SampleIndex,
+        may_begin: impl FnOnce(Stop) -> bool,
+    ) -> Option<Stop> {
+        self.shared.lock(|shared| {
+            if !shared.may_revise.take() {
+                return None;
+            }
+            let stop = shared.stop.get().filter(|stop| may_begin(*stop))?;
+            shared.stop.set(None);
+            shared.stopped_at.set(last.saturating_add(REVISED));
+            Some(stop)
         })
     }
 

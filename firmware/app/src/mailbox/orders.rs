@@ -4,6 +4,7 @@ use slipline_protocol::units::SampleIndex;
 
 use super::pending::Pending;
 use super::stop::Stop;
+use crate::digest::DigestState;
 
 /// What the renderer is told at the start of a block.
 #[derive(Clone, Copy, Debug)]
@@ -24,4 +25,6 @@ pub struct Orders {
     pub fed_at: SampleIndex,
     /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
     pub limit_per_mille: Option<u16>,
+    /// The digest that is asked for.
+    pub digest: DigestState,
 }

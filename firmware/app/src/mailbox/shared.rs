@@ -28,6 +28,10 @@ pub(super) struct Shared {
     /// Where the last motion began that had waited for the trigger input.
     pub(super) began: Cell<Option<SampleIndex>>,
     pub(super) stop: Cell<Option<Stop>>,
+    /// Whether the ramp of `stop` may begin in the block that was rendered last.
+    pub(super) may_revise: Cell<bool>,
+    /// Where the last stop at once takes effect.
+    pub(super) stopped_at: Cell<SampleIndex>,
     pub(super) armed: Cell<bool>,
     pub(super) ready_at: Cell<SampleIndex>,
     pub(super) fed_at: Cell<SampleIndex>,
@@ -74,6 +78,8 @@ impl Shared {
             pending: Cell::new(None),
             began: Cell::new(None),
             stop: Cell::new(None),
+            may_revise: Cell::new(false),
+            stopped_at: Cell::new(0),
             armed: Cell::new(false),
             ready_at: Cell::new(0),
             fed_at: Cell::new(0),

@@ -151,6 +151,70 @@ fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
     assert_eq!(mailbox.view().report.sum, u64::from(Gain::FULL.0) / 2);
 }
 
+/// Revises the last block for a stop at once; whether it began there.
+fn revise(renderer: &mut Renderer, mailbox: &Local, codes: &mut [u16; BLOCK]) -> bool {
+    renderer.revise(mailbox, codes, |_| Ok::<_, Underrun>(())) == Ok(true)
+}
+
+#[test]
+fn a_block_with_a_stop_in_it_is_told_as_it_is_played() {
+    let (mailbox, mut renderer) = sounding();
+    let before = mailbox.view().report;
+    let mut codes = render(&mut renderer, &mailbox, 1);
+    let last = mailbox.now() - BLOCK as u64;
+    mailbox.fault_at_once(Fault::EmergencyStop, Stop::Emergency);
+    assert!(revise(&mut renderer, &mailbox, &mut codes));
+    assert_eq!(mailbox.stopped_at(), last + 1);
+    let view = mailbox.view();
+    assert!(view.stopping && !view.armed && view.faults.set().contains(Fault::EmergencyStop));
+    assert_eq!(view.report.energy, before.energy + u64::from(crate::bank::code::energy(&codes)));
+    // A raised cosine after 128 of 800 samples.
+    let left = (1.0 + (core::f64::consts::PI * 128.0 / 800.0).cos()) / 2.0;
+    let sum = view.report.sum as f64 / f64::from(Gain::FULL.0);
+    assert!((sum - left).abs() < 1e-4, "{sum} of {left}");
+    render(&mut renderer, &mailbox, 6);
+    assert!(mailbox.view().is_silent(), "its 800 samples count from that block on");
+}
+
+#[test]
+fn a_stop_at_once_begins_with_the_next_block_once_it_was_told_so() {
+    let (mailbox, mut renderer) = sounding();
+    let mut codes = render(&mut renderer, &mailbox, 1);
+    mailbox.stop_at_once(Stop::Normal);
+    assert_eq!(mailbox.stopped_at(), mailbox.now());
+    assert!(!revise(&mut renderer, &mailbox, &mut codes), "told is told");
+    assert!(mailbox.view().stopping && !mailbox.view().report.stopping);
+    let sum = mailbox.view().report.sum;
+    render(&mut renderer, &mailbox, 1);
+    assert!(mailbox.view().report.sum < sum);
+}
+
+#[test]
+fn a_stop_that_is_not_at_once_never_begins_in_a_block_that_was_rendered() {
+    let (mailbox, mut renderer) = sounding();
+    let mut codes = render(&mut renderer, &mailbox, 1);
+    // The renderer has taken this one with its next block, before it looked.
+    mailbox.stop_at_once(Stop::Normal);
+    render(&mut renderer, &mailbox, 1);
+    mailbox.disarm(Stop::Emergency);
+    assert!(!revise(&mut renderer, &mailbox, &mut codes));
+}
+
+#[test]
+fn a_ramp_under_way_that_ends_sooner_is_not_begun_anew() {
+    let (mailbox, mut renderer) = sounding();
+    mailbox.stop(Stop::Emergency);
+    let mut codes = render(&mut renderer, &mailbox, 2);
+    let (played, sum) = (codes, mailbox.view().report.sum);
+    mailbox.stop_at_once(Stop::Normal);
+    assert!(!revise(&mut renderer, &mailbox, &mut codes));
+    assert_eq!((mailbox.stopped_at(), codes, mailbox.view().report.sum), (mailbox.now(), played, sum));
+    mailbox.stop_at_once(Stop::Emergency);
+    assert!(!revise(&mut renderer, &mailbox, &mut codes));
+    render(&mut renderer, &mailbox, 5);
+    assert!(mailbox.view().is_silent());
+}
+
 /// The counter's readings, before and after each block.
 struct Readings(std::vec::IntoIter<u32>);
 
@@ -173,6 +237,14 @@ impl DacStream for Takes {
 
     async fn write_block(&mut self, _: &[u16; BLOCK]) -> Result<(), Underrun> {
         Ok(())
+    }
+
+    fn is_revisable(&self) -> bool {
+        false
+    }
+
+    fn revise_block(&mut self, _: &[u16; BLOCK]) -> Result<(), Underrun> {
+        Err(Underrun)
     }
 }
 

@@ -4,7 +4,7 @@ use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
 use super::placement::Placement;
-use crate::ramp::ONE;
+use crate::ramp::{ONE, RampShape};
 use crate::slots::{SlotIndex, TableRef};
 
 /// When a motion takes place, by which table, and whether it matters.
@@ -64,6 +64,11 @@ impl Outline {
         }
         // Fewer samples than 2^63 / sample: the product fits.
         (elapsed.wrapping_mul(self.sample) >> 32) as u32
+    }
+
+    /// What a ramp to silence leaves of every amplitude at an index, Q1.31.
+    pub(crate) fn share_left(&self, index: SampleIndex, shape: &RampShape) -> u32 {
+        ONE.saturating_sub(shape.at(self.share_of_time(index)))
     }
 
     /// As [`Motion::is_silent_from`].

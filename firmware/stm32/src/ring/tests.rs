@@ -146,6 +146,63 @@ fn a_renderer_that_is_late_by_any_number_of_samples_leaves_the_tone_by_one_line_
     }
 }
 
+/// A tone of which a block was handed over early; then, after so many samples more, it is revised to silence. What plays,
+/// whether it was revisable, and what came of it.
+fn revise_after(delay: usize, rendering: usize) -> (Vec<u16>, bool, Result<(), Late>) {
+    let model = Model::silent();
+    for block in 0..10 {
+        model.hand_over(&tone(block), 10).unwrap();
+    }
+    model.samples(delay);
+    let is_revisable = model.halves.is_revisable(&model);
+    model.samples(rendering);
+    let revised = model.halves.revise(&model, &[MID_SCALE; BLOCK]);
+    for _ in 0..8 {
+        let _ = model.hand_over(&[MID_SCALE; BLOCK], 10);
+    }
+    (model.played.take(), is_revisable, revised)
+}
+
+#[test]
+fn a_block_that_waits_is_revised_whole_or_not_at_all() {
+    // Handed over 10 samples and the copy after the half before it began.
+    let gone = 10 + BLOCK / COPIED_PER_SAMPLE;
+    for delay in 0..BLOCK + 20 {
+        let (played, is_revisable, revised) = revise_after(delay, 0);
+        assert_eq!(is_revisable, gone + delay <= BLOCK - REVISION, "after {delay}");
+        assert_eq!(revised.is_ok(), gone + delay <= BLOCK - MARGIN, "after {delay}");
+        // Blocks 0 to 9 begin after two of mid-scale.
+        let waiting = &played[(2 + 9) * BLOCK..][..BLOCK];
+        if revised.is_ok() {
+            assert_eq!(waiting, [MID_SCALE; BLOCK], "after {delay}");
+        } else {
+            assert_eq!(waiting, tone(9), "after {delay}");
+            assert!(is_one_line_after_the_tone(&played), "after {delay}");
+        }
+        assert!(played.ends_with(&[MID_SCALE; BLOCK]));
+    }
+}
+
+#[test]
+fn a_block_that_is_revisable_leaves_the_time_that_the_renderer_takes_for_it() {
+    for delay in 0..BLOCK {
+        let (_, is_revisable, revised) = revise_after(delay, REVISION - MARGIN);
+        assert!(revised.is_ok() || !is_revisable, "after {delay}");
+    }
+}
+
+#[test]
+fn a_block_that_is_not_played_is_not_revisable() {
+    let model = Model::silent();
+    for block in 0..4 {
+        model.hand_over(&tone(block), 10).unwrap();
+    }
+    assert!(model.halves.is_revisable(&model));
+    assert_eq!(model.hand_over(&tone(4), BLOCK), Err(Late));
+    model.hand_over(&tone(5), 10).unwrap();
+    assert!(!model.halves.is_revisable(&model), "the line is under way");
+}
+
 #[test]
 fn after_the_line_blocks_are_played_again_where_their_index_says() {
     let model = Model::silent();

@@ -71,7 +71,7 @@ pub struct Replay {
     codes: VecDeque<u16>,
     /// The latest drive out of silence begins here.
     drive_began: SampleIndex,
-    /// The device has rendered up to here.
+    /// What the device plays up to here is known.
     now: SampleIndex,
 }
 
@@ -113,8 +113,9 @@ impl Replay {
             self.take(entry);
             self.latest = entry.number;
         }
-        self.now = history.now;
-        self.catch_up_foldback(history.foldback_per_mille);
+        // A stop that is not known yet may begin in the block before.
+        self.now = history.now.saturating_sub(BLOCK as u64);
+        self.catch_up_foldback(history);
         let until = self.silent_from().map_or(self.now, |silent| silent.min(self.now));
         self.render(until);
     }
@@ -185,11 +186,11 @@ impl Replay {
     }
 
     /// A step of the fold-back was missed: the status tells what is in force now.
-    fn catch_up_foldback(&mut self, per_mille: u16) {
+    fn catch_up_foldback(&mut self, history: &DeviceHistory) {
         let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback()) else { return };
-        let since = Timing::at(self.sample_rate_hz).limit_since(self.now).max(mirror.now());
+        let since = Timing::at(self.sample_rate_hz).limit_since(history.now).max(mirror.now());
         // It begins with the mirror's next block at the earliest: it cannot come too late.
-        let _ = mirror.acknowledge_limit(per_mille, since);
+        let _ = mirror.acknowledge_limit(history.foldback_per_mille, since);
         self.exactness.foldback_known(since);
     }
 

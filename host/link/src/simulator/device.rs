@@ -10,7 +10,8 @@
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
-use std::task::{Context, Waker};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Wake, Waker};
 
 use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -47,6 +48,9 @@ pub struct Options {
     pub unit: [u8; 12],
     /// Whether it says that its brown-out reset level is set.
     pub brown_out_guarded: bool,
+    /// Whether a rendered block waits for as long as the one before it plays, as in a board's ring: every command is heard
+    /// a block later, but a stop may begin in the block that waits.
+    pub block_waits: bool,
 }
 
 impl Default for Options {
@@ -58,6 +62,7 @@ impl Default for Options {
             flash: MemoryFlash::default(),
             unit: *b"simulated-00",
             brown_out_guarded: true,
+            block_waits: false,
         }
     }
 }
@@ -109,6 +114,8 @@ pub struct SimulatedDevice {
     link: Task,
     renderer: Task,
     link_frozen: bool,
+    woken: Arc<Woken>,
+    waker: Waker,
     kept: CrashRecord,
     supervisor: Supervisor,
     /// The index of the next code to leave for the DAC.
@@ -127,7 +134,8 @@ impl SimulatedDevice {
     }
 
     fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
-        let peripherals = Peripherals::new(options.flash.clone(), options.brown_out_guarded);
+        let peripherals =
+            Peripherals::new(options.flash.clone(), options.brown_out_guarded, options.block_waits);
         let mailbox = Shared::default();
         let device = Device {
             board: "simulated",
@@ -141,6 +149,7 @@ impl SimulatedDevice {
         let now = renderer.index();
         let (link_mailbox, link_peripherals) = (mailbox.clone(), peripherals.clone());
         let (renderer_mailbox, renderer_peripherals) = (mailbox.clone(), peripherals.clone());
+        let woken = Arc::new(Woken::default());
         let mut device = Self {
             options,
             peripherals,
@@ -157,6 +166,8 @@ impl SimulatedDevice {
                 renderer.run(&renderer_mailbox, dac, mute, trigger, ()).await;
             }),
             link_frozen: false,
+            waker: woken.clone().into(),
+            woken,
             kept,
             supervisor: Supervisor::new(),
             now,
@@ -164,8 +175,9 @@ impl SimulatedDevice {
             asked_at: now,
         };
         // The renderer sets the index before the link looks at it.
-        poll(&mut device.renderer);
-        poll(&mut device.link);
+        device.peripherals.lock().room = device.options.block_waits;
+        poll(&mut device.renderer, &device.waker);
+        poll(&mut device.link, &device.waker);
         device
     }
 
@@ -197,8 +209,12 @@ impl SimulatedDevice {
     /// Lets so many blocks pass; `sink` sees each as it leaves for the DAC.
     pub fn advance(&mut self, blocks: u64, mut sink: impl FnMut(SentBlock<'_>)) {
         for _ in 0..blocks {
-            self.peripherals.lock().room = true;
-            poll(&mut self.renderer);
+            {
+                let mut state = self.peripherals.lock();
+                state.begin_block();
+                state.room = true;
+            }
+            poll(&mut self.renderer, &self.waker);
             // The pin stands as it was set for this block until the next one is rendered.
             let muted = self.is_muted();
             let (sent, begins) = {
@@ -215,8 +231,17 @@ impl SimulatedDevice {
     }
 
     fn poll_link(&mut self) {
-        if !self.link_frozen {
-            poll(&mut self.link);
+        if self.link_frozen {
+            return;
+        }
+        // After a stop the link lets the renderer look at it.
+        loop {
+            self.woken.0.store(false, Ordering::Relaxed);
+            poll(&mut self.link, &self.waker);
+            if !self.woken.0.load(Ordering::Relaxed) {
+                return;
+            }
+            poll(&mut self.renderer, &self.waker);
         }
     }
 
@@ -312,7 +337,17 @@ impl SimulatedDevice {
     }
 }
 
-fn poll(task: &mut Task) {
-    // Nothing wakes it but the next call.
-    let _ = task.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+fn poll(task: &mut Task, waker: &Waker) {
+    // Apart from a task that puts itself off, nothing wakes it but the next call.
+    let _ = task.as_mut().poll(&mut Context::from_waker(waker));
+}
+
+/// Notes that a task was woken: one that has put itself off would go on.
+#[derive(Default)]
+struct Woken(AtomicBool);
+
+impl Wake for Woken {
+    fn wake(self: Arc<Self>) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }

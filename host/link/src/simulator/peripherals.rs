@@ -43,6 +43,9 @@ pub(super) struct PeripheralState {
     /// The DAC takes one more block.
     pub(super) room: bool,
     pub(super) sent: Option<[u16; BLOCK]>,
+    /// Whether a block waits while the one before it plays, as in a board's ring, and the one that does.
+    holds: bool,
+    waiting: Option<Waiting>,
     /// The trigger output rises with the block that was sent.
     pub(super) rises: bool,
     /// The trigger input has risen since the renderer last asked.
@@ -59,19 +62,30 @@ pub(super) struct PeripheralState {
     pub(super) in_bootloader: bool,
 }
 
+/// A block that the DAC has taken and does not play yet.
+struct Waiting {
+    codes: [u16; BLOCK],
+    late: bool,
+    /// Another block in its place came too late: the fade follows it.
+    fade_follows: bool,
+    rises: bool,
+}
+
 /// The peripherals as the device application sees them. Cloning is cheap; all clones are the same peripherals.
 #[derive(Clone)]
 pub(super) struct Peripherals(Arc<Mutex<PeripheralState>>);
 
 impl Peripherals {
     /// The state after power came on, over a flash that holds what it held.
-    pub(super) fn new(flash: MemoryFlash, brown_out_guarded: bool) -> Self {
+    pub(super) fn new(flash: MemoryFlash, brown_out_guarded: bool, holds: bool) -> Self {
         Self(Arc::new(Mutex::new(PeripheralState {
             to_device: VecDeque::new(),
             from_device: Vec::new(),
             transmit_stalled: false,
             room: false,
             sent: None,
+            holds,
+            waiting: None,
             rises: false,
             has_risen: false,
             underrun: false,
@@ -139,15 +153,49 @@ impl DacStream for Peripherals {
         let mut state = self.lock();
         state.room = false;
         let late = std::mem::take(&mut state.underrun);
-        state.play(codes, late);
+        state.waiting = Some(Waiting { codes: *codes, late, fade_follows: false, rises: false });
+        if !state.holds {
+            state.begin_block();
+        }
         if late { Err(Underrun) } else { Ok(()) }
+    }
+
+    fn is_revisable(&self) -> bool {
+        let state = self.lock();
+        !state.fades() && state.waiting.as_ref().is_some_and(|waiting| !waiting.late)
+    }
+
+    fn revise_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun> {
+        let mut state = self.lock();
+        let late = std::mem::take(&mut state.underrun);
+        let Some(waiting) = &mut state.waiting else { return Err(Underrun) };
+        waiting.fade_follows = late;
+        if late {
+            return Err(Underrun);
+        }
+        waiting.codes = *codes;
+        Ok(())
     }
 }
 
 impl PeripheralState {
+    /// The DAC begins to play the block that waits.
+    pub(super) fn begin_block(&mut self) {
+        if let Some(Waiting { codes, late, fade_follows, rises }) = self.waiting.take() {
+            self.play(&codes, late);
+            self.fading |= fade_follows;
+            self.rises = rises;
+        }
+    }
+
+    /// Whether the DAC is on its own way to mid-scale and plays no block.
+    fn fades(&self) -> bool {
+        self.fading && self.last != MID_SCALE
+    }
+
     /// Plays a block or, if it is late or others before it were and the way to mid-scale is not over, the fade.
     fn play(&mut self, codes: &[u16; BLOCK], late: bool) {
-        self.fading = late || (self.fading && self.last != MID_SCALE);
+        self.fading = late || self.fades();
         let mut played = *codes;
         if self.fading {
             for (code, faded) in played.iter_mut().zip(fade(self.last)) {
@@ -173,7 +221,11 @@ impl Mute for Peripherals {
 
 impl Trigger for Peripherals {
     fn rise(&mut self) {
-        self.lock().rises = true;
+        let mut state = self.lock();
+        match &mut state.waiting {
+            Some(waiting) => waiting.rises = true,
+            None => state.rises = true,
+        }
     }
 
     fn has_risen(&mut self) -> bool {

@@ -16,7 +16,7 @@ pub struct DeviceHistory {
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The table that it is known to hold.
     pub table: Option<Arc<DeviceTable>>,
-    /// The device has rendered up to here, and everything before is in the journal.
+    /// The device has rendered up to here, and everything before is in the journal, but for a stop in the last block.
     pub now: SampleIndex,
     /// What the thermal fold-back leaves of every amplitude there, per mille.
     pub foldback_per_mille: u16,

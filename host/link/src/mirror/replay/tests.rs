@@ -88,6 +88,15 @@ fn dropped_steps_of_the_fold_back_cost_only_the_codes_before_the_next_one() {
 }
 
 #[test]
+fn dropped_steps_without_a_next_one_are_caught_up_from_where_the_status_tells_them() {
+    let entries = [(1, 12_800, Change::Session), (2, 25_600, drive(20_000)), (9, 200_000, drive(30_000))];
+    let mut replay = followed(&entries[..2], 128_000);
+    // A new period of the fold-back has begun with the last block.
+    replay.follow(&history(&entries, 256_000 + BLOCK as u64));
+    assert_eq!(replay.exact_since(), Some(256_000 + FOLDBACK_SETTLES));
+}
+
+#[test]
 fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_drive_that_ends_it() {
     let entries = [
         (1, 0, Change::Limit(500)),
@@ -95,7 +104,8 @@ fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_dri
         (3, 144_128, drive(20_000)),
         (4, 128_000, Change::Limit(551)),
     ];
-    let replay = followed(&entries, 182_400);
+    // What the last block plays is not known before the next one is rendered.
+    let replay = followed(&entries, 182_400 + BLOCK as u64);
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
     mirror.acknowledge_limit(551, 0).unwrap();
@@ -155,6 +165,29 @@ fn a_table_that_comes_during_a_silence_is_in_force_after_it() {
         assert!(is_exact(&replay), "{at}");
         assert!(replay.codes().1.iter().any(|&code| code > 2500), "{at}");
     }
+}
+
+#[test]
+fn a_stop_that_began_in_the_last_block_is_replayed_exactly() {
+    let entries = [
+        (1, 12_800, Change::Session),
+        (2, 25_600, drive(20_000)),
+        (3, 76_801, Change::EmergencyStop),
+        (4, 307_200, drive(50_000)),
+    ];
+    // The status before the stop told a block too much.
+    let mut replay = followed(&entries[..2], 76_928);
+    replay.follow(&history(&entries, 384_000));
+    assert!(is_exact(&replay));
+    let mut mirror = Mirror::new(RATE_HZ, 12_800);
+    mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
+    let Change::Drive(drive) = &entries[1].2 else { panic!() };
+    mirror.acknowledge_drive(drive, 25_600).unwrap();
+    mirror.acknowledge_stop(Stop::Emergency, 76_801).unwrap();
+    let mut whole = Vec::new();
+    mirror.render(100_000, |_, codes| whole.extend_from_slice(codes));
+    let codes: Vec<u16> = replay.exact_codes(70_000, 20_000).expect("exact").collect();
+    assert_eq!(codes, whole[70_000 - 12_800..][..20_000]);
 }
 
 #[test]
