@@ -15,35 +15,34 @@ from rig import LIMIT_PERIOD, MILLISECOND, Rig
 WRAP, MONTH = 1 << 32, 242 << 32
 # Connected and armed before the wrap, in the same period of the thermal limit.
 BEFORE = 128 * MILLISECOND
-# What the renderer's memory may be as long as.
-RENDERER_BYTES = 1 << 14
 
 
 def is_rendering(board):
     return any(exception == RENDERER_IRQ + 16 for _, exception in board.active)
 
 
-def words_after_a_block(rig, start):
+def words_after_a_block(rig, start, end):
     """The words of the renderer's memory just after its next turn, when nothing is about to change them."""
     board = rig.board
     board.run_until(lambda: is_rendering(board), 0.001, step=2e-6)
     board.run_until(lambda: not board.active, 0.001, step=1e-6)
-    memory = bytes(rig.board.cpu.mem_read(start, RENDERER_BYTES))
+    memory = bytes(rig.board.cpu.mem_read(start, end - start))
     return [int.from_bytes(memory[i : i + 8], "little") for i in range(0, len(memory) - 8, 4)]
 
 
 def renderers_counters(rig):
     """Where the renderer keeps its index and the index of the next change of the limit; `rig` has played for a while."""
     (start,) = (address for name, address in rig.board.symbols.items() if "RENDERER" in name and "EXECUTOR" not in name)
+    end = min(address for address in rig.board.symbols.values() if address > start)
     # In the first period the limit's index is the period's length, too.
     rig.board.is_hasty = True
     rig.host.live(LIMIT_PERIOD / RATE_HZ)
     rig.board.is_hasty = False
     now = rig.host.status()["now"]
     due = -(-now // LIMIT_PERIOD) * LIMIT_PERIOD
-    seen = words_after_a_block(rig, start)
+    seen = words_after_a_block(rig, start, end)
     rig.board.run(9.5 * BLOCK / RATE_HZ)
-    later = words_after_a_block(rig, start)
+    later = words_after_a_block(rig, start, end)
     moved = [i for i, (a, b) in enumerate(zip(seen, later)) if now <= a < b == a + 10 * BLOCK and a - now < 4 * MILLISECOND]
     limits = [i for i, (a, b) in enumerate(zip(seen, later)) if a == b == due]
     assert len(moved) == len(limits) == 1, (moved, limits)
