@@ -68,7 +68,7 @@ impl Renderer {
     #[expect(clippy::cast_possible_truncation, reason = "a share of a 32-bit number")]
     fn lead_to(&mut self, left: u32) {
         let mut share = ONE;
-        let step = ONE.saturating_sub(left) / BLOCK as u32;
+        let step = ONE.saturating_sub(left) >> BLOCK.ilog2();
         for sample in &mut self.samples {
             // The product of a 32-bit number and at most 2^31 fits.
             *sample = (i64::from(*sample).wrapping_mul(share.into()) >> 31) as i32;
