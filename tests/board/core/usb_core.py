@@ -38,6 +38,7 @@ class UsbCore:
         self.in_control, self.in_size, self.in_flags = [0] * ENDPOINTS, [0] * ENDPOINTS, [0] * ENDPOINTS
         self.in_fifo = [bytearray() for _ in range(ENDPOINTS)]
         self.out_control, self.out_size, self.out_flags = [0] * ENDPOINTS, [0] * ENDPOINTS, [0] * ENDPOINTS
+        self.in_refuses = [False] * ENDPOINTS
         self.out_refuses = [True] * ENDPOINTS
 
     def pulled_up(self):
@@ -149,6 +150,10 @@ class UsbCore:
 
     def write_in(self, n, register, value):
         if register == 0x00:
+            if value & CNAK:
+                self.in_refuses[n] = False
+            if value & SNAK:
+                self.in_refuses[n] = True
             keep, control = self.in_control[n] & ENABLE, value & ~(COMMANDS & ~ENABLE)
             if value & DISABLE:
                 keep, control = 0, control & ~ENABLE
@@ -195,7 +200,7 @@ class UsbCore:
         if self.in_control[n] & STALL:
             return "stall"
         size = self.in_size[n] & 0x7FFFF
-        if not self.in_control[n] & ENABLE or len(self.in_fifo[n]) < size:
+        if self.in_refuses[n] or not self.in_control[n] & ENABLE or len(self.in_fifo[n]) < size:
             return None
         data = bytes(self.in_fifo[n][:size])
         del self.in_fifo[n][: (size + 3) // 4 * 4]
@@ -222,7 +227,9 @@ class UsbCore:
         """The first packet of a control transfer, which every device must take at any time (USB 2.0, 8.5.3)."""
         self.in_control[0] &= ~STALL
         self.out_control[0] &= ~STALL
-        self.out_refuses[0] = True
+        # The core internally sets the IN NAK and OUT NAK bits (RM0090 34.17.5): what was to be sent before is not sent any
+        # more, however late the program looks at the packet.
+        self.in_refuses[0] = self.out_refuses[0] = True
         # The core counts down how many more it can keep (RM0090 34.17.5).
         self.out_size[0] -= SETUP_COUNT if self.out_size[0] >= SETUP_COUNT else 0
         self.push(SETUP_DATA, 0, struct.pack("<BBHHH", kind, request, value, index, length))
