@@ -33,10 +33,11 @@ class Rig:
         """The address of the mailbox's three counts: of the renderer's, the link's and the safety checks' turns."""
         board = self.board
         (start,) = (address for name, address in board.symbols.items() if "MAILBOX" in name)
+        end = min(address for address in board.symbols.values() if address > start)
         blocks = self.played() // BLOCK
         seen = []
         for _ in range(2):
-            memory = board.cpu.mem_read(start, 1 << 15)
+            memory = board.cpu.mem_read(start, end - start)
             seen.append([int.from_bytes(memory[i : i + 4], "little") for i in range(0, len(memory), 4)])
             self.host.live(0.01)
         steps = [b - a for a, b in zip(*seen)]
