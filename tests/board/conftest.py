@@ -7,6 +7,7 @@ from bare_chip import Registers
 from boards import BOARDS, F407, name
 from copies import in_copy
 from images import firmware, mirror_codes
+from pieces import piece
 from rig import Kept, Rig, Sounding
 
 # The fixtures that are boards, shared by all tests of the session.
@@ -18,7 +19,8 @@ APART = {"test_documents", "test_latency", "test_speed"}
 
 
 def pytest_addoption(parser):
-    parser.addoption("--share", choices=["1/2", "2/2"], help="of two processes, one for each core: which one this is")
+    parser.addoption("--share", choices=["1/2", "2/2"], help="of the gate's two processes, one for each core: which one this is")
+    parser.addoption("--piece", metavar="K/N", help="piece K of N of the tests, all about as long, for a night in parts")
 
 
 def pytest_configure(config):
@@ -33,15 +35,21 @@ def share(item):
     return "1/2" if is_f407 and item.module.__name__ not in APART else "2/2"
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config, items):
+def mark_nightly(items):
     """What the gate does not run on the other boards' images is for the night; so is a fault's second phase in a block."""
-    items[:] = [item for item in items if config.option.share in (None, share(item))]
     for item in items:
         parameters = item.callspec.params if hasattr(item, "callspec") else {}
         is_chosen = item.get_closest_marker("every_image") and not parameters.get("phase")
         if parameters.get("facts") not in (None, F407) and not is_chosen:
             item.add_marker(pytest.mark.nightly)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    items[:] = [item for item in items if config.option.share in (None, share(item))]
+    mark_nightly(items)
+    if config.option.piece:
+        items[:] = piece([item for item in items if not item.get_closest_marker("fuzz")], config.option.piece)
 
 
 @pytest.hookimpl(tryfirst=True)
