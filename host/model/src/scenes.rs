@@ -1,6 +1,11 @@
-//! Scenes to start from: setups that show one thing each.
+//! Scenes to start from: setups that show one thing each, and small pictures of them.
+
+mod thumbnail;
+
+pub use thumbnail::{Thumbnail, thumbnails};
 
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
+use slipline_plate::Plate;
 use std::sync::Arc;
 
 /// A setup to start from.
@@ -10,51 +15,70 @@ pub struct Scene {
     pub name: &'static str,
     /// What it shows, in one line.
     pub description: &'static str,
-    preset: &'static str,
+    plate: PlateOf,
     /// Turning point and level of each tone.
     tones: &'static [(f64, f64)],
 }
 
-/// All scenes; a first start shows the first one, whose felt edge is the crispest: what is felt falls by 38 dB over one edge
-/// width across it, and every place before it is felt clearly.
-pub const SCENES: [Scene; 5] = [
+/// Where a scene's plate is from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PlateOf {
+    /// The preset of this name.
+    Preset(&'static str),
+    /// A plate file of its own.
+    File(&'static str),
+}
+
+/// All scenes; a first start shows the first one. Of those with one tone its felt edge is the crispest that needs no
+/// warning: what is felt falls by 40 dB over one edge width, and everything before it is felt clearly.
+pub const SCENES: [Scene; 6] = [
     Scene {
-        name: "Slippery edge",
-        description: "Ultrasound on aluminium: slippery up to the line, rough beyond it",
-        preset: "al-bending",
+        name: "Vibrating area",
+        description: "Clearly felt up to the line, still beyond it",
+        plate: PlateOf::File(include_str!("scenes/narrow-membrane.toml")),
+        tones: &[(0.21, 0.8)],
+    },
+    Scene {
+        name: "Slippery area",
+        description: "Ultrasound on aluminium: slippery up to the line, the plate's own friction beyond it",
+        plate: PlateOf::Preset("al-bending"),
         tones: &[(0.223, 0.8)],
     },
     Scene {
-        name: "Vibrating edge",
-        description: "A soft vibration on a membrane, still beyond the line",
-        preset: "membrane",
+        name: "Wide membrane",
+        description: "A soft vibration on a light membrane, with an edge as wide as a hand",
+        plate: PlateOf::Preset("membrane"),
         tones: &[(0.16, 0.03)],
     },
     Scene {
-        name: "Two peaks",
-        description: "Two tones, two peaks, each at its own place and its own pitch",
-        preset: "membrane",
-        tones: &[(0.21, 0.4), (0.11, 0.4)],
+        name: "Two tones",
+        description: "Two peaks, each with its own place and pitch",
+        plate: PlateOf::Preset("membrane-heavy"),
+        tones: &[(0.2, 0.05), (0.11, 0.05)],
     },
     Scene {
-        name: "A beat one can feel",
-        description: "Two ultrasonic tones 180 Hz apart: felt as 180 Hz where both are",
-        preset: "al-bending",
-        tones: &[(0.223, 0.4), (0.2222, 0.4)],
+        name: "A beat that is felt",
+        description: "Two ultrasonic tones 180 Hz apart: each is too fast to feel, their beat is not",
+        plate: PlateOf::Preset("al-bending"),
+        tones: &[(0.223, 0.4), (0.2221, 0.4)],
     },
     Scene {
         name: "The paper's rubber",
-        description: "The paper's sheet of rubber at 40 to 50 Hz, moved by a voice coil",
-        preset: "paper-rubber",
+        description: "The paper's sheet of rubber, moved by a voice coil at 50 Hz",
+        plate: PlateOf::Preset("paper-rubber"),
         tones: &[(0.15, 0.5)],
     },
 ];
 
 impl Scene {
-    /// Its setup. `None` only if the preset's own file is invalid; a test checks that none is.
+    /// Its setup. `None` only if the plate's own file is invalid; a test checks that none is.
     #[must_use]
     pub fn setup(&self) -> Option<Setup> {
-        let plate = Arc::new(slipline_plate::preset(self.preset)?);
+        let plate = match self.plate {
+            PlateOf::Preset(name) => slipline_plate::preset(name),
+            PlateOf::File(text) => Plate::from_toml(text).ok(),
+        };
+        let plate = Arc::new(plate?);
         let tones = (0..).zip(self.tones).map(|(slot, &(position_m, level))| ToneSetup {
             slot,
             position_m,
@@ -64,3 +88,6 @@ impl Scene {
         Some(Setup { tones: tones.collect(), boundary: BoundaryMode::FeltEdge, ..Setup::new(plate) })
     }
 }
+
+#[cfg(test)]
+mod tests;

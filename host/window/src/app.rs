@@ -50,7 +50,7 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
-use slipline_model::scenes::SCENES;
+use slipline_model::scenes::{SCENES, Thumbnail};
 use slipline_model::setup::undo::History;
 use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_model::waveform::{Waveform, WaveformJob};
@@ -95,6 +95,8 @@ pub struct Parts {
     pub waveforms: JobQueue<WaveformJob, Waveform>,
     /// Runs the simulated plate in the time domain.
     pub time_domain: JobQueue<TimeDomainJob, Measured>,
+    /// Draws small pictures of the scenes.
+    pub scenes: JobQueue<(), Vec<Thumbnail>>,
     /// Draws figures.
     pub figures: JobQueue<FigureJob, Result<plate::File, String>>,
     /// Plays sound.
@@ -147,6 +149,8 @@ pub struct App {
     background: background::Work,
     notices: Notices,
     dialog: Option<Dialog>,
+    /// The pictures of the scenes; empty until their page was opened.
+    thumbnails: Vec<Thumbnail>,
     /// The file job that waits until the user types a path.
     asked: Option<FileJob>,
     view: ViewState,
@@ -190,6 +194,7 @@ impl App {
             background: background::Work::default(),
             notices: Notices::default(),
             dialog: None,
+            thumbnails: Vec::new(),
             asked: None,
             view: ViewState::default(),
             screenshots: channel(),
@@ -235,6 +240,9 @@ impl App {
         self.take_table();
         self.take_playback();
         self.take_background();
+        if let Some(drawn) = self.parts.scenes.take() {
+            self.thumbnails = drawn;
+        }
         while let Some(event) = self.parts.files.take() {
             self.file_event(event);
         }
@@ -284,7 +292,7 @@ impl App {
             full_peak_m: self.full_peak_m(),
             table: &self.table,
             waveform: &self.playback.waveform,
-            measured: self.current_measured(),
+            measured: self.shown_measured(),
             background: &self.background.shown,
             plane_job: self.plane_job(),
             sheet: self.shown_sheet(),
@@ -293,6 +301,7 @@ impl App {
             ports: &self.ports,
             notices: self.notices.iter().collect(),
             dialog: self.dialog.as_ref(),
+            thumbnails: &self.thumbnails,
             undo: (self.history.undo_name(), self.history.redo_name()),
             wave_time_s: self.playback.wave_time_s,
         };

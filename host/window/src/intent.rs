@@ -52,6 +52,8 @@ pub enum Export {
 /// The page in front of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dialog {
+    /// The scenes to start from.
+    Scenes,
     /// The page of shortcuts.
     Shortcuts,
     /// Help with ports and permissions.
@@ -130,8 +132,10 @@ pub enum Intent {
     Undo,
     /// Redo the change that was undone.
     Redo,
-    /// Back to one boundary on the first preset.
+    /// Back to the first scene.
     New,
+    /// Start with the scene of this number.
+    StartScene(usize),
     /// Choose a setup or plate file and open it.
     OpenDialog,
     /// Open this file.

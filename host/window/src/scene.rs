@@ -14,6 +14,7 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
+use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::waveform::Waveform;
 use slipline_plate::Finger;
@@ -55,8 +56,8 @@ pub struct Scene<'a> {
     pub table: &'a TableState,
     /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
-    /// The simulated plate under the tones that sound, once it has settled.
-    pub measured: Option<&'a Measured>,
+    /// The simulated plate once it has settled, and whether it did so under the tones that sound now.
+    pub measured: Option<(&'a Measured, bool)>,
     /// The lights, the designer and what the wave is drawn from.
     pub background: &'a Background,
     /// The plate and boundary that would be computed in two dimensions.
@@ -71,6 +72,8 @@ pub struct Scene<'a> {
     pub ports: &'a [PortInfo],
     /// Messages to the user.
     pub notices: Vec<&'a Notice>,
+    /// The pictures of the scenes; empty until they are drawn.
+    pub thumbnails: &'a [Thumbnail],
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
     /// The names of the changes that undo and redo would affect.

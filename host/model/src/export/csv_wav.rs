@@ -23,14 +23,17 @@ pub fn envelope_csv(
     let mut rows: Vec<(f64, String)> = Vec::new();
     for (i, (bound_m, rms_m)) in steady.bound_m.iter().zip(&steady.rms_m).enumerate() {
         let x_m = i as f64 / (POINTS - 1) as f64 * steady.length_m;
-        rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},")));
+        rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},,")));
     }
-    for (x_m, metres) in measured.into_iter().flat_map(Measured::points) {
-        rows.push((x_m, format!("{x_m:.6},,,{metres:e}")));
+    if let Some(measured) = measured {
+        let places = measured.position_m.iter().zip(&measured.maximum_m).zip(&measured.rms_m);
+        rows.extend(
+            places.map(|((&x_m, maximum_m), rms_m)| (x_m, format!("{x_m:.6},,,{maximum_m:e},{rms_m:e}"))),
+        );
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut text = envelope_head(setup, &lines(setup, Some(steady)), measured, full_peak_m);
-    text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m\n");
+    text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m,simulated_rms_m\n");
     for (_, row) in rows {
         text.push_str(&row);
         text.push('\n');
@@ -46,7 +49,7 @@ fn envelope_head(setup: &Setup, lines: &[Line], measured: Option<&Measured>, ful
     };
     let simulated = match measured {
         Some(measured) => format!(
-            "largest displacement of the simulated plate, at its own {} places",
+            "the simulated plate while it was watched, at its own {} places; maximum and root mean square",
             measured.position_m.len()
         ),
         None => "not run for what is on the screen".to_owned(),

@@ -19,6 +19,8 @@ const POINTS: usize = 128;
 const TURNS: f64 = 6.0;
 /// The longest recording, in seconds: the maximum of a slower beat may be missed.
 const WATCH_MAX_S: f64 = 0.25;
+/// The longest recording of several tones, in seconds: the mean of a slower beat is that of a part of it.
+const MEAN_MAX_S: f64 = 1.0;
 /// The longest run, in seconds of the device's time.
 pub(crate) const RUN_MAX_S: f64 = 12.0;
 /// Codes between table and drive, so that the table is active before the drive begins.
@@ -35,12 +37,22 @@ pub struct Measured {
     pub position_m: Vec<f64>,
     /// Largest displacement seen at each place, in metres.
     pub maximum_m: Vec<f64>,
+    /// Root mean square of the displacement at each place, in metres.
+    pub rms_m: Vec<f64>,
+    /// Number of tones.
+    pub tones: usize,
 }
 
 impl Measured {
-    /// Place and displacement of each point, in metres.
+    /// Place and displacement of each point, in metres, as the predicted envelope has it: the largest of one tone, the mean
+    /// of several, which is sqrt 2 of the root mean square. In the time that is watched several tones do not reach the
+    /// largest that they could.
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.position_m.iter().copied().zip(self.maximum_m.iter().copied())
+        let value = |i: usize| match self.tones {
+            0 | 1 => self.maximum_m[i],
+            _ => self.rms_m[i] * std::f64::consts::SQRT_2,
+        };
+        self.position_m.iter().copied().enumerate().map(move |(i, x_m)| (x_m, value(i)))
     }
 }
 
@@ -67,6 +79,16 @@ pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
     if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
 }
 
+/// How long the mean of several tones is recorded, in seconds: so many beats of the slowest beat, within limits.
+fn mean_s(job: &TimeDomainJob) -> f64 {
+    let mut hertz: Vec<f64> =
+        job.drive.tones.iter().map(|tone| job.table.frequency_hz(tone.position)).collect();
+    hertz.sort_by(f64::total_cmp);
+    let beat_hz =
+        hertz.windows(2).map(|pair| pair[1] - pair[0]).filter(|hz| *hz > 0.0).fold(f64::INFINITY, f64::min);
+    (TURNS / beat_hz).clamp(watch_s(job), MEAN_MAX_S)
+}
+
 /// Runs the drive on the plate until it has settled, then records the envelope. `None` when the plate cannot be
 /// simulated at the device's rate, the drive could not be replayed, or the task was over before the end.
 #[must_use]
@@ -80,7 +102,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let glide_s = f64::from(job.drive.glide) / f64::from(rate);
     let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
     let bits = u32::from(job.dac_bits);
-    let end = settled + samples(watch_s(job)).max(2 * BLOCK as u64);
+    let end = settled + samples(mean_s(job)).max(2 * BLOCK as u64);
     for (until, is_watch) in [(settled, false), (end, true)] {
         if is_watch {
             line.reset_envelope();
@@ -93,11 +115,15 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
             }
         }
     }
-    let maximum_m = line.envelope().maximum_m().into_iter().map(f64::from).collect();
+    let in_metres = |values: Vec<f32>| values.into_iter().map(f64::from).collect();
+    let envelope = line.envelope();
+    let (maximum_m, rms_m) = (in_metres(envelope.maximum_m()), in_metres(envelope.rms_m()));
     mirror.is_true().then(|| Measured {
         number: job.number,
         position_m: line.positions_m().to_vec(),
         maximum_m,
+        rms_m,
+        tones: job.drive.tones.len(),
     })
 }
 
@@ -105,7 +131,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
 pub(crate) mod tests {
     use super::*;
     use crate::field::simulation::device_table;
-    use crate::field::steady_field::{SteadyField, SteadyTone};
+    use crate::field::steady_field::{SteadyField, SteadyTone, interpolate};
     use slipline_link::protocol::command::{Apply, Drive, Tone};
     use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
     use slipline_plate::DriveTable;
@@ -114,6 +140,48 @@ pub(crate) mod tests {
     pub(crate) fn one_tone(slot: u8, position: Position, glide: u32) -> Drive {
         let tone = Tone { slot, position, level: Level::FULL, phase: Phase(0) };
         Drive { tones: [tone].into_iter().collect(), master: CentiDecibel(0), glide, apply: Apply::Next }
+    }
+
+    #[test]
+    fn sixteen_tones_are_measured_where_their_mean_is_predicted() {
+        let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
+        let (start, end) = plate.span_m();
+        let table = DriveTable::build(&plate, 400_000.0, 257).unwrap();
+        let table = Arc::new(device_table(&table).unwrap());
+        let level = Level(Level::FULL.0 / 16);
+        let peak_m = table.peak_at_full_scale_m() * f64::from(level.0) / f64::from(Level::FULL.0);
+        let positions = (0..16).map(|i| table.position(start + (end - start) * f64::from(i) / 15.0).unwrap());
+        let tones =
+            (0..).zip(positions).map(|(slot, position)| Tone { slot, position, level, phase: Phase(0) });
+        let tones: Vec<Tone> = tones.collect();
+        let steady: Vec<SteadyTone> = tones
+            .iter()
+            .map(|tone| SteadyTone {
+                slot: tone.slot,
+                frequency_hz: table.frequency_hz(tone.position),
+                peak_m,
+            })
+            .collect();
+        let steady = SteadyField::solve(&plate, &steady);
+        let drive = Drive {
+            tones: tones.into_iter().collect(),
+            master: CentiDecibel(0),
+            glide: 8000,
+            apply: Apply::Next,
+        };
+        let job = TimeDomainJob {
+            number: 1,
+            plate: Arc::clone(&plate),
+            table,
+            drive: Arc::new(drive),
+            dac_bits: 12,
+        };
+        let measured = run(&job, &Task::default()).unwrap();
+        let predicted = |x_m: f64| interpolate(&steady.rms_m, x_m / plate.length_m()) * 2.0_f64.sqrt();
+        let highest_m = measured.points().map(|(_, metres)| metres).fold(0.0, f64::max);
+        let worst =
+            measured.points().map(|(x_m, metres)| (metres - predicted(x_m)).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.03 * highest_m, "{}", worst / highest_m);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
+use slipline_model::scenes::{SCENES, Scene};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_plate::design::Design;
@@ -60,6 +61,12 @@ impl App {
                         self.edit(&Edit::New(Box::new(setup)));
                     }
                 }
+                Intent::StartScene(number) => {
+                    self.dialog = None;
+                    if let Some(setup) = SCENES.get(number).and_then(Scene::setup) {
+                        self.edit(&Edit::New(Box::new(setup)));
+                    }
+                }
                 Intent::OpenDialog => self.parts.files.begin(FileJob::Choose),
                 Intent::Open(path) => self.parts.files.begin(FileJob::Open(path)),
                 Intent::SaveDialog => {
@@ -104,7 +111,12 @@ impl App {
                     self.settings.theme = choice;
                     set_theme(ctx, choice);
                 }
-                Intent::Dialog(dialog) => self.dialog = dialog,
+                Intent::Dialog(dialog) => {
+                    if dialog == Some(Dialog::Scenes) && self.thumbnails.is_empty() {
+                        self.parts.scenes.ask(());
+                    }
+                    self.dialog = dialog;
+                }
                 Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
                 Intent::Confirmed(confirm) => {
                     self.dialog = None;

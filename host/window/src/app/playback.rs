@@ -124,6 +124,13 @@ impl App {
         self.playback.measured.as_ref().filter(|measured| measured.number == number)
     }
 
+    /// The latest result of the simulated plate while it sounds, and whether it belongs to what sounds: during a drag the
+    /// points of the drive before stay.
+    pub(super) fn shown_measured(&self) -> Option<(&Measured, bool)> {
+        let number = self.playback.on(&self.setup.plate)?.number;
+        self.playback.measured.as_ref().map(|measured| (measured, measured.number == number))
+    }
+
     /// Takes new results of the mirror and of the simulated plate.
     pub(super) fn take_playback(&mut self) {
         if let Some(waveform) = self.parts.waveforms.take()

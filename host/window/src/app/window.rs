@@ -12,6 +12,7 @@ use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check;
+use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::waveform;
 
@@ -106,6 +107,7 @@ fn open(
             |job, task: &_| time_domain::run(&job, task),
             wake(ctx),
         )?,
+        scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
         figures: JobQueue::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
         speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
         files: Box::new(SystemFiles::new(wake(ctx))),

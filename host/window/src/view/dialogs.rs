@@ -1,6 +1,7 @@
-//! Pages in front of the window: shortcuts, port help, about, diagnostics, a path to be typed, confirmations.
+//! Pages in front of the window: scenes, shortcuts, port help, about, diagnostics, a path to be typed, confirmations.
 
 mod path;
+mod scenes;
 
 pub(crate) use path::TypedPath;
 
@@ -46,7 +47,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     };
     let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
     let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
-    let width = if matches!(dialog, Dialog::Diagnostics | Dialog::PortHelp) { WIDE } else { USUAL };
+    let width =
+        if matches!(dialog, Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes) { WIDE } else { USUAL };
     // The page is low enough to stay clear of STOP, which is drawn above every page.
     let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
@@ -59,6 +61,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             // The scroll bar floats over the content; this margin keeps the content free of it.
             ui.set_max_width(ui.available_width() - GAP);
             match dialog {
+                Dialog::Scenes => scenes::show(ui, scene, intents),
                 Dialog::Shortcuts => shortcuts(ui),
                 Dialog::PortHelp => port_help(ui, intents),
                 Dialog::About => about(ui),

@@ -8,6 +8,9 @@ use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_to
 use slipline_model::setup::BoundaryMode;
 use slipline_plate::quantity::ticks::Ticks;
 
+/// The share of the ink in points of an earlier drive.
+const STALE: f32 = 0.35;
+
 /// The transform from displacement to screen position; 0 is at the bottom.
 struct Height {
     rect: Rect,
@@ -36,22 +39,25 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     };
     let is_sounding = scene.sounding.is_some();
     let ink = if is_known { palette.accent } else { palette.weak };
-    let bound = line(&predicted.bound_m);
+    // Several tones are drawn by their mean, which is measured, too; what they could reach together is a bound.
+    let is_chord = predicted.tones.len() > 1;
+    let mean: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
+    let curve = line(if is_chord { &mean } else { &predicted.bound_m });
     let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
-    painter.add(area(&bound, rect.bottom(), fill));
+    painter.add(area(&curve, rect.bottom(), fill));
     if is_sounding {
-        painter.add(Shape::line(bound, Stroke::new(1.8, ink)));
+        painter.add(Shape::line(curve, Stroke::new(1.8, ink)));
     } else {
-        painter.extend(Shape::dashed_line(&bound, Stroke::new(1.5, ink), 6.0, 4.0));
+        painter.extend(Shape::dashed_line(&curve, Stroke::new(1.5, ink), 6.0, 4.0));
     }
-    if predicted.tones.len() > 1 {
-        let rms: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
-        painter.extend(Shape::dashed_line(&line(&rms), Stroke::new(1.2, palette.weak), 3.0, 3.0));
+    if is_chord {
+        let bound = line(&predicted.bound_m);
+        painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
-    if let Some(measured) = scene.measured.filter(|_| is_known && scene.finger.is_none()) {
+    if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.finger.is_none()) {
         for (x_m, metres) in measured.points().step_by(2) {
             let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
-            painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, palette.text));
+            painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, measured_ink(palette, is_current)));
         }
     }
     edge(ui, scene, axis, &height);
@@ -67,6 +73,11 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let place = pos2(axis.screen().max - 4.0, y - 2.0);
         painter.text(place, Align2::RIGHT_BOTTOM, "just felt", FontId::proportional(11.5), palette.weak);
     }
+}
+
+/// The ink of the simulated plate's points: dim while they are those of an earlier drive.
+fn measured_ink(palette: &theme::Palette, is_current: bool) -> Color32 {
+    if is_current { palette.text } else { palette.text.gamma_multiply(STALE) }
 }
 
 fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
@@ -154,18 +165,19 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
     };
     if scene.measured.is_some() && scene.finger.is_some() {
         entry("simulated plate: without a finger only", &|_| ());
-    } else if scene.measured.is_some() {
-        entry("simulated plate", &|left| {
-            painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, palette.text));
+    } else if let Some((_, is_current)) = scene.measured {
+        entry(if is_current { "simulated plate" } else { "simulated plate, before" }, &|left| {
+            let ink = measured_ink(palette, is_current);
+            painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, ink));
         });
     }
     if scene.predicted.tones.len() > 1 {
-        entry("mean of all tones", &|left| {
+        entry("bound of the largest", &|left| {
             let line = [pos2(left, y), pos2(left + 18.0, y)];
             painter.extend(Shape::dashed_line(&line, Stroke::new(1.2, palette.weak), 3.0, 3.0));
         });
     }
-    let what = if scene.predicted.tones.len() > 1 { "largest, predicted" } else { "predicted" };
+    let what = if scene.predicted.tones.len() > 1 { "mean of all tones, predicted" } else { "predicted" };
     let touched = if scene.finger.is_some() { " with the finger" } else { "" };
     entry(&format!("{what}{touched}"), &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));

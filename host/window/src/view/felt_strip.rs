@@ -18,7 +18,7 @@ const SQUARE: f32 = 9.0;
 const SPACE: f32 = 5.0;
 
 /// The colour of a zone: what is not felt has none.
-fn colour(zone: Zone, palette: &theme::Palette) -> Color32 {
+pub(super) fn colour(zone: Zone, palette: &theme::Palette) -> Color32 {
     match zone {
         Zone::Clearly => theme::sequential(0.85, palette.dark),
         Zone::Just => theme::sequential(0.45, palette.dark),

@@ -29,6 +29,7 @@ mod plane_check;
 mod plate;
 mod plate_panel;
 mod plots;
+mod read_out;
 mod side_panel;
 mod slider;
 mod sound;

@@ -17,6 +17,8 @@ use theme::GAP;
 
 /// Rows of the mesh across the plate.
 const ROWS: usize = 19;
+/// The share of the glow's colour where the plate moves most.
+const GLOW: f32 = 0.45;
 /// Width of a mesh column, in points.
 const COLUMN: f32 = 3.0;
 
@@ -192,6 +194,14 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         is_largest: show_amplitude,
         time_s: scene.wave_time_s,
     });
+    // Under the present displacement lies a glow of the largest, so that no moment of the wave looks like a plate at rest.
+    let reach = DisplacementMap::new(Wave {
+        plate,
+        sounding: scene.sounding,
+        sheet: scene.sheet,
+        is_largest: true,
+        time_s: 0.0,
+    });
     let across: Vec<Row> = (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
     let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
     let mut mesh = Mesh::default();
@@ -203,13 +213,14 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let x = screen.min + share * screen.span();
         let x_m = f64::from(share) * axis.length_m();
         let half = half_px(x_m) * squeeze;
-        let across_here = map.column(x_m);
+        let (across_here, reach_here) = (map.column(x_m), reach.column(x_m));
         for row in &across {
             let value = (map.at(&across_here, row) / full_m) as f32;
             let colour = if show_amplitude {
                 theme::sequential(value.abs(), palette.dark)
             } else {
-                theme::diverging(value, palette.dark)
+                let largest = (reach.at(&reach_here, row) / full_m) as f32;
+                glowing(theme::diverging(value, palette.dark), value, largest, palette.weak)
             };
             mesh.colored_vertex(pos2(x, rect.center().y + row.beta as f32 * half), colour);
         }
@@ -241,6 +252,12 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     width_scale(ui, axis, rect, squeeze);
 }
 
+/// The colour of a displacement over the glow of the largest there: full between two crests, gone on a crest.
+fn glowing(colour: Color32, value: f32, largest: f32, glow: Color32) -> Color32 {
+    let rest = 1.0 - (value / largest.max(1e-6)).abs().min(1.0);
+    colour.lerp_to_gamma(glow, GLOW * largest.clamp(0.0, 1.0).sqrt() * rest)
+}
+
 /// A scale bar for the width, because the plate is drawn to scale.
 fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
     let palette = theme::palette(ui);
@@ -248,4 +265,23 @@ fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
     let place = pos2(axis.screen().max, rect.bottom() - 2.0);
     let colour: Color32 = palette.weak;
     ui.painter().text(place, Align2::RIGHT_BOTTOM, text, FontId::proportional(11.5), colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wave_glows_between_its_crests_and_the_plate_at_rest_does_not() {
+        for palette in [&theme::LIGHT, &theme::DARK] {
+            let at = |value: f32, largest: f32| {
+                glowing(theme::diverging(value, palette.dark), value, largest, palette.weak)
+            };
+            let rest = theme::diverging(0.0, palette.dark);
+            assert_eq!(at(0.0, 0.0), rest);
+            assert_eq!(at(0.8, 0.8), theme::diverging(0.8, palette.dark), "a crest keeps its colour");
+            let off = |colour: Color32| u32::from(colour.g().abs_diff(rest.g()));
+            assert!(off(at(0.0, 1.0)) > off(at(0.0, 0.3)) && off(at(0.0, 0.3)) > 8, "{}", palette.dark);
+        }
+    }
 }

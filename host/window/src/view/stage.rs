@@ -1,6 +1,6 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
-use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, theme};
+use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, read_out, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{
@@ -78,6 +78,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     hint(ui, scene, &layout);
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
     add_by_double_click(ui, scene, &layout, intents);
+    let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
+    read_out::show(ui, scene, &layout.axis, views);
 }
 
 /// Faint lines at the same places in all views.

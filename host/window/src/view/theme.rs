@@ -43,7 +43,7 @@ pub struct Palette {
     pub on_colour: Color32,
 }
 
-const LIGHT: Palette = Palette {
+pub(super) const LIGHT: Palette = Palette {
     dark: false,
     page: Color32::from_rgb(0xee, 0xf0, 0xf3),
     panel: Color32::from_rgb(0xfa, 0xfb, 0xfc),
@@ -61,7 +61,7 @@ const LIGHT: Palette = Palette {
     on_colour: Color32::WHITE,
 };
 
-const DARK: Palette = Palette {
+pub(super) const DARK: Palette = Palette {
     dark: true,
     page: Color32::from_rgb(0x10, 0x13, 0x18),
     panel: Color32::from_rgb(0x19, 0x1d, 0x24),

@@ -264,6 +264,7 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     };
     ui.menu_button("File", |ui| {
         ask(ui, true, "New".into(), "", Intent::New);
+        ask(ui, true, "Scenes…".into(), "", Intent::Dialog(Some(Dialog::Scenes)));
         ask(ui, true, "Open…".into(), "Ctrl+O", Intent::OpenDialog);
         ui.add_enabled_ui(!scene.settings.recent.is_empty(), |ui| {
             ui.menu_button("Open recent", |ui| {

@@ -160,6 +160,28 @@ fn below_20_khz_an_ultrasonic_plate_is_not_felt_and_says_so() {
 }
 
 #[test]
+fn a_scene_is_chosen_by_its_card_and_undone() {
+    let mut app = felt("membrane", 0.03);
+    let before = app.window.state().setup().clone();
+    app.window.get_by_label("File").click();
+    app.wait(200);
+    app.window.get_by_label_contains("Scenes…").click();
+    app.wait(200);
+    for scene in slipline_model::scenes::SCENES {
+        assert!(app.window.query_by_role_and_label(Role::Button, scene.name).is_some(), "{}", scene.name);
+    }
+    app.window.get_by_role_and_label(Role::Button, "Vibrating area").click();
+    app.wait(1500);
+    let setup = app.window.state().setup().clone();
+    assert_eq!(Some(&setup), slipline_model::scenes::SCENES[0].setup().as_ref());
+    assert!(app.window.query_by_label("Scenes").is_none(), "the page is closed");
+    assert!(painted(&app, "felt to ").is_some() && app.is_driving());
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(50);
+    assert_eq!(app.window.state().setup(), &before);
+}
+
+#[test]
 fn how_a_finger_feels_is_set_and_the_line_holds_what_it_held() {
     let mut app = felt("membrane", 0.03);
     let before = slider_mm(&app, "Boundary");

@@ -116,6 +116,17 @@ fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
 }
 
 #[test]
+fn the_scenes_look_as_they_were_approved() {
+    let open = |app: &mut TestApp| {
+        app.window.get_by_label("File").click();
+        app.wait(200);
+        app.window.get_by_label_contains("Scenes…").click();
+        app.wait(200);
+    };
+    compare("scenes", &picture(ThemeChoice::Dark, USUAL, open));
+}
+
+#[test]
 fn the_lights_look_as_they_were_approved() {
     compare("validity", &picture(ThemeChoice::Dark, USUAL, |app| open_page(app, "Validity")));
 }

@@ -82,6 +82,51 @@ fn the_plates_name_and_the_filters_hint_are_whole_in_a_small_window() {
 }
 
 #[test]
+fn the_pointer_reads_place_displacement_and_how_far_it_is_over_felt() {
+    let mut app = TestApp::driving();
+    let line = line_rect(&app);
+    let read = |app: &mut TestApp, dx: f32| {
+        app.window.hover_at(line.center() + vec2(dx, 0.05 * line.height()));
+        app.wait(50);
+        painted_words(app, "felt").into_iter().find(|words| words.contains(" mm   "))
+    };
+    let before = read(&mut app, -30.0).unwrap();
+    assert!(before.contains("\u{b5}m   ") && before.ends_with(" dB over felt"), "{before}");
+    let mm: f64 = before.split(' ').next().unwrap().parse().unwrap();
+    assert!(mm < boundary_mm(&app) - 5.0 && mm > boundary_mm(&app) - 30.0, "{before}");
+    let beyond = read(&mut app, 340.0).unwrap();
+    assert!(beyond.ends_with(" dB below felt"), "{beyond}");
+    app.window.hover_at(eframe::egui::pos2(1100.0, 300.0));
+    app.wait(50);
+    assert!(painted_words(&app, " dB over felt").is_empty());
+}
+
+fn painted_words(app: &TestApp, part: &str) -> Vec<String> {
+    words(app.window.output()).into_iter().map(|(word, _)| word).filter(|word| word.contains(part)).collect()
+}
+
+#[test]
+fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
+    let mut app = TestApp::driving();
+    assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
+    app.hold_time_domain(true);
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.window.step();
+    for step in 1..=4 {
+        app.window.hover_at(line + vec2(10.0 * step as f32, 0.0));
+        app.wait(50);
+    }
+    assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate, before"]);
+    app.hold_time_domain(false);
+    app.window.hover_at(line + vec2(44.0, 0.0));
+    app.wait(200);
+    app.window.drop_at(line + vec2(44.0, 0.0));
+    app.wait(400);
+    assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
+}
+
+#[test]
 fn new_is_undone_by_its_name() {
     let mut app = TestApp::driving();
     let press = |app: &mut TestApp, name: &str| {

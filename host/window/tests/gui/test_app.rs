@@ -15,6 +15,7 @@ use slipline_model::jobs::check;
 use slipline_model::jobs::design;
 use slipline_model::jobs::plane::{self, PlaneChecked};
 use slipline_model::jobs::table;
+use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_model::waveform;
@@ -35,6 +36,8 @@ pub(crate) struct TestApp {
     pub(crate) speaker: FakeSpeaker,
     /// Number of jobs for the 2-D sheet so far.
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
+    /// Whether the simulated plate in time gives no result.
+    time_domain_is_held: Rc<Cell<bool>>,
     /// Why the computation in two dimensions is refused; `None` while it is not.
     pub(crate) plane_refusal: Rc<RefCell<Option<String>>>,
     worker: Rc<RefCell<SteppedWorker>>,
@@ -111,8 +114,15 @@ impl TestApp {
             Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
             None => plane::work(job, task),
         });
+        let time_domain_is_held: Rc<Cell<bool>> = Rc::default();
+        let is_held = Rc::clone(&time_domain_is_held);
+        parts.time_domain = JobQueue::inline(
+            move |job, task: &_| {
+                if is_held.get() { None } else { time_domain::run(&job, task) }
+            },
+        );
         let window = open_window_with(parts, setup, theme, builder);
-        Self { window, files, speaker, sheet_jobs, plane_refusal, worker }
+        Self { window, files, speaker, sheet_jobs, time_domain_is_held, plane_refusal, worker }
     }
 
     /// Lets this many milliseconds pass, with a frame of the window every 50 ms.
@@ -121,6 +131,11 @@ impl TestApp {
             self.worker.borrow_mut().advance(Duration::from_millis(50.min(ms)));
             self.window.step();
         }
+    }
+
+    /// The simulated plate in time gives no result from now on, or gives one again.
+    pub(crate) fn hold_time_domain(&mut self, is_held: bool) {
+        self.time_domain_is_held.set(is_held);
     }
 
     /// Opens the file that the dialog gives: its path, and its text or why it cannot be read.
@@ -210,6 +225,7 @@ fn parts(
         }),
         waveforms: JobQueue::inline(waveform::work()),
         time_domain: JobQueue::inline(|job, task: &_| time_domain::run(&job, task)),
+        scenes: JobQueue::inline(|(), task: &_| scenes::thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
         speaker: Box::new(FakeSpeaker::default()),
         files: Box::new(files.clone()),

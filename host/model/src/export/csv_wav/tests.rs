@@ -12,7 +12,14 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
     let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
     let position_m: Vec<f64> = (0..16).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
     let maximum_m: Vec<f64> = (0..16).map(|i| 1e-6 * (1.0 + f64::from(i))).collect();
-    let measured = Measured { number: 1, position_m: position_m.clone(), maximum_m: maximum_m.clone() };
+    let rms_m: Vec<f64> = (0..16).map(|i| 1e-7 * (3.0 + f64::from(i))).collect();
+    let measured = Measured {
+        number: 1,
+        position_m: position_m.clone(),
+        maximum_m: maximum_m.clone(),
+        rms_m: rms_m.clone(),
+        tones: 1,
+    };
     let text = envelope_csv(&setup, &steady, Some(&measured), 1e-4);
     let rows: Vec<Vec<&str>> = text
         .lines()
@@ -20,12 +27,12 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
         .skip(1)
         .map(|line| line.split(',').collect())
         .collect();
-    assert!(rows.iter().all(|row| row.len() == 4));
+    assert!(rows.iter().all(|row| row.len() == 5));
     let column = |i: usize| -> Vec<f64> { rows.iter().filter_map(|row| row[i].parse().ok()).collect() };
     assert!(column(0).windows(2).all(|pair| pair[0] <= pair[1]), "the places rise");
     assert_eq!(column(1), steady.bound_m);
     assert_eq!(column(2), steady.rms_m);
-    assert_eq!(column(3), maximum_m, "each simulated value once");
+    assert_eq!((column(3), column(4)), (maximum_m, rms_m), "each simulated value once");
     let at: Vec<f64> =
         rows.iter().filter(|row| !row[3].is_empty()).map(|row| row[0].parse().unwrap()).collect();
     assert!(at.iter().zip(&position_m).all(|(a, b)| (a - b).abs() < 1e-6));

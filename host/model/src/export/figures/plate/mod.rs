@@ -238,7 +238,7 @@ impl Figure<'_> {
     fn legend(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let is_chord = subject.predicted.tones.len() > 1;
-        let what = if is_chord { "largest, predicted" } else { "predicted" };
+        let what = if is_chord { "bound of the largest" } else { "predicted" };
         let mut entries = vec![match subject.sounding {
             Some(_) => (what.to_owned(), Sample::Line(PREDICTED)),
             None => (format!("{what}, not driven"), Sample::Line(NOT_DRIVEN)),

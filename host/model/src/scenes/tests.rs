@@ -1,0 +1,60 @@
+use super::*;
+use crate::field::felt::{Felt, Zone};
+use crate::field::line::{Holds, lines};
+use crate::field::steady_field::{SteadyField, steady_tones};
+use crate::jobs::Task;
+use slipline_plate::DriveTable;
+use slipline_plate::check::{Checker, Colour, Conditions};
+
+/// What is felt before a scene's last edge at the least, over what is felt one edge width further, dB; and whether all of
+/// it is felt clearly.
+fn contrast_db(scene: &Scene) -> (f64, bool) {
+    let setup = scene.setup().unwrap();
+    let plate = &setup.plate;
+    let table = DriveTable::build(plate, 400e3, 129).unwrap();
+    let field = SteadyField::solve(plate, &steady_tones(&setup, table.peak_at_full_scale_m));
+    let felt = Felt::of(plate, &setup.feeling, &field);
+    let line = lines(&setup, Some(&field))[0];
+    assert_eq!(line.holds, Holds::FeltEdge, "{}", scene.name);
+    let half_m = 0.5 * field.tone(0).unwrap().edge_width_m;
+    assert!(line.place_m + half_m < plate.length_m(), "{}: room beyond the edge", scene.name);
+    let before = (0..=200).map(|i| felt.at((line.place_m - half_m) * f64::from(i) / 200.0));
+    let least = before.fold(f64::INFINITY, f64::min);
+    let contrast_db = 20.0 * (least / felt.at(line.place_m + half_m)).log10();
+    (contrast_db, Zone::of(least) == Zone::Clearly)
+}
+
+#[test]
+fn every_scene_has_its_edge_on_the_plate_and_the_first_is_the_crispest_of_one_tone() {
+    let alone = SCENES.iter().filter(|scene| scene.tones.len() == 1);
+    let contrasts: Vec<(f64, bool)> = alone.map(contrast_db).collect();
+    let (first_db, is_clear) = contrasts[0];
+    assert!(first_db > 40.0 && is_clear, "{contrasts:?}");
+    assert!(contrasts.iter().all(|(contrast_db, _)| *contrast_db <= first_db), "{contrasts:?}");
+}
+
+#[test]
+fn the_first_scene_needs_no_warning() {
+    let setup = SCENES[0].setup().unwrap();
+    let tone = setup.tones[0];
+    let conditions = Conditions { level: tone.level, ..Conditions::default() };
+    let report = Checker::new(&setup.plate, conditions).unwrap().at(tone.position_m).unwrap();
+    assert!(report.worst() <= Colour::Green, "{:?}", report.lights);
+}
+
+#[test]
+fn every_scene_has_a_picture_and_fits_the_dac() {
+    let drawn = thumbnails(&Task::default()).unwrap();
+    assert_eq!(drawn.len(), SCENES.len());
+    for (scene, picture) in SCENES.iter().zip(&drawn) {
+        let setup = scene.setup().unwrap();
+        assert!(setup.tones.iter().map(|tone| tone.level).sum::<f64>() <= 1.0, "{}", scene.name);
+        let top = picture.height.iter().copied().fold(0.0, f32::max);
+        assert!((0.9..=1.0).contains(&top) && picture.half_width[0] == 1.0, "{}", scene.name);
+        assert!(picture.zones[4] != Zone::Not && picture.zones.last() == Some(&Zone::Not), "{}", scene.name);
+    }
+    // The beat is one that skin feels.
+    let beat = SCENES.iter().find(|scene| scene.name.contains("beat")).unwrap().setup().unwrap();
+    let hertz = |i: usize| beat.plate.frequency_for_boundary_hz(beat.tones[i].position_m);
+    assert!(((hertz(0) - hertz(1)).abs() - 180.0).abs() < 40.0, "{}", hertz(0) - hertz(1));
+}

@@ -1,0 +1,57 @@
+//! Small pictures of the scenes: the envelope and what is felt of it.
+
+use super::SCENES;
+use crate::field::felt::{Felt, Zone};
+use crate::field::steady_field::{SteadyField, interpolate, steady_tones};
+use crate::jobs::Task;
+use slipline_plate::DriveTable;
+
+/// Places of a picture along the plate.
+const PLACES: usize = 96;
+/// Knots of the table that gives the heights.
+const KNOTS: usize = 33;
+/// The usual sample rate, Hz.
+const SAMPLE_RATE_HZ: f64 = 400e3;
+
+/// What a small picture of a scene shows at places uniform from 0 to the plate's end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Thumbnail {
+    /// Half-width of the plate over its largest, 0 to 1.
+    pub half_width: Vec<f32>,
+    /// Largest displacement over the largest anywhere, 0 to 1.
+    pub height: Vec<f32>,
+    /// How each place is felt.
+    pub zones: Vec<Zone>,
+}
+
+/// The pictures of all [`SCENES`], in their order; one that cannot be drawn is empty. `None` when the task was over before
+/// the end.
+#[must_use]
+pub fn thumbnails(task: &Task) -> Option<Vec<Thumbnail>> {
+    let mut drawn = Vec::with_capacity(SCENES.len());
+    for (number, scene) in SCENES.iter().enumerate() {
+        if !task.tell(number as f64 / SCENES.len() as f64) {
+            return None;
+        }
+        drawn.push(thumbnail(scene).unwrap_or_default());
+    }
+    Some(drawn)
+}
+
+fn thumbnail(scene: &super::Scene) -> Option<Thumbnail> {
+    let setup = scene.setup()?;
+    let plate = &setup.plate;
+    let table = DriveTable::build(plate, SAMPLE_RATE_HZ, KNOTS).ok()?;
+    let field = SteadyField::solve(plate, &steady_tones(&setup, table.peak_at_full_scale_m));
+    let felt = Felt::of(plate, &setup.feeling, &field);
+    let highest_m = field.highest_m().max(f64::MIN_POSITIVE);
+    let shares = (0..PLACES).map(|place| place as f64 / (PLACES - 1) as f64);
+    Some(Thumbnail {
+        half_width: shares
+            .clone()
+            .map(|share| (plate.half_width_m(share * plate.length_m()) / plate.half_width_m(0.0)) as f32)
+            .collect(),
+        height: shares.clone().map(|share| (interpolate(&field.bound_m, share) / highest_m) as f32).collect(),
+        zones: shares.map(|share| Zone::of(interpolate(&felt.strength, share))).collect(),
+    })
+}
