@@ -3,6 +3,7 @@
 use crate::drive::{self, DriveError};
 use crate::out_of_range::OutOfRange;
 use crate::table::DeviceTable;
+use slipline_app::bank::FULL_SCALE;
 use slipline_app::chord::{ChordTones, Extent, Proof};
 use slipline_protocol::command::{Apply, Chord, ChordTone, TravelLimit};
 use slipline_protocol::event::Identity;
@@ -93,6 +94,28 @@ impl ChordRequest {
             glide: drive::glide(self.glide_s, identity, travel)?,
             apply: self.apply,
         })
+    }
+}
+
+impl ChordRequest {
+    /// The same chord with a master level that is lower by as much as its peak with this table exceeds full scale, if it does:
+    /// what levels and phases are rounded by may take it there.
+    ///
+    /// # Errors
+    /// [`DriveError`] as [`ChordRequest::for_device`]; what the device would refuse whatever the master level.
+    pub fn fitted(
+        mut self,
+        identity: &Identity,
+        table: &DeviceTable,
+    ) -> Result<Self, crate::refusal::Refusal> {
+        let full_scale = f64::from(FULL_SCALE);
+        let chord = self.for_device(identity, None)?;
+        let peak = f64::from(extent(&chord, table).map_err(crate::refusal::Refusal::Device)?.peak());
+        if peak > full_scale {
+            // The device counts hundredths of a decibel.
+            self.master_db -= 20.0 * (peak / full_scale).log10() + 0.01;
+        }
+        Ok(self)
     }
 }
 

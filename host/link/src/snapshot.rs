@@ -179,6 +179,13 @@ impl Snapshot {
             .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(setting.since()))
     }
 
+    /// Whether the device's firmware can play chords; older firmware cannot.
+    #[must_use]
+    pub fn can_play_chords(&self) -> bool {
+        let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
+        self.identity.as_ref().is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+    }
+
     /// Whether the device limits the actuator's travel as a table asks for, or cannot.
     #[must_use]
     pub fn limits_travel_for(&self, table: &DeviceTable) -> bool {

@@ -2,10 +2,11 @@
 
 use slipline_plate::feeling::{Feeling, FeltEdge};
 use slipline_plate::texture::{
-    Figures, PLACES, Palette, Target, Texture, TextureError, beat, least_largest_error, nnls, stripes,
-    stripes_m,
+    CHORD_PERIOD, Figures, PLACES, Palette, Target, Texture, TextureError, TextureTone, beat,
+    least_largest_error, nnls, stripes, stripes_m,
 };
 use slipline_plate::{DriveTable, Plate, PlateSpec, preset};
+use std::f64::consts::TAU;
 
 const SAMPLE_RATE_HZ: f64 = 400e3;
 
@@ -235,5 +236,47 @@ fn two_tones_beat_at_the_frequency_and_place_that_were_asked_for() {
     {
         let error = beat(&palette, place_m, beat_hz).expect_err("refused").to_string();
         assert!(error.starts_with(field), "{error}");
+    }
+}
+
+#[test]
+fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
+    let base_hz = SAMPLE_RATE_HZ / f64::from(CHORD_PERIOD);
+    for (name, is_fine_enough) in [("al-bending", true), ("membrane", false)] {
+        let plate = preset(name).expect("a preset");
+        let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 257).expect("has a table");
+        let palette = Palette::new(&plate, &table);
+        let (start_m, end_m) = plate.span_m();
+        for share in [0.5, 0.7, 0.9] {
+            let (free, target) = solid(&palette, start_m + share * (end_m - start_m), 16);
+            let chord = free.on_grid(&palette, &target).expect("answers").expect("has multiples");
+            let (texture, harmonics) = (&chord.texture, &chord.harmonics);
+            // 24 Hz are much between 88 and 200 Hz, and little between 19 and 37 kHz.
+            assert_eq!(chord.is_as_good_as(&free), is_fine_enough, "{name} {share}: {:?}", texture.figures);
+            let ripple_db = |texture: &Texture| texture.figures.ripple_db.expect("solid");
+            assert!(is_fine_enough || ripple_db(texture) > ripple_db(&free) + 3.0);
+            assert!(
+                harmonics.is_sorted_by(|one, other| one < other) && harmonics.len() == texture.tones.len()
+            );
+            for (tone, &harmonic) in texture.tones.iter().zip(harmonics) {
+                assert!((tone.frequency_hz - f64::from(harmonic) * base_hz).abs() < 1e-6);
+            }
+            let amplitude = |tone: &TextureTone| tone.level * table.gain(tone.position_m);
+            let sum: f64 = texture.tones.iter().map(amplitude).sum();
+            assert!(sum <= 1.0 && chord.gain_db >= 0.0, "{name} {share}: {sum} {}", chord.gain_db);
+            // As loud as it may be: its peak is full scale, or a tone's level is.
+            let louder = 10f64.powf(chord.gain_db / 20.0);
+            let value = |n: u32| -> f64 {
+                let turn = |harmonic: u32| f64::from(harmonic * n % CHORD_PERIOD) / f64::from(CHORD_PERIOD);
+                let tones = texture.tones.iter().zip(harmonics);
+                tones
+                    .map(|(tone, &m)| louder * amplitude(tone) * (TAU * (turn(m) + tone.phase_turns)).sin())
+                    .sum()
+            };
+            let peak = (0..CHORD_PERIOD).map(|n| value(n).abs()).fold(0.0, f64::max);
+            let loudest = texture.tones.iter().map(|tone| tone.level * louder).fold(0.0, f64::max);
+            assert!(peak < 1.0 && loudest < 1.0 + 1e-9, "{name} {share}: {peak} {loudest}");
+            assert!(peak > 0.998 || loudest > 0.999, "{name} {share}: {peak} {loudest}");
+        }
     }
 }

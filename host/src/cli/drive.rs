@@ -6,10 +6,11 @@ use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
-use slipline_link::{DriveRequest, LinkState, Request, Snapshot};
+use slipline_link::{ChordRequest, DriveRequest, LinkState, Request, Snapshot};
 use slipline_model::atomic_file::{read_text, said};
-use slipline_model::setup::edit;
 use slipline_model::setup::file::{self, Opened};
+use slipline_model::setup::{Setup, edit};
+use slipline_model::texture::chord_of;
 use slipline_plate::Plate;
 use slipline_plate::quantity::{show_frequency, show_place};
 use std::sync::Arc;
@@ -20,8 +21,7 @@ use std::time::{Duration, Instant};
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
-    let (plate, request) = wanted(arguments)?;
-    let tones = sounding(&request);
+    let (plate, request, setup) = wanted(arguments)?;
     let duration_s = arguments.duration;
     let port = &arguments.port.port;
 
@@ -31,14 +31,27 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         device.perform(Request::ClearFaults)?;
     }
     let table = device.use_table(&plate)?;
-    table.check_sum(&tones).map_err(Failure::usage)?;
+    let chord = match setup.as_ref().and_then(|setup| chord_of(setup, &table)) {
+        Some(chord) if device.snapshot().can_play_chords() => {
+            let identity = device.identity()?;
+            Some(device.during(|| chord.fitted(&identity, &table)).map_err(Failure::usage)?)
+        }
+        _ => None,
+    };
+    let gain_db = setup.as_ref().and_then(|setup| setup.chord_gain_db).filter(|_| chord.is_some());
+    let tones = sounding(&request, gain_db.unwrap_or(0.0));
+    if chord.is_none() {
+        table.check_sum(&tones).map_err(Failure::usage)?;
+    }
     device.arm()?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
     };
-    let request = DriveRequest { apply, ..request };
-    let at = device.perform_at(Request::Drive(request))?;
+    let at = device.perform_at(match chord {
+        Some(chord) => Request::Chord(ChordRequest { apply, ..chord }),
+        None => Request::Drive(DriveRequest { apply, ..request }),
+    })?;
 
     let played: Vec<(f64, f64, f64)> = tones
         .iter()
@@ -51,6 +64,9 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             for (boundary_m, level, hz) in &played {
                 let (place, frequency) = (show_place(*boundary_m), show_frequency(*hz));
                 writeln!(out, "Boundary at {place}: {frequency}, level {level}.")?;
+            }
+            if let Some(gain_db) = gain_db {
+                writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
             }
             if arguments.at == Begin::Trigger {
                 writeln!(out, "Waiting for the trigger.")?;
@@ -92,31 +108,34 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "tones": played.iter().map(|&(boundary_m, level, frequency_hz)| json!({
             "boundary_m": boundary_m, "level": level, "frequency_hz": frequency_hz,
         })).collect::<Vec<_>>(),
+        "chord_gain_db": gain_db,
         "table_crc": format!("{:08x}", table.crc()),
         "clipped_samples": device.snapshot().status.map(|status| status.counters.clips),
     });
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
 }
 
-/// The plate, and what is to be driven on it.
-fn wanted(arguments: &DriveArguments) -> Result<(Arc<Plate>, DriveRequest), Failure> {
+/// The plate, what is to be driven on it, and the setup that says so, if one does.
+type Wanted = (Arc<Plate>, DriveRequest, Option<Box<Setup>>);
+
+fn wanted(arguments: &DriveArguments) -> Result<Wanted, Failure> {
     let Some(path) = &arguments.setup else {
         let plate = argument::plate(arguments.plate.as_deref().unwrap_or_default())?;
         let tones = arguments.tones.on(&plate)?;
         let request = DriveRequest { glide_s: arguments.glide, ..DriveRequest::at(&tones) };
-        return Ok((Arc::new(plate), request));
+        return Ok((Arc::new(plate), request, None));
     };
     let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
     let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
     match file::read(&text).map_err(|error| refused(error.to_string()))? {
-        Opened::Setup(setup) => Ok((Arc::clone(&setup.plate), edit::drive(&setup))),
+        Opened::Setup(setup) => Ok((Arc::clone(&setup.plate), edit::drive(&setup), Some(setup))),
         Opened::Plate(_) => Err(refused("a plate alone: drive it with --plate and --boundary".to_owned())),
     }
 }
 
-/// The tones of a drive as (place in metres, level at the drive's master level).
-fn sounding(request: &DriveRequest) -> Vec<(f64, f64)> {
-    let master = 10.0_f64.powf(request.master_db / 20.0);
+/// The tones of a drive as (place in metres, level at the drive's master level), so many decibels louder.
+fn sounding(request: &DriveRequest, louder_db: f64) -> Vec<(f64, f64)> {
+    let master = 10.0_f64.powf((request.master_db + louder_db) / 20.0);
     request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
 }
 

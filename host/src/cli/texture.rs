@@ -7,13 +7,14 @@ use clap::Args;
 use serde_json::{Value, json};
 use slipline_model::atomic_file::{read_bytes, read_text, said};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_model::setup::file;
+use slipline_model::setup::{Setup, file};
 use slipline_model::texture::{self as textures, PROFILE_FILE_BYTES_MAX, setup_of};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place, show_range};
 use slipline_plate::texture::{
-    Figures, Palette, TONES_MAX, Target, Texture, TextureError, least_largest_square_error,
+    CHORD_PERIOD, ChordTexture, Figures, Palette, TONES_MAX, Target, Texture, TextureError,
+    least_largest_square_error,
 };
 use slipline_plate::{DriveTable, Plate};
 use std::io::Write;
@@ -63,11 +64,24 @@ struct Made {
     what: String,
     tones: Vec<slipline_plate::texture::TextureTone>,
     fitted: Option<Fitted>,
+    /// Where it ends was chosen by its loudness.
+    is_solid: bool,
     stripes_m: Option<f64>,
+}
+
+impl Made {
+    /// How much louder than its tones the setup is as a chord, dB; `None` if it is none.
+    fn chord_gain_db(&self) -> Option<f64> {
+        let (chord, is_used) = self.fitted.as_ref()?.on_grid.as_ref()?;
+        // A solid area louder than it was made would be felt farther.
+        is_used.then_some(if self.is_solid { 0.0 } else { chord.gain_db })
+    }
 }
 
 /// What a fit tells.
 struct Fitted {
+    /// The same on the multiples of a chord, and whether those are the tones.
+    on_grid: Option<(ChordTexture, bool)>,
     is: Figures,
     reach: Figures,
     worst: Figures,
@@ -83,7 +97,8 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
     let made = make(&plate, &table, &arguments.wanted, arguments.tones)?;
     let plate = Arc::new(plate);
     if let Some(out) = &out {
-        let setup = setup_of(Arc::clone(&plate), &made.tones);
+        let setup =
+            Setup { chord_gain_db: made.chord_gain_db(), ..setup_of(Arc::clone(&plate), &made.tones) };
         out.write(|writer| Ok(writer.write_all(file::write(&setup).as_bytes())?))?;
     }
     output::print(as_json, &value(&plate, &made), |writer| {
@@ -111,14 +126,14 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
             .map_err(|error| refused("--stripes", &distance.text, error))?;
         let stripes_m = slipline_plate::texture::stripes_m(plate, tone.frequency_hz);
         let what = format!("stripes {} apart", show_length(distance.value));
-        return Ok(Made { what, tones: vec![tone], fitted: None, stripes_m });
+        return Ok(Made { what, tones: vec![tone], fitted: None, is_solid: false, stripes_m });
     }
     if let Some(Beat { place, frequency }) = &wanted.beat {
         let text = format!("{}:{}", place.text, frequency.text);
         let tones = slipline_plate::texture::beat(&palette, place.value, frequency.value)
             .map_err(|error| refused("--beat", &text, error))?;
         let what = format!("a beat of {} at {}", show_frequency(frequency.value), show_place(place.value));
-        return Ok(Made { what, tones: tones.to_vec(), fitted: None, stripes_m: None });
+        return Ok(Made { what, tones: tones.to_vec(), fitted: None, is_solid: false, stripes_m: None });
     }
     let (path, breakpoints) = breakpoints(plate, wanted)?;
     let in_file = |error: TextureError| Failure::Usage(format!("{}: {error}", path.display()));
@@ -128,11 +143,28 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
 }
 
 fn fitted(palette: &Palette<'_>, target: &Target, texture: Texture, what: String) -> Result<Made, Failure> {
+    let is_solid = texture.figures.ripple_db.is_some();
+    let chord = texture.on_grid(palette, target).map_err(Failure::usage)?;
+    let on_grid = chord.map(|chord| {
+        let is_used = chord.is_as_good_as(&texture);
+        (chord, is_used)
+    });
+    let texture = match &on_grid {
+        // As loud as the free tones, which may have been made quieter than the DAC allows.
+        Some((chord, true)) => chord.texture.as_loud_as(&texture),
+        _ => texture,
+    };
     let worst = texture.worst(palette, target).map_err(Failure::usage)?;
     let largest = least_largest_square_error(palette, target).map_err(Failure::usage)?;
     let (is, reach) = (texture.figures, texture.reach);
     let tones = texture.tones.clone();
-    Ok(Made { what, tones, fitted: Some(Fitted { is, reach, worst, largest, texture }), stripes_m: None })
+    Ok(Made {
+        what,
+        tones,
+        fitted: Some(Fitted { on_grid, is, reach, worst, largest, texture }),
+        is_solid,
+        stripes_m: None,
+    })
 }
 
 /// Places in metres, each with its amplitude.
@@ -182,6 +214,16 @@ fn value(plate: &Plate, made: &Made) -> Value {
         "wanted_rms_m": fitted.as_ref().map(|it| &it.texture.wanted_m),
         "rms_m": fitted.as_ref().map(|it| &it.texture.rms_m),
         "stripes_m": stripes_m,
+        "chord": fitted.as_ref().and_then(|it| it.on_grid.as_ref()).map(|(chord, is_used)| json!({
+            "is_used": is_used,
+            "base_frequency_hz": f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
+            "harmonics": chord.harmonics,
+            "gain_db": made.chord_gain_db(),
+            "headroom_db": chord.gain_db,
+            "rms_error": chord.texture.figures.rms_error,
+            "ripple_db": chord.texture.figures.ripple_db,
+            "contrast_db": chord.texture.figures.contrast_db,
+        })),
     })
 }
 
@@ -191,7 +233,7 @@ fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static
         let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));
         lines.push(("Tone", format!("{place}, {frequency}, level {}", with_decimals(tone.level, 3))));
     }
-    if let Some(Fitted { is, reach, worst, texture, .. }) = &made.fitted {
+    if let Some(Fitted { on_grid, is, reach, worst, texture, .. }) = &made.fitted {
         let percent = |share: f64| format!("{} %", with_decimals(100.0 * share, 1));
         let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
         let error = |figures: &Figures| percent(figures.rms_error);
@@ -209,10 +251,36 @@ fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static
         lines.extend(three(|figures| figures.contrast_db).map(|text| ("Contrast", text)));
         let largest_m = texture.rms_m.iter().copied().fold(0.0, f64::max);
         lines.push(("RMS at most", show_length(largest_m)));
+        lines.extend(on_grid.as_ref().map(|(chord, is_used)| ("Chord", chord_words(chord, *is_used, made))));
     }
     if let Some(distance_m) = made.stripes_m {
         lines.push(("Stripes", format!("{} apart in the middle", show_length(distance_m))));
     }
     lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
     lines
+}
+
+/// What the tones are as a chord.
+fn chord_words(chord: &ChordTexture, is_used: bool, made: &Made) -> String {
+    let base = show_frequency(f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD));
+    let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
+    match (is_used, chord.texture.figures.ripple_db) {
+        (true, _) if made.is_solid => {
+            let headroom = decibel(chord.gain_db);
+            format!("multiples of {base}; its peak leaves {headroom} above the sum of its tones")
+        }
+        (true, _) => {
+            format!(
+                "multiples of {base}, played {} louder than the sum of its tones allows",
+                decibel(chord.gain_db)
+            )
+        }
+        (false, Some(ripple_db)) => {
+            format!("none: on multiples of {base} the ripple would be {}", decibel(ripple_db))
+        }
+        (false, None) => {
+            let error = with_decimals(100.0 * chord.texture.figures.rms_error, 1);
+            format!("none: on multiples of {base} the error would be {error} %")
+        }
+    }
 }

@@ -74,6 +74,42 @@ fn the_setup_that_it_writes_is_played() {
 }
 
 #[test]
+fn a_texture_on_multiples_is_played_as_a_chord_and_louder_than_its_sum() {
+    let (csv, setup) = (file("chord.csv"), file("chord.toml"));
+    std::fs::write(&csv, "0.01,1\n0.24,0.2\n").unwrap();
+    let path = setup.to_str().unwrap();
+    let profile = ["--profile", csv.to_str().unwrap()];
+    let value = json(&[&["texture", "--plate", "al-bending", "--out", path], &profile[..]].concat());
+    let chord = &value["chord"];
+    assert_eq!(chord["is_used"], true);
+    let (gain_db, base_hz) = (number(chord, "gain_db"), number(chord, "base_frequency_hz"));
+    assert!(gain_db > 0.3 && gain_db == number(chord, "headroom_db"), "{gain_db}");
+    for (tone, harmonic) in
+        value["tones"].as_array().unwrap().iter().zip(chord["harmonics"].as_array().unwrap())
+    {
+        assert!((number(tone, "frequency_hz") - harmonic.as_f64().unwrap() * base_hz).abs() < 1e-3);
+    }
+    let driven = json(&["drive", "--port", "sim", "--setup", path, "--for", "50ms"]);
+    assert_eq!((number(&driven, "chord_gain_db"), number(&driven, "clipped_samples")), (gain_db, 0.0));
+    let sum = |value: &Value| -> f64 {
+        value["tones"].as_array().unwrap().iter().map(|tone| number(tone, "level")).sum()
+    };
+    assert!((sum(&driven) / sum(&value) - 10f64.powf(gain_db / 20.0)).abs() < 1e-6);
+    // A tone that was moved is no multiple: the setup is played tone by tone.
+    let text = std::fs::read_to_string(&setup).unwrap();
+    let place = text.lines().find(|line| line.starts_with("position_m")).unwrap();
+    std::fs::write(&setup, text.replacen(place, "position_m = 0.2501", 1)).unwrap();
+    let driven = json(&["drive", "--port", "sim", "--setup", path, "--for", "50ms"]);
+    assert!(driven["chord_gain_db"].is_null());
+    // On the membrane 24 Hz are too coarse.
+    let coarse = texture(&profile);
+    assert_eq!(
+        (&coarse["chord"]["is_used"], &coarse["chord"]["gain_db"]),
+        (&Value::from(false), &Value::Null)
+    );
+}
+
+#[test]
 fn what_cannot_be_had_is_refused_with_its_range() {
     for (more, told) in [
         (&["--solid", "20mm"][..], "--solid"),

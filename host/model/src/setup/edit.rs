@@ -168,7 +168,11 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             }
             next.plate = Arc::clone(plate);
         }
-        Edit::Replace(ref setup) | Edit::New(ref setup) => next = (**setup).clone(),
+        Edit::Replace(ref setup) | Edit::New(ref setup) => return Ok((**setup).clone()),
+    }
+    // Tones that have moved may be no multiples any more, and their peak is another.
+    if !matches!(edit, Edit::Master(_) | Edit::Glide(_) | Edit::Boundary(_) | Edit::Feeling(_)) {
+        next.chord_gain_db = None;
     }
     Ok(next)
 }

@@ -4,6 +4,7 @@
 //! slipline_setup = 1            # version of this format
 //! master_db = -6.0              # -96 to 0 dB
 //! glide_s = 0.02                # 0.005 to 10 s
+//! chord_gain_db = 3.0           # only where all tones are multiples of the sample rate / 16384: 0 to 15 dB
 //! [boundary]
 //! holds = "felt-edge"           # or "turning-point"
 //! [feeling]                     # each value may be left out; see slipline_plate::feeling
@@ -24,7 +25,7 @@
 mod text;
 
 use crate::setup::edit::{Edit, EditError, apply};
-use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
+use crate::setup::{BoundaryMode, CHORD_GAIN_RANGE_DB, MAX_TONES, Setup, ToneSetup};
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
@@ -146,6 +147,12 @@ fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
     for edit in &edits {
         setup = apply(&setup, edit)?;
     }
+    if let Some(gain_db) = parsed.chord_gain_db {
+        let (low, high) = CHORD_GAIN_RANGE_DB;
+        OutOfRange::check("chord_gain_db", gain_db, Range::new(low, high, "dB"))
+            .map_err(|error| SetupFileError::Value(EditError::OutOfRange(error)))?;
+    }
+    setup.chord_gain_db = parsed.chord_gain_db;
     Ok(setup)
 }
 
@@ -166,6 +173,7 @@ pub fn write(setup: &Setup) -> String {
         slipline_setup: VERSION,
         master_db: setup.master_db,
         glide_s: setup.glide_s,
+        chord_gain_db: setup.chord_gain_db,
         boundary: setup.boundary.into(),
         feeling: setup.feeling.into(),
         tones,
@@ -207,6 +215,11 @@ mod tests {
     fn a_setup_reads_back_as_it_was_written() {
         let setup = sample();
         assert_eq!(setup_of(&write(&setup)).unwrap(), setup);
+        let chord = Setup { chord_gain_db: Some(3.25), ..setup };
+        assert_eq!(setup_of(&write(&chord)).unwrap(), chord);
+        for (edit, is_chord) in [(Edit::Master(-3.0), true), (Edit::Level { slot: 1, level: 0.2 }, false)] {
+            assert_eq!(apply(&chord, &edit).unwrap().chord_gain_db.is_some(), is_chord);
+        }
         for preset in slipline_plate::presets() {
             let setup = Setup::new(Arc::new(preset.plate().unwrap()));
             assert_eq!(setup_of(&write(&setup)).unwrap(), setup, "{}", preset.name);
@@ -252,6 +265,8 @@ mod tests {
             ("master_db = -6.5", "master_db = 6.5", "master level"),
             ("master_db = -6.5", "master_db = nan", "master level"),
             ("glide_s = 0.1", "glide_s = inf", "glide"),
+            ("glide_s = 0.1", "glide_s = 0.1\nchord_gain_db = 16.0", "chord_gain_db"),
+            ("glide_s = 0.1", "glide_s = 0.1\nchord_gain_db = nan", "chord_gain_db"),
             ("level = 0.25", "level = 25.0", "level"),
             ("position_m = 0.12", "position_m = 9.0", "tones.position_m"),
             ("position_m = 0.12", "position_m = nan", "tones.position_m"),

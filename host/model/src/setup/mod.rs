@@ -23,6 +23,9 @@ pub const GLIDE_RANGE_S: (f64, f64) = (
     slipline_link::protocol::limits::MAX_GLIDE_MS as f64 * 1e-3,
 );
 
+/// How much louder than by the sum of its amplitudes a chord may be, in dB: the sum of sixteen is 12 dB above their RMS.
+pub const CHORD_GAIN_RANGE_DB: (f64, f64) = (0.0, 15.0);
+
 /// One tone: one peak on the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneSetup {
@@ -62,6 +65,9 @@ pub struct Setup {
     pub boundary: BoundaryMode,
     /// How a finger feels. Illustrative: calibrate on your own plate.
     pub feeling: Feeling,
+    /// How much louder its tones may be together, in dB, where they are played as a chord, whose peak the device proves; `None`
+    /// if they are no chord, as after each change of a tone.
+    pub chord_gain_db: Option<f64>,
 }
 
 impl PartialEq for Setup {
@@ -72,6 +78,7 @@ impl PartialEq for Setup {
             && self.glide_s == other.glide_s
             && self.boundary == other.boundary
             && self.feeling == other.feeling
+            && self.chord_gain_db == other.chord_gain_db
     }
 }
 
@@ -88,6 +95,7 @@ impl Setup {
             glide_s: 0.02,
             boundary: BoundaryMode::default(),
             feeling: Feeling::default(),
+            chord_gain_db: None,
         }
     }
 

@@ -4,8 +4,10 @@
 //! CSV, PNG --> breakpoints (profile_file) --> slipline_plate::texture --> Setup (for the file, the app and the device)
 //! ```
 
+mod chord;
 mod profile_file;
 
+pub use chord::chord_of;
 pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, from_csv, from_png};
 
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};

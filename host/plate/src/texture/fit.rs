@@ -97,6 +97,35 @@ impl Texture {
         })
     }
 
+    /// The same wish and reach with other tones: their mean squares at the places and the level at which the largest wanted
+    /// amplitude would be the table's peak.
+    pub(super) fn with_tones(
+        &self,
+        tones: Vec<TextureTone>,
+        figures: Figures,
+        squares: &[f64],
+        target: &Target,
+        scale: f64,
+        palette: &Palette<'_>,
+    ) -> Self {
+        let peak_m = palette.table().peak_at_full_scale_m * scale;
+        Self {
+            tones,
+            wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
+            rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
+            figures,
+            reach: self.reach,
+            places_m: self.places_m.clone(),
+            scale,
+        }
+    }
+
+    /// The same tones at the loudness of another texture of the same wish, if they can be as loud.
+    #[must_use]
+    pub fn as_loud_as(&self, other: &Self) -> Self {
+        self.scaled((other.scale / self.scale).min(1.0))
+    }
+
     /// The same tones, `factor` (0 to 1) times as loud.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {

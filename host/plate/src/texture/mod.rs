@@ -10,10 +10,12 @@
 //! Tones of different frequencies add in power, so the mean square of the sum is linear in the tones' powers, and the
 //! best powers are the solution of a convex problem: what it leaves no number of tones can mend.
 
+mod crest;
 mod error;
 mod figures;
 mod fit;
 pub mod nnls;
+mod on_grid;
 mod palette;
 mod pattern;
 mod phases;
@@ -23,9 +25,11 @@ mod selection;
 mod solid;
 mod target;
 
+pub use crest::low_peak_turns;
 pub use error::TextureError;
 pub use figures::Figures;
 pub use fit::{BEAT_OF_ULTRASOUND_HZ, BEAT_OF_VIBRATIONS_HZ, TONES_MAX, Texture, TextureTone};
+pub use on_grid::{CHORD_PERIOD, ChordTexture};
 pub use palette::{PLACES, Palette};
 pub use pattern::{BEAT_RANGE_HZ, beat, stripes, stripes_m};
 pub use reach::{least_largest_error, least_largest_square_error};

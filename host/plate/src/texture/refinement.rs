@@ -35,6 +35,15 @@ fn place(palette: &Palette<'_>, target: &Target, positions_m: Vec<f64>) -> Resul
     Ok(Placed { positions_m, powers, fields: columns, error })
 }
 
+/// The best powers of tones at these places.
+pub(super) fn powers_at(
+    palette: &Palette<'_>,
+    target: &Target,
+    positions_m: &[f64],
+) -> Result<Vec<f64>, TextureError> {
+    place(palette, target, positions_m.to_vec()).map(|placed| placed.powers)
+}
+
 /// Moves the tones at `positions_m` within what the target allows.
 pub(super) fn refine(
     palette: &Palette<'_>,

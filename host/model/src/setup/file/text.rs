@@ -13,6 +13,8 @@ pub(super) struct SetupText {
     pub(super) master_db: f64,
     #[serde(default = "default_glide")]
     pub(super) glide_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) chord_gain_db: Option<f64>,
     #[serde(default)]
     pub(super) boundary: BoundaryText,
     #[serde(default)]

@@ -1,0 +1,39 @@
+//! A setup as a chord: its tones as multiples of one base frequency, as loud as their peak allows.
+
+use crate::setup::Setup;
+use slipline_link::protocol::command::Apply;
+use slipline_link::{ChordRequest, ChordToneRequest, DeviceTable};
+use slipline_plate::texture::CHORD_PERIOD;
+
+/// How far a tone's frequency may lie from a multiple, as a share of the base frequency: what a place on the wire is rounded by.
+const OFF: f64 = 0.25;
+
+/// The chord of a setup on a device with this table. `None` if the setup is no chord, or if a tone of it is no multiple of the
+/// sample rate over [`CHORD_PERIOD`] there, because the device has another sample rate, for example.
+#[must_use]
+pub fn chord_of(setup: &Setup, table: &DeviceTable) -> Option<ChordRequest> {
+    let louder = 10f64.powf(setup.chord_gain_db? / 20.0);
+    let base_hz = f64::from(table.header().sample_rate_hz) / f64::from(CHORD_PERIOD);
+    let mut tones = setup
+        .tones
+        .iter()
+        .map(|tone| {
+            let multiple = table.frequency_hz(table.position(tone.position_m)?) / base_hz;
+            let harmonic = multiple.round();
+            ((multiple - harmonic).abs() <= OFF).then_some(ChordToneRequest {
+                harmonic: harmonic as u16,
+                level: (tone.level * louder).min(1.0),
+                phase_turns: tone.phase_turns,
+            })
+        })
+        .collect::<Option<Vec<_>>>()?;
+    tones.sort_by_key(|tone| tone.harmonic);
+    let is_rising = tones.is_sorted_by(|one, other| one.harmonic < other.harmonic);
+    is_rising.then_some(ChordRequest {
+        period_log2: CHORD_PERIOD.ilog2() as u8,
+        tones,
+        master_db: setup.master_db,
+        glide_s: setup.glide_s,
+        apply: Apply::Next,
+    })
+}
