@@ -165,3 +165,20 @@ impl Device {
         Ok(table)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_takes_longer_than_the_links_patience_is_computed_without_losing_the_device() {
+        let device = Device::connect(&Port::Simulated).unwrap();
+        device.arm().unwrap();
+        let computed = device.during(|| {
+            thread::sleep(SIGN_PATIENCE + SIGN_PERIOD);
+            7
+        });
+        assert_eq!(computed, 7);
+        device.check_attended().unwrap();
+    }
+}

@@ -17,6 +17,8 @@ mod terminal;
 mod textures;
 mod trace;
 #[cfg(unix)]
+mod travel;
+#[cfg(unix)]
 mod trigger;
 #[cfg(unix)]
 mod upkeep;

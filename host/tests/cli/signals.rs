@@ -2,6 +2,7 @@
 
 use super::file;
 use slipline_link::native::system_clock;
+use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Command as Message, Decoder, Event};
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
@@ -44,6 +45,11 @@ impl Line {
 
 impl Socket {
     pub(crate) fn serve(name: &str) -> Self {
+        Self::serve_altered(name, |_| ())
+    }
+
+    /// With the device's answers changed on their way to the host.
+    pub(crate) fn serve_altered(name: &str, alter: fn(&mut Event)) -> Self {
         let path = file(name);
         let listener = UnixListener::bind(&path).unwrap();
         let line = Arc::<Mutex<Line>>::default();
@@ -74,15 +80,18 @@ impl Socket {
                     Err(_) => {}
                 }
                 while let Ok(count @ 1..) = device.read(&mut bytes) {
-                    if host.write_all(&bytes[..count]).is_err() {
-                        return;
-                    }
+                    let mut answers = Vec::new();
                     for &byte in &bytes[..count] {
                         from_device.push(byte, |frame| {
-                            if let Ok(event) = Event::decode(frame.header.id, frame.body) {
-                                seen.lock().unwrap().take_event(&event, frame.header.sequence);
-                            }
+                            let (session, sequence) = (frame.header.session, frame.header.sequence);
+                            let mut event = Event::decode(frame.header.id, frame.body).unwrap();
+                            seen.lock().unwrap().take_event(&event, sequence);
+                            alter(&mut event);
+                            answers.extend(event.frame_for(Minor::OURS, session, sequence).unwrap());
                         });
+                    }
+                    if host.write_all(&answers).is_err() {
+                        return;
                     }
                 }
             }
