@@ -178,6 +178,10 @@ pub enum Intent {
     RefreshPorts,
     /// Colour the plate by its largest displacement, or by the present one.
     ShowAmplitude(bool),
+    /// Show the panel at the right, or give its room to the stage.
+    ShowPanel(bool),
+    /// Show the row of plots, or give its room to the stage.
+    ShowPlots(bool),
     /// Animate the wave, or pause it.
     Animate(bool),
     /// Put text on the clipboard.

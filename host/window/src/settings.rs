@@ -58,6 +58,10 @@ pub struct Settings {
     pub unguarded_boards: Vec<String>,
     /// Whether the user has dragged the boundary once, so that the hint is no longer needed.
     pub has_dragged: bool,
+    /// Whether the panel at the right is shown.
+    pub show_panel: bool,
+    /// Whether the row of plots at the bottom is shown.
+    pub show_plots: bool,
     /// Whether the finger on the simulated plate is heard.
     pub hear_finger: bool,
     /// The volume of what is heard, 0..=1.
@@ -83,6 +87,8 @@ impl Default for Settings {
             recent: Vec::new(),
             unguarded_boards: Vec::new(),
             has_dragged: false,
+            show_panel: true,
+            show_plots: true,
             hear_finger: true,
             volume: 0.5,
             animate: true,
@@ -136,6 +142,8 @@ mod tests {
         Settings {
             theme: ThemeChoice::Dark,
             wave: SourceChoice::Sheet,
+            show_panel: false,
+            show_plots: false,
             show_amplitude: true,
             port: Some("unix:/run/it.sock".to_owned()),
             auto_reconnect: false,

@@ -52,9 +52,15 @@ impl App {
             if input.consume_key(Modifiers::NONE, Key::F1) {
                 asked.push(Intent::Dialog(Some(Dialog::Shortcuts)));
             }
+            if input.consume_key(Modifiers::COMMAND, Key::Num0) {
+                // Both, or the whole window for the stage.
+                let show = !(self.settings.show_panel || self.settings.show_plots);
+                (self.settings.show_panel, self.settings.show_plots) = (show, show);
+            }
             for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
                 if input.consume_key(Modifiers::COMMAND, key) {
                     self.view.open_tab(index);
+                    self.settings.show_panel = true;
                 }
             }
             // A slider or field that has the focus uses the arrow keys itself.

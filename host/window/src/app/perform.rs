@@ -125,6 +125,8 @@ impl App {
                 Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
+                Intent::ShowPanel(show) => self.settings.show_panel = show,
+                Intent::ShowPlots(show) => self.settings.show_plots = show,
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
                 Intent::ShowDevice => self.view.open_device(),

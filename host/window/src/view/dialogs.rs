@@ -12,7 +12,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
 /// Every key and what it does.
-pub(super) const SHORTCUTS: [(&str, &str); 15] = [
+pub(super) const SHORTCUTS: [(&str, &str); 16] = [
     ("Esc", "STOP in every state, even while typing: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
     ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
@@ -24,6 +24,7 @@ pub(super) const SHORTCUTS: [(&str, &str); 15] = [
     ("Ctrl+Z, Ctrl+Y", "Undo, redo"),
     ("Ctrl+O, Ctrl+S", "Open, save the setup"),
     ("Ctrl+1 … Ctrl+4", "Boundary, tones, plate, device"),
+    ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
     ("Double click", "On the plate: add a tone there"),
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),

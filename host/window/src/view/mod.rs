@@ -97,15 +97,21 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
         .frame(frame)
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
-    egui::Panel::bottom("bottom").frame(frame).exact_size(bottom_row::height(ui)).resizable(false).show(
-        ui,
-        |ui| {
-            bottom_row::show(ui, scene, view, &mut intents);
-        },
-    );
-    egui::Panel::right("side").frame(frame).exact_size(side_panel::WIDTH).resizable(false).show(ui, |ui| {
-        side_panel::show(ui, scene, view, &mut intents);
-    });
+    if scene.settings.show_plots {
+        egui::Panel::bottom("bottom")
+            .frame(frame)
+            .exact_size(bottom_row::height(ui))
+            .resizable(false)
+            .show(ui, |ui| bottom_row::show(ui, scene, view, &mut intents));
+    }
+    // Messages stand in the panel, so one opens it.
+    if scene.settings.show_panel || !scene.notices.is_empty() {
+        egui::Panel::right("side")
+            .frame(frame)
+            .exact_size(side_panel::WIDTH)
+            .resizable(false)
+            .show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
+    }
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
     dialogs::show(ui, scene, view, &mut intents);

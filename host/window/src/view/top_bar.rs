@@ -303,6 +303,17 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             }
         }
         ui.separator();
+        let shown = [
+            (scene.settings.show_panel, "Panel", Intent::ShowPanel as fn(bool) -> Intent),
+            (scene.settings.show_plots, "Plots, meters and log", Intent::ShowPlots),
+        ];
+        for (mut is_shown, name, intent) in shown {
+            if ui.checkbox(&mut is_shown, name).clicked() {
+                intents.push(intent(is_shown));
+                ui.close();
+            }
+        }
+        ui.separator();
         for choice in SourceChoice::ALL {
             if ui.radio(scene.settings.wave == choice, choice.name()).clicked() {
                 intents.push(Intent::Wave(choice));

@@ -30,6 +30,39 @@ pub(crate) fn small(size: [f32; 2]) -> TestApp {
 }
 
 #[test]
+fn on_a_small_screen_the_panels_give_their_room_to_the_stage_and_stop_stays() {
+    let mut app = TestApp::driving();
+    app.window.set_size(vec2(640.0, 480.0));
+    app.wait(100);
+    let height = |app: &TestApp| line_rect(app).height();
+    let before = height(&app);
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
+    app.wait(100);
+    assert!(height(&app) > before + 100.0, "{before} {}", height(&app));
+    assert!(app.window.query_by_label("Tones").is_none() && app.window.query_by_label("Copy").is_none());
+    let stop = app.window.get_by_label("STOP").rect();
+    assert!(stop.right() <= 640.0 && stop.bottom() <= 480.0, "{stop}");
+    // The line moves and the plate is driven as before.
+    app.window.key_press(Key::ArrowRight);
+    app.wait(100);
+    assert!(app.is_driving());
+    // A message opens the panel, and so does the key of a page.
+    app.open("bad.toml", Ok("nonsense".to_owned()));
+    assert!(app.window.query_by_label("Dismiss").is_some() && app.window.query_by_label("Tones").is_some());
+    app.window.get_by_label("Dismiss").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("Tones").is_none());
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);
+    app.wait(100);
+    assert!(app.window.query_by_label("Add tone").is_some());
+    app.window.get_by_label("View").click();
+    app.wait(200);
+    app.window.get_by_label("Plots, meters and log").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("Copy").is_some());
+}
+
+#[test]
 fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
     for size in SIZES {
         let mut app = small(size);
