@@ -34,7 +34,7 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         period_log2: 14,
         tones: Vec::from_slice(&[highest]).unwrap(),
         apply: Apply::AtTrigger,
-        ..chord.clone()
+        ..chord
     };
     let commands = [("chord", chord), ("chord-largest", largest), ("chord-at-trigger", at_trigger)];
     commands.map(|(label, chord)| (label.to_owned(), Command::Chord(chord))).into()

@@ -115,7 +115,7 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
         painter.text(place, Align2::CENTER_TOP, ticks.label(x_mm), font.clone(), palette.weak);
     }
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
-    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font.clone(), palette.weak);
+    painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
     felt_strip::legend(ui, scene, &layout.axis, layout.scale.bottom() + 2.0);
 }
 
