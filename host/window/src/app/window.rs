@@ -1,6 +1,6 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Parts, event_loop, first_setup, no_display};
+use super::{App, Link, Parts, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
@@ -15,6 +15,7 @@ use slipline_model::jobs::check;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::waveform;
+use std::io;
 
 /// The app in a window of the system.
 struct Window(App);
@@ -81,38 +82,54 @@ fn closer(ctx: &egui::Context) -> Box<dyn FnMut() + Send> {
     })
 }
 
+/// A call that has the window look for what is new.
+fn wake(ctx: &egui::Context) -> impl Fn() + Send + 'static {
+    let ctx = ctx.clone();
+    move || ctx.request_repaint()
+}
+
+impl Parts {
+    /// The parts that the window works with: each job has a thread of its own.
+    ///
+    /// # Errors
+    /// When the system cannot start a thread.
+    pub fn threaded(ctx: &egui::Context, link: Box<dyn Link>) -> io::Result<Self> {
+        Ok(Self {
+            link,
+            tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
+            checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
+            planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
+            designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
+            sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
+            waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
+            time_domain: JobQueue::threaded(
+                "slipline-plate",
+                |job, task: &_| time_domain::run(&job, task),
+                wake(ctx),
+            )?,
+            scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
+            figures: JobQueue::threaded(
+                "slipline-figure",
+                |job, task: &_| plate::work(&job, task),
+                wake(ctx),
+            )?,
+            speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
+            files: Box::new(SystemFiles::new(wake(ctx))),
+            ports: Box::new(list_ports),
+        })
+    }
+}
+
 fn open(
     context: &eframe::CreationContext<'_>,
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>),
 ) -> anyhow::Result<(Window, Handle)> {
     let ctx = &context.egui_ctx;
-    let wake = |ctx: &egui::Context| {
-        let ctx = ctx.clone();
-        move || ctx.request_repaint()
-    };
     let worker = Worker::spawn(wake(ctx))?;
     let handle = worker.handle();
     stop_on_panic(handle.clone());
     opened(handle.clone(), closer(ctx));
-    let parts = Parts {
-        link: Box::new(worker),
-        tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
-        checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
-        planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
-        designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
-        sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
-        waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
-        time_domain: JobQueue::threaded(
-            "slipline-plate",
-            |job, task: &_| time_domain::run(&job, task),
-            wake(ctx),
-        )?,
-        scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
-        figures: JobQueue::threaded("slipline-figure", |job, task: &_| plate::work(&job, task), wake(ctx))?,
-        speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
-        files: Box::new(SystemFiles::new(wake(ctx))),
-        ports: Box::new(list_ports),
-    };
+    let parts = Parts::threaded(ctx, Box::new(worker))?;
     let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
