@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         output::print(false, &json!(null), |out| {
             for (boundary_m, level, hz) in &played {
                 let (place, frequency) = (show_place(*boundary_m), show_frequency(*hz));
-                writeln!(out, "Boundary at {place}: {frequency}, level {level}.")?;
+                writeln!(out, "Boundary at {place}: {frequency}, level {level:.3}.")?;
             }
             if let Some(gain_db) = gain_db {
                 writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;

@@ -1,6 +1,6 @@
 //! `slipline texture` and the setup that it writes, and `slipline merit`.
 
-use super::{failure, file, json, number};
+use super::{failure, file, json, number, slipline};
 use serde_json::Value;
 
 fn texture(more: &[&str]) -> Value {
@@ -66,6 +66,12 @@ fn the_setup_that_it_writes_is_played() {
         });
         assert!(found, "{tone}");
     }
+    let printed = slipline(&["drive", "--port", "sim", "--setup", path, "--for", "50ms"]).stdout;
+    let printed = String::from_utf8(printed).unwrap();
+    let levels: Vec<&str> =
+        printed.lines().filter_map(|line| line.split_once("level ")).map(|(_, level)| level).collect();
+    assert_eq!(levels.len(), wanted.len(), "{printed}");
+    assert!(levels.iter().all(|level| level.len() == "0.123.".len()), "a level is read by people: {printed}");
     let message = failure(&["drive", "--port", "sim", "--setup", path, "--boundary", "120mm"], 2);
     assert!(message.contains("--boundary"), "{message}");
     std::fs::remove_file(&setup).unwrap();
