@@ -76,12 +76,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     ui.add_space(6.0);
     ui.separator();
-    theme::heading(ui, "The line holds");
-    mode(ui, scene, view, intents);
+    mode(ui, scene, intents);
+    finger::choice(ui, scene, intents);
+    sound::choice(ui, scene, intents);
 
     ui.add_space(6.0);
     ui.separator();
-    theme::heading(ui, "Strength");
     let level = |level| Edit::Level { slot, level };
     Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, view, intents);
     Quantity::master(setup.master_db).show(ui, setup, view, intents);
@@ -89,8 +89,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
     ui.add_space(6.0);
     ui.separator();
-    finger::choice(ui, scene, intents);
-    sound::choice(ui, scene, intents);
+    feeling_fields::show(ui, scene, view, intents);
 }
 
 /// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason
@@ -112,8 +111,9 @@ fn range(ui: &mut egui::Ui, scene: &Scene<'_>, reason: Option<String>) {
 }
 
 /// What the line holds, and how a finger feels.
-fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.horizontal(|ui| {
+        theme::heading(ui, "Line at");
         for (mode, name, help) in MODES {
             let radio = ui.radio(scene.setup.boundary == mode, name).on_hover_text(help);
             if radio.clicked() {
@@ -121,7 +121,6 @@ fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mu
             }
         }
     });
-    feeling_fields::show(ui, scene, view, intents);
 }
 
 const MODES: [(BoundaryMode, &str, &str); 2] = [

@@ -36,7 +36,13 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
             }
         }
     });
-    if scene.sound.choice == SoundChoice::Off {
+    // Without a finger nothing of it is heard.
+    let is_heard = match scene.sound.choice {
+        SoundChoice::Off => false,
+        SoundChoice::Finger => scene.finger.is_some(),
+        SoundChoice::Drive => true,
+    };
+    if !is_heard {
         return;
     }
     let mut volume = scene.settings.volume;
@@ -44,13 +50,10 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
     if ui.add(slider).changed() {
         intents.push(Intent::Volume(volume));
     }
-    let (text, colour) = match (&scene.sound.speaker, &scene.sound.unplayed, scene.sound.choice) {
-        (SpeakerState::Failed(reason), _, _) => (format!("No sound: {reason}."), palette.wrong),
-        (_, Some(reason), _) => (reason.clone(), palette.warn),
-        (_, None, SoundChoice::Finger) if scene.finger.is_none() => {
-            ("Put a finger on the plate to hear it.".to_owned(), palette.weak)
-        }
-        _ => return,
+    let (text, colour) = match (&scene.sound.speaker, &scene.sound.unplayed) {
+        (SpeakerState::Failed(reason), _) => (format!("No sound: {reason}."), palette.wrong),
+        (_, Some(reason)) => (reason.clone(), palette.warn),
+        (_, None) => return,
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(text).small().color(colour));

@@ -185,7 +185,7 @@ fn a_scene_is_chosen_by_its_card_and_undone() {
 fn how_a_finger_feels_is_set_and_the_line_holds_what_it_held() {
     let mut app = felt("membrane", 0.03);
     let before = slider_mm(&app, "Boundary");
-    app.window.get_by_label("Feeling, illustrative").click();
+    app.window.get_by_label("Feeling, illustrative").click_accesskit();
     app.wait(400);
     type_into(&mut app, "Threshold", "2");
     assert_eq!(app.window.state().setup().feeling.threshold, 2.0);
