@@ -194,6 +194,14 @@ choices! {
     }
 }
 
+impl Refusal {
+    /// A value outside its allowed range, `min..=max`.
+    #[must_use]
+    pub const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Self {
+        Self::OutOfRange { field, min, max, got }
+    }
+}
+
 impl core::fmt::Display for Refusal {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match *self {

@@ -105,7 +105,12 @@ pub const fn position_between(count: u16, index: u16, fraction: u32) -> FinePosi
 /// [`Refusal::NotMonotonic`] with the knot's index.
 pub fn validate(count: u16, knot: impl Fn(u16) -> Knot) -> Result<(), Refusal> {
     if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(count)) {
-        return Err(out_of_range(Field::KnotCount, MIN_KNOTS as i64, MAX_KNOTS as i64, i64::from(count)));
+        return Err(Refusal::out_of_range(
+            Field::KnotCount,
+            MIN_KNOTS as i64,
+            MAX_KNOTS as i64,
+            i64::from(count),
+        ));
     }
     let mut validator = Validator::default();
     (0..count).try_for_each(|index| validator.take(knot(index)))
@@ -126,10 +131,15 @@ impl Validator {
     /// [`Refusal::OutOfRange`] or [`Refusal::NotMonotonic`]. After an error there is nothing more to check.
     pub fn take(&mut self, Knot { step, gain }: Knot) -> Result<(), Refusal> {
         if !(1..=MAX_KNOT_STEP).contains(&step) {
-            return Err(out_of_range(Field::KnotStep, 1, i64::from(MAX_KNOT_STEP), i64::from(step)));
+            return Err(Refusal::out_of_range(Field::KnotStep, 1, i64::from(MAX_KNOT_STEP), i64::from(step)));
         }
         if !(1..=Gain::FULL.0).contains(&gain.0) {
-            return Err(out_of_range(Field::KnotGain, 1, i64::from(Gain::FULL.0), i64::from(gain.0)));
+            return Err(Refusal::out_of_range(
+                Field::KnotGain,
+                1,
+                i64::from(Gain::FULL.0),
+                i64::from(gain.0),
+            ));
         }
         if let Some(previous) = self.previous {
             // The first two knots give the direction.
@@ -192,10 +202,6 @@ impl Digester {
     pub fn finish(self) -> u32 {
         self.0.finalize()
     }
-}
-
-const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
-    Refusal::OutOfRange { field, min, max, got }
 }
 
 #[cfg(test)]

@@ -35,10 +35,6 @@ pub use self::proof::{Candidate, Extent, Proof};
 use crate::level::master_gain;
 use crate::program::Target;
 
-const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
-    Refusal::OutOfRange { field, min, max, got }
-}
-
 /// A chord's tones, checked: what each of them sounds as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChordTones {
@@ -78,7 +74,7 @@ impl ChordTones {
         let (shortest, longest) = CHORD_PERIOD_LOG2;
         let period_log2 = chord.period_log2;
         if !(shortest..=longest).contains(&period_log2) {
-            return Err(out_of_range(
+            return Err(Refusal::out_of_range(
                 Field::ChordPeriod,
                 shortest.into(),
                 longest.into(),
@@ -86,7 +82,7 @@ impl ChordTones {
             ));
         }
         if chord.tones.is_empty() {
-            return Err(out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
+            return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
         }
         // The base frequency's phase step, Q0.32; the shifts are in range by the check above.
         let base = 1u32 << (32 - u32::from(period_log2));
@@ -96,7 +92,8 @@ impl ChordTones {
         *self = Self { period_log2, ..Self::NONE };
         for (tone, target) in chord.tones.iter().zip(&mut self.targets) {
             let harmonic = u32::from(tone.harmonic);
-            let outside = || out_of_range(Field::Harmonic, lowest.into(), highest.into(), harmonic.into());
+            let outside =
+                || Refusal::out_of_range(Field::Harmonic, lowest.into(), highest.into(), harmonic.into());
             if !(lowest..=highest).contains(&harmonic) {
                 return Err(outside());
             }

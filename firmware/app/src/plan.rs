@@ -19,10 +19,6 @@ use crate::ramp::RampShape;
 use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
 
-const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
-    Refusal::OutOfRange { field, min, max, got }
-}
-
 /// Tones that are planned between two looks for a stop: together they take about a tenth of a block's time.
 const TONES_AT_ONCE: usize = 4;
 
@@ -112,7 +108,12 @@ impl Planner<'_> {
         let mut targets = [None; MAX_TONES];
         for tone in &drive.tones {
             let Some(target) = targets.get_mut(usize::from(tone.slot)) else {
-                return Err(out_of_range(Field::ToneSlot, 0, MAX_TONES as i64 - 1, i64::from(tone.slot)));
+                return Err(Refusal::out_of_range(
+                    Field::ToneSlot,
+                    0,
+                    MAX_TONES as i64 - 1,
+                    i64::from(tone.slot),
+                ));
             };
             if target.is_some() {
                 return Err(Refusal::SlotTwice { slot: tone.slot });
@@ -130,10 +131,15 @@ impl Planner<'_> {
     fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
         let timing = self.timing;
         if !(MIN_MASTER_CDB..=0).contains(&master.0) {
-            return Err(out_of_range(Field::MasterLevel, i64::from(MIN_MASTER_CDB), 0, i64::from(master.0)));
+            return Err(Refusal::out_of_range(
+                Field::MasterLevel,
+                i64::from(MIN_MASTER_CDB),
+                0,
+                i64::from(master.0),
+            ));
         }
         if !(timing.min_glide..=timing.max_glide).contains(&glide) {
-            return Err(out_of_range(
+            return Err(Refusal::out_of_range(
                 Field::Glide,
                 i64::from(timing.min_glide),
                 i64::from(timing.max_glide),

@@ -27,17 +27,13 @@ pub struct Upload {
     digester: Digester,
 }
 
-const fn out_of_range(field: Field, min: i64, max: i64, got: i64) -> Refusal {
-    Refusal::OutOfRange { field, min, max, got }
-}
-
 /// Checks the header's fields.
 ///
 /// # Errors
 /// [`Refusal::OutOfRange`].
 pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Refusal> {
     if !(MIN_KNOTS..=MAX_KNOTS).contains(&usize::from(header.knots)) {
-        return Err(out_of_range(
+        return Err(Refusal::out_of_range(
             Field::KnotCount,
             MIN_KNOTS as i64,
             MAX_KNOTS as i64,
@@ -46,14 +42,19 @@ pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Ref
     }
     if header.sample_rate_hz != sample_rate_hz {
         let own = i64::from(sample_rate_hz);
-        return Err(out_of_range(Field::SampleRate, own, own, i64::from(header.sample_rate_hz)));
+        return Err(Refusal::out_of_range(Field::SampleRate, own, own, i64::from(header.sample_rate_hz)));
     }
     if header.span_start_um == u32::MAX {
-        return Err(out_of_range(Field::Span, 0, i64::from(u32::MAX - 1), i64::from(u32::MAX)));
+        return Err(Refusal::out_of_range(Field::Span, 0, i64::from(u32::MAX - 1), i64::from(u32::MAX)));
     }
     if header.span_end_um <= header.span_start_um {
         let min = i64::from(header.span_start_um).saturating_add(1);
-        return Err(out_of_range(Field::Span, min, i64::from(u32::MAX), i64::from(header.span_end_um)));
+        return Err(Refusal::out_of_range(
+            Field::Span,
+            min,
+            i64::from(u32::MAX),
+            i64::from(header.span_end_um),
+        ));
     }
     Ok(())
 }
@@ -105,7 +106,7 @@ impl Upload {
             return Err(Refusal::ChunkOrder { expected: self.received });
         }
         if !(1..=left).contains(&chunk.knots.len()) {
-            return Err(out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
+            return Err(Refusal::out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
         }
         for &knot in &chunk.knots {
             let is_written = mailbox.write_knot(self.slot, self.received, knot);

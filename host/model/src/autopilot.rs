@@ -6,7 +6,7 @@
 
 use crate::field::steady_field::SteadyTone;
 use crate::jobs::table::TableMade;
-use slipline_link::protocol::command::{Drive, TravelLimit};
+use slipline_link::protocol::command::{Drive, Tone, TravelLimit};
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
 use slipline_link::table::DeviceTable;
@@ -227,6 +227,11 @@ pub struct SoundingDrive {
     pub tones: Vec<SteadyTone>,
 }
 
+/// The level of a tone of a drive, with the drive's master level, 0..=1.
+pub(crate) fn level(drive: &Drive, tone: &Tone) -> f64 {
+    f64::from(tone.level.0) / f64::from(u16::MAX) * 10f64.powf(f64::from(drive.master.0) / 2000.0)
+}
+
 /// The drive that sounds; `None` when the device is silent or uses a table that this program does not know.
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
@@ -249,11 +254,10 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
         }
     }
     let (number, drive) = latest.filter(|(_, drive)| !drive.tones.is_empty())?;
-    let master = 10f64.powf(f64::from(drive.master.0) / 2000.0);
     let tones = drive.tones.iter().map(|tone| SteadyTone {
         slot: tone.slot,
         frequency_hz: table.frequency_hz(tone.position),
-        peak_m: f64::from(tone.level.0) / 65535.0 * master * table.peak_at_full_scale_m(),
+        peak_m: level(drive, tone) * table.peak_at_full_scale_m(),
     });
     Some(SoundingDrive { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
 }

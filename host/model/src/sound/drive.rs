@@ -1,7 +1,7 @@
 //! The drive itself as sound: for a voice coil at the output of a sound card.
 
 use super::{Partial, Sound};
-use crate::autopilot::SoundingDrive;
+use crate::autopilot::{SoundingDrive, level};
 use slipline_link::protocol::command::Tone;
 use slipline_link::protocol::units::Gain;
 
@@ -13,14 +13,13 @@ pub const HIGHEST_DRIVE_HZ: f64 = 1_000.0;
 /// master, and the share `foldback_per_mille` that the device's thermal limit leaves of them.
 #[must_use]
 pub fn of_drive(sounding: &SoundingDrive, foldback_per_mille: u16) -> Sound {
-    let (table, master) = (&sounding.table, 10f64.powf(f64::from(sounding.drive.master.0) / 2000.0));
+    let SoundingDrive { drive, table, .. } = sounding;
     let partial = |tone: &Tone| {
         let gain = f64::from(table.setting(tone.position.fine()).gain.0) / f64::from(Gain::FULL.0);
-        let level = f64::from(tone.level.0) / f64::from(u16::MAX);
-        let amplitude = gain * level * master * f64::from(foldback_per_mille.min(1000)) / 1000.0;
+        let amplitude = gain * level(drive, tone) * f64::from(foldback_per_mille.min(1000)) / 1000.0;
         Partial { slot: tone.slot, frequency_hz: table.frequency_hz(tone.position), amplitude }
     };
-    let partials = sounding.drive.tones.iter().map(partial);
+    let partials = drive.tones.iter().map(partial);
     Sound {
         partials: partials.filter(|partial| partial.frequency_hz <= HIGHEST_DRIVE_HZ).collect(),
         noise: 0.0,
