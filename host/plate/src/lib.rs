@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+pub mod calibrate;
 pub mod check;
 pub mod design;
 pub mod feeling;
