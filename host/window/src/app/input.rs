@@ -5,6 +5,8 @@ use crate::files::FileJob;
 use crate::intent::{Dialog, Grab, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
+use slipline_link::Snapshot;
+use slipline_link::protocol::event::State;
 
 /// The smallest window after zooming, in points: in a smaller one the panels would overlap.
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
@@ -15,6 +17,8 @@ impl App {
         let is_typing = ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
+        let closes_page = self.dialog.is_some() && ctx.input(|input| input.key_pressed(Key::Escape));
+        let told = closes_page.then(|| closed_by_escape(&self.snapshot));
         let presses = ctx.input_mut(|input| {
             let is_press = |event: &&egui::Event| {
                 matches!(
@@ -81,6 +85,9 @@ impl App {
         });
         self.gesture += presses;
         self.perform(ctx, asked);
+        if let Some(told) = told {
+            self.notices.tell(told.to_owned());
+        }
     }
 
     /// During a drag, each move of the pointer moves what it holds: a tone is sent before anything is painted.
@@ -127,6 +134,24 @@ fn stop_presses(input: &egui::InputState, is_typing: bool) -> usize {
         _ => false,
     };
     input.events.iter().filter(is_press).count()
+}
+
+/// What Escape does in this state while a page is open, for the user who only wanted to close the page.
+fn closed_by_escape(snapshot: &Snapshot) -> &'static str {
+    let state = snapshot.status.map(|status| status.state).filter(|_| snapshot.is_connected());
+    match (state, snapshot.is_simulated()) {
+        (None, _) => "Esc closed the page. No device answers; the stop was sent all the same.",
+        (Some(State::Driving | State::Waiting), true) => {
+            "Esc closed the page and stopped the drive. Press Drive to go on."
+        }
+        (Some(State::Driving | State::Waiting), false) => {
+            "Esc closed the page, stopped the drive and disarmed the device."
+        }
+        (Some(State::Armed | State::Stopping), false) => "Esc closed the page and disarmed the device.",
+        (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => {
+            "Esc closed the page. Nothing was driven."
+        }
+    }
 }
 
 /// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all.

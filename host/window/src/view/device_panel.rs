@@ -231,10 +231,4 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             }
         }
     });
-    let emergency = ui.button("Emergency stop");
-    let help =
-        "Silence within 2 ms, mute, latch a fault that must be cleared; the same as STOP pressed twice";
-    if emergency.on_hover_text(help).clicked() {
-        intents.push(Intent::Request(Request::EmergencyStop));
-    }
 }

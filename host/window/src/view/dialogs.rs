@@ -13,7 +13,7 @@ use slipline_model::export::report;
 
 /// Every key and what it does.
 pub(super) const SHORTCUTS: [(&str, &str); 16] = [
-    ("Esc", "STOP in every state, even while typing: silence; a real device is disarmed"),
+    ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
     ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
     ("Ctrl+Enter", "Drive"),
@@ -30,6 +30,9 @@ pub(super) const SHORTCUTS: [(&str, &str); 16] = [
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
     ("F1", "This page"),
 ];
+
+/// What Esc does while a page is open, beside its Close.
+const ESC: &str = "Esc closes it, too, and always stops the drive";
 
 /// Space between the edge of a page and its content, in points.
 const MARGIN: i8 = 16;
@@ -76,23 +79,34 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             return is_ended.inner;
         }
         ui.add_space(GAP);
-        ui.horizontal(|ui| ui.button("Close").clicked()).inner
+        ui.horizontal(|ui| {
+            let is_closed = ui.button("Close").clicked();
+            ui.label(RichText::new(ESC).small().color(theme::palette(ui).weak));
+            is_closed
+        })
+        .inner
     });
     if response.inner || response.should_close() {
         intents.push(Intent::Dialog(None));
     }
 }
 
+/// Width of the column of keys, in points.
+const KEYS: f32 = 170.0;
+
 fn shortcuts(ui: &mut egui::Ui) {
     ui.heading("Shortcuts");
     ui.add_space(6.0);
-    egui::Grid::new("shortcuts").num_columns(2).spacing([28.0, 6.0]).show(ui, |ui| {
-        for (keys, action) in SHORTCUTS {
-            ui.label(RichText::new(keys).strong());
-            ui.label(action);
-            ui.end_row();
-        }
-    });
+    for (keys, action) in SHORTCUTS {
+        ui.horizontal_top(|ui| {
+            let column = egui::vec2(KEYS, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(column, egui::Layout::left_to_right(egui::Align::Min), |ui| {
+                ui.set_min_width(KEYS);
+                ui.label(RichText::new(keys).strong());
+            });
+            ui.add(egui::Label::new(action).wrap());
+        });
+    }
 }
 
 /// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.

@@ -12,7 +12,7 @@ use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use std::sync::Arc;
 
 /// The open page of the panel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Page {
     #[default]
     Plate,
@@ -26,7 +26,8 @@ const PAGES: [(Page, &str, &str); 3] = [
     (Page::Designer, "Designer", "A plate for a band: taper, damper, cut files"),
 ];
 
-pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+/// The buttons of the pages, which stay while a page is scrolled.
+pub(super) fn pages(ui: &mut egui::Ui, view: &mut ViewState) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let width = ((ui.available_width() - 8.0) / 3.0).floor();
@@ -38,7 +39,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             }
         }
     });
-    ui.add_space(6.0);
+}
+
+/// The open page.
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     match view.plate_page {
         Page::Plate => this_plate(ui, scene, view, intents),
         Page::Validity => {

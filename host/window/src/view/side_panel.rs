@@ -8,7 +8,7 @@ use eframe::egui::{self, ScrollArea};
 pub(super) const WIDTH: f32 = 320.0;
 
 /// Which page is open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) enum Tab {
     #[default]
     Boundary,
@@ -47,7 +47,13 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     ui.separator();
     ui.add_space(4.0);
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+    if view.tab == Tab::Plate {
+        plate_panel::pages(ui, view);
+        ui.add_space(4.0);
+    }
+    // Each page keeps the place to which it was scrolled.
+    let area = ScrollArea::vertical().id_salt((view.tab, view.plate_page)).auto_shrink([false, false]);
+    area.show(ui, |ui| {
         // The scroll bar floats over the content; this margin keeps the content free of it.
         ui.set_max_width(ui.available_width() - 8.0);
         match view.tab {

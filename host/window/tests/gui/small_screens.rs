@@ -164,3 +164,24 @@ fn stop_is_on_the_screen_at_every_zoom_and_pixel_density() {
         }
     }
 }
+
+#[test]
+fn the_buttons_of_the_pages_stay_while_a_page_is_scrolled_and_each_page_keeps_its_place() {
+    let mut app = small(SIZES[0]);
+    let pages = ["Boundary", "Tones", "Plate", "Device", "This plate", "Validity", "Designer"];
+    app.window.get_by_role_and_label(Role::Button, "Plate").click();
+    app.wait(100);
+    let place = |app: &TestApp, name: &str| app.window.get_by_role_and_label(Role::Button, name).rect();
+    let before = pages.map(|name| place(&app, name));
+    let field = |app: &TestApp| app.window.get_by_role_and_label(Role::TextInput, "Length").rect().top();
+    let top = field(&app);
+    app.turn_wheel(pos2(480.0, 300.0), -150.0);
+    assert!(field(&app) < top - 100.0, "{top} {}", field(&app));
+    assert_eq!(pages.map(|name| place(&app, name)), before);
+    let scrolled = field(&app);
+    app.window.get_by_role_and_label(Role::Button, "Device").click();
+    app.wait(100);
+    app.window.get_by_role_and_label(Role::Button, "Plate").click();
+    app.wait(100);
+    assert_eq!(field(&app), scrolled);
+}

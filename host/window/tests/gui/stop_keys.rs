@@ -195,3 +195,53 @@ fn stop_says_on_itself_and_in_the_help_what_two_presses_do() {
         assert!(app.window.query_by_label_contains(line).is_some(), "{line}");
     }
 }
+
+#[test]
+fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::F1);
+    app.wait(200);
+    assert!(app.window.query_by_label("Esc closes it, too, and always stops the drive").is_some());
+    app.window.key_press(Key::Escape);
+    app.wait(400);
+    assert!(!app.is_driving());
+    let told = "Esc closed the page and stopped the drive. Press Drive to go on.";
+    assert!(app.window.query_by_label(told).is_some());
+    // Later, and with nothing to stop, by the same key.
+    app.wait(1200);
+    app.window.key_press(Key::F1);
+    app.wait(200);
+    app.window.key_press(Key::Escape);
+    app.wait(200);
+    assert!(app.window.query_by_label("Esc closed the page. Nothing was driven.").is_some());
+    for (state, told) in [
+        (State::Driving, "Esc closed the page, stopped the drive and disarmed the device."),
+        (State::Armed, "Esc closed the page and disarmed the device."),
+        (State::Fault, "Esc closed the page. Nothing was driven."),
+    ] {
+        let link = real_device(state);
+        let mut window = show(&link);
+        window.key_press(Key::F1);
+        window.run_steps(3);
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert_eq!(sent(&link), "SD", "{state:?}");
+        assert!(window.query_by_label(told).is_some(), "{state:?}");
+    }
+}
+
+#[test]
+fn there_is_one_control_for_the_emergency_stop_on_every_page() {
+    let mut app = TestApp::driving();
+    for page in ["Boundary", "Tones", "Plate", "Device"] {
+        app.window.get_by_role_and_label(Role::Button, page).click();
+        app.wait(100);
+        let controls = app.window.query_all_by_role(Role::Button);
+        let name = |label: String| label.to_lowercase();
+        let stops: Vec<String> = controls
+            .filter_map(|node| node.accesskit_node().label())
+            .filter(|label| name(label.clone()).contains("stop"))
+            .collect();
+        assert_eq!(stops, ["STOP"], "{page}");
+    }
+}

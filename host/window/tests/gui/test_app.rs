@@ -133,6 +133,20 @@ impl TestApp {
         }
     }
 
+    /// Turns the wheel by this many points with the pointer here; positive moves content down.
+    pub(crate) fn turn_wheel(&mut self, at: egui::Pos2, points: f32) {
+        self.window.hover_at(at);
+        self.window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, points),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        // The motion is smoothed over some frames.
+        self.wait(1500);
+    }
+
     /// The simulated plate in time gives no result from now on, or gives one again.
     pub(crate) fn hold_time_domain(&mut self, is_held: bool) {
         self.time_domain_is_held.set(is_held);
