@@ -36,6 +36,8 @@ pub struct DeviceTable {
     header: TableHeader,
     knots: Vec<Knot>,
     peak_at_full_scale_m: f64,
+    /// The peak at level 1 over `peak_at_full_scale_m`, at positions uniform over the span; empty where it is 1.
+    heights: Vec<f64>,
     travel_limit: Option<TravelLimit>,
 }
 
@@ -95,7 +97,22 @@ impl DeviceTable {
             header.knots,
             knot_of(&knots),
         );
-        Ok(Self { header: TableHeader { crc, ..header }, knots, peak_at_full_scale_m, travel_limit: None })
+        let header = TableHeader { crc, ..header };
+        Ok(Self { header, knots, peak_at_full_scale_m, heights: Vec::new(), travel_limit: None })
+    }
+
+    /// The same table where the plate's own peak is not that of level 1 all over the span: `heights` are the peaks over that
+    /// of level 1, at positions uniform over the span. The device does not get them: they are for what is drawn of its
+    /// tones.
+    ///
+    /// # Errors
+    /// [`DeviceTableError::OutOfRange`]: none or one of them, or one that is not 0 to 1000.
+    pub fn with_heights(self, heights: Vec<f64>) -> Result<Self, DeviceTableError> {
+        within("number of heights", heights.len() as f64, 2.0, f64::from(u32::MAX))?;
+        for &height in &heights {
+            within("height", height, 0.0, 1e3)?;
+        }
+        Ok(Self { heights, ..self })
     }
 
     /// The same table for an actuator whose travel is limited: the device gets the limit with it. The actuator is given by
@@ -150,10 +167,21 @@ impl DeviceTable {
         &self.knots
     }
 
-    /// The peak displacement at level 1, in metres, the same all over the span.
+    /// The peak displacement at level 1, in metres, that the table is made for, the same all over the span.
     #[must_use]
     pub const fn peak_at_full_scale_m(&self) -> f64 {
         self.peak_at_full_scale_m
+    }
+
+    /// The peak displacement of a tone of level 1 at this position on the table's own plate, in metres.
+    #[must_use]
+    pub fn peak_m(&self, position: Position) -> f64 {
+        let last = self.heights.len().saturating_sub(1);
+        let at = f64::from(position.0) / 65535.0 * last as f64;
+        let left = (at as usize).min(last.saturating_sub(1));
+        let height = |place: usize| self.heights.get(place).copied().unwrap_or(1.0);
+        let here = height(left);
+        self.peak_at_full_scale_m * (here + (at - left as f64) * (height(left + 1) - here))
     }
 
     /// The chunk of an upload that begins with knot `first`; `None` past the end.
@@ -308,6 +336,20 @@ mod tests {
         );
         assert!(refused(50.0, f64::NAN, 1.0).contains("quality"));
         assert!(refused(50.0, 1.0, 1001.0).contains("peak travel is 1001; allowed are 0 to 1000"));
+    }
+
+    #[test]
+    fn heights_give_the_peak_at_each_place_and_no_part_of_what_is_sent() {
+        let (even, table) = (line(9), line(9).with_heights(vec![1.0, 0.9, 1.2]).unwrap());
+        assert_eq!(table.crc(), even.crc());
+        for (position, height) in [(0, 1.0), (16_384, 0.95), (32_768, 0.9), (u16::MAX, 1.2)] {
+            let peak_m = table.peak_m(Position(position));
+            assert!((peak_m / 1e-6 - height).abs() < 1e-4, "{position}: {peak_m}");
+            assert_eq!(even.peak_m(Position(position)), 1e-6);
+        }
+        let refused = |heights: &[f64]| line(9).with_heights(heights.to_vec()).unwrap_err().to_string();
+        assert!(refused(&[1.0]).contains("number of heights is 1"), "{}", refused(&[1.0]));
+        assert!(refused(&[1.0, f64::NAN]).contains("height is NaN"), "{}", refused(&[1.0, f64::NAN]));
     }
 
     #[test]

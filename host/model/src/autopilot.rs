@@ -257,7 +257,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let tones = drive.tones.iter().map(|tone| SteadyTone {
         slot: tone.slot,
         frequency_hz: table.frequency_hz(tone.position),
-        peak_m: level(drive, tone) * table.peak_at_full_scale_m(),
+        peak_m: level(drive, tone) * table.peak_m(tone.position),
     });
     Some(SoundingDrive { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
 }

@@ -1,9 +1,10 @@
-//! One number for one place: the line that the window draws is where a simulated plate stops being felt.
+//! What the window draws of a tone is what the device plays of it: the field, and the place where it stops being felt.
 
 use slipline_model::field::line::{Holds, Line, limits_m, turning_point_m};
-use slipline_model::field::simulation::{KNOTS, SAMPLE_RATE_HZ, Simulation, Solver};
+use slipline_model::field::simulation::{KNOTS, SAMPLE_RATE_HZ, Simulation, Solver, device_table};
+use slipline_model::field::steady_field::{POINTS, SteadyField, SteadyTone};
 use slipline_model::setup::{Setup, ToneSetup};
-use slipline_plate::DriveTable;
+use slipline_plate::{DriveTable, ToneDrive, predict_envelope};
 use std::sync::Arc;
 
 /// Presets at levels at which their felt edges lie on the plate.
@@ -33,17 +34,18 @@ fn compare(name: &str, level: f64) {
     let table = DriveTable::build(&plate, f64::from(SAMPLE_RATE_HZ), KNOTS).unwrap();
     let mut setup = Setup::new(Arc::clone(&plate));
     setup.tones[0].level = level;
-    let (tone, full_peak_m) = (setup.tones[0], Some(table.peak_at_full_scale_m));
-    let line = |position_m| Line::of(&setup, &ToneSetup { position_m, ..tone }, full_peak_m);
+    the_field_is_that_of_what_the_device_plays(name, &setup, &table);
+    let (tone, known) = (setup.tones[0], Some(&table));
+    let line = |position_m| Line::of(&setup, &ToneSetup { position_m, ..tone }, known);
     // Tones below 20 kHz are not felt on an ultrasonic plate.
     let (start_m, end_m) = plate.span_m();
     let mut turning_points = (0..=200).map(|i| start_m + (end_m - start_m) * f64::from(i) / 200.0);
     let nearest = turning_points.find(|&at_m| line(at_m).holds == Holds::FeltEdge).unwrap();
-    let (nearest_m, (_, farthest_m)) = (line(nearest).place_m, limits_m(&setup, &tone, full_peak_m));
+    let (nearest_m, (_, farthest_m)) = (line(nearest).place_m, limits_m(&setup, &tone, known));
     for i in 0..PLACES {
         let share = (f64::from(i) + 0.5) / f64::from(PLACES);
         let place_m = nearest_m + (farthest_m - nearest_m) * share;
-        let position_m = turning_point_m(&setup, &tone, full_peak_m, place_m);
+        let position_m = turning_point_m(&setup, &tone, known, place_m);
         let drawn_m = line(position_m).place_m;
         assert!((drawn_m - place_m).abs() < 1e-5, "{name}: {drawn_m} for {place_m}");
         let simulation = Simulation {
@@ -58,5 +60,33 @@ fn compare(name: &str, level: f64) {
         let felt = simulation.run_with(&table).unwrap().felt(&plate, &setup.feeling).unwrap();
         let felt_m = felt.edge.place_m().unwrap_or(f64::NAN);
         assert!((felt_m - drawn_m).abs() < 1e-3, "{name}: drawn at {drawn_m}, felt to {felt_m}");
+    }
+}
+
+/// Turning points at which a field is compared with what is played, between knots too.
+const TURNING_POINTS: u32 = 39;
+
+/// The setup's tone at places all over the span: its field is within 1 % of the frequency solver's for the step and the gain
+/// that the device takes from its table.
+fn the_field_is_that_of_what_the_device_plays(name: &str, setup: &Setup, table: &DriveTable) {
+    let plate = &setup.plate;
+    let on_device = device_table(table).unwrap();
+    for i in 0..=TURNING_POINTS {
+        let share = f64::from(i) / f64::from(TURNING_POINTS);
+        let position_m = table.span_start_m + (table.span_end_m - table.span_start_m) * share;
+        let tone = ToneSetup { position_m, ..setup.tones[0] };
+        let position = on_device.position(position_m).unwrap();
+        let played = ToneDrive {
+            frequency_hz: on_device.frequency_hz(position),
+            amplitude: f64::from(on_device.setting(position.fine()).gain.0) / f64::from(1_u32 << 31)
+                * tone.level,
+            phase_rad: 0.0,
+        };
+        let truth = predict_envelope(plate, None, &[played], f64::from(SAMPLE_RATE_HZ), POINTS).unwrap();
+        let drawn = SteadyField::solve(plate, &[SteadyTone::of(setup, &tone, table)]);
+        let highest_m = truth.bound_m.iter().copied().fold(0.0, f64::max);
+        let off_m = truth.bound_m.iter().zip(&drawn.bound_m).map(|(is, drawn)| (is - drawn).abs());
+        let off = off_m.fold(0.0, f64::max) / highest_m;
+        assert!(off < 0.01, "{name}, turning point {position_m} m: {} % off", 100.0 * off);
     }
 }

@@ -4,6 +4,7 @@ use slipline_model::export::figures::Format;
 use slipline_model::export::figures::plate::{Subject, plate_figure};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
 use slipline_model::setup::{Setup, ToneSetup};
+use slipline_plate::DriveTable;
 use std::sync::Arc;
 
 #[test]
@@ -16,14 +17,15 @@ fn the_first_figure_of_a_process_is_as_large_as_the_second_and_looks_like_it() {
         position_m: 0.1 + 0.05 * f64::from(slot),
         ..first
     }));
-    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let table = DriveTable::build(&setup.plate, 400e3, 17).unwrap();
+    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, Some(&table)));
     let subject = Subject {
         sounding: Some(predicted.clone()),
         setup,
         predicted,
         sheet: None,
         measured: None,
-        full_peak_m: 1e-4,
+        full_peak_m: table.peak_at_full_scale_m,
         is_largest: false,
         wave_time_s: 0.0,
     };

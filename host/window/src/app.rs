@@ -290,6 +290,7 @@ impl App {
             limits_m,
             sounding: self.sounding_on_screen(),
             full_peak_m: self.full_peak_m(),
+            drive_table: self.drive_table(),
             table: &self.table,
             waveform: &self.playback.waveform,
             measured: self.shown_measured(),

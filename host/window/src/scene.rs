@@ -17,7 +17,7 @@ use slipline_model::jobs::table::TableState;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::waveform::Waveform;
-use slipline_plate::Finger;
+use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
 
 /// Everything the views show.
@@ -52,6 +52,8 @@ pub struct Scene<'a> {
     pub sounding: Option<&'a SteadyField>,
     /// The peak at level 1 in metres; `None` until the table for the plate is finished.
     pub full_peak_m: Option<f64>,
+    /// The same table in physical units; `None` until it is finished.
+    pub drive_table: Option<&'a DriveTable>,
     /// The table for the setup's plate.
     pub table: &'a TableState,
     /// The codes that the mirror has replayed.

@@ -9,6 +9,7 @@
 use crate::field::felt::{Felt, NotFelt};
 use crate::field::steady_field::{SteadyField, SteadyTone, ToneWave};
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
+use slipline_plate::DriveTable;
 use slipline_plate::feeling::FeltEdge;
 
 /// A place is found if it is this near, in metres: a hundredth of the smallest step of the arrow keys.
@@ -58,13 +59,13 @@ impl Line {
         }
     }
 
-    /// The line of a tone; `full_peak_m` is the table's peak at level 1, if it is known.
+    /// The line of a tone; `table` is that of the setup's plate, if it is known.
     #[must_use]
-    pub fn of(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> Self {
+    pub fn of(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> Self {
         let is_solved = setup.boundary == BoundaryMode::FeltEdge;
-        let field = full_peak_m
+        let field = table
             .filter(|_| is_solved)
-            .map(|full_peak_m| SteadyField::solve(&setup.plate, &[SteadyTone::of(setup, tone, full_peak_m)]));
+            .map(|table| SteadyField::solve(&setup.plate, &[SteadyTone::of(setup, tone, table)]));
         Self::of_wave(setup, tone, field.as_ref().and_then(|field| field.tones.first()))
     }
 }
@@ -79,9 +80,9 @@ pub fn lines(setup: &Setup, field: Option<&SteadyField>) -> Vec<Line> {
 
 /// The places of the line with the tone's turning point at either end of the plate's span, in metres.
 #[must_use]
-pub fn limits_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> (f64, f64) {
+pub fn limits_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> (f64, f64) {
     let (start_m, end_m) = setup.plate.span_m();
-    let at = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, full_peak_m).place_m;
+    let at = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, table).place_m;
     (at(start_m), at(end_m))
 }
 
@@ -90,13 +91,13 @@ pub fn limits_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>) -> (f
 /// Where no felt edge is as near to the driven end, the line can only be that of a tone that is not felt, at its turning
 /// point.
 #[must_use]
-pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>, place_m: f64) -> f64 {
+pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>, place_m: f64) -> f64 {
     let (start_m, end_m) = setup.plate.span_m();
     let clamped_m = place_m.clamp(start_m, end_m);
-    if setup.boundary == BoundaryMode::TurningPoint || full_peak_m.is_none() {
+    if setup.boundary == BoundaryMode::TurningPoint || table.is_none() {
         return clamped_m;
     }
-    let line = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, full_peak_m);
+    let line = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, table);
     // How far the felt edge is beyond the wanted place: it rises with the turning point.
     let off_m = |position_m| match line(position_m) {
         Line { holds: Holds::Unfelt(_), .. } => f64::NEG_INFINITY,
@@ -142,11 +143,11 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, full_peak_m: Option<f64>
 /// The setup with its lines at these places again, as far as they can be there: what the line holds stays where it is
 /// when a level changes. `places_m` gives the place of each tone's line by its slot.
 #[must_use]
-pub fn held(mut setup: Setup, places_m: impl Fn(u8) -> Option<f64>, full_peak_m: Option<f64>) -> Setup {
+pub fn held(mut setup: Setup, places_m: impl Fn(u8) -> Option<f64>, table: Option<&DriveTable>) -> Setup {
     for i in 0..setup.tones.len() {
         let tone = setup.tones[i];
         if let Some(place_m) = places_m(tone.slot) {
-            setup.tones[i].position_m = turning_point_m(&setup, &tone, full_peak_m, place_m);
+            setup.tones[i].position_m = turning_point_m(&setup, &tone, table, place_m);
         }
     }
     setup

@@ -175,7 +175,8 @@ pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError>
     let span_m = (table.span_start_m, table.span_end_m);
     let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
     let device_table =
-        DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)?;
+        DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)?
+            .with_heights(table.nominal_heights.clone())?;
     match table.travel {
         None => Ok(device_table),
         Some(TableTravel { resonance_hz, quality, static_share, .. }) => {

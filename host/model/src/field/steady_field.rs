@@ -3,7 +3,7 @@
 //! One solution costs tens of microseconds, so the field is solved again for every step of a drag.
 
 use crate::setup::{Setup, ToneSetup};
-use slipline_plate::{Complex64, Equation, Finger, Plate, respond, respond_touched};
+use slipline_plate::{Complex64, DriveTable, Equation, Finger, Plate, respond, respond_touched};
 
 /// Number of points along the plate.
 pub const POINTS: usize = 401;
@@ -85,10 +85,11 @@ impl SteadyField {
         self.bound_m.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Largest possible displacement at `x`, in metres, by linear interpolation; 0 off the plate.
+    /// Largest possible displacement at `x`, in metres; 0 off the plate. Between two places each wave is interpolated, not
+    /// its amplitude, which has a kink at each node.
     #[must_use]
     pub fn bound_at(&self, x_m: f64) -> f64 {
-        interpolate(&self.bound_m, x_m / self.length_m)
+        self.tones.iter().map(|tone| between(&tone.wave, x_m / self.length_m).norm()).sum()
     }
 
     /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch that a finger would
@@ -104,6 +105,24 @@ impl SteadyField {
         }
         if total > 0.0 { weighted / total } else { 0.0 }
     }
+}
+
+/// The wave at `share` (0..=1) of the way along its uniform places, by the cubic through the four nearest; 0 off the plate.
+fn between(wave: &[Complex64], share: f64) -> Complex64 {
+    if wave.len() < 4 || !(0.0..=1.0).contains(&share) {
+        return Complex64::ZERO;
+    }
+    let at = share * (wave.len() - 1) as f64;
+    let first = (at.floor() as usize).saturating_sub(1).min(wave.len() - 4);
+    let t = at - first as f64;
+    // Lagrange's polynomials for the places 0, 1, 2 and 3.
+    let weights = [
+        (t - 1.0) * (t - 2.0) * (3.0 - t) / 6.0,
+        t * (t - 2.0) * (t - 3.0) / 2.0,
+        t * (t - 1.0) * (3.0 - t) / 2.0,
+        t * (t - 1.0) * (t - 2.0) / 6.0,
+    ];
+    wave[first..].iter().zip(weights).map(|(wave, weight)| wave * weight).sum()
 }
 
 /// The value at `share` (0..=1) of the way along uniform samples.
@@ -139,21 +158,28 @@ fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Opti
 }
 
 impl SteadyTone {
-    /// A tone of a setup, with the peak the table gives it; `full_peak_m` is the table's peak at level 1.
+    /// A tone of a setup as the device plays it with this table, on the plate that the table was made for.
     #[must_use]
-    pub fn of(setup: &Setup, tone: &ToneSetup, full_peak_m: f64) -> Self {
+    pub fn of(setup: &Setup, tone: &ToneSetup, table: &DriveTable) -> Self {
         Self {
             slot: tone.slot,
-            frequency_hz: setup.plate.frequency_for_boundary_hz(tone.position_m),
-            peak_m: tone.level * setup.master() * full_peak_m,
+            frequency_hz: table.frequency_hz(tone.position_m),
+            peak_m: tone.level * setup.master() * table.peak_m(tone.position_m),
         }
     }
 }
 
-/// The tones of a setup; `full_peak_m` is the table's peak at level 1.
+/// The tones of a setup as the device plays them with the table of its plate. While that is not known, they have the shape
+/// that their places give, and a tone of level 1 has unit height.
 #[must_use]
-pub fn steady_tones(setup: &Setup, full_peak_m: f64) -> Vec<SteadyTone> {
-    setup.tones.iter().map(|tone| SteadyTone::of(setup, tone, full_peak_m)).collect()
+pub fn steady_tones(setup: &Setup, table: Option<&DriveTable>) -> Vec<SteadyTone> {
+    let unit = |tone: &ToneSetup| SteadyTone {
+        slot: tone.slot,
+        frequency_hz: setup.plate.frequency_for_boundary_hz(tone.position_m),
+        peak_m: tone.level * setup.master(),
+    };
+    let steady = |tone| table.map_or_else(|| unit(tone), |table| SteadyTone::of(setup, tone, table));
+    setup.tones.iter().map(steady).collect()
 }
 
 /// The unit in which a displacement of this size is written, and that unit in metres.
@@ -192,7 +218,7 @@ mod tests {
             let wave = steady.tone(0).unwrap();
             assert!((wave.turning_point_m - x).abs() < 1e-6);
             let at_peak = steady.bound_at(wave.peak_position_m.unwrap());
-            assert!((at_peak / 1e-4 - 1.0).abs() < 0.01, "{at_peak}");
+            assert!((at_peak / 1e-4 - 1.0).abs() < 1e-4, "{at_peak}");
         }
     }
 

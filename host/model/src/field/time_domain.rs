@@ -186,12 +186,13 @@ pub(crate) mod tests {
 
     #[test]
     fn the_simulated_plate_stands_where_the_solver_predicts_it() {
-        for name in ["membrane", "al-bending"] {
+        // The last is near 40 kHz, where the plate's own peak differs most from what its table is made for.
+        for (name, share) in [("membrane", 0.7), ("al-bending", 0.7), ("al-bending", 0.98)] {
             let plate = Arc::new(slipline_plate::preset(name).unwrap());
             let (start, end) = plate.span_m();
             let table = DriveTable::build(&plate, 400_000.0, 257).unwrap();
             let table = Arc::new(device_table(&table).unwrap());
-            let x0 = start + 0.7 * (end - start);
+            let x0 = start + share * (end - start);
             let position = table.position(x0).unwrap();
             let drive = one_tone(0, position, 8000);
             let job = TimeDomainJob {
@@ -203,13 +204,13 @@ pub(crate) mod tests {
             };
             let measured = run(&job, &Task::default()).unwrap();
             let frequency_hz = table.frequency_hz(position);
-            let peak_m = table.peak_at_full_scale_m();
+            let peak_m = table.peak_m(position);
             let steady = SteadyField::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
             let worst = measured
                 .points()
                 .map(|(x, metres)| (metres - steady.bound_at(x)).abs() / peak_m)
                 .fold(0.0, f64::max);
-            assert!(worst < 0.08, "{name}: {worst}");
+            assert!(worst < 0.01, "{name}: {worst}");
         }
     }
 }

@@ -12,7 +12,7 @@ fn contrast_db(scene: &Scene) -> (f64, bool) {
     let setup = scene.setup().unwrap();
     let plate = &setup.plate;
     let table = DriveTable::build(plate, 400e3, 129).unwrap();
-    let field = SteadyField::solve(plate, &steady_tones(&setup, table.peak_at_full_scale_m));
+    let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
     let felt = Felt::of(plate, &setup.feeling, &field);
     let line = lines(&setup, Some(&field))[0];
     assert_eq!(line.holds, Holds::FeltEdge, "{}", scene.name);

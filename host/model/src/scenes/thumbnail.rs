@@ -42,7 +42,7 @@ fn thumbnail(scene: &super::Scene) -> Option<Thumbnail> {
     let setup = scene.setup()?;
     let plate = &setup.plate;
     let table = DriveTable::build(plate, SAMPLE_RATE_HZ, KNOTS).ok()?;
-    let field = SteadyField::solve(plate, &steady_tones(&setup, table.peak_at_full_scale_m));
+    let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
     let felt = Felt::of(plate, &setup.feeling, &field);
     let highest_m = field.highest_m().max(f64::MIN_POSITIVE);
     let shares = (0..PLACES).map(|place| place as f64 / (PLACES - 1) as f64);

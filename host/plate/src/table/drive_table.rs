@@ -59,6 +59,10 @@ pub struct DriveTable {
     pub swing_without_gain_db: f64,
     /// Number of knots without a turning-point peak.
     pub knots_without_peak: usize,
+    /// The peak over [`DriveTable::peak_at_full_scale_m`] at each knot and at three positions between each two, for the
+    /// nominal wave speed and loss. With a tolerance the gains level the middle of what the tolerance allows, so that
+    /// the nominal plate itself is up to [`DriveTable::worst_error_db`] off.
+    pub nominal_heights: Vec<f64>,
     /// What the actuator's peak travel does to the table; `None` if the plate file does not limit the travel.
     pub travel: Option<TableTravel>,
 }
@@ -141,6 +145,7 @@ impl DriveTable {
             worst_shift_m: 0.0,
             swing_without_gain_db: 20.0 * (high / low).log10(),
             knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
+            nominal_heights: Vec::new(),
             travel,
         };
         table.measure(plate, &drive_to_peak, level, &mut progress.part(ends[3], ends[4]))?;
@@ -150,25 +155,34 @@ impl DriveTable {
     /// Frequency at `position_m` metres, Hz, interpolated linearly as the device does. Positions outside the span give
     /// its nearest end, NaN its start.
     pub fn frequency_hz(&self, position_m: f64) -> f64 {
-        self.between(position_m, |knot| knot.frequency_hz)
+        self.between(position_m, self.knots.len(), |knot| self.knots[knot].frequency_hz)
     }
 
     /// Gain at `position_m` metres, interpolated linearly as the device does. Positions outside the span give its
     /// nearest end, NaN its start.
     pub fn gain(&self, position_m: f64) -> f64 {
-        self.between(position_m, |knot| knot.gain)
+        self.between(position_m, self.knots.len(), |knot| self.knots[knot].gain)
     }
 
-    fn between(&self, position_m: f64, value: impl Fn(&Knot) -> f64) -> f64 {
-        let last = self.knots.len() - 1;
+    /// Peak of a tone of level 1 at `position_m` metres on the nominal plate, metres; where the plate has no
+    /// turning-point peak, the amplitude at the turning point over 0.6628. Positions outside the span give its nearest
+    /// end, NaN its start.
+    pub fn peak_m(&self, position_m: f64) -> f64 {
+        let heights = &self.nominal_heights;
+        self.peak_at_full_scale_m * self.between(position_m, heights.len(), |place| heights[place])
+    }
+
+    /// What `count` values (2 or more) at positions uniform over the span give at a position between them.
+    fn between(&self, position_m: f64, count: usize, value: impl Fn(usize) -> f64) -> f64 {
+        let last = count - 1;
         let at = (position_m - self.span_start_m) / (self.span_end_m - self.span_start_m) * last as f64;
         let at = if at.is_nan() { 0.0 } else { at.clamp(0.0, last as f64) };
         let left = (at as usize).min(last - 1);
         let t = at - left as f64;
-        value(&self.knots[left]) * (1.0 - t) + value(&self.knots[left + 1]) * t
+        value(left) * (1.0 - t) + value(left + 1) * t
     }
 
-    /// Measures the error at each knot and at three positions between each two.
+    /// Measures the height of the peak at each knot and at three positions between each two.
     fn measure(
         &mut self,
         plate: &Plate,
@@ -185,7 +199,9 @@ impl DriveTable {
         let frequencies: Vec<f64> = places.iter().map(|&x| self.frequency_hz(x)).collect();
         let levels = drive_to_peak.levels(&frequencies, progress)?;
         for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {
-            let error_db = 20.0 * (self.gain(x) * found.amplitude / level).log10();
+            let height = self.gain(x) * found.amplitude / level;
+            let error_db = 20.0 * height.log10();
+            self.nominal_heights.push(height);
             self.worst_error_db = self.worst_error_db.max(error_db.abs());
             let turning = plate.turning_point_m(frequency).unwrap_or(f64::NAN);
             self.worst_shift_m = self.worst_shift_m.max((turning - x).abs());

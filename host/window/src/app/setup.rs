@@ -7,6 +7,7 @@ use slipline_model::field::line::{self, Holds, Line};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
 use slipline_model::setup::edit::{self, Edit};
 use slipline_model::setup::{MAX_TONES, Setup};
+use slipline_plate::DriveTable;
 use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
@@ -16,9 +17,10 @@ impl App {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
-                let full_peak_m = self.full_peak_m();
+                let made = self.screen_table().cloned();
+                let table = made.as_deref().map(|made| &made.drive_table);
                 if let Edit::Add { position_m } = *edit {
-                    let told = [make_fit(&mut next), place_line(&mut next, position_m, full_peak_m)];
+                    let told = [make_fit(&mut next), place_line(&mut next, position_m, table)];
                     let told: Vec<String> = told.into_iter().flatten().collect();
                     if !told.is_empty() {
                         self.notices.tell(told.join(" "));
@@ -31,11 +33,7 @@ impl App {
                     Edit::Level { .. } | Edit::Master(_) | Edit::Feeling(_) | Edit::Add { .. }
                 );
                 if are_held {
-                    next = line::held(
-                        next,
-                        |slot| wanted_m.get(usize::from(slot)).copied().flatten(),
-                        full_peak_m,
-                    );
+                    next = line::held(next, |slot| wanted_m.get(usize::from(slot)).copied().flatten(), table);
                 }
                 self.history.note(&self.setup, edit, self.gesture);
                 self.take(next);
@@ -52,7 +50,7 @@ impl App {
     /// Moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
     pub(super) fn move_line(&mut self, slot: u8, place_m: f64) {
         if let Some(tone) = self.setup.tone(slot).filter(|_| place_m.is_finite()) {
-            let position_m = line::turning_point_m(&self.setup, tone, self.full_peak_m(), place_m);
+            let position_m = line::turning_point_m(&self.setup, tone, self.drive_table(), place_m);
             self.edit(&Edit::Move { slot, position_m });
         }
     }
@@ -107,24 +105,28 @@ impl App {
             return limits_m;
         }
         let Some(tone) = self.setup.tone(self.selected) else { return self.setup.plate.span_m() };
-        let limits_m = line::limits_m(&self.setup, tone, self.full_peak_m());
+        let limits_m = line::limits_m(&self.setup, tone, self.drive_table());
         self.limits_m = Some((self.selected, limits_m));
         limits_m
     }
 
     /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
     pub(super) fn full_peak_m(&self) -> Option<f64> {
-        self.screen_table().map(|made| made.drive_table.peak_at_full_scale_m)
+        self.drive_table().map(|table| table.peak_at_full_scale_m)
+    }
+
+    /// The table of the setup's plate, once it is finished.
+    pub(super) fn drive_table(&self) -> Option<&DriveTable> {
+        self.screen_table().map(|made| &made.drive_table)
     }
 
     /// Predicts the field of the setup, what is felt of it, and where its lines are.
     pub(super) fn predict(&mut self) {
         let plate = &self.setup.plate;
-        let full_peak_m = self.full_peak_m();
-        // While the height is not known, the shape is drawn with unit height.
-        let tones = steady_tones(&self.setup, full_peak_m.unwrap_or(1.0));
+        let table = self.drive_table();
+        let tones = steady_tones(&self.setup, table);
         let alone = SteadyField::solve(plate, &tones);
-        let known = full_peak_m.map(|_| &alone);
+        let known = table.map(|_| &alone);
         self.lines = line::lines(&self.setup, known);
         self.felt = known.map(|known| Felt::of(plate, &self.setup.feeling, known));
         self.limits_m = None;
@@ -149,16 +151,16 @@ fn make_fit(setup: &mut Setup) -> Option<String> {
 
 /// Puts the line of the tone that was added last at `place_m`, in metres. Returns the message to the user if it cannot be
 /// there.
-fn place_line(setup: &mut Setup, place_m: f64, full_peak_m: Option<f64>) -> Option<String> {
+fn place_line(setup: &mut Setup, place_m: f64, table: Option<&DriveTable>) -> Option<String> {
     let tone = *setup.tones.last()?;
-    let position_m = line::turning_point_m(setup, &tone, full_peak_m, place_m);
+    let position_m = line::turning_point_m(setup, &tone, table, place_m);
     setup.tones.last_mut()?.position_m = position_m;
-    let there = Line::of(setup, setup.tones.last()?, full_peak_m);
+    let there = Line::of(setup, setup.tones.last()?, table);
     // The smallest step of the arrow keys.
     if (there.place_m - place_m).abs() < 1e-4 {
         return None;
     }
-    let (low_m, high_m) = line::limits_m(setup, &tone, full_peak_m);
+    let (low_m, high_m) = line::limits_m(setup, &tone, table);
     let (number, place) = (tone.slot + 1, show_place(there.place_m));
     let (low, high) = (show_place(low_m), show_place(high_m));
     Some(format!("Tone {number} is at {place}: a line can be at {low} to {high}."))

@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let slot = tone.slot;
     let plate = &setup.plate;
     let frequency_hz = plate.frequency_for_boundary_hz(tone.position_m);
-    let steady = scene.full_peak_m.map(|full_peak_m| SteadyTone::of(setup, &tone, full_peak_m));
+    let steady = scene.drive_table.map(|table| SteadyTone::of(setup, &tone, table));
     let palette = theme::palette(ui);
 
     let kind = if frequency_hz >= SLIPPERY_FROM_HZ { "Slippery boundary" } else { "Vibration boundary" };

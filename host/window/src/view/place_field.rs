@@ -23,7 +23,7 @@ pub(super) fn allowed(scene: &Scene<'_>, (low_m, high_m): (f64, f64)) -> String 
 /// The turning point of a tone whose line is to be at a typed place, or whose frequency is typed; or the problem, and what
 /// is allowed.
 pub(super) fn typed_position(scene: &Scene<'_>, tone: &ToneSetup, text: &str) -> Result<f64, String> {
-    let limits_m = limits_m(scene.setup, tone, scene.full_peak_m);
+    let limits_m = limits_m(scene.setup, tone, scene.drive_table);
     let refused = |reason: &str| format!("{reason}. Type {}.", allowed(scene, limits_m));
     let plate = &scene.setup.plate;
     match quantity::place_or_frequency(text).map_err(|error| refused(&error.to_string()))? {
@@ -32,7 +32,7 @@ pub(super) fn typed_position(scene: &Scene<'_>, tone: &ToneSetup, text: &str) ->
                 return Err(format!("outside {}", allowed(scene, limits_m)));
             }
             let place_m = place_m.clamp(limits_m.0, limits_m.1);
-            Ok(turning_point_m(scene.setup, tone, scene.full_peak_m, place_m))
+            Ok(turning_point_m(scene.setup, tone, scene.drive_table, place_m))
         }
         PlaceOrFrequency::Frequency(hertz) => {
             let position_m = plate.turning_point_m(hertz).ok_or_else(|| {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::field::steady_field::steady_tones;
+use slipline_plate::DriveTable;
 use std::sync::Arc;
 
 fn setup() -> Setup {
@@ -9,7 +10,8 @@ fn setup() -> Setup {
 #[test]
 fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
     let setup = setup();
-    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let table = DriveTable::build(&setup.plate, 400e3, 17).unwrap();
+    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, Some(&table)));
     let position_m: Vec<f64> = (0..16).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
     let maximum_m: Vec<f64> = (0..16).map(|i| 1e-6 * (1.0 + f64::from(i))).collect();
     let rms_m: Vec<f64> = (0..16).map(|i| 1e-7 * (3.0 + f64::from(i))).collect();
@@ -43,7 +45,8 @@ fn the_head_says_what_the_envelope_is_of() {
     let mut setup = setup();
     setup.master_db = -3.0;
     setup.boundary = BoundaryMode::FeltEdge;
-    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let table = DriveTable::build(&setup.plate, 400e3, 17).unwrap();
+    let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, Some(&table)));
     let text = envelope_csv(&setup, &steady, None, 1e-4);
     for part in [
         "# plate: membrane",

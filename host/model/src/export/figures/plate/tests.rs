@@ -2,18 +2,20 @@ use super::layout::Layout;
 use super::*;
 use crate::export::figures::tests::{decoded, look_over};
 use crate::field::steady_field::{SteadyTone, steady_tones};
+use slipline_plate::DriveTable;
 use std::sync::Arc;
 
 fn subject(preset: &str) -> Subject {
     let setup = Setup::new(Arc::new(slipline_plate::preset(preset).unwrap()));
-    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, 1e-4));
+    let table = DriveTable::build(&setup.plate, 400e3, 17).unwrap();
+    let predicted = SteadyField::solve(&setup.plate, &steady_tones(&setup, Some(&table)));
     Subject {
         sounding: Some(predicted.clone()),
         setup,
         predicted,
         sheet: None,
         measured: None,
-        full_peak_m: 1e-4,
+        full_peak_m: table.peak_at_full_scale_m,
         is_largest: false,
         wave_time_s: 0.0,
     }
@@ -89,7 +91,8 @@ fn sixteen_tones_and_every_preset_can_be_drawn() {
         subject.setup.tones.push(crate::setup::ToneSetup { slot, position_m, level: 0.05, ..first });
     }
     subject.setup.boundary = BoundaryMode::FeltEdge;
-    let tones: Vec<SteadyTone> = steady_tones(&subject.setup, 1e-4);
+    let table = DriveTable::build(&subject.setup.plate, 400e3, 17).unwrap();
+    let tones: Vec<SteadyTone> = steady_tones(&subject.setup, Some(&table));
     subject.predicted = SteadyField::solve(&subject.setup.plate, &tones);
     let layout = Layout::new(&subject);
     let caption = layout.caption.join(" ");
