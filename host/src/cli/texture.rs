@@ -7,15 +7,12 @@ use clap::Args;
 use serde_json::{Value, json};
 use slipline_model::atomic_file::{read_bytes, read_text, said};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_model::setup::{Setup, file};
-use slipline_model::texture::{self as textures, PROFILE_FILE_BYTES_MAX, setup_of};
+use slipline_model::setup::file;
+use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place, show_range};
-use slipline_plate::texture::{
-    CHORD_PERIOD, ChordTexture, Figures, Palette, TONES_MAX, Target, Texture, TextureError,
-    least_largest_square_error,
-};
+use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Figures, Palette, TONES_MAX, TextureError};
 use slipline_plate::{DriveTable, Plate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -59,112 +56,76 @@ struct WantedArgument {
     beat: Option<Beat>,
 }
 
-/// A texture that has been made: its tones, and what is known of it.
-struct Made {
+/// A texture and what it is called.
+struct Named {
     what: String,
-    tones: Vec<slipline_plate::texture::TextureTone>,
-    fitted: Option<Fitted>,
-    /// Where it ends was chosen by its loudness.
-    is_solid: bool,
-    stripes_m: Option<f64>,
-}
-
-impl Made {
-    /// How much louder than its tones the setup is as a chord, dB; `None` if it is none.
-    fn chord_gain_db(&self) -> Option<f64> {
-        let (chord, is_used) = self.fitted.as_ref()?.on_grid.as_ref()?;
-        // A solid area louder than it was made would be felt farther.
-        is_used.then_some(if self.is_solid { 0.0 } else { chord.gain_db })
-    }
-}
-
-/// What a fit tells.
-struct Fitted {
-    /// The same on the multiples of a chord, and whether those are the tones.
-    on_grid: Option<(ChordTexture, bool)>,
-    is: Figures,
-    reach: Figures,
-    worst: Figures,
-    /// Least largest error of the mean square that any number of tones has.
-    largest: f64,
-    texture: Texture,
+    made: Made,
 }
 
 pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
-    let made = make(&plate, &table, &arguments.wanted, arguments.tones)?;
+    let named = make(&plate, &table, &arguments.wanted, arguments.tones)?;
     let plate = Arc::new(plate);
     if let Some(out) = &out {
-        let setup =
-            Setup { chord_gain_db: made.chord_gain_db(), ..setup_of(Arc::clone(&plate), &made.tones) };
-        out.write(|writer| Ok(writer.write_all(file::write(&setup).as_bytes())?))?;
+        let text = file::write(&named.made.setup(Arc::clone(&plate)));
+        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&plate, &made), |writer| {
-        output::lines(writer, &lines(&plate, &made, out.as_ref()))
+    output::print(as_json, &value(&plate, &named.made), |writer| {
+        output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
 }
 
-fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize) -> Result<Made, Failure> {
-    let palette = Palette::new(plate, table);
-    let on_plate = format!(" on the plate {:?}", plate.name());
-    let refused = |option: &str, text: &str, error: TextureError| match error {
-        TextureError::OutOfRange(error) => {
-            let range = show_range(error.range.low, error.range.high, Measure::of(error.range.unit));
-            Failure::value(option, text, format!("{range}{on_plate}"))
-        }
-        error => Failure::Usage(format!("{option} {text}: {error}")),
-    };
-    if let Some(place) = &wanted.solid {
-        let (texture, target) = Texture::solid_to(&palette, place.value, most, &Feeling::default())
-            .map_err(|error| refused("--solid", &place.text, error))?;
-        return fitted(&palette, &target, texture, format!("solid to {}", show_place(place.value)));
-    }
-    if let Some(distance) = &wanted.stripes {
-        let tone = slipline_plate::texture::stripes(&palette, distance.value)
-            .map_err(|error| refused("--stripes", &distance.text, error))?;
-        let stripes_m = slipline_plate::texture::stripes_m(plate, tone.frequency_hz);
-        let what = format!("stripes {} apart", show_length(distance.value));
-        return Ok(Made { what, tones: vec![tone], fitted: None, is_solid: false, stripes_m });
-    }
-    if let Some(Beat { place, frequency }) = &wanted.beat {
+/// Where a wish is from: an option and its text, or a file.
+enum Source<'a> {
+    Option(&'static str, String),
+    File(&'a Path),
+}
+
+/// What is wanted, and where that is from.
+fn wish<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(Wish, Source<'a>), Failure> {
+    let typed = |option, text: &str, wish| (wish, Source::Option(option, text.to_owned()));
+    Ok(if let Some(place) = &wanted.solid {
+        typed("--solid", &place.text, Wish::Solid(place.value))
+    } else if let Some(distance) = &wanted.stripes {
+        typed("--stripes", &distance.text, Wish::Stripes(distance.value))
+    } else if let Some(Beat { place, frequency }) = &wanted.beat {
         let text = format!("{}:{}", place.text, frequency.text);
-        let tones = slipline_plate::texture::beat(&palette, place.value, frequency.value)
-            .map_err(|error| refused("--beat", &text, error))?;
-        let what = format!("a beat of {} at {}", show_frequency(frequency.value), show_place(place.value));
-        return Ok(Made { what, tones: tones.to_vec(), fitted: None, is_solid: false, stripes_m: None });
-    }
-    let (path, breakpoints) = breakpoints(plate, wanted)?;
-    let in_file = |error: TextureError| Failure::Usage(format!("{}: {error}", path.display()));
-    let target = Target::profile(&palette, &breakpoints).map_err(in_file)?;
-    let texture = Texture::fit(&palette, &target, most).map_err(in_file)?;
-    fitted(&palette, &target, texture, format!("the profile {}", path.display()))
+        typed("--beat", &text, Wish::Beat { place_m: place.value, beat_hz: frequency.value })
+    } else {
+        let (path, breakpoints) = breakpoints(plate, wanted)?;
+        (Wish::Profile(breakpoints), Source::File(path))
+    })
 }
 
-fn fitted(palette: &Palette<'_>, target: &Target, texture: Texture, what: String) -> Result<Made, Failure> {
-    let is_solid = texture.figures.ripple_db.is_some();
-    let chord = texture.on_grid(palette, target).map_err(Failure::usage)?;
-    let on_grid = chord.map(|chord| {
-        let is_used = chord.is_as_good_as(&texture);
-        (chord, is_used)
-    });
-    let texture = match &on_grid {
-        // As loud as the free tones, which may have been made quieter than the DAC allows.
-        Some((chord, true)) => chord.texture.as_loud_as(&texture),
-        _ => texture,
+fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize) -> Result<Named, Failure> {
+    let (wish, from) = wish(plate, wanted)?;
+    let what = match (&wish, &from) {
+        (_, Source::File(path)) => format!("the profile {}", path.display()),
+        (Wish::Solid(place_m), _) => format!("solid to {}", show_place(*place_m)),
+        (Wish::Stripes(distance_m), _) => format!("stripes {} apart", show_length(*distance_m)),
+        (Wish::Beat { place_m, beat_hz }, _) => {
+            format!("a beat of {} at {}", show_frequency(*beat_hz), show_place(*place_m))
+        }
+        (Wish::Profile(_), Source::Option(..)) => String::new(),
     };
-    let worst = texture.worst(palette, target).map_err(Failure::usage)?;
-    let largest = least_largest_square_error(palette, target).map_err(Failure::usage)?;
-    let (is, reach) = (texture.figures, texture.reach);
-    let tones = texture.tones.clone();
-    Ok(Made {
-        what,
-        tones,
-        fitted: Some(Fitted { on_grid, is, reach, worst, largest, texture }),
-        is_solid,
-        stripes_m: None,
-    })
+    let palette = Palette::new(plate, table);
+    let made = progress::watched("texture", |progress| {
+        let made = textures::make(&palette, &wish, most, &Feeling::default(), &mut progress.part(0.0, 0.6))?;
+        made.finished(&palette, &mut progress.part(0.6, 1.0))
+    });
+    match made {
+        Ok(made) => Ok(Named { what, made }),
+        Err(error) => Err(match (from, error) {
+            (Source::Option(option, text), TextureError::OutOfRange(error)) => {
+                let range = show_range(error.range.low, error.range.high, Measure::of(error.range.unit));
+                Failure::value(option, &text, format!("{range} on the plate {:?}", plate.name()))
+            }
+            (Source::Option(option, text), error) => Failure::Usage(format!("{option} {text}: {error}")),
+            (Source::File(path), error) => Failure::Usage(format!("{}: {error}", path.display())),
+        }),
+    }
 }
 
 /// Places in metres, each with its amplitude.
@@ -187,13 +148,15 @@ fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Pat
 }
 
 fn value(plate: &Plate, made: &Made) -> Value {
-    let Made { tones, fitted, stripes_m, .. } = made;
-    let reach = |Fitted { reach, largest, .. }: &Fitted| {
+    let Made { tones, fitted, stripes_m } = made;
+    let figures = |it: &Fitted| it.texture.figures;
+    let rest = fitted.as_ref().and_then(|it| it.rest.as_ref());
+    let reach = |Fitted { texture, .. }: &Fitted| {
         json!({
-            "rms_error": reach.rms_error,
-            "ripple_db": reach.ripple_db,
-            "contrast_db": reach.contrast_db,
-            "largest_square_error": largest,
+            "rms_error": texture.reach.rms_error,
+            "ripple_db": texture.reach.ripple_db,
+            "contrast_db": texture.reach.contrast_db,
+            "largest_square_error": rest.map(|rest| rest.largest_square_error),
         })
     };
     json!({
@@ -204,9 +167,9 @@ fn value(plate: &Plate, made: &Made) -> Value {
             "level": tone.level,
             "phase_turns": tone.phase_turns,
         })).collect::<Vec<_>>(),
-        "rms_error": fitted.as_ref().map(|it| it.is.rms_error),
-        "ripple_db": fitted.as_ref().and_then(|it| it.is.ripple_db),
-        "contrast_db": fitted.as_ref().and_then(|it| it.is.contrast_db),
+        "rms_error": fitted.as_ref().map(|it| figures(it).rms_error),
+        "ripple_db": fitted.as_ref().and_then(|it| figures(it).ripple_db),
+        "contrast_db": fitted.as_ref().and_then(|it| figures(it).contrast_db),
         "worst_rms_error": fitted.as_ref().map(|it| it.worst.rms_error),
         "worst_ripple_db": fitted.as_ref().and_then(|it| it.worst.ripple_db),
         "reach": fitted.as_ref().map(reach),
@@ -214,7 +177,7 @@ fn value(plate: &Plate, made: &Made) -> Value {
         "wanted_rms_m": fitted.as_ref().map(|it| &it.texture.wanted_m),
         "rms_m": fitted.as_ref().map(|it| &it.texture.rms_m),
         "stripes_m": stripes_m,
-        "chord": fitted.as_ref().and_then(|it| it.on_grid.as_ref()).map(|(chord, is_used)| json!({
+        "chord": rest.and_then(|rest| rest.chord.as_ref()).map(|(chord, is_used)| json!({
             "is_used": is_used,
             "base_frequency_hz": f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
             "harmonics": chord.harmonics,
@@ -227,13 +190,21 @@ fn value(plate: &Plate, made: &Made) -> Value {
     })
 }
 
-fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static str, String)> {
-    let mut lines = vec![("Plate", plate.name().to_owned()), ("Texture", made.what.clone())];
+fn lines(
+    plate: &Plate,
+    named: &Named,
+    most: usize,
+    out: Option<&Destination>,
+) -> Vec<(&'static str, String)> {
+    let Named { what, made } = named;
+    let mut lines = vec![("Plate", plate.name().to_owned()), ("Texture", what.clone())];
     for tone in &made.tones {
         let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));
         lines.push(("Tone", format!("{place}, {frequency}, level {}", with_decimals(tone.level, 3))));
     }
-    if let Some(Fitted { on_grid, is, reach, worst, texture, .. }) = &made.fitted {
+    if let Some(fitted) = &made.fitted {
+        let Fitted { worst, texture, rest, .. } = fitted;
+        let (is, reach) = (&texture.figures, &texture.reach);
         let percent = |share: f64| format!("{} %", with_decimals(100.0 * share, 1));
         let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
         let error = |figures: &Figures| percent(figures.rms_error);
@@ -251,7 +222,10 @@ fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static
         lines.extend(three(|figures| figures.contrast_db).map(|text| ("Contrast", text)));
         let largest_m = texture.rms_m.iter().copied().fold(0.0, f64::max);
         lines.push(("RMS at most", show_length(largest_m)));
-        lines.extend(on_grid.as_ref().map(|(chord, is_used)| ("Chord", chord_words(chord, *is_used, made))));
+        let chord = rest.as_ref().and_then(|rest| rest.chord.as_ref());
+        let words = |(chord, is_used): &(ChordTexture, bool)| chord_words(chord, *is_used, fitted.is_solid());
+        lines.extend(chord.map(|chord| ("Chord", words(chord))));
+        lines.extend(made.not_to_be_had(most).map(|text| ("Reach", text)));
     }
     if let Some(distance_m) = made.stripes_m {
         lines.push(("Stripes", format!("{} apart in the middle", show_length(distance_m))));
@@ -261,11 +235,11 @@ fn lines(plate: &Plate, made: &Made, out: Option<&Destination>) -> Vec<(&'static
 }
 
 /// What the tones are as a chord.
-fn chord_words(chord: &ChordTexture, is_used: bool, made: &Made) -> String {
+fn chord_words(chord: &ChordTexture, is_used: bool, is_solid: bool) -> String {
     let base = show_frequency(f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD));
     let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
     match (is_used, chord.texture.figures.ripple_db) {
-        (true, _) if made.is_solid => {
+        (true, _) if is_solid => {
             let headroom = decibel(chord.gain_db);
             format!("multiples of {base}; its peak leaves {headroom} above the sum of its tones")
         }

@@ -1,13 +1,15 @@
 //! Textures of the user: what is wanted, read from files, and the setup that plays it.
 //!
 //! ```text
-//! CSV, PNG --> breakpoints (profile_file) --> slipline_plate::texture --> Setup (for the file, the app and the device)
+//! CSV, PNG --> breakpoints (profile_file) --> Wish --making: slipline_plate::texture--> Made --> Setup --> chord, drive
 //! ```
 
 mod chord;
+mod making;
 mod profile_file;
 
 pub use chord::chord_of;
+pub use making::{Fitted, Made, Rest, Wish, make};
 pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, from_csv, from_png};
 
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};

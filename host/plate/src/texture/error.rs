@@ -1,6 +1,7 @@
 //! Why a texture could not be made.
 
 use crate::feeling::FeltEdge;
+use crate::progress::Stopped;
 use crate::quantity::OutOfRange;
 use crate::table::TableError;
 use thiserror::Error;
@@ -44,4 +45,7 @@ pub enum TextureError {
         /// Where the shortest area's felt edge is.
         edge: FeltEdge,
     },
+    /// The caller stopped the computation.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }

@@ -5,6 +5,7 @@ use super::fit::Texture;
 use super::palette::Palette;
 use super::target::Target;
 use crate::feeling::{Feeling, FeltEdge, FeltTone};
+use crate::progress::Progress;
 use crate::quantity::{OutOfRange, Range};
 
 /// Distance from the wanted felt edge that is good enough, metres.
@@ -47,7 +48,24 @@ impl Texture {
         most: usize,
         feeling: &Feeling,
     ) -> Result<(Self, Target), TextureError> {
-        let at = |turning_point_m: f64| -> Result<(Self, Target, FeltEdge), TextureError> {
+        Self::solid_to_watched(palette, felt_edge_m, most, feeling, &mut Progress::new(&mut |_| true))
+    }
+
+    /// As [`Texture::solid_to`], with reports of its progress; it can be stopped.
+    ///
+    /// # Errors
+    /// As [`Texture::solid_to`], and [`TextureError::Stopped`].
+    pub fn solid_to_watched(
+        palette: &Palette<'_>,
+        felt_edge_m: f64,
+        most: usize,
+        feeling: &Feeling,
+        progress: &mut Progress<'_>,
+    ) -> Result<(Self, Target), TextureError> {
+        let mut tried = 0;
+        let mut at = |turning_point_m: f64| -> Result<(Self, Target, FeltEdge), TextureError> {
+            progress.at(f64::from(tried) / (TRIES + 2) as f64)?;
+            tried += 1;
             let target = Target::solid(palette, turning_point_m)?;
             let texture = Self::fit(palette, &target, most)?;
             let edge = texture.felt_edge(palette, feeling)?;

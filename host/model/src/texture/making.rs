@@ -1,0 +1,239 @@
+//! From what a user wants to be felt to tones, and what is known of them.
+//!
+//! ```text
+//! Wish --make--> Made: tones, how near they come, how near any number could --finished--> as a chord where that pays
+//! ```
+//! The first step takes tens of milliseconds, so it follows a pointer; an area by its felt edge and the second step take
+//! some tenths of a second.
+
+use super::setup_of;
+use crate::setup::Setup;
+use slipline_plate::feeling::Feeling;
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::texture::{
+    ChordTexture, Figures, Palette, Target, Texture, TextureError, TextureTone, beat,
+    least_largest_square_error, stripes, stripes_m,
+};
+use slipline_plate::{Plate, Progress};
+use std::sync::Arc;
+
+/// What a user wants to be felt.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// An even area from the driven end to where the finger feels it end, in metres.
+    Solid(f64),
+    /// The wanted RMS amplitude as breakpoints: places in metres, each with its amplitude in any unit.
+    Profile(Vec<(f64, f64)>),
+    /// The nodes of one tone, this far apart in the middle of its area, in metres.
+    Stripes(f64),
+    /// Two tones that beat.
+    Beat {
+        /// Where they beat, in metres.
+        place_m: f64,
+        /// How fast, in Hz.
+        beat_hz: f64,
+    },
+}
+
+/// A texture that has been made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// Its tones, in order of their turning points.
+    pub tones: Vec<TextureTone>,
+    /// What the fit tells; `None` of stripes and beats, which have nothing to come near to.
+    pub fitted: Option<Fitted>,
+    /// How far apart the nodes of stripes are, in metres.
+    pub stripes_m: Option<f64>,
+}
+
+/// How near a fit comes to what is wanted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    target: Target,
+    /// The texture whose tones are used.
+    pub texture: Texture,
+    /// The worst of its figures within the plate's tolerances of speed and loss.
+    pub worst: Figures,
+    /// What takes longer; `None` until [`Made::finished`].
+    pub rest: Option<Rest>,
+}
+
+/// What is known of a fit at its end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rest {
+    /// The same on the multiples of a chord, and whether those are the tones; `None` where no multiple is in the band.
+    pub chord: Option<(ChordTexture, bool)>,
+    /// Least largest error of the mean square that any number of tones has, over the largest wanted.
+    pub largest_square_error: f64,
+}
+
+/// An error of the RMS amplitude, over the largest wanted, that one does not see in a drawn profile.
+const FINE: f64 = 0.05;
+/// Ripple of an area that a finger does not tell, dB.
+const EVEN_DB: f64 = 3.0;
+/// Contrast from which on an edge is clear, dB.
+const CLEAR_DB: f64 = 20.0;
+/// More tones are worth it where they would leave less than this share of the error.
+const WORTH_IT: f64 = 0.8;
+
+/// Makes a texture of at most `most` tones (1 to 16); `feeling` decides where an area ends.
+///
+/// # Errors
+/// [`TextureError`]: what does not fit, with what is allowed, or that the caller stopped it.
+pub fn make(
+    palette: &Palette<'_>,
+    wish: &Wish,
+    most: usize,
+    feeling: &Feeling,
+    progress: &mut Progress<'_>,
+) -> Result<Made, TextureError> {
+    let plain = |tones| Made { tones, fitted: None, stripes_m: None };
+    match *wish {
+        Wish::Solid(felt_edge_m) => {
+            let (texture, target) = Texture::solid_to_watched(palette, felt_edge_m, most, feeling, progress)?;
+            fitted(palette, target, texture)
+        }
+        Wish::Profile(ref breakpoints) => {
+            let target = Target::profile(palette, breakpoints)?;
+            let texture = Texture::fit(palette, &target, most)?;
+            fitted(palette, target, texture)
+        }
+        Wish::Stripes(distance_m) => {
+            let tone = stripes(palette, distance_m)?;
+            let stripes_m = stripes_m(palette.plate(), tone.frequency_hz);
+            Ok(Made { stripes_m, ..plain(vec![tone]) })
+        }
+        Wish::Beat { place_m, beat_hz } => Ok(plain(beat(palette, place_m, beat_hz)?.to_vec())),
+    }
+}
+
+fn fitted(palette: &Palette<'_>, target: Target, texture: Texture) -> Result<Made, TextureError> {
+    let worst = texture.worst(palette, &target)?;
+    let tones = texture.tones.clone();
+    Ok(Made { tones, fitted: Some(Fitted { target, texture, worst, rest: None }), stripes_m: None })
+}
+
+impl Fitted {
+    /// Whether it is an area, whose end is chosen by its loudness.
+    #[must_use]
+    pub fn is_solid(&self) -> bool {
+        self.texture.figures.ripple_db.is_some()
+    }
+}
+
+impl Made {
+    /// The same with the tones on the multiples of a chord, where that costs next to nothing, and with what any number of
+    /// tones could do at each place.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if the plate does not answer, [`TextureError::Stopped`].
+    pub fn finished(self, palette: &Palette<'_>, progress: &mut Progress<'_>) -> Result<Self, TextureError> {
+        let Some(Fitted { target, texture, .. }) = self.fitted else { return Ok(self) };
+        progress.at(0.0)?;
+        let chord = texture.on_grid(palette, &target)?.map(|chord| {
+            let is_used = chord.is_as_good_as(&texture);
+            (chord, is_used)
+        });
+        progress.at(0.4)?;
+        let largest_square_error = least_largest_square_error(palette, &target)?;
+        let texture = match &chord {
+            // As loud as the free tones, which may have been made quieter than the DAC allows.
+            Some((chord, true)) => chord.texture.as_loud_as(&texture),
+            _ => texture,
+        };
+        let made = fitted(palette, target, texture)?;
+        let rest = Some(Rest { chord, largest_square_error });
+        Ok(Self { fitted: made.fitted.map(|fitted| Fitted { rest, ..fitted }), ..made })
+    }
+
+    /// How much louder than its tones it is as a chord, in dB; `None` if it is none.
+    #[must_use]
+    pub fn chord_gain_db(&self) -> Option<f64> {
+        let fitted = self.fitted.as_ref()?;
+        let (chord, is_used) = fitted.rest.as_ref()?.chord.as_ref()?;
+        // A solid area louder than it was made would be felt farther.
+        is_used.then_some(if fitted.is_solid() { 0.0 } else { chord.gain_db })
+    }
+
+    /// The setup that plays it on its plate.
+    #[must_use]
+    pub fn setup(&self, plate: Arc<Plate>) -> Setup {
+        Setup { chord_gain_db: self.chord_gain_db(), ..setup_of(plate, &self.tones) }
+    }
+
+    /// What cannot be had of it, in a sentence; `None` if all of it can. `most` is the number of tones that were allowed.
+    #[must_use]
+    pub fn not_to_be_had(&self, most: usize) -> Option<String> {
+        let Fitted { texture, .. } = self.fitted.as_ref()?;
+        let (is, reach) = (texture.figures, texture.reach);
+        let percent = |share: f64| format!("{} %", with_decimals(100.0 * share, 1));
+        let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
+        if let (Some(ripple_db), Some(contrast_db)) = (reach.ripple_db, reach.contrast_db) {
+            if ripple_db > EVEN_DB || contrast_db < CLEAR_DB {
+                let (ripple, contrast) = (decibel(ripple_db), decibel(contrast_db));
+                return Some(format!(
+                    "This plate has no more even area, whatever the number of tones: with any number the ripple is \
+                     {ripple} and the contrast {contrast}."
+                ));
+            }
+        } else if reach.rms_error > FINE {
+            let error = percent(reach.rms_error);
+            return Some(format!(
+                "Not all of it can be had: any number of tones leaves an error of {error}. Every tone vibrates \
+                 everywhere before its turning point, so the amplitude can fall along the plate but hardly rise."
+            ));
+        }
+        let is_short = self.tones.len() >= most && is.rms_error > FINE;
+        (is_short && reach.rms_error < WORTH_IT * is.rms_error).then(|| {
+            let (is, reach) = (percent(is.rms_error), percent(reach.rms_error));
+            let leave = if most == 1 { "tone leaves" } else { "tones leave" };
+            format!("{most} {leave} an error of {is}; any number would leave {reach}.")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::DriveTable;
+
+    fn membrane() -> (Plate, DriveTable) {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let table = DriveTable::build(&plate, 400e3, 129).unwrap();
+        (plate, table)
+    }
+
+    fn made(wish: &Wish, most: usize) -> Made {
+        let (plate, table) = membrane();
+        let (palette, feeling) = (Palette::new(&plate, &table), Feeling::default());
+        make(&palette, wish, most, &feeling, &mut Progress::new(&mut |_| true)).unwrap()
+    }
+
+    #[test]
+    fn what_cannot_be_had_is_said_and_nothing_else_is() {
+        let falls = Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]);
+        assert_eq!(made(&falls, 16).not_to_be_had(16), None);
+        let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
+        let sentence = rises.not_to_be_had(16).unwrap();
+        assert!(sentence.starts_with("Not all of it can be had: any number of tones leaves"), "{sentence}");
+        let few = made(&falls, 1).not_to_be_had(1).unwrap();
+        assert!(few.starts_with("1 tone leaves an error of"), "{few}");
+        assert_eq!(made(&Wish::Solid(0.28), 16).not_to_be_had(16), None);
+        assert_eq!(made(&Wish::Stripes(0.05), 16).not_to_be_had(16), None);
+    }
+
+    #[test]
+    fn an_area_that_nobody_wants_any_more_is_given_up() {
+        let (plate, table) = membrane();
+        let palette = Palette::new(&plate, &table);
+        let mut told = 0;
+        let mut tell = |_| {
+            told += 1;
+            told < 4
+        };
+        let given_up =
+            make(&palette, &Wish::Solid(0.25), 16, &Feeling::default(), &mut Progress::new(&mut tell));
+        assert!(matches!(given_up, Err(TextureError::Stopped(_))), "it was made");
+        assert_eq!(told, 4);
+    }
+}
