@@ -31,6 +31,16 @@ impl ThemeChoice {
     }
 }
 
+/// A part of the window beside the stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// The panel at the right.
+    #[default]
+    Panel,
+    /// The row of plots, meters and log.
+    Plots,
+}
+
 /// Most files in the list of recent files.
 const RECENT: usize = 8;
 /// Most boards in the list of those that are armed without a brown-out level.
@@ -62,6 +72,8 @@ pub struct Settings {
     pub show_panel: bool,
     /// Whether the row of plots at the bottom is shown.
     pub show_plots: bool,
+    /// The part that is shown in a window with no room for both.
+    pub in_front: Part,
     /// Whether the finger on the simulated plate is heard.
     pub hear_finger: bool,
     /// The volume of what is heard, 0..=1.
@@ -89,6 +101,7 @@ impl Default for Settings {
             has_dragged: false,
             show_panel: true,
             show_plots: true,
+            in_front: Part::Panel,
             hear_finger: true,
             volume: 0.5,
             animate: true,
@@ -144,6 +157,7 @@ mod tests {
             wave: SourceChoice::Sheet,
             show_panel: false,
             show_plots: false,
+            in_front: Part::Plots,
             show_amplitude: true,
             port: Some("unix:/run/it.sock".to_owned()),
             auto_reconnect: false,

@@ -64,7 +64,7 @@ impl App {
             for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
                 if input.consume_key(Modifiers::COMMAND, key) {
                     self.view.open_tab(index);
-                    self.settings.show_panel = true;
+                    asked.push(Intent::ShowPanel(true));
                 }
             }
             // A slider or field that has the focus uses the arrow keys itself.

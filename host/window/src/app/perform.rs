@@ -4,6 +4,7 @@ use super::{App, first_setup, set_theme};
 use crate::files::{FileEvent, FileJob, Save};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
+use crate::settings::Part;
 use eframe::egui;
 use slipline_link::protocol::event::State;
 use slipline_link::{Request, Severity};
@@ -125,8 +126,14 @@ impl App {
                 Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
-                Intent::ShowPanel(show) => self.settings.show_panel = show,
-                Intent::ShowPlots(show) => self.settings.show_plots = show,
+                Intent::ShowPanel(show) => {
+                    self.settings.show_panel = show;
+                    self.settings.in_front = if show { Part::Panel } else { Part::Plots };
+                }
+                Intent::ShowPlots(show) => {
+                    self.settings.show_plots = show;
+                    self.settings.in_front = if show { Part::Plots } else { Part::Panel };
+                }
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
                 Intent::ShowDevice => self.view.open_device(),

@@ -4,27 +4,33 @@ use super::{Scene, ViewState, finger_trace, log, meters, plots};
 use crate::intent::Intents;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
-/// Usual height of the row, and its height in the lowest window, in points.
+/// Usual height of the row, and its height in a low window, in points; in the lowest it takes [`LEAST_SHARE`] of it.
 const HEIGHT: f32 = 194.0;
-const LEAST_HEIGHT: f32 = 140.0;
+const LOW_HEIGHT: f32 = 140.0;
+const LEAST_SHARE: f32 = 0.29;
 /// In a window lower than this, in points, the row shrinks first, because the plate is more important.
 const ROOMY: f32 = 620.0;
 
 /// Height of the row in this window, in points.
 pub(super) fn height(ui: &egui::Ui) -> f32 {
-    let missing = (ROOMY - ui.ctx().content_rect().height()).max(0.0);
-    (HEIGHT - missing).max(LEAST_HEIGHT)
+    let window = ui.ctx().content_rect().height();
+    let missing = (ROOMY - window).max(0.0);
+    (HEIGHT - missing).max(LOW_HEIGHT.min(LEAST_SHARE * window))
 }
 
 /// Shares of the width; each gap between two parts has a separator line.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
+/// The shares in a window narrower than [`NARROW`], in points, where meters and log need more of it.
+const NARROW_SHARES: [f32; 4] = [0.25, 0.25, 0.23, 0.27];
+const NARROW: f32 = 760.0;
 const GAP: f32 = 21.0;
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
+    let shares = if area.width() < NARROW { NARROW_SHARES } else { SHARES };
     let free = area.width() - GAP * (SHARES.len() - 1) as f32;
     let mut left = area.left();
-    for (i, share) in SHARES.into_iter().enumerate() {
+    for (i, share) in shares.into_iter().enumerate() {
         let rect =
             Rect::from_min_max(pos2(left, area.top()), pos2((left + share * free).floor(), area.bottom()));
         // A separate child `Ui`: a column that needs more space than it has must not move its neighbours.

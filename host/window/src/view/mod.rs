@@ -30,6 +30,7 @@ mod plate;
 mod plate_panel;
 mod plots;
 mod read_out;
+mod room;
 mod side_panel;
 mod slider;
 mod sound;
@@ -97,15 +98,17 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
         .frame(frame)
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
-    if scene.settings.show_plots {
+    let size = ui.ctx().content_rect().size();
+    let room = room::Room::of(size, scene.settings, !scene.notices.is_empty());
+    room.switch(ui, frame, &mut intents);
+    if room.plots {
         egui::Panel::bottom("bottom")
             .frame(frame)
             .exact_size(bottom_row::height(ui))
             .resizable(false)
             .show(ui, |ui| bottom_row::show(ui, scene, view, &mut intents));
     }
-    // Messages stand in the panel, so one opens it.
-    if scene.settings.show_panel || !scene.notices.is_empty() {
+    if room.panel {
         egui::Panel::right("side")
             .frame(frame)
             .exact_size(side_panel::WIDTH)

@@ -249,7 +249,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     painter.rect_filled(bar, 2.0, palette.weak);
     let label = pos2(bar.left() - 6.0, rect.center().y);
     painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
-    width_scale(ui, axis, rect, squeeze);
+    width_scale(ui, label.x, rect, squeeze);
 }
 
 /// The colour of a displacement over the glow of the largest there: full between two crests, gone on a crest.
@@ -258,13 +258,14 @@ fn glowing(colour: Color32, value: f32, largest: f32, glow: Color32) -> Color32 
     colour.lerp_to_gamma(glow, GLOW * largest.clamp(0.0, 1.0).sqrt() * rest)
 }
 
-/// A scale bar for the width, because the plate is drawn to scale.
-fn width_scale(ui: &egui::Ui, axis: &Axis, rect: Rect, squeeze: f32) {
+/// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.
+fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
     let palette = theme::palette(ui);
-    let text = if squeeze < 0.999 { "width not to scale" } else { "to scale" };
-    let place = pos2(axis.screen().max, rect.bottom() - 2.0);
-    let colour: Color32 = palette.weak;
-    ui.painter().text(place, Align2::RIGHT_BOTTOM, text, FontId::proportional(11.5), colour);
+    let lines: &[&str] = if squeeze < 0.999 { &["width not", "to scale"] } else { &["to scale"] };
+    for (i, line) in lines.iter().enumerate() {
+        let place = pos2(right, rect.center().y + 8.0 + 13.0 * i as f32);
+        ui.painter().text(place, Align2::RIGHT_TOP, line, FontId::proportional(10.5), palette.weak);
+    }
 }
 
 #[cfg(test)]

@@ -4,12 +4,13 @@ use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, read_
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
 use eframe::egui::{
-    self, Align2, Color32, CornerRadius, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Stroke, pos2,
-    vec2,
+    self, Align2, Color32, CornerRadius, CursorIcon, FontId, Galley, Key, Pos2, Rangef, Rect, Sense, Stroke,
+    Vec2, pos2, vec2,
 };
 use slipline_model::field::line::{Holds, Line};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{show_frequency, show_place};
+use std::sync::Arc;
 use theme::HANDLE;
 
 /// Space left of the plate for the envelope's scale, and right of it for the last label, in points.
@@ -19,11 +20,15 @@ const LABEL: f32 = 26.0;
 const STRIP: f32 = 30.0;
 const SCALE: f32 = 34.0;
 const GAP: f32 = 8.0;
+/// A stage lower than this, in points, has no title.
+const LOW: f32 = 225.0;
 
 /// The rectangles of the three views.
 struct Layout {
     axis: Axis,
     title: Rect,
+    /// For the hint, where it has no room beside the flag.
+    hint: Rect,
     label: Rect,
     plate: Rect,
     envelope: Rect,
@@ -32,25 +37,26 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(area: Rect, length_m: f64, half_width_m: f64, pixels_per_point: f32) -> Self {
-        let range = Rangef::new(area.left() + MARGIN.0, area.right() - MARGIN.1);
-        let axis = Axis::new(length_m, range, pixels_per_point);
+    fn new(area: Rect, axis: Axis, half_width_m: f64, pixels_per_point: f32, hint_height: f32) -> Self {
         let row = |top: f32, height: f32| {
             let top = (top * pixels_per_point).round() / pixels_per_point;
             let bottom = ((top + height) * pixels_per_point).round() / pixels_per_point;
             Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom))
         };
-        let title = row(area.top(), TITLE);
-        let label = row(title.bottom(), LABEL);
+        // The lowest stage, beside the plots in the smallest window, has no line above the plate.
+        let title_height = if area.height() < LOW { 0.0 } else { TITLE };
+        let title = row(area.top(), title_height);
+        let hint = row(title.bottom(), hint_height);
+        let label = row(hint.bottom(), LABEL);
         // In a window that is too low, the views overlap at their ends but stay in order.
-        let free = (area.height() - TITLE - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
+        let free = (area.height() - title_height - hint_height - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
         // The plate gets what it needs at scale; the envelope gets the rest.
         let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
         let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.7 * free).max(40.0));
         let envelope = row(plate.bottom() + GAP, (free - plate.height()).max(40.0));
         let strip = row(envelope.bottom() + GAP, STRIP);
         let scale = row(strip.bottom(), SCALE);
-        Self { axis, title, label, plate, envelope, strip, scale }
+        Self { axis, title, hint, label, plate, envelope, strip, scale }
     }
 }
 
@@ -58,10 +64,18 @@ impl Layout {
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
     let plate = &scene.setup.plate;
-    let layout = Layout::new(area, plate.length_m(), plate.half_width_m(0.0), ui.pixels_per_point());
-    ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
-        plate::title(ui, scene, view, intents);
-    });
+    let range = Rangef::new(area.left() + MARGIN.0, area.right() - MARGIN.1);
+    let density = ui.pixels_per_point();
+    let axis = Axis::new(plate.length_m(), range, density);
+    let hint = Hint::of(ui, scene, &axis, area.x_range());
+    let needs_row = hint.as_ref().is_some_and(|hint| hint.is_apart);
+    let hint_height = if needs_row { LABEL + 2.0 } else { 0.0 };
+    let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height);
+    if layout.title.height() > 0.0 {
+        ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
+            plate::title(ui, scene, view, intents);
+        });
+    }
     grid(ui, scene, &layout);
     plate::show(ui, scene, &layout.axis, layout.plate);
     envelope::show(ui, scene, &layout.axis, layout.envelope);
@@ -74,8 +88,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         handle(ui, scene, &layout, slot, view, intents);
     }
     finger::handle(ui, scene, &layout.axis, layout.plate, view, intents);
-    // Drawn over the lines of the tones.
-    hint(ui, scene, &layout);
+    if let Some(hint) = hint {
+        hint.show(ui, &layout);
+    }
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
     add_by_double_click(ui, scene, &layout, intents);
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
@@ -121,35 +136,53 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
 
 /// The text of the hint, in the longest form that fits.
 const HINTS: [&str; 2] = ["Drag the line: it moves the boundary", "Drag the line"];
+/// Space around the text of a flag or hint, in points.
+const INSET: Vec2 = vec2(10.0, 3.0);
 
-fn hint(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
-    if scene.settings.has_dragged {
-        return;
+/// The hint of a first start: beside the flag of the line if it has room there, else in a row of its own. It covers
+/// nothing.
+struct Hint {
+    galley: Arc<Galley>,
+    /// Its left end, in points.
+    left: f32,
+    /// Whether it needs a row of its own.
+    is_apart: bool,
+}
+
+impl Hint {
+    fn of(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, row: Rangef) -> Option<Self> {
+        let line = scene.line(scene.selected).filter(|_| !scene.settings.has_dragged)?;
+        let flag = flag_of(scene, line, false)?;
+        let flag = Flag::of(ui, row, axis.line_from_place(line.place_m), flag).extent;
+        let ink = theme::palette(ui).text;
+        let text = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
+        let width = |galley: &Arc<Galley>| galley.size().x + 2.0 * INSET.x;
+        for galley in HINTS.map(text) {
+            // Towards the narrow end of the plate if it fits there, else on the other side.
+            for left in [flag.max + GAP, flag.min - GAP - width(&galley)] {
+                if left >= row.min && left + width(&galley) <= row.max {
+                    return Some(Self { galley, left, is_apart: false });
+                }
+            }
+        }
+        let galley = HINTS.map(text).into_iter().find(|galley| width(galley) <= row.span())?;
+        let left = flag.center() - 0.5 * width(&galley);
+        let left = left.min(row.max - width(&galley)).max(row.min);
+        Some(Self { galley, left, is_apart: true })
     }
-    let palette = theme::palette(ui);
-    let Some(line) = scene.line(scene.selected) else { return };
-    let line = layout.axis.line_from_place(line.place_m);
-    let right = layout.axis.screen().max;
-    let size = |text: &str| {
-        let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(14.0), palette.text);
-        (galley.size() + vec2(20.0, 12.0), galley)
-    };
-    let room = right - line - HANDLE;
-    let fits = HINTS.into_iter().map(size).find(|(size, _)| size.x <= room);
-    // The hint is beside the line: towards the narrow end of the plate if it fits there, else on the other side.
-    let (anchor, (size, galley)) = match fits {
-        Some(fits) => (right, fits),
-        None => (line - HANDLE, size(HINTS[1])),
-    };
-    let rect = Align2::RIGHT_TOP.anchor_size(pos2(anchor, layout.plate.top() + 8.0), size);
-    ui.painter().rect(
-        rect,
-        CornerRadius::same(8),
-        palette.panel,
-        Stroke::new(1.0, palette.accent),
-        egui::StrokeKind::Inside,
-    );
-    ui.painter().galley(rect.min + vec2(10.0, 6.0), galley, palette.text);
+
+    fn show(self, ui: &egui::Ui, layout: &Layout) {
+        let palette = theme::palette(ui);
+        let size = self.galley.size() + 2.0 * INSET;
+        let row = if self.is_apart { layout.hint.bottom() - 4.0 } else { layout.label.bottom() };
+        let rect = Rect::from_min_size(pos2(self.left, row - size.y), size);
+        let stroke = Stroke::new(1.0, palette.accent);
+        let painter = ui.painter();
+        painter.rect(rect, CornerRadius::same(5), palette.panel, stroke, egui::StrokeKind::Inside);
+        painter.galley(rect.min + INSET, self.galley, palette.text);
+        let seen = ui.interact(rect, ui.scope_id().with("hint"), Sense::hover());
+        seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, HINTS[1]));
+    }
 }
 
 /// The accessible name of a tone's handle.
@@ -169,8 +202,7 @@ fn handle(
     view: &mut ViewState,
     intents: &mut Intents,
 ) {
-    let setup = scene.setup;
-    let (Some(tone), Some(line)) = (setup.tone(slot), scene.line(slot)) else { return };
+    let Some(line) = scene.line(slot) else { return };
     let x = layout.axis.line_from_place(line.place_m);
     let is_selected = slot == scene.selected;
     let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
@@ -205,13 +237,9 @@ fn handle(
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
-        let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
-        let edge_m = setup.plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN);
-        let mut label = flag(line, frequency_hz, edge_m);
-        if is_held || response.has_focus() {
-            label.push_str(end_of_span(setup.plate.span_m(), tone.position_m));
+        if let Some(text) = flag_of(scene, line, is_held || response.has_focus()) {
+            Flag::of(ui, layout.label.x_range(), x, text).show(ui, layout.label);
         }
-        paint_label(ui, layout, x, &label);
     } else {
         let palette = theme::palette(ui);
         let place = pos2(x, layout.plate.center().y);
@@ -230,6 +258,18 @@ fn flag(line: &Line, frequency_hz: f64, edge_m: f64) -> String {
         Holds::PlateEnd => format!("felt to the plate's end   {frequency}"),
         Holds::Unfelt(why) => format!("{place}   {frequency}   {}", why.words()),
     }
+}
+
+/// The words of the flag on a line; `is_held` adds where the span ends.
+fn flag_of(scene: &Scene<'_>, line: &Line, is_held: bool) -> Option<String> {
+    let plate = &scene.setup.plate;
+    let position_m = scene.setup.tone(line.slot)?.position_m;
+    let frequency_hz = plate.frequency_for_boundary_hz(position_m);
+    let mut words = flag(line, frequency_hz, plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN));
+    if is_held {
+        words.push_str(end_of_span(plate.span_m(), position_m));
+    }
+    Some(words)
 }
 
 /// The note after the place of a boundary that is at a limit.
@@ -274,16 +314,31 @@ fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
     }
 }
 
-fn paint_label(ui: &egui::Ui, layout: &Layout, x: f32, text: &str) {
-    let palette = theme::palette(ui);
-    let ink = if palette.dark { palette.page } else { palette.well };
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), FontId::proportional(13.5), ink);
-    let size = galley.size() + vec2(20.0, 6.0);
-    // If the label does not fit, its left end stays visible.
-    let left = (x - 0.5 * size.x).min(layout.label.right() - size.x).max(layout.label.left());
-    let rect = Rect::from_min_size(pos2(left, layout.label.bottom() - size.y), size);
-    ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
-    ui.painter().galley(rect.min + vec2(10.0, 3.0), galley, ink);
+/// The flag at the top of the selected line.
+struct Flag {
+    galley: Arc<Galley>,
+    /// Its left and right end, in points.
+    extent: Rangef,
+}
+
+impl Flag {
+    /// The flag with this text on a line at `x`. If it does not fit in the row, its left end stays visible.
+    fn of(ui: &egui::Ui, row: Rangef, x: f32, text: String) -> Self {
+        let palette = theme::palette(ui);
+        let ink = if palette.dark { palette.page } else { palette.well };
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(13.5), ink);
+        let width = galley.size().x + 2.0 * INSET.x;
+        let left = (x - 0.5 * width).min(row.max - width).max(row.min);
+        Self { galley, extent: Rangef::new(left, left + width) }
+    }
+
+    fn show(self, ui: &egui::Ui, row: Rect) {
+        let palette = theme::palette(ui);
+        let top = row.bottom() - self.galley.size().y - 2.0 * INSET.y;
+        let rect = Rect::from_x_y_ranges(self.extent, top..=row.bottom());
+        ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
+        ui.painter().galley(rect.min + INSET, self.galley, palette.text);
+    }
 }
 
 fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {

@@ -37,7 +37,9 @@ pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
 fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
     let head = app.window.get_by_label(plot).rect();
     let fit = app.window.get_by_label(&format!("Fit {plot}")).rect();
-    let bottom = app.window.ctx.content_rect().bottom();
+    // In a small window the row ends at the button that opens it.
+    let switch = app.window.query_by_label("Plots").map(|button| button.rect().top() - 6.0);
+    let bottom = switch.unwrap_or(app.window.ctx.content_rect().bottom());
     let area =
         Rect::from_min_max(pos2(head.left() - 6.0, head.bottom() + 2.0), pos2(fit.right() + 6.0, bottom));
     let words: Vec<(String, Rect)> =
@@ -62,6 +64,14 @@ fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
         for size in [[1280.0, 800.0], [960.0, 620.0], [640.0, 480.0]] {
             app.window.set_size(size.into());
             app.wait(100);
+            if let Some(message) = app.window.query_by_label("Dismiss") {
+                message.click();
+                app.wait(100);
+            }
+            if app.window.query_by_label(PLOTS[1]).is_none() {
+                app.window.get_by_label("Plots").click();
+                app.wait(100);
+            }
             for plot in PLOTS {
                 let (x, y) = labels(&app, plot);
                 assert!(x.len() >= 2 && y.len() >= 2, "{} {size:?} {plot}: {x:?} {y:?}", preset.name);

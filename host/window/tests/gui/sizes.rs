@@ -88,6 +88,10 @@ fn the_logs_controls_stay_in_the_window() {
     for width in (640..=1280).step_by(40) {
         app.window.set_size(vec2(width as f32, 620.0));
         app.wait(100);
+        if app.window.query_by_label("Log").is_none() {
+            app.window.get_by_label("Plots").click();
+            app.wait(100);
+        }
         let head = app.window.get_by_label("Log").rect();
         for name in ["Log level", "Copy"] {
             let rect = app.window.get_by_label(name).rect();

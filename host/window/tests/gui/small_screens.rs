@@ -34,11 +34,13 @@ fn on_a_small_screen_the_panels_give_their_room_to_the_stage_and_stop_stays() {
     let mut app = TestApp::driving();
     app.window.set_size(vec2(640.0, 480.0));
     app.wait(100);
-    let height = |app: &TestApp| line_rect(app).height();
-    let before = height(&app);
+    // There is no room for both, so the plots have closed by themselves.
+    assert!(app.window.query_by_label("Tones").is_some() && app.window.query_by_label("Copy").is_none());
+    let before = line_rect(&app);
+    assert!(before.height() > 200.0, "{before}");
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
     app.wait(100);
-    assert!(height(&app) > before + 100.0, "{before} {}", height(&app));
+    assert!(line_rect(&app).left() > before.left() + 150.0, "{before} {}", line_rect(&app));
     assert!(app.window.query_by_label("Tones").is_none() && app.window.query_by_label("Copy").is_none());
     let stop = app.window.get_by_label("STOP").rect();
     assert!(stop.right() <= 640.0 && stop.bottom() <= 480.0, "{stop}");
@@ -59,7 +61,32 @@ fn on_a_small_screen_the_panels_give_their_room_to_the_stage_and_stop_stays() {
     app.wait(200);
     app.window.get_by_label("Plots, meters and log").click();
     app.wait(100);
-    assert!(app.window.query_by_label("Copy").is_some());
+    assert!(app.window.query_by_label("Copy").is_some() && app.window.query_by_label("Tones").is_none());
+    // The buttons at the bottom open one in place of the other, and a larger window shows both.
+    app.window.get_by_label("Panel").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("Copy").is_none() && app.window.query_by_label("Tones").is_some());
+    app.window.set_size(vec2(1280.0, 800.0));
+    app.wait(100);
+    assert!(app.window.query_by_label("Copy").is_some() && app.window.query_by_label("Tones").is_some());
+    assert!(app.window.query_by_label("Panel").is_none());
+}
+
+#[test]
+fn the_hint_lies_over_nothing_and_the_names_are_read_on_a_small_screen() {
+    for size in SIZES.into_iter().chain([[640.0, 400.0], [960.0, 620.0], [1280.0, 800.0]]) {
+        let app = small(size);
+        let hint = app.window.get_by_label("Drag the line").rect();
+        assert!(screen(size).contains_rect(hint), "{size:?}: {hint}");
+        let line = line_rect(&app);
+        // The line's column begins with the row of its flag; plate, envelope and strip are under that row.
+        assert!(hint.bottom() <= line.top() + 27.0, "{size:?}: {hint} {line}");
+        for name in ["Wave", "Amplitude", "Validity: 3 amber"] {
+            let other = app.window.get_by_label(name).rect();
+            assert!(!hint.intersects(other.shrink(1.0)), "{size:?} {name}: {hint} {other}");
+        }
+        assert!(line.height() >= 150.0, "{size:?}: {line}");
+    }
 }
 
 #[test]

@@ -21,21 +21,23 @@ const MOST_PER_MILLE: usize = 3;
 
 /// The window at a first start.
 fn first_picture(theme: ThemeChoice, size: [u16; 2]) -> ColorImage {
-    painted(theme, size, TestApp::first_start)
+    painted(theme, size, 1.0, TestApp::first_start)
 }
 
 /// The window in this theme and of this size in points, after `prepare` has acted on it.
 fn picture(theme: ThemeChoice, size: [u16; 2], prepare: impl FnOnce(&mut TestApp)) -> ColorImage {
-    painted(theme, size, |theme, builder| {
+    painted(theme, size, 1.0, |theme, builder| {
         let mut app = TestApp::driving_with(theme, builder);
         prepare(&mut app);
         app
     })
 }
 
+/// `size` is in points, of which each has `density` pixels.
 fn painted(
     theme: ThemeChoice,
     size: [u16; 2],
+    density: f32,
     open: impl FnOnce(ThemeChoice, HarnessBuilder<App>) -> TestApp,
 ) -> ColorImage {
     let painter = Painter::default();
@@ -44,8 +46,10 @@ fn painted(
         .with_size(size.map(f32::from))
         .with_theme(egui_theme)
         .renderer(painter.clone());
-    let app = open(theme, builder);
-    painter.paint(&app.window.ctx, app.window.output(), size.map(usize::from))
+    let mut app = open(theme, builder.with_pixels_per_point(density));
+    app.wait(100);
+    let pixels = size.map(|points| (f32::from(points) * density) as usize);
+    painter.paint(&app.window.ctx, app.window.output(), pixels)
 }
 
 fn read(path: &PathBuf) -> ColorImage {
@@ -90,8 +94,10 @@ fn compare(name: &str, seen: &ColorImage) {
 }
 
 const USUAL: [u16; 2] = [1280, 800];
-/// The smallest the window may be made.
+/// The smallest window with room for everything at once.
 const SMALLEST: [u16; 2] = [960, 620];
+/// The smallest screen, where panel and plots take turns.
+const SMALL_SCREEN: [u16; 2] = [640, 480];
 
 #[test]
 fn the_window_looks_as_it_was_approved_in_light() {
@@ -168,4 +174,21 @@ fn what_is_felt_is_faint_while_nothing_is_driven() {
         let stopped = contrast(&picture(theme, USUAL, stop));
         assert!(2 * stopped < driven && 10 * stopped > driven, "{theme:?}: {driven}, {stopped}");
     }
+}
+
+#[test]
+fn a_small_screen_looks_as_it_was_approved() {
+    compare("small-light", &first_picture(ThemeChoice::Light, SMALL_SCREEN));
+    compare("small-dark", &first_picture(ThemeChoice::Dark, SMALL_SCREEN));
+    let open_plots = |app: &mut TestApp| {
+        app.window.get_by_label("Plots").click();
+        app.wait(300);
+    };
+    compare("small-plots", &picture(ThemeChoice::Light, SMALL_SCREEN, open_plots));
+}
+
+/// 1280 x 800 pixels, two to a point.
+#[test]
+fn a_dense_screen_looks_as_it_was_approved() {
+    compare("dense", &painted(ThemeChoice::Dark, [640, 400], 2.0, TestApp::first_start));
 }
