@@ -173,11 +173,23 @@ impl DeviceTable {
         self.peak_at_full_scale_m
     }
 
+    /// The position whose tone gains so many turns per sample; `None` if the table has none of this frequency.
+    #[must_use]
+    pub fn place_of_turns(&self, turns: f64) -> Option<FinePosition> {
+        if !(0.0..0.5).contains(&turns) {
+            return None;
+        }
+        let count = self.header.knots;
+        let step = (turns * 4_294_967_296.0).round() as u32;
+        let (index, fraction) = table::place_of_step(count, step, knot_of(&self.knots))?;
+        Some(table::position_between(count, index, fraction))
+    }
+
     /// The peak displacement of a tone of level 1 at this position on the table's own plate, in metres.
     #[must_use]
-    pub fn peak_m(&self, position: Position) -> f64 {
+    pub fn peak_m(&self, position: FinePosition) -> f64 {
         let last = self.heights.len().saturating_sub(1);
-        let at = f64::from(position.0) / 65535.0 * last as f64;
+        let at = f64::from(position.raw()) / f64::from(FinePosition::END.raw()) * last as f64;
         let left = (at as usize).min(last.saturating_sub(1));
         let height = |place: usize| self.heights.get(place).copied().unwrap_or(1.0);
         let here = height(left);
@@ -343,9 +355,9 @@ mod tests {
         let (even, table) = (line(9), line(9).with_heights(vec![1.0, 0.9, 1.2]).unwrap());
         assert_eq!(table.crc(), even.crc());
         for (position, height) in [(0, 1.0), (16_384, 0.95), (32_768, 0.9), (u16::MAX, 1.2)] {
-            let peak_m = table.peak_m(Position(position));
+            let peak_m = table.peak_m(Position(position).fine());
             assert!((peak_m / 1e-6 - height).abs() < 1e-4, "{position}: {peak_m}");
-            assert_eq!(even.peak_m(Position(position)), 1e-6);
+            assert_eq!(even.peak_m(Position(position).fine()), 1e-6);
         }
         let refused = |heights: &[f64]| line(9).with_heights(heights.to_vec()).unwrap_err().to_string();
         assert!(refused(&[1.0]).contains("number of heights is 1"), "{}", refused(&[1.0]));

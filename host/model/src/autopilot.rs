@@ -6,7 +6,8 @@
 
 use crate::field::steady_field::SteadyTone;
 use crate::jobs::table::TableMade;
-use slipline_link::protocol::command::{Drive, Tone, TravelLimit};
+use crate::played::Played;
+use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
 use slipline_link::table::DeviceTable;
@@ -219,20 +220,15 @@ fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
 pub struct SoundingDrive {
     /// The number of the journal's entry.
     pub number: u64,
-    /// The drive, in the device's units.
-    pub drive: Arc<Drive>,
+    /// What is played, in the device's units.
+    pub played: Played,
     /// The table with which it is played.
     pub table: Arc<DeviceTable>,
     /// Its tones, in physical units.
     pub tones: Vec<SteadyTone>,
 }
 
-/// The level of a tone of a drive, with the drive's master level, 0..=1.
-pub(crate) fn level(drive: &Drive, tone: &Tone) -> f64 {
-    f64::from(tone.level.0) / f64::from(u16::MAX) * 10f64.powf(f64::from(drive.master.0) / 2000.0)
-}
-
-/// The drive that sounds; `None` when the device is silent or uses a table that this program does not know.
+/// The drive or chord that sounds; `None` when the device is silent or uses a table that this program does not know.
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let is_sounding = snapshot
@@ -242,24 +238,23 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let mut latest = None;
     for entry in snapshot.journal.iter() {
         match &entry.change {
-            Change::Drive(drive) => latest = Some((entry.number, drive)),
-            // The app sends none: one that sounds is not its own.
-            Change::Chord(_) => latest = None,
+            Change::Drive(drive) => latest = Some((entry.number, Played::Drive(Arc::clone(drive)))),
+            Change::Chord(chord) => latest = Some((entry.number, Played::Chord(Arc::clone(chord)))),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }
             Change::Limit(_) => {}
             // The tones glide to the new table's places and gains.
-            Change::Table(_) => latest = latest.map(|(_, drive)| (entry.number, drive)),
+            Change::Table(_) => latest = latest.map(|(_, played)| (entry.number, played)),
         }
     }
-    let (number, drive) = latest.filter(|(_, drive)| !drive.tones.is_empty())?;
-    let tones = drive.tones.iter().map(|tone| SteadyTone {
+    let (number, played) = latest.filter(|(_, played)| played.count() > 0)?;
+    let tones = played.tones(table).into_iter().map(|tone| SteadyTone {
         slot: tone.slot,
-        frequency_hz: table.frequency_hz(tone.position),
-        peak_m: level(drive, tone) * table.peak_m(tone.position),
+        frequency_hz: tone.frequency_hz,
+        peak_m: tone.peak_m,
     });
-    Some(SoundingDrive { number, drive: Arc::clone(drive), table: Arc::clone(table), tones: tones.collect() })
+    Some(SoundingDrive { number, tones: tones.collect(), table: Arc::clone(table), played })
 }
 
 #[cfg(test)]

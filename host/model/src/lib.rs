@@ -20,6 +20,7 @@ pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
+pub mod played;
 pub mod scenes;
 pub mod setup;
 pub mod sound;

@@ -78,9 +78,11 @@ pub fn lines(setup: &Setup, field: Option<&SteadyField>) -> Vec<Line> {
     setup.tones.iter().map(|tone| Line::of_wave(setup, tone, wave(tone.slot))).collect()
 }
 
-/// The places of the line with the tone's turning point at either end of the plate's span, in metres.
+/// The places of the line with the tone's turning point at either end of the plate's span, in metres. A tone that moves is
+/// no part of a chord.
 #[must_use]
 pub fn limits_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> (f64, f64) {
+    let setup = &setup.without_chord();
     let (start_m, end_m) = setup.plate.span_m();
     let at = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, table).place_m;
     (at(start_m), at(end_m))
@@ -92,6 +94,7 @@ pub fn limits_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> 
 /// point.
 #[must_use]
 pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>, place_m: f64) -> f64 {
+    let setup = &setup.without_chord();
     let (start_m, end_m) = setup.plate.span_m();
     let clamped_m = place_m.clamp(start_m, end_m);
     if setup.boundary == BoundaryMode::TurningPoint || table.is_none() {

@@ -13,9 +13,9 @@ pub use source::{Source, SourceChoice, source};
 
 use crate::field::time_domain::{self, TimeDomainJob};
 use crate::jobs::Task;
+use crate::played::Played;
 use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
-use slipline_link::protocol::command::Drive;
 use slipline_link::table::DeviceTable;
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
@@ -168,7 +168,11 @@ impl Run {
             self.mirror.acknowledge_table(job.table.knots().into(), now).ok()?;
             self.table = Arc::clone(&job.table);
         }
-        self.mirror.acknowledge_drive(&Drive::clone(&job.drive), now + AHEAD).ok()?;
+        if let Played::Chord(_) = job.played {
+            // It begins in silence.
+            self.mirror.silence(now);
+        }
+        job.played.acknowledge(&mut self.mirror, now + AHEAD).ok()?;
         self.number = Some(job.number);
         self.settling = true;
         Some(())
@@ -176,7 +180,7 @@ impl Run {
 
     /// Runs until the transient of the change has died down, then long enough to see the largest displacement.
     fn settle(&mut self, job: &TimeDomainJob, task: &Task) {
-        let glide_s = f64::from(job.drive.glide) / self.rate_hz;
+        let glide_s = f64::from(job.played.glide()) / self.rate_hz;
         let settle = AHEAD + ((glide_s + self.settle_s).min(time_domain::RUN_MAX_S) * self.rate_hz) as u64;
         let watch = (time_domain::watch_s(job) * self.rate_hz) as u64;
         let whole = (settle + watch).max(1);
@@ -243,7 +247,7 @@ mod tests {
             number,
             plate: Arc::clone(plate),
             table: Arc::clone(table),
-            drive: Arc::new(drive),
+            played: Played::Drive(Arc::new(drive)),
             dac_bits: 12,
         };
         SheetJob { drive, time_s: 0.0 }

@@ -158,13 +158,16 @@ fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Opti
 }
 
 impl SteadyTone {
-    /// A tone of a setup as the device plays it with this table, on the plate that the table was made for.
+    /// A tone of a setup as the device plays it with this table, on the plate that the table was made for; one of a chord is
+    /// louder.
     #[must_use]
     pub fn of(setup: &Setup, tone: &ToneSetup, table: &DriveTable) -> Self {
         Self {
             slot: tone.slot,
             frequency_hz: table.frequency_hz(tone.position_m),
-            peak_m: tone.level * setup.master() * table.peak_m(tone.position_m),
+            peak_m: (tone.level * setup.chord_factor()).min(1.0)
+                * setup.master()
+                * table.peak_m(tone.position_m),
         }
     }
 }

@@ -6,9 +6,9 @@
 //! It shares only the plate with the solver that predicts the envelope, so the agreement of the two checks both.
 
 use crate::jobs::Task;
+use crate::played::Played;
 use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
-use slipline_link::protocol::command::Drive;
 use slipline_link::table::DeviceTable;
 use slipline_plate::{Plate, TimeDomainLine};
 use std::sync::Arc;
@@ -65,24 +65,23 @@ pub struct TimeDomainJob {
     pub plate: Arc<Plate>,
     /// The device's table.
     pub table: Arc<DeviceTable>,
-    /// The drive the device has accepted.
-    pub drive: Arc<Drive>,
+    /// What the device has accepted.
+    pub played: Played,
     /// The device's bits per code.
     pub dac_bits: u8,
 }
 
 /// How long the settled plate is recorded to find its largest displacement, in seconds.
 pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
-    let tones = &job.drive.tones;
-    let slowest_hz =
-        tones.iter().map(|tone| job.table.frequency_hz(tone.position)).fold(f64::INFINITY, f64::min);
+    let tones = job.played.tones(&job.table);
+    let slowest_hz = tones.iter().map(|tone| tone.frequency_hz).fold(f64::INFINITY, f64::min);
     if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
 }
 
 /// How long the mean of several tones is recorded, in seconds: so many beats of the slowest beat, within limits.
 fn mean_s(job: &TimeDomainJob) -> f64 {
     let mut hertz: Vec<f64> =
-        job.drive.tones.iter().map(|tone| job.table.frequency_hz(tone.position)).collect();
+        job.played.tones(&job.table).into_iter().map(|tone| tone.frequency_hz).collect();
     hertz.sort_by(f64::total_cmp);
     let beat_hz =
         hertz.windows(2).map(|pair| pair[1] - pair[0]).filter(|hz| *hz > 0.0).fold(f64::INFINITY, f64::min);
@@ -97,9 +96,9 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let mut line = TimeDomainLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
     let mut mirror = Mirror::new(rate, 0);
     mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
-    mirror.acknowledge_drive(&job.drive, AHEAD).ok()?;
+    job.played.acknowledge(&mut mirror, AHEAD).ok()?;
     let samples = |seconds: f64| (seconds * f64::from(rate)) as u64;
-    let glide_s = f64::from(job.drive.glide) / f64::from(rate);
+    let glide_s = f64::from(job.played.glide()) / f64::from(rate);
     let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
     let bits = u32::from(job.dac_bits);
     let end = settled + samples(mean_s(job)).max(2 * BLOCK as u64);
@@ -123,7 +122,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
         position_m: line.positions_m().to_vec(),
         maximum_m,
         rms_m,
-        tones: job.drive.tones.len(),
+        tones: job.played.count(),
     })
 }
 
@@ -173,7 +172,7 @@ pub(crate) mod tests {
             number: 1,
             plate: Arc::clone(&plate),
             table,
-            drive: Arc::new(drive),
+            played: Played::Drive(Arc::new(drive)),
             dac_bits: 12,
         };
         let measured = run(&job, &Task::default()).unwrap();
@@ -199,12 +198,12 @@ pub(crate) mod tests {
                 number: 1,
                 plate: Arc::clone(&plate),
                 table: Arc::clone(&table),
-                drive: Arc::new(drive),
+                played: Played::Drive(Arc::new(drive)),
                 dac_bits: 12,
             };
             let measured = run(&job, &Task::default()).unwrap();
             let frequency_hz = table.frequency_hz(position);
-            let peak_m = table.peak_m(position);
+            let peak_m = table.peak_m(position.fine());
             let steady = SteadyField::solve(&plate, &[SteadyTone { slot: 0, frequency_hz, peak_m }]);
             let worst = measured
                 .points()

@@ -106,6 +106,18 @@ impl Setup {
         (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)
     }
 
+    /// The factor by which its tones are louder as a chord; 1 if they are none.
+    #[must_use]
+    pub fn chord_factor(&self) -> f64 {
+        10f64.powf(self.chord_gain_db.unwrap_or(0.0) / 20.0)
+    }
+
+    /// The same tones by the sum of their amplitudes, as a change of one of them leaves them.
+    #[must_use]
+    pub fn without_chord(&self) -> Self {
+        Self { chord_gain_db: None, ..self.clone() }
+    }
+
     /// The tone in a slot.
     #[must_use]
     pub fn tone(&self, slot: u8) -> Option<&ToneSetup> {

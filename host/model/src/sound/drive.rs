@@ -1,9 +1,8 @@
 //! The drive itself as sound: for a voice coil at the output of a sound card.
 
 use super::{Partial, Sound};
-use crate::autopilot::{SoundingDrive, level};
-use slipline_link::protocol::command::Tone;
-use slipline_link::protocol::units::Gain;
+use crate::autopilot::SoundingDrive;
+use crate::played::PlayedTone;
 
 /// The highest frequency that is played, in Hz: sound cards, and the amplifiers behind them, are made for hearing;
 /// above it a boundary's level would depend on which one it is.
@@ -13,13 +12,13 @@ pub const HIGHEST_DRIVE_HZ: f64 = 1_000.0;
 /// master, and the share `foldback_per_mille` that the device's thermal limit leaves of them.
 #[must_use]
 pub fn of_drive(sounding: &SoundingDrive, foldback_per_mille: u16) -> Sound {
-    let SoundingDrive { drive, table, .. } = sounding;
-    let partial = |tone: &Tone| {
-        let gain = f64::from(table.setting(tone.position.fine()).gain.0) / f64::from(Gain::FULL.0);
-        let amplitude = gain * level(drive, tone) * f64::from(foldback_per_mille.min(1000)) / 1000.0;
-        Partial { slot: tone.slot, frequency_hz: table.frequency_hz(tone.position), amplitude }
+    let left = f64::from(foldback_per_mille.min(1000)) / 1000.0;
+    let partial = |PlayedTone { slot, frequency_hz, amplitude, .. }| Partial {
+        slot,
+        frequency_hz,
+        amplitude: amplitude * left,
     };
-    let partials = drive.tones.iter().map(partial);
+    let partials = sounding.played.tones(&sounding.table).into_iter().map(partial);
     Sound {
         partials: partials.filter(|partial| partial.frequency_hz <= HIGHEST_DRIVE_HZ).collect(),
         noise: 0.0,
@@ -38,8 +37,9 @@ mod tests {
     use super::*;
     use crate::field::simulation::device_table;
     use crate::field::steady_field::SteadyTone;
-    use slipline_link::protocol::command::{Apply, Drive};
-    use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
+    use crate::played::Played;
+    use slipline_link::protocol::command::{Apply, Drive, Tone};
+    use slipline_link::protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
     use std::sync::Arc;
 
     fn drive(preset: &str, level: u16, master: i16) -> SoundingDrive {
@@ -50,7 +50,7 @@ mod tests {
         let steady = SteadyTone { slot: 3, frequency_hz: table.frequency_hz(tone.position), peak_m: 1e-4 };
         let tones = [tone].into_iter().collect();
         let drive = Drive { tones, master: CentiDecibel(master), glide: 400, apply: Apply::Next };
-        SoundingDrive { number: 1, drive: Arc::new(drive), table, tones: vec![steady] }
+        SoundingDrive { number: 1, played: Played::Drive(Arc::new(drive)), table, tones: vec![steady] }
     }
 
     #[test]

@@ -12,7 +12,8 @@ const OFF: f64 = 0.25;
 /// sample rate over [`CHORD_PERIOD`] there, because the device has another sample rate, for example.
 #[must_use]
 pub fn chord_of(setup: &Setup, table: &DeviceTable) -> Option<ChordRequest> {
-    let louder = 10f64.powf(setup.chord_gain_db? / 20.0);
+    setup.chord_gain_db?;
+    let louder = setup.chord_factor();
     let base_hz = f64::from(table.header().sample_rate_hz) / f64::from(CHORD_PERIOD);
     let mut tones = setup
         .tones

@@ -3,9 +3,11 @@
 
 use super::{App, TableJob, TableMade, TableState};
 use slipline_link::protocol::event::Fault;
-use slipline_link::{Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
+use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
 use slipline_model::autopilot;
+use slipline_model::played::Played;
 use slipline_model::setup::edit;
+use slipline_model::texture::chord_of;
 use std::sync::Arc;
 
 /// A reason as a whole sentence.
@@ -173,8 +175,32 @@ impl App {
         }
     }
 
+    /// The setup's tones as a chord, if they are one that the device can play with its plate's table.
+    pub(super) fn chord(&self) -> Option<ChordRequest> {
+        let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
+        chord_of(&self.setup, &made.device_table)
+    }
+
+    /// The request that plays the setup.
+    fn playing(&self) -> Request {
+        let by_sum = || Request::Drive(edit::drive(&self.setup));
+        let (Some(made), Some(identity)) = (self.screen_table(), &self.snapshot.identity) else {
+            return by_sum();
+        };
+        // A chord that the device would refuse whatever its loudness is played by the sum of its amplitudes.
+        let chord = self.chord().and_then(|chord| chord.fitted(identity, &made.device_table).ok());
+        chord.map_or_else(by_sum, Request::Chord)
+    }
+
     pub(super) fn send_drive(&mut self) {
-        let ticket = self.parts.link.send(Request::Drive(edit::drive(&self.setup)));
+        let request = self.playing();
+        let sounding = autopilot::sounding(&self.snapshot).map(|sounding| sounding.played);
+        if matches!(request, Request::Chord(_)) || matches!(sounding, Some(Played::Chord(_))) {
+            // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
+            // of a drive, so these would cross the plate on their way.
+            self.parts.link.send(Request::Stop);
+        }
+        let ticket = self.parts.link.send(request);
         self.drive_sent = Some(ticket);
         self.latest_drive = Some(ticket);
     }

@@ -104,7 +104,7 @@ impl App {
             number: acknowledged.number,
             plate,
             table: acknowledged.table,
-            drive: acknowledged.drive,
+            played: acknowledged.played,
             dac_bits: identity.dac_bits,
         };
         if identity.simulated {

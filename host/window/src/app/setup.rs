@@ -124,7 +124,10 @@ impl App {
     pub(super) fn predict(&mut self) {
         let plate = &self.setup.plate;
         let table = self.drive_table();
-        let tones = steady_tones(&self.setup, table);
+        let tones = match self.chord() {
+            Some(_) => steady_tones(&self.setup, table),
+            None => steady_tones(&self.setup.without_chord(), table),
+        };
         let alone = SteadyField::solve(plate, &tones);
         let known = table.map(|_| &alone);
         self.lines = line::lines(&self.setup, known);

@@ -146,7 +146,9 @@ fn slide(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui:
         .inner;
     ui.spacing_mut().slider_width =
         (ui.available_width() - VALUE - ui.spacing().item_spacing.x).max(LEAST_SLIDER);
-    let response = ui.add(slider.show_value(false)).labelled_by(label.id).on_hover_text(help);
+    // Only what the user does changes the value: by itself a slider would round it to the decimals that it shows.
+    let slider = slider.show_value(false).clamping(egui::SliderClamping::Edits);
+    let response = ui.add(slider).labelled_by(label.id).on_hover_text(help);
     if response.has_focus() {
         // The slider's own style hardly shows the keyboard focus.
         let ring = response.rect.expand(2.0);

@@ -1,6 +1,7 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
 mod background;
+mod chords;
 mod drive_time;
 mod exports;
 mod fake_files;
