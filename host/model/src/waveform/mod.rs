@@ -2,7 +2,7 @@
 
 mod spectrum;
 
-pub use spectrum::Line;
+pub use spectrum::{Line, peaks};
 
 use crate::jobs::Task;
 use slipline_link::BLOCK;

@@ -73,6 +73,50 @@ impl Spectrum {
     }
 }
 
+/// How far a peak stands above the higher of the valleys beside it, in dB: less is noise.
+const PROMINENCE_DB: f64 = 12.0;
+
+/// The peaks of a spectrum down to `floor_db`, at most `most`, the strongest first. Where the lines are evenly spaced,
+/// place and level are those of the parabola through a peak and its neighbours: a tone between two bins is told right.
+#[must_use]
+pub fn peaks(lines: &[Line], floor_db: f64, most: usize) -> Vec<Line> {
+    let level = |i: usize| lines[i].level_db;
+    let mut tops: Vec<Line> = Vec::new();
+    for i in 1..lines.len().saturating_sub(1) {
+        let here = level(i);
+        if here < floor_db || here < level(i - 1) || here <= level(i + 1) {
+            continue;
+        }
+        let valley = |beside: &mut dyn Iterator<Item = usize>| {
+            beside.map(level).take_while(|&other| other <= here).fold(here, f64::min)
+        };
+        let higher = valley(&mut (0..i).rev()).max(valley(&mut (i + 1..lines.len())));
+        if here - higher >= PROMINENCE_DB {
+            tops.push(between(&lines[i - 1..=i + 1]));
+        }
+    }
+    tops.sort_by(|a, b| b.level_db.total_cmp(&a.level_db));
+    tops.truncate(most);
+    tops
+}
+
+/// The top of the parabola through three lines; the middle one where they are not evenly spaced.
+fn between(lines: &[Line]) -> Line {
+    let &[before, here, after] = lines else { return Line { frequency_hz: 0.0, level_db: FLOOR_DB } };
+    let (step_hz, next_hz) =
+        (here.frequency_hz - before.frequency_hz, after.frequency_hz - here.frequency_hz);
+    let bend_db = before.level_db - 2.0 * here.level_db + after.level_db;
+    if bend_db >= 0.0 || (step_hz - next_hz).abs() > 1e-6 * step_hz {
+        return here;
+    }
+    let slope_db = before.level_db - after.level_db;
+    let share = (0.5 * slope_db / bend_db).clamp(-0.5, 0.5);
+    Line {
+        frequency_hz: here.frequency_hz + share * step_hz,
+        level_db: here.level_db - 0.25 * slope_db * share,
+    }
+}
+
 /// The four-term Blackman-Harris window at `share` of its length: side lobes below -92 dB.
 fn blackman_harris(share: f64) -> f64 {
     0.358_75 - 0.488_29 * (TAU * share).cos() + 0.141_28 * (2.0 * TAU * share).cos()
@@ -94,6 +138,32 @@ mod tests {
         assert!((top.frequency_hz - 40_000.0).abs() < 20.0 && (top.level_db + 6.02).abs() < 0.9, "{top:?}");
         let far = lines.iter().filter(|line| (line.frequency_hz - 40_000.0).abs() > 500.0);
         assert!(far.map(|line| line.level_db).fold(-200.0, f64::max) < -70.0);
+        let tops = peaks(&lines, -60.0, 4);
+        assert_eq!(tops.len(), 1, "{tops:?}");
+        assert!((tops[0].level_db + 6.02).abs() < 0.9, "{tops:?}");
         assert!(lines.len() < 8000 && Spectrum::default().of(&[2048; 10], rate).is_empty());
+    }
+
+    #[test]
+    fn the_peaks_are_those_of_the_tones_between_the_bins_and_no_noise() {
+        let rate = 400_000.0;
+        let tones = [(171.3, 800.0), (388.9, 80.0), (1207.7, 8.0)];
+        let codes: Vec<u16> = (0..1 << 16)
+            .map(|i| {
+                let tone = |(hertz, codes): &(f64, f64)| codes * (TAU * hertz * f64::from(i) / rate).sin();
+                (2048.0 + tones.iter().map(tone).sum::<f64>()).round() as u16
+            })
+            .collect();
+        let lines = Spectrum::default().of(&codes, rate);
+        let tops = peaks(&lines, -70.0, 16);
+        assert_eq!(tops.len(), tones.len(), "{tops:?}");
+        for (top, (hertz, codes)) in tops.iter().zip(tones) {
+            let level_db = 20.0 * (codes / 2048.0f64).log10();
+            // A bin is 6.1 Hz wide.
+            assert!((top.frequency_hz - hertz).abs() < 0.2, "{top:?} {hertz}");
+            assert!((top.level_db - level_db).abs() < 0.1, "{top:?} {level_db}");
+        }
+        assert_eq!(peaks(&lines, -70.0, 2).len(), 2);
+        assert!(peaks(&[], -70.0, 16).is_empty());
     }
 }

@@ -12,7 +12,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
 /// Every key and what it does.
-pub(super) const SHORTCUTS: [(&str, &str); 16] = [
+pub(super) const SHORTCUTS: [(&str, &str); 18] = [
     ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
     ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
@@ -27,6 +27,8 @@ pub(super) const SHORTCUTS: [(&str, &str); 16] = [
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
     ("Double click", "On the plate: add a tone there"),
+    ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
+    ("Drag, double click on a plot", "Move it, show all of it again"),
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
     ("F1", "This page"),
 ];

@@ -1,20 +1,31 @@
 //! The plots of waveform and spectrum, from the codes of the mirror.
 
+mod scale;
+mod steer;
+
 use super::{Scene, ViewState, aligned, theme};
 use crate::intent::{Intent, Intents};
-use eframe::egui::{self, FontId, Id, Rangef};
-use egui_plot::{AxisHints, GridInput, GridMark, Line, Plot, PlotPoints, VLine};
-use slipline_plate::quantity::{
-    show_frequency,
-    ticks::{self, Ticks},
-};
+use eframe::egui::{self, Align2, FontId, Id, Rangef, RichText, pos2};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotResponse, VLine};
+use scale::{GRID, decade_label, decades, magnification, marks};
+use slipline_model::waveform::peaks;
+use slipline_plate::quantity::{show_frequency, ticks};
 use std::ops::RangeInclusive;
+use steer::{Ends, steer};
 
 /// The state of the plots.
 #[derive(Default)]
 pub(crate) struct PlotsView {
     /// The content; frozen while the plots are paused.
     shown: Option<Shown>,
+    /// The curve that is held to be compared: seconds and share of full scale.
+    held_waveform: Option<Vec<[f64; 2]>>,
+    /// The spectrum that is held: Hz and dB.
+    held_spectrum: Option<Vec<[f64; 2]>>,
+    /// Whether the waveform is magnified to fill its plot.
+    is_magnified: bool,
+    /// Whether the frequency axis is logarithmic.
+    is_logarithmic: bool,
 }
 
 /// The content of the plots besides the codes.
@@ -32,8 +43,13 @@ const TURNS: f64 = 4.0;
 const LEAST_CODES: f64 = 64.0;
 /// The spectrum is drawn up to this multiple of the plate's highest tone.
 const HARMONICS: f64 = 3.0;
+/// A logarithmic axis begins at this share of the plate's lowest tone.
+const LOWEST: f64 = 0.1;
 /// The spectrum is drawn down to here, in dB of full scale.
 const FLOOR_DB: f64 = -120.0;
+/// Peaks of the spectrum down to here get a label, in dB of full scale; at most so many, the strongest first.
+const PEAK_FLOOR_DB: f64 = -80.0;
+const MOST_PEAKS: usize = 16;
 
 /// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
 /// is dragged.
@@ -41,8 +57,9 @@ const FLOOR_DB: f64 = -120.0;
 struct Axes {
     /// Duration of the waveform, in seconds.
     span_s: f64,
-    /// The end of the spectrum, in Hz.
+    /// The end of the spectrum, in Hz, and its start where the axis is logarithmic.
     top_hz: f64,
+    bottom_hz: f64,
 }
 
 impl Axes {
@@ -52,6 +69,7 @@ impl Axes {
         Self {
             span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
             top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
+            bottom_hz: LOWEST * low_hz,
         }
     }
 }
@@ -74,14 +92,48 @@ fn is_shown(scene: &Scene<'_>) -> bool {
     scene.waveform.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
 }
 
-fn head(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) -> bool {
+/// A column narrower than this, in points, has no Fit beside its menu.
+const ROOM_FOR_FIT: f32 = 200.0;
+
+/// The heading of a plot with its controls; `more` adds to its menu. Returns whether all is to be shown again.
+fn head(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    name: &str,
+    intents: &mut Intents,
+    more: impl FnOnce(&mut egui::Ui),
+) -> bool {
+    let is_wide = ui.available_width() >= ROOM_FOR_FIT;
     aligned::headed(ui, name, |ui| {
         pause(ui, scene, name, intents);
-        let fit = ui.small_button("Fit");
-        fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
-        fit.on_hover_text("Show all again (or double-click). Scroll with Ctrl to zoom, drag to move")
-            .clicked()
+        let is_fitted = is_wide && fit(ui, name);
+        let menu = ui.menu_button(RichText::new("…").small(), |ui| {
+            let is_fitted = !is_wide && fit(ui, name);
+            more(ui);
+            is_fitted
+        });
+        menu.response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
+        is_fitted || menu.inner.unwrap_or(false)
     })
+}
+
+fn fit(ui: &mut egui::Ui, name: &str) -> bool {
+    let fit = ui.small_button("Fit");
+    fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
+    fit.on_hover_text(
+        "Show all again (or double-click). The wheel zooms, with Shift the values; drag to move",
+    )
+    .clicked()
+}
+
+/// The switch that holds the present curve behind the later ones.
+fn hold(ui: &mut egui::Ui, held: &mut Option<Vec<[f64; 2]>>, now: impl FnOnce() -> Option<Vec<[f64; 2]>>) {
+    let mut is_held = held.is_some();
+    let switch = ui.checkbox(&mut is_held, "Hold to compare");
+    if switch.on_hover_text("Keep the present curve behind the later ones").changed() {
+        *held = if is_held { now() } else { None };
+    }
 }
 
 /// The button that holds all plots and the wave; `name` is the plot's that it belongs to.
@@ -117,15 +169,29 @@ const SPACING: (f64, f64) = (56.0, 26.0);
 /// Space that a label of the x axis needs right of its tick mark, in points.
 const HALF_LABEL: f64 = 16.0;
 
-/// A plot from 0 to `end` in this unit. Each `end` has its own zoom memory, because a zoom makes no sense on other
-/// axes.
-fn plot<'a>(name: &str, end: f64, unit: &'static str, y: (f64, f64), palette: &theme::Palette) -> Plot<'a> {
+/// The axes of a plot.
+struct Frame {
+    name: &'static str,
+    x: Ends,
+    y: Ends,
+    unit: &'static str,
+    /// From the values on the x axis to the unit; `None` for an axis that has the unit already. Then x is the decimal
+    /// logarithm.
+    logarithmic: Option<f64>,
+}
+
+/// A plot in this frame. Each has its own zoom memory, because a zoom makes no sense on other axes.
+fn plot<'a>(frame: &Frame, palette: &theme::Palette, values: impl Fn(PlotPoint) -> String + 'a) -> Plot<'a> {
+    let Frame { name, x, y, unit, logarithmic } = *frame;
     let font = FontId::proportional(11.5);
     let x_axis = AxisHints::new_x()
         .label_spacing(Rangef::new(8.0, 9.0))
         .tick_label_color(palette.weak)
         .tick_label_font(font.clone())
-        .formatter(move |mark, range| x_label(mark, range, unit));
+        .formatter(move |mark, range| match logarithmic {
+            Some(scale) => decade_label(mark, unit, scale),
+            None => x_label(mark, range, unit),
+        });
     let y_axis = AxisHints::new_y()
         .label_spacing(Rangef::new(8.0, 9.0))
         .tick_label_color(palette.weak)
@@ -133,31 +199,54 @@ fn plot<'a>(name: &str, end: f64, unit: &'static str, y: (f64, f64), palette: &t
         .min_thickness(34.0)
         .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
     Plot::new(name)
-        .id(Id::unique((name, end.to_bits())))
-        .default_x_bounds(0.0, end)
+        .id(Id::unique((name, x.1.to_bits(), y.1.to_bits(), logarithmic.is_some())))
+        .default_x_bounds(x.0, x.1)
         .default_y_bounds(y.0, y.1)
         .custom_x_axes(vec![x_axis])
         .custom_y_axes(vec![y_axis])
-        .x_grid_spacer(|input| marks(&input, SPACING.0, HALF_LABEL))
+        .x_grid_spacer(move |input| match logarithmic {
+            Some(_) => decades(&input, SPACING.0, HALF_LABEL),
+            None => marks(&input, SPACING.0, HALF_LABEL),
+        })
         .y_grid_spacer(|input| marks(&input, SPACING.1, 0.0))
+        .label_formatter(move |at| {
+            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) = at;
+            Some(values(*position))
+        })
         .grid_color(palette.grid)
         .grid_fade(0.0)
         .grid_spacing(Rangef::new(GRID, 120.0))
         .cursor_color(palette.weak)
         .show_background(true)
         .allow_double_click_reset(true)
+        // Wheel and pointer are followed here, within the axes.
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
         .show_grid(true)
 }
 
-/// The least distance of grid lines, in points.
-const GRID: f32 = 8.0;
+/// A note at the top of a plot: that a curve is held, and how much is magnified.
+fn note(ui: &egui::Ui, shown: &PlotResponse<()>, is_held: bool, factor: f64) {
+    let palette = theme::palette(ui);
+    let mut words = Vec::new();
+    if factor > 1.0 {
+        words.push(format!("×{factor}"));
+    }
+    if is_held {
+        words.push("held: thin line".to_owned());
+    }
+    let frame = shown.transform.frame();
+    let place = pos2(frame.right() - 4.0, frame.top() + 2.0);
+    let font = FontId::proportional(11.5);
+    ui.painter().text(place, Align2::RIGHT_TOP, words.join("   "), font, palette.weak);
+}
 
-/// Round values along an axis for labels, at least two. The last `end` points get none.
-fn marks(input: &GridInput, spacing: f64, end: f64) -> Vec<GridMark> {
-    let per_point = input.base_step_size / f64::from(GRID);
-    let (low, high) = input.bounds;
-    let ticks = Ticks::between(low, high - end * per_point, spacing * per_point);
-    ticks.places.iter().map(|&value| GridMark { value, step_size: ticks.step }).collect()
+/// A curve that is held, drawn thin.
+fn held_line(points: Vec<[f64; 2]>, palette: &theme::Palette) -> Line<'static> {
+    Line::new("held", PlotPoints::from(points)).color(palette.weak).width(1.0).allow_hover(false)
 }
 
 /// A label of the x axis; the first one has the unit.
@@ -171,59 +260,123 @@ fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
 }
 
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    let is_reset = head(ui, scene, "Drive waveform", intents);
-    let Shown { axes, .. } = look(scene, &mut view.plots);
-    let Some(window) = scene.waveform.window().filter(|_| is_shown(scene)) else { return nothing(ui, scene) };
-    let palette = theme::palette(ui);
-    let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
-    let shown = wanted.min(window.codes.len());
-    // Begin at a rising zero crossing, as an oscilloscope does, so that the plot stands still.
-    let latest = window.codes.len() - shown;
-    let trigger = (latest.saturating_sub(shown / 2)..latest)
-        .rev()
-        .find(|&i| i > 0 && window.codes[i - 1] < 2048 && window.codes[i] >= 2048)
-        .unwrap_or(latest);
-    let codes = &window.codes[trigger..trigger + shown];
-    let (unit, scale) = if axes.span_s < 2e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
-    let step = codes.len().div_ceil(POINTS).max(1);
-    let points: Vec<[f64; 2]> = codes
-        .iter()
-        .step_by(step)
-        .enumerate()
-        .map(|(i, &code)| {
-            [(i * step) as f64 / window.sample_rate_hz * scale, (f64::from(code) - 2048.0) / 2048.0]
-        })
-        .collect();
-    let accent = palette.accent;
-    let plot = plot("waveform", axes.span_s * scale, unit, (-1.15, 1.15), palette);
-    let plot = if is_reset { plot.reset() } else { plot };
-    plot.show(ui, |plot| {
-        plot.line(Line::new("code, of full scale", PlotPoints::from(points)).color(accent).width(1.4));
+    let axes = look(scene, &mut view.plots).axes;
+    let window = scene.waveform.window().filter(|_| is_shown(scene));
+    let codes = window.map(|window| {
+        let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
+        let shown = wanted.min(window.codes.len());
+        // Begin at a rising zero crossing, as an oscilloscope does, so that the plot stands still.
+        let latest = window.codes.len() - shown;
+        let trigger = (latest.saturating_sub(shown / 2)..latest)
+            .rev()
+            .find(|&i| i > 0 && window.codes[i - 1] < 2048 && window.codes[i] >= 2048)
+            .unwrap_or(latest);
+        (&window.codes[trigger..trigger + shown], window.sample_rate_hz)
     });
+    let curve = || {
+        let (codes, rate_hz) = codes?;
+        let step = codes.len().div_ceil(POINTS).max(1);
+        let shares = codes.iter().step_by(step).map(|&code| (f64::from(code) - 2048.0) / 2048.0);
+        Some(shares.enumerate().map(|(i, share)| [(i * step) as f64 / rate_hz, share]).collect())
+    };
+    let plots = &mut view.plots;
+    let is_reset = head(ui, scene, "Drive waveform", intents, |ui| {
+        hold(ui, &mut plots.held_waveform, curve);
+        ui.checkbox(&mut plots.is_magnified, "Magnify to fit")
+            .on_hover_text("Show a weak drive larger; the factor is written in the plot");
+    });
+    let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
+    let palette = theme::palette(ui);
+    let largest = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+    let factor = if plots.is_magnified { magnification(largest) } else { 1.0 };
+    let (unit, scale) = if axes.span_s < 2e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
+    let scaled =
+        |points: &[[f64; 2]]| points.iter().map(|[time_s, share]| [time_s * scale, *share]).collect();
+    let (x, y) = ((0.0, axes.span_s * scale), (-1.15 / factor, 1.15 / factor));
+    let frame = Frame { name: "waveform", x, y, unit, logarithmic: None };
+    let plot = plot(&frame, palette, move |at| format!("{:.2} {unit}\n{:.3} of full scale", at.x, at.y));
+    let plot = if is_reset { plot.reset() } else { plot };
+    let held: Option<Vec<[f64; 2]>> = plots.held_waveform.as_deref().map(scaled);
+    let is_held = held.is_some();
+    let points: Vec<[f64; 2]> = scaled(&points);
+    let shown = plot.show(ui, |plot| {
+        steer(plot, [x, y]);
+        held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
+        let line = Line::new("code, of full scale", PlotPoints::from(points));
+        plot.line(line.color(palette.accent).width(1.4));
+    });
+    note(ui, &shown, is_held, factor);
 }
 
 pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    let is_reset = head(ui, scene, "Spectrum", intents);
-    let lines = scene.waveform.spectrum();
     let Shown { axes, pitches } = look(scene, &mut view.plots);
-    if lines.is_empty() || !is_shown(scene) {
-        return nothing(ui, scene);
-    }
+    let (axes, pitches) = (*axes, pitches.clone());
+    let lines = if is_shown(scene) { scene.waveform.spectrum() } else { &[] };
+    let curve = || {
+        let within = lines.iter().take_while(|line| line.frequency_hz <= axes.top_hz);
+        let points = within.map(|line| [line.frequency_hz, line.level_db.max(FLOOR_DB)]).collect();
+        (!lines.is_empty()).then_some(points)
+    };
+    let plots = &mut view.plots;
+    let is_reset = head(ui, scene, "Spectrum", intents, |ui| {
+        hold(ui, &mut plots.held_spectrum, curve);
+        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency");
+    });
+    let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
     let palette = theme::palette(ui);
     let (unit, scale) = if axes.top_hz >= 5000.0 { ("kHz", 1e-3) } else { ("Hz", 1.0) };
-    let points: Vec<[f64; 2]> = lines
-        .iter()
-        .take_while(|line| line.frequency_hz <= axes.top_hz)
-        .map(|line| [line.frequency_hz * scale, line.level_db.max(FLOOR_DB)])
-        .collect();
-    let (accent, weak) = (palette.accent, palette.weak);
-    let plot = plot("spectrum", axes.top_hz * scale, unit, (FLOOR_DB, 7.0), palette);
+    let is_logarithmic = plots.is_logarithmic;
+    let place = move |hertz: f64| {
+        if is_logarithmic { hertz.max(axes.bottom_hz).log10() } else { hertz * scale }
+    };
+    let start = if is_logarithmic { axes.bottom_hz } else { 0.0 };
+    let x = (place(start), place(axes.top_hz));
+    let y = (FLOOR_DB, 12.0);
+    let frame = Frame { name: "spectrum", x, y, unit, logarithmic: is_logarithmic.then_some(scale) };
+    let plot = plot(&frame, palette, move |at| {
+        let hertz = if is_logarithmic { 10f64.powf(at.x) } else { at.x / scale };
+        format!("{}\n{:.1} dB", show_frequency(hertz), at.y)
+    });
     let plot = if is_reset { plot.reset() } else { plot };
-    plot.show(ui, |plot| {
-        for &hertz in pitches.iter() {
-            let line = VLine::new(show_frequency(hertz), hertz * scale);
-            plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0));
+    let placed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let shown = points.iter().filter(|[hertz, _]| *hertz >= start);
+        shown.map(|[hertz, level_db]| [place(*hertz), *level_db]).collect()
+    };
+    let held = plots.held_spectrum.as_deref().map(placed);
+    let is_held = held.is_some();
+    let points = placed(&points);
+    let (accent, weak) = (palette.accent, palette.weak);
+    let shown = plot.show(ui, |plot| {
+        steer(plot, [x, y]);
+        for &hertz in &pitches {
+            let line = VLine::new(show_frequency(hertz), place(hertz));
+            plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0).allow_hover(false));
         }
+        held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
         plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
     });
+    note(ui, &shown, is_held, 1.0);
+    let tops = peaks(lines, PEAK_FLOOR_DB, MOST_PEAKS);
+    label_peaks(ui, &shown, tops.iter().map(|top| (place(top.frequency_hz), top.level_db, top.frequency_hz)));
+}
+
+/// Writes the frequency of each peak (x, y and Hz) over it, the strongest first; one that has no room gets none.
+fn label_peaks(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item = (f64, f64, f64)>) {
+    let palette = theme::palette(ui);
+    let (frame, bounds) = (*shown.transform.frame(), *shown.transform.bounds());
+    let painter = ui.painter().with_clip_rect(frame);
+    let mut taken: Vec<egui::Rect> = Vec::new();
+    for (x, y, hertz) in tops.filter(|(x, ..)| bounds.range_x().contains(x)) {
+        let font = FontId::proportional(11.0);
+        let galley = painter.layout_no_wrap(show_frequency(hertz), font, palette.text);
+        let at = shown.transform.position_from_point(&PlotPoint::new(x, y));
+        let size = galley.size();
+        let left = (at.x - 0.5 * size.x).min(frame.right() - size.x).max(frame.left());
+        let top = (at.y - size.y - 1.0).max(frame.top());
+        let rect = egui::Rect::from_min_size(pos2(left, top), size);
+        if taken.iter().all(|other| !other.expand(2.0).intersects(rect)) {
+            painter.galley(rect.min, galley, palette.text);
+            taken.push(rect);
+        }
+    }
 }

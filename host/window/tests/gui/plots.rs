@@ -3,7 +3,7 @@
 use crate::background::open_plate;
 use crate::test_app::TestApp;
 use crate::{line_rect, type_into};
-use eframe::egui::{FullOutput, Key, Rect, Shape, epaint::ClippedShape, pos2, vec2};
+use eframe::egui::{FullOutput, Key, Pos2, Rect, Shape, epaint::ClippedShape, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 
 /// Every painted text and its place.
@@ -36,7 +36,7 @@ pub(crate) fn words(picture: &FullOutput) -> Vec<(String, Rect)> {
 /// The labels of both axes of a plot, in the order of their places.
 fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
     let head = app.window.get_by_label(plot).rect();
-    let fit = app.window.get_by_label(&format!("Fit {plot}")).rect();
+    let fit = app.window.get_by_label(&format!("More: {plot}")).rect();
     // In a small window the row ends at the button that opens it.
     let switch = app.window.query_by_label("Plots").map(|button| button.rect().top() - 6.0);
     let bottom = switch.unwrap_or(app.window.ctx.content_rect().bottom());
@@ -47,6 +47,8 @@ fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
     let lowest = words.iter().map(|(_, rect)| rect.center().y).fold(0.0, f32::max);
     let (mut x, mut y): (Vec<_>, Vec<_>) =
         words.into_iter().partition(|(_, rect)| (rect.center().y - lowest).abs() < 3.0);
+    // Peaks and notes in the plot are no labels of its axis.
+    y.retain(|(word, _)| word.parse::<f64>().is_ok());
     x.sort_by(|a, b| a.1.left().total_cmp(&b.1.left()));
     y.sort_by(|a, b| a.1.top().total_cmp(&b.1.top()));
     let words = |labels: Vec<(String, Rect)>| labels.into_iter().map(|(word, _)| word).collect();
@@ -107,4 +109,114 @@ fn the_axes_stay_while_the_boundary_is_dragged_and_while_the_plots_are_held() {
     app.window.key_press(Key::P);
     app.wait(300);
     assert_ne!(PLOTS.map(|plot| labels(&app, plot)), before, "those of the other plate");
+}
+
+/// The numbers of the labels of a plot's x axis.
+fn x_numbers(app: &TestApp, plot: &str) -> Vec<f64> {
+    let labels = labels(app, plot).0;
+    labels.iter().map(|label| label.split(' ').next().unwrap().parse().unwrap()).collect()
+}
+
+/// The middle of a plot.
+fn middle(app: &TestApp, plot: &str) -> Pos2 {
+    let (head, more) =
+        (app.window.get_by_label(plot).rect(), app.window.get_by_label(&format!("More: {plot}")).rect());
+    pos2(0.5 * (head.left() + more.right()) + 10.0, head.bottom() + 90.0)
+}
+
+#[test]
+fn the_wheel_zooms_about_the_pointer_within_the_axes_and_a_double_click_shows_all_again() {
+    let mut app = TestApp::driving();
+    for plot in PLOTS {
+        let whole = x_numbers(&app, plot);
+        let at = middle(&app, plot);
+        app.turn_wheel(at, 150.0);
+        let zoomed = x_numbers(&app, plot);
+        let step = |labels: &[f64]| labels[1] - labels[0];
+        assert!(step(&zoomed) < step(&whole), "{plot}: {whole:?} {zoomed:?}");
+        assert!(zoomed[0] > whole[0] && zoomed.last() < whole.last(), "{plot}: {whole:?} {zoomed:?}");
+        // A drag far to the right ends at the start of the axis.
+        app.window.drag_at(at);
+        app.window.step();
+        app.window.hover_at(at + vec2(900.0, 0.0));
+        app.window.step();
+        app.window.drop_at(at + vec2(900.0, 0.0));
+        app.wait(100);
+        assert_eq!(x_numbers(&app, plot)[0], whole[0], "{plot}");
+        app.turn_wheel(at, -2000.0);
+        assert_eq!(x_numbers(&app, plot), whole, "{plot}: no further than all");
+        app.turn_wheel(at, 150.0);
+        assert_ne!(x_numbers(&app, plot), whole);
+        for _ in 0..2 {
+            app.window.drag_at(at);
+            app.window.step();
+            app.window.drop_at(at);
+            app.window.step();
+        }
+        app.wait(100);
+        assert_eq!(x_numbers(&app, plot), whole, "{plot}: after a double click");
+    }
+}
+
+/// Every painted text that holds `part`.
+fn told(app: &TestApp, part: &str) -> Vec<String> {
+    painted(app).into_iter().map(|(text, _)| text).filter(|text| text.contains(part)).collect()
+}
+
+/// Presses an entry of a plot's menu.
+fn choose(app: &mut TestApp, plot: &str, entry: &str) {
+    app.window.get_by_label(&format!("More: {plot}")).click();
+    app.wait(200);
+    app.window.get_by_label(entry).click();
+    app.wait(300);
+}
+
+#[test]
+fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() {
+    let mut app = TestApp::driving();
+    let area = app.window.get_by_label("More: Spectrum").rect();
+    let head = app.window.get_by_label("Spectrum").rect();
+    let peaks = |app: &TestApp| -> Vec<String> {
+        let inside =
+            |rect: &Rect| rect.top() > head.bottom() && (head.left()..area.right()).contains(&rect.left());
+        let words = painted(app).into_iter().filter(|(_, rect)| inside(rect)).map(|(word, _)| word);
+        words.filter(|word| word.contains('.') && word.ends_with(" Hz")).collect()
+    };
+    assert_eq!(peaks(&app), ["138.3 Hz"], "one tone");
+    let at = middle(&app, "Spectrum");
+    app.window.hover_at(at);
+    app.wait(200);
+    assert!(told(&app, " dB").iter().any(|text| text.contains("Hz")), "{:?}", told(&app, "dB"));
+    let at = middle(&app, "Drive waveform");
+    app.window.hover_at(at);
+    app.wait(200);
+    assert_eq!(told(&app, "of full scale").len(), 1);
+    assert!(told(&app, "of full scale")[0].contains(" ms"));
+}
+
+#[test]
+fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
+    let mut app = TestApp::driving();
+    type_into(&mut app, "Master", "-20 dB");
+    app.wait(500);
+    let y = |app: &TestApp| labels(app, "Drive waveform").1;
+    assert!(y(&app).contains(&"1.0".to_owned()), "{:?}", y(&app));
+    choose(&mut app, "Drive waveform", "Magnify to fit");
+    // Level 0.8 at -20 dB, and the gain of the table.
+    assert_eq!(told(&app, "×10"), ["×10"]);
+    assert!(!y(&app).contains(&"1.0".to_owned()) && y(&app).contains(&"0.10".to_owned()), "{:?}", y(&app));
+    for plot in PLOTS {
+        let held = told(&app, "held: thin line").len();
+        choose(&mut app, plot, "Hold to compare");
+        assert_eq!(told(&app, "held: thin line").len(), held + 1, "{plot}");
+    }
+    choose(&mut app, "Spectrum", "Hold to compare");
+    assert_eq!(told(&app, "held: thin line").len(), 1, "released");
+    choose(&mut app, "Spectrum", "Logarithmic frequency");
+    let x = x_numbers(&app, "Spectrum");
+    assert!(x.len() >= 3 && x.windows(2).all(|pair| pair[1] >= 2.0 * pair[0]), "{x:?}");
+    let whole = x;
+    app.turn_wheel(middle(&app, "Spectrum"), 300.0);
+    let zoomed = x_numbers(&app, "Spectrum");
+    assert!(zoomed.len() >= 2 && zoomed != whole, "{zoomed:?}");
 }
