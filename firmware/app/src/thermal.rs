@@ -57,6 +57,9 @@ impl Thermal {
     }
 
     /// Goes on to `now`, up to which the squares of all codes' distances from mid-scale add up to `energy`.
+    ///
+    /// That may be less than last time: a stop that begins in a block which is counted already takes back what is not
+    /// played of it. So does the temperature.
     pub fn advance(&mut self, now: SampleIndex, energy: u64, sample_rate_hz: u32) {
         let samples = now.saturating_sub(*self.at.get_or_insert(now));
         if samples == 0 || sample_rate_hz == 0 {
@@ -66,7 +69,7 @@ impl Thermal {
             let swing = (code::MAX_CODE - code::MID_SCALE) as f32;
             swing * swing / 2.0
         };
-        let mean_square = energy.wrapping_sub(self.energy) as f32 / samples as f32;
+        let mean_square = energy.wrapping_sub(self.energy).cast_signed() as f32 / samples as f32;
         let power = FULL_SINE * mean_square / FULL_SINE_SQUARE;
         let seconds = samples as f32 / sample_rate_hz as f32;
         self.winding += share(seconds / WINDING_S) * (power - self.winding);
@@ -146,6 +149,20 @@ mod tests {
 
     fn analytic(t: f64) -> f64 {
         1.3 * (1.0 - 0.5 * (-t / 8.0).exp() - 0.5 * (-t / 120.0).exp())
+    }
+
+    #[test]
+    fn what_a_stop_takes_back_from_a_counted_block_was_never_heat() {
+        let (mut stopped, mut shorter) = (Thermal::new(Heat::Cold), Thermal::new(Heat::Cold));
+        for thermal in [&mut stopped, &mut shorter] {
+            thermal.advance(0, 0, RATE);
+        }
+        stopped.advance(1024, 1024 * FULL_SQUARE, RATE);
+        // Of the last block a tenth is played, and then nothing.
+        let played = 1024 * FULL_SQUARE - 128 * FULL_SQUARE * 9 / 10;
+        stopped.advance(2048, played, RATE);
+        shorter.advance(2048, played, RATE);
+        assert!(!stopped.is_warm() && (stopped.rise() - shorter.rise()).abs() < 1e-6, "{}", stopped.rise());
     }
 
     #[test]
