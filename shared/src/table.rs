@@ -162,7 +162,7 @@ pub fn digest(
     span_end_um: u32,
     sample_rate_hz: u32,
     count: u16,
-    knot: impl Fn(u16) -> Knot,
+    mut knot: impl FnMut(u16) -> Knot,
 ) -> u32 {
     let mut digester = Digester::new(span_start_um, span_end_um, sample_rate_hz, count);
     (0..count).for_each(|index| digester.take(knot(index)));

@@ -2,18 +2,22 @@
 
 A block is rendered while the one before it plays, so one to two blocks pass in any case, but for a stop, which may begin in
 the block that waits. What comes on top is the thread's time: frames, planning, and the renderer's interrupt between. The
-host's bytes are sent at eight phases of a block.
+host's bytes are sent at eight phases of a block, a stop's at four; what is sent between two of them is at most so much later
+than both as they lie apart.
 """
 import pytest
 
 from host import (
-    BLOCK, CHUNK_KNOTS, CLEAR_FAULTS, DRIVE, EMERGENCY_STOP, RATE_HZ, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, UNSEQUENCED,
-    Reader, drive, frame, table, varint,
+    BLOCK, CHUNK_KNOTS, CLEAR_FAULTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
+    TABLE_DIGEST, TRAVEL_LIMIT_REPLY, UNSEQUENCED, Reader, drive, frame, table, varint,
 )  # fmt: skip
 
-MOST_KNOTS, PHASES, TONES = 1025, 8, 16
+MOST_KNOTS, PHASES, STOP_STEP, TONES = 1025, 8, 2, 16
 MILLISECOND = RATE_HZ // 1000
 DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
+# Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and
+# the smallest share at rest (ppm).
+TRAVEL_LIMIT = b"\1" + varint(10_000_000_000) + varint(2500) + varint(1)
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF
 
@@ -68,31 +72,27 @@ def test_sixteen_tones_on_the_largest_table_begin_soon(rig):
         sequence, played = send(rig, DRIVE, sweep(phase, 20))
         seen.append((accepted(rig, sequence) - played) / BLOCK)
     print(f"drive: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
-    assert max(seen) <= DRIVE_BLOCKS
+    assert max(seen) + 1 / PHASES <= DRIVE_BLOCKS
 
 
-@pytest.mark.parametrize("ahead", ["nothing", "a drive", "a chunk of a table", "a commit"])
+@pytest.mark.parametrize("ahead", ["nothing", "a drive", "a chunk", "a chunk whose travel is judged", "a commit", "a digest"])
 def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahead):
-    """R-69: it is found while bytes come in, and no command that is under way takes long."""
+    """R-69: it is found while bytes come in, and while a command is done that takes long."""
     host, seen = rig.host, []
     host.connect()
     host.upload(MOST_KNOTS)
-    for phase in range(0, PHASES, 2):
+    for phase in range(0, PHASES, STOP_STEP):
+        if ahead == "a chunk whose travel is judged":
+            _, reply, _ = host.exchange(SET_TRAVEL_LIMIT, TRAVEL_LIMIT)
+            assert reply == TRAVEL_LIMIT_REPLY
         host.arm()
         host.accept(DRIVE, sweep(0))
         host.live(0.02)
         host.accept(DRIVE, sweep(1, 200))
-        if ahead == "a commit":
-            host.stage(MOST_KNOTS)
-        if ahead == "a chunk of a table":
-            chunks = begin_upload(host)
+        message, body = prepare(host, ahead)
         wait_phase(rig, phase)
-        if ahead == "a drive":
-            send(rig, DRIVE, sweep(0, 20))
-        elif ahead == "a chunk of a table":
-            send(rig, TABLE_CHUNK, next(chunks))
-        elif ahead == "a commit":
-            send(rig, TABLE_COMMIT)
+        if message:
+            send(rig, message, body)
         host.sequence = STOPS_SEQUENCE
         sequence, played = send(rig, EMERGENCY_STOP)
         seen.append((accepted(rig, sequence) - played) / BLOCK)
@@ -102,13 +102,24 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
         host.hello()
         host.accept(CLEAR_FAULTS)
     print(f"emergency stop behind {ahead}: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
-    assert max(seen) <= STOP_BLOCKS
+    assert max(seen) + STOP_STEP / PHASES <= STOP_BLOCKS
+
+
+def prepare(host, ahead):
+    """Brings about what the command needs that is to come before the stop; returns the command, if there is one."""
+    if ahead == "a drive":
+        return DRIVE, sweep(0, 20)
+    if ahead.startswith("a chunk"):
+        return TABLE_CHUNK, begin_upload(host)
+    if ahead == "a commit":
+        host.stage(MOST_KNOTS)
+        return TABLE_COMMIT, b""
+    return (TABLE_DIGEST, b"") if ahead == "a digest" else (None, b"")
 
 
 def begin_upload(host):
-    """Begins the upload of a table and gives its chunks."""
+    """Begins the upload of a table and returns its first chunk."""
     header, crc, knots = table(MOST_KNOTS)
     host.accept(TABLE_BEGIN, varint(header[3]) + varint(header[0]) + varint(header[1]) + varint(header[2]) + varint(crc))
-    for first in range(0, MOST_KNOTS, CHUNK_KNOTS):
-        chunk = knots[first : first + CHUNK_KNOTS]
-        yield varint(first) + varint(len(chunk)) + b"".join(varint(step) + varint(gain) for step, gain in chunk)
+    chunk = knots[:CHUNK_KNOTS]
+    return varint(0) + varint(len(chunk)) + b"".join(varint(step) + varint(gain) for step, gain in chunk)

@@ -150,8 +150,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         }
     }
 
-    /// Does a numbered command. A drive, a chord and a commit of a table take long: they ask `is_stopped` now and then whether a
-    /// stop has come, and start nothing after one.
+    /// Does a numbered command. One that takes long asks `is_stopped` now and then whether a stop has come: a drive, a chord and
+    /// a commit of a table start nothing after one; a chunk of a table and its digest go on, since they start nothing anyway.
     ///
     /// # Errors
     /// The refusal; nothing has changed then.
@@ -191,8 +191,10 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::TableChunk(chunk) => {
                 let now = mailbox.now();
                 let upload = self.upload.as_mut().ok_or(Refusal::NoUpload)?;
-                upload.take(chunk, mailbox, now)?;
-                self.excursion.written(upload.written(), chunk.first, mailbox.slots());
+                upload.take(chunk, mailbox, now, |written, first| {
+                    self.excursion.written(written, first, mailbox.slots());
+                    is_stopped();
+                })?;
                 Ok(accepted(now))
             }
             Command::TableCommit => self.commit_table(is_stopped, mailbox).map(accepted),
@@ -202,7 +204,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             }
             Command::TableDigest => Ok(Event::Table(TableReport {
                 active: self.table.map(|table| TableHeader {
-                    crc: upload::digest(&table, self.active.slot, mailbox),
+                    crc: upload::digest(&table, self.active.slot, mailbox, || {
+                        is_stopped();
+                    }),
                     ..table
                 }),
                 staged: self.upload.as_ref().map_or(0, Upload::received),

@@ -44,38 +44,25 @@ impl Inbox {
     /// Decodes received bytes. A stop takes effect at once; other commands wait.
     pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
         for &byte in bytes {
-            let found = self.decoder.push(byte, |frame| {
+            let Self { decoder, queue, dropped, stops } = self;
+            decoder.push(byte, |frame| {
                 // A frame to the host is an echo of one of ours.
-                (frame.header.direction == Direction::ToDevice)
-                    .then(|| (frame.header, Command::decode(frame.header.id, frame.body)))
+                if frame.header.direction == Direction::ToHost {
+                    return;
+                }
+                let command = Command::decode(frame.header.id, frame.body);
+                let is_stop = stop(&command, mailbox);
+                if is_stop {
+                    *stops = stops.wrapping_add(1);
+                    // A command that came before a stop must not start anything after it.
+                    while queue.pop_front().is_some() {
+                        *dropped = dropped.saturating_add(1);
+                    }
+                }
+                if queue.push_back(Incoming { header: frame.header, command, is_stop }).is_err() {
+                    *dropped = dropped.saturating_add(1);
+                }
             });
-            if let Some(Some((header, command))) = found {
-                self.enqueue(header, command, mailbox);
-            }
-        }
-    }
-
-    fn enqueue<M: RawMutex>(
-        &mut self,
-        header: Header,
-        command: Result<Command, Refusal>,
-        mailbox: &Mailbox<M>,
-    ) {
-        let is_stop = matches!(command, Ok(Command::Stop | Command::EmergencyStop));
-        match command {
-            Ok(Command::Stop) => mailbox.stop_at_once(Stop::Normal),
-            Ok(Command::EmergencyStop) => mailbox.fault_at_once(Fault::EmergencyStop, Stop::Emergency),
-            _ => {}
-        }
-        if is_stop {
-            self.stops = self.stops.wrapping_add(1);
-            // A command that came before a stop must not start anything after it.
-            while self.queue.pop_front().is_some() {
-                self.dropped = self.dropped.saturating_add(1);
-            }
-        }
-        if self.queue.push_back(Incoming { header, command, is_stop }).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
         }
     }
 
@@ -108,4 +95,14 @@ impl Inbox {
             ..Counters::default()
         }
     }
+}
+
+/// Lets a stop take effect; returns whether it is one.
+fn stop<M: RawMutex>(command: &Result<Command, Refusal>, mailbox: &Mailbox<M>) -> bool {
+    match command {
+        Ok(Command::Stop) => mailbox.stop_at_once(Stop::Normal),
+        Ok(Command::EmergencyStop) => mailbox.fault_at_once(Fault::EmergencyStop, Stop::Emergency),
+        _ => return false,
+    }
+    true
 }

@@ -6,11 +6,14 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::{TableChunk, TableHeader};
 use slipline_protocol::limits::{MAX_KNOTS, MIN_KNOTS};
 use slipline_protocol::refusal::{Field, Refusal};
-use slipline_protocol::table::{self, Digester, Validator};
+use slipline_protocol::table::{self, Digester, Knot, Validator};
 use slipline_protocol::units::SampleIndex;
 
 use crate::mailbox::Mailbox;
 use crate::slots::{SlotIndex, TableRef};
+
+/// Knots that are worked on between two looks for a stop: together they take less than a tenth of a block's time.
+const KNOTS_AT_ONCE: usize = 4;
 
 /// An upload under way.
 ///
@@ -59,9 +62,18 @@ pub fn check_header(header: &TableHeader, sample_rate_hz: u32) -> Result<(), Ref
     Ok(())
 }
 
-/// The digest of what a slot holds under a header.
-pub fn digest<M: RawMutex>(header: &TableHeader, slot: SlotIndex, mailbox: &Mailbox<M>) -> u32 {
-    table::digest(header.span_start_um, header.span_end_um, header.sample_rate_hz, header.knots, |index| {
+/// The digest of what a slot holds under a header. `look` is called every few knots.
+pub fn digest<M: RawMutex>(
+    header: &TableHeader,
+    slot: SlotIndex,
+    mailbox: &Mailbox<M>,
+    mut look: impl FnMut(),
+) -> u32 {
+    let TableHeader { span_start_um, span_end_um, sample_rate_hz, knots, .. } = *header;
+    table::digest(span_start_um, span_end_um, sample_rate_hz, knots, |index| {
+        if usize::from(index).is_multiple_of(KNOTS_AT_ONCE) {
+            look();
+        }
         mailbox.slots().knot(slot, index)
     })
 }
@@ -90,7 +102,9 @@ impl Upload {
         })
     }
 
-    /// Takes the next knots.
+    /// Takes the next knots, a few at once: `took` is called after each few with all that have been taken so far, and with the
+    /// first of the few. It may look for a stop, since a chunk takes a good part of a block's time; a chunk is taken whole,
+    /// whatever it finds.
     ///
     /// # Errors
     /// [`Refusal::ChunkOrder`] for any but the next, or after the last; [`Refusal::OutOfRange`] for none or too many. Nothing is taken
@@ -100,6 +114,7 @@ impl Upload {
         chunk: &TableChunk,
         mailbox: &Mailbox<M>,
         now: SampleIndex,
+        mut took: impl FnMut(TableRef, u16),
     ) -> Result<(), Refusal> {
         let left = usize::from(self.header.knots.saturating_sub(self.received));
         if chunk.first != self.received || left == 0 {
@@ -108,18 +123,25 @@ impl Upload {
         if !(1..=left).contains(&chunk.knots.len()) {
             return Err(Refusal::out_of_range(Field::KnotCount, 1, left as i64, chunk.knots.len() as i64));
         }
-        for &knot in &chunk.knots {
-            let is_written = mailbox.write_knot(self.slot, self.received, knot);
-            if self.fault.is_none() {
-                // A slot that is not free any more does not hold what was sent.
-                self.fault =
-                    if is_written { self.validator.take(knot).err() } else { Some(Refusal::TableCrc) };
+        for few in chunk.knots.chunks(KNOTS_AT_ONCE) {
+            let first = self.received;
+            for &knot in few {
+                self.take_one(knot, mailbox);
             }
-            self.digester.take(knot);
-            self.received = self.received.saturating_add(1);
+            took(self.written(), first);
         }
         self.moved_at = now;
         Ok(())
+    }
+
+    fn take_one<M: RawMutex>(&mut self, knot: Knot, mailbox: &Mailbox<M>) {
+        let is_written = mailbox.write_knot(self.slot, self.received, knot);
+        if self.fault.is_none() {
+            // A slot that is not free any more does not hold what was sent.
+            self.fault = if is_written { self.validator.take(knot).err() } else { Some(Refusal::TableCrc) };
+        }
+        self.digester.take(knot);
+        self.received = self.received.saturating_add(1);
     }
 
     /// Checks the whole: all there, valid, and what was announced.

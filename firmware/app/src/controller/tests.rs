@@ -2,6 +2,7 @@
 //! between two steps of a command.
 
 mod interleaving;
+mod stops;
 
 use core::cell::RefCell;
 use std::boxed::Box;
@@ -317,64 +318,6 @@ fn safe_mode_does_not_touch_the_kept_table() {
         panic!()
     };
     assert_eq!((told.erasures, told.erasures_promised), (0, 20_000));
-}
-
-/// Does a command during which a stop comes at the look after so many; returns how many looks there were.
-fn stopped_at(rig: &mut Rig, look: u32, command: &Command) -> (Result<Event, Refusal>, u32) {
-    let mailbox = Rc::clone(&rig.mailbox);
-    let mut looks = 0;
-    let mut is_stopped = || {
-        looks += 1;
-        let is_due = looks > look;
-        if is_due {
-            mailbox.stop(Stop::Normal);
-        }
-        is_due
-    };
-    (rig.controller.execute(command, &mut is_stopped, &mailbox), looks)
-}
-
-#[test]
-fn a_stop_that_comes_while_a_drive_is_planned_keeps_it_from_starting() {
-    let drive = full_scale(Apply::Next);
-    for look in 0.. {
-        let mut rig = Rig::armed();
-        let (answer, looks) = stopped_at(&mut rig, look, &drive);
-        if answer.is_ok() {
-            assert_eq!(looks, look, "started after a stop");
-            assert!(looks >= 6, "{looks} looks in planning sixteen tones");
-            break;
-        }
-        assert_eq!(answer, Err(Refusal::Busy(Busy::DriveActive)), "at look {look}");
-        assert!(!rig.render(100), "at look {look}");
-        // The device is armed as before, and drives when it is told to.
-        rig.accepted(&drive);
-        assert!(rig.render(100));
-    }
-}
-
-#[test]
-fn a_stop_that_comes_while_a_change_of_tables_is_planned_leaves_the_old_table_in_force() {
-    for look in 0.. {
-        let mut rig = Rig::armed();
-        rig.accepted(&full_scale(Apply::Next));
-        rig.render(100);
-        let in_force = rig.controller.active;
-        rig.stage();
-        let (answer, looks) = stopped_at(&mut rig, look, &Command::TableCommit);
-        if answer.is_ok() {
-            assert_eq!(looks, look, "changed after a stop");
-            assert!(looks >= 6, "{looks} looks in planning sixteen tones");
-            assert_ne!(rig.controller.active, in_force);
-            break;
-        }
-        assert_eq!(answer, Err(Refusal::Busy(Busy::DriveActive)), "at look {look}");
-        assert_eq!(rig.controller.active, in_force, "at look {look}");
-        // What was uploaded is still there, and comes into force after the stop.
-        rig.render(100);
-        rig.accepted(&Command::TableCommit);
-        assert_ne!(rig.controller.active, in_force);
-    }
 }
 
 #[test]
