@@ -42,7 +42,7 @@ pub use progress::{Progress, Stopped};
 pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use spec::{
-    Actuator, Bending, Consequence, DriveEnd, EndSlope, Impedance, LeadIn, Model, Origin,
+    Actuator, Bending, Calibration, Consequence, DriveEnd, EndSlope, Impedance, LeadIn, Model, Origin,
     PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve,
     SampleRateError, Source, Taper, Travel, TurningWidth, limits, preset, presets, sample_rates,
 };

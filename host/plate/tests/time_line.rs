@@ -279,6 +279,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 turning_width: TurningWidth::Arc,
                 wave_speed_tolerance: 0.0,
                 loss_tolerance: None,
+                calibration: None,
                 drive_end: DriveEnd::Displacement,
                 actuator: None,
                 full_scale_m: 1e-5,

@@ -1,15 +1,134 @@
 //! Why no calibration was made.
 
-use crate::quantity::{OutOfRange, WrongCount};
+use crate::quantity::number_format::significant;
+use crate::quantity::{OutOfRange, WrongCount, show_frequency, show_place};
+use crate::spec::PlateError;
+use crate::table::TableError;
 use thiserror::Error;
 
-/// Why no calibration was made.
+/// Why no calibration was made. What a measurement does not carry is refused: a plate file from it would look as good as
+/// any other.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CalibrateError {
-    /// A number of a measurement is outside its range.
+    /// A number of a measurement or of what was known beforehand is outside its range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// A measurement has too few points or too many.
     #[error(transparent)]
     WrongCount(#[from] WrongCount),
+    /// The fitted plate is refused.
+    #[error("the fitted plate: {0}")]
+    Plate(#[from] PlateError),
+    /// The fitted plate does not answer.
+    #[error("the fitted plate: {0}")]
+    Table(#[from] TableError),
+    /// A sensor's place is not on the plate.
+    #[error("the sensor at {} is beyond the plate's end at {}", show_place(*.place_m), show_place(*.length_m))]
+    BeyondPlate {
+        /// The sensor's place, metres.
+        place_m: f64,
+        /// The plate's length, metres.
+        length_m: f64,
+    },
+    /// A strain sensor on a membrane.
+    #[error(
+        "a membrane or a shear wave strains its surface only with the square of its slope: measure displacement, velocity or acceleration"
+    )]
+    NoStrain,
+    /// An input was at its full scale.
+    #[error("the sensor at {} is clipped at {count} of {of} frequencies: lower the level or the input's gain", show_place(*.place_m))]
+    Clipped {
+        /// The sensor's place, metres.
+        place_m: f64,
+        /// Clipped answers.
+        count: usize,
+        /// All answers.
+        of: usize,
+    },
+    /// No answer stands out of the noise.
+    #[error("the sensor at {} shows nothing but noise: is it plugged in, does the plate move, and is it before the boundary?", show_place(*.place_m))]
+    NoSignal {
+        /// The sensor's place, metres.
+        place_m: f64,
+    },
+    /// The two measurements are not of one sensor.
+    #[error(
+        "a ratio needs the same sensor at both places: the two measurements have different kinds or scales"
+    )]
+    DifferentSensors,
+    /// The two places are one.
+    #[error("both measurements are of the place {}: move the sensor between them", show_place(*.place_m))]
+    SamePlace {
+        /// The place of the first, metres.
+        place_m: f64,
+    },
+    /// The two measurements have too few frequencies in common.
+    #[error(
+        "the measurements have {count} frequencies in common at which a wave enters the plate: at least {least} are needed"
+    )]
+    FewFrequencies {
+        /// How many they have.
+        count: usize,
+        /// How many are needed.
+        least: usize,
+    },
+    /// No wave fits at all.
+    #[error(
+        "no wave of such a plate fits what the sensors show: is anything on the plate, are the places right, and is it the right plate file?"
+    )]
+    NoFit,
+    /// The fit is better with the two places exchanged.
+    #[error("the two measurements seem to be exchanged: they fit the sensor at {} and {} the other way round", show_place(*.first_m), show_place(*.second_m))]
+    Swapped {
+        /// Place that the first measurement names, metres.
+        first_m: f64,
+        /// Place that the second one names, metres.
+        second_m: f64,
+    },
+    /// What the sensors show is no wave of such a plate.
+    #[error("what the sensors show does not fit this plate (chi^2 is {} per answer, at most {} is accepted): is a finger or anything else on the plate, is a sensor at another place, an input overloaded, or the file that of another plate?", significant(*.chi2_per_n, 2), significant(*.most, 2))]
+    Unlike {
+        /// Sum of the squared residuals over their number.
+        chi2_per_n: f64,
+        /// The most that is accepted.
+        most: f64,
+    },
+    /// The fit is good, but the plate would be another one.
+    #[error("the {what} would be {} times that of the plate file: is it the right file, and are the places right?", significant(*.share, 3))]
+    AnotherPlate {
+        /// Which of the plate's numbers.
+        what: &'static str,
+        /// The fitted value over the file's.
+        share: f64,
+    },
+    /// The fit is good, but a sensor would be at another place.
+    #[error("the sensor at {} seems to be at {}: measure its place again", show_place(*.place_m), show_place(*.found_m))]
+    Misplaced {
+        /// The place that was told, metres.
+        place_m: f64,
+        /// The place that fits, metres.
+        found_m: f64,
+    },
+    /// The span of the fitted plate needs frequencies that were not measured.
+    #[error("measured from {} to {}, but the boundary's span needs {} to {}", show_frequency(measured_hz.0), show_frequency(measured_hz.1), show_frequency(needed_hz.0), show_frequency(needed_hz.1))]
+    NotCovered {
+        /// Lowest and highest frequency that both sensors measured, Hz.
+        measured_hz: (f64, f64),
+        /// Frequencies of the ends of the span, Hz.
+        needed_hz: (f64, f64),
+    },
+    /// The data leave open what a plate file must tell.
+    #[error("the measurement does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation); {} % of the answers of the sensor at {} are noise. Put it where the plate moves: not at a node, and before {}, the last boundary", show_place(*.boundary_m), significant(*.level_db, 2), significant(100.0 * .silent_share, 2), show_place(*.place_m), show_place(*.span_end_m))]
+    NotCarried {
+        /// Standard deviation of the boundary, metres.
+        boundary_m: f64,
+        /// Standard deviation of the level of the peak, dB.
+        level_db: f64,
+        /// Place of the sensor that shows least, metres.
+        place_m: f64,
+        /// Share of its answers that do not stand out of the noise (0 to 1).
+        silent_share: f64,
+        /// End of the plate's span, metres.
+        span_end_m: f64,
+    },
 }

@@ -95,7 +95,7 @@ pub struct Measurement {
 }
 
 /// Standard deviation of a place that a person marks with a ruler, metres.
-pub const PLACE_TOLERANCE_M: f64 = 3e-4;
+pub const PLACE_TOLERANCE_M: f64 = 2e-4;
 
 impl Measurement {
     /// The answers of an uncalibrated sensor at a place marked with a ruler, of tones without a zero-order hold.

@@ -1,9 +1,30 @@
-//! Calibration: a plate file from what sensors on the plate measured.
+//! Calibration: a plate file from what sensors on the plate measured. PHYSICS.md, section 9, has the equations.
+//!
+//! ```text
+//! Measurement at two places -> pairs -> ratio: scan over wave speed and loss, then least squares -> refusal
+//!       nominal plate, Priors (Calipers) -^                                        |
+//!                    Calibrated: plate file <- gain carried to the peak <----------+
+//! ```
 //!
 //! Nothing here plays or records a tone: a [`Measurement`] comes from a device, a file or a solver.
 
+mod band;
+mod calibrated;
+mod calipers;
 mod error;
+mod gain;
+mod least_squares;
 mod measurement;
+mod pairs;
+mod ratio;
+mod refusal;
+mod spread;
+mod unknowns;
+mod wave;
 
+pub use band::band_hz;
+pub use calibrated::{Calibrated, Parameter, from_ratio};
+pub use calipers::Calipers;
 pub use error::CalibrateError;
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
+pub use unknowns::Priors;

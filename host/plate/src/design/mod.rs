@@ -143,6 +143,7 @@ fn design_in_steps<E: From<PlateError>>(
         full_scale_m: request.full_scale_m,
         span_start_m: taper.near_m,
         span_end_m: taper.far_m,
+        calibration: None,
     };
     let undamped = Plate::new(spec.clone())?;
     step(0.2)?;

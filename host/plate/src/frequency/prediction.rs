@@ -37,7 +37,7 @@ pub struct PredictedEnvelope {
 /// The settled envelope of `tones` on `plate`, perhaps with a finger on it, driven by a DAC of `sample_rate_hz`, at `points` uniform positions (8 to
 /// 200 001).
 ///
-/// Each tone is multiplied by the hold's droop sinc(f/fs), by the actuator's response and by the full-scale
+/// Each tone is multiplied by the hold's droop sinc(f/fs), by [`Plate::drive_response`] and by the full-scale
 /// displacement. `sample_rate_hz` may be up to 1e8 and must be at least twice the frequency of every tone.
 ///
 /// # Errors
@@ -64,10 +64,9 @@ pub fn predict_envelope(
     for tone in tones {
         let response = respond_touched(plate, finger, tone.frequency_hz, points, Equation::Corrected)?;
         let droop = hold_droop(tone.frequency_hz, sample_rate_hz);
-        let actuator =
-            plate.spec().actuator.as_ref().map_or(Complex64::ONE, |it| it.response(tone.frequency_hz));
+        let drive = plate.drive_response(tone.frequency_hz);
         let scale =
-            actuator * Complex64::cis(-tone.phase_rad) * tone.amplitude * droop * plate.spec().full_scale_m;
+            drive * Complex64::cis(-tone.phase_rad) * tone.amplitude * droop * plate.spec().full_scale_m;
         let field: Vec<Complex64> = response.amplitude.iter().map(|f| f * scale).collect();
         for ((rms, bound), f) in rms.iter_mut().zip(&mut bound).zip(&field) {
             *rms += 0.5 * f.norm_sqr();

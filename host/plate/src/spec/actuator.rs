@@ -19,7 +19,7 @@ impl Actuator {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
             Self::Resonator(resonator) => resonator.validate(),
-            Self::Measured(curve) => curve.validate(),
+            Self::Measured(curve) => curve.validate("actuator.points"),
         }
     }
 

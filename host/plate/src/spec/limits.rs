@@ -48,6 +48,10 @@ pub const GAIN: Range = Range::new(-200.0, 200.0, "dB");
 pub const PHASE: Range = Range::new(-36e3, 36e3, "degrees");
 /// Tension of a membrane, per metre of width.
 pub const TENSION: Range = Range::new(1e-9, 1e13, "N/m");
+/// chi^2 of a calibration over the number of its residuals.
+pub const CHI2_PER_N: Range = Range::new(0.0, 1e6, "");
+/// How well a calibration knows a width, as a fraction.
+pub const CALIBRATED: Range = Range::new(0.0, 1.0, "");
 /// Mechanical resistance of a driven end or of the damper behind a lead-in.
 pub const MECHANICAL_RESISTANCE: Range = Range::new(0.0, 1e9, "N s/m");
 /// Mass that moves with a driven end.

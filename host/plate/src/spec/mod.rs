@@ -1,6 +1,7 @@
 //! The specification of a plate: taper, material, driven end and span, read from a file or given as numbers.
 
 pub(crate) mod actuator;
+pub(crate) mod calibration;
 pub(crate) mod clamped_strip;
 pub(crate) mod drive;
 pub(crate) mod error;
@@ -21,6 +22,7 @@ pub(crate) mod turning_width;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
+pub use calibration::Calibration;
 pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};
 pub use file::PLATE_FILE_BYTES_MAX;

@@ -6,6 +6,7 @@
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
 use crate::quantity::Range;
 use crate::spec::actuator::Actuator;
+use crate::spec::calibration::Calibration;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Consequence, Origin, PlateError};
 use crate::spec::model::Model;
@@ -50,6 +51,8 @@ pub struct PlateSpec {
     /// Turning point farthest from the drive that a user can choose, metres (at least 0.001 L beyond `span_start_m`,
     /// at most L).
     pub span_end_m: f64,
+    /// What a calibration found of the drive and of the widths; `None` for a plate that nobody has measured.
+    pub calibration: Option<Calibration>,
 }
 
 /// A validated plate.
@@ -109,6 +112,9 @@ impl Plate {
         if let Some(actuator) = &spec.actuator {
             actuator.validate()?;
         }
+        if let Some(calibration) = &spec.calibration {
+            calibration.validate()?;
+        }
         limits::FULL_SCALE.check("full_scale_m", spec.full_scale_m)?;
         limits::span_start(spec.length_m).check("span_start_m", spec.span_start_m)?;
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
@@ -159,6 +165,15 @@ impl Plate {
     /// The specification this plate was made from.
     pub fn spec(&self) -> &PlateSpec {
         &self.spec
+    }
+
+    /// What lies between the DAC and the driven end at `frequency_hz`, over the displacement at full scale: the actuator,
+    /// and what a calibration found to be different from this plate's own drive.
+    pub fn drive_response(&self, frequency_hz: f64) -> Complex64 {
+        let actuator = self.spec.actuator.as_ref().map(|actuator| actuator.response(frequency_hz));
+        let correction = self.spec.calibration.as_ref().and_then(|it| it.correction.as_ref());
+        let correction = correction.map(|curve| curve.response(frequency_hz));
+        actuator.unwrap_or(Complex64::ONE) * correction.unwrap_or(Complex64::ONE)
     }
 
     /// Short name.

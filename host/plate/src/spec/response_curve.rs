@@ -1,4 +1,4 @@
-//! A measured response of an actuator: gain and phase over frequency.
+//! A measured response, of an actuator or of a whole drive: gain and phase over frequency.
 
 use crate::quantity::Range;
 use crate::spec::error::{Origin, PlateError};
@@ -27,13 +27,14 @@ pub struct ResponseCurve {
 }
 
 impl ResponseCurve {
-    pub(crate) fn validate(&self) -> Result<(), PlateError> {
+    /// Refuses points that are out of their range; `name` is the list's name in a plate file.
+    pub(crate) fn validate(&self, name: &str) -> Result<(), PlateError> {
         if !limits::CURVE_POINTS.contains(self.points.len()) {
-            return Err(limits::CURVE_POINTS.refuse("actuator.points", self.points.len()));
+            return Err(limits::CURVE_POINTS.refuse(name, self.points.len()));
         }
         let mut before = None;
         for (index, [frequency_hz, gain_db, phase_deg]) in self.points.iter().copied().enumerate() {
-            let field = |column: usize| format!("actuator.points[{index}][{column}]");
+            let field = |column: usize| format!("{name}[{index}][{column}]");
             limits::CURVE_FREQUENCY.check(&field(0), frequency_hz)?;
             if let Some(before_hz) = before {
                 // A step of a millionth keeps the slope between two points finite.

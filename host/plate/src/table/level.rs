@@ -97,19 +97,11 @@ impl DriveToPeak {
     }
 
     fn level_of(&self, frequency_hz: f64, field: &[Complex64]) -> Result<Level, TableError> {
-        let turning_point_m = self.plate.turning_point_m(frequency_hz).unwrap_or(0.0);
-        let kappa = self.plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
-        let found = peak::find(field, self.step_m, turning_point_m, kappa);
-        let on_plate = match found {
-            Some(Peak { amplitude, .. }) => amplitude,
-            None => {
-                let at = turning_point_m.min(self.plate.length_m());
-                peak::amplitude_at(field, self.step_m, at) * airy::PEAK_VALUE / airy::ai(0.0)
-            }
-        };
+        let (on_plate, found) = peak_amplitude(&self.plate, field, self.step_m, frequency_hz);
         let amplitude = on_plate * self.before_the_plate(frequency_hz);
         if !(amplitude.is_finite() && amplitude > 0.0) {
-            return Err(TableError::Silent { position_m: turning_point_m, frequency_hz });
+            let position_m = self.plate.turning_point_m(frequency_hz).unwrap_or(0.0);
+            return Err(TableError::Silent { position_m, frequency_hz });
         }
         let peak_largest = found.is_some_and(|peak| peak.is_largest);
         Ok(Level { amplitude, peak_present: found.is_some(), peak_largest })
@@ -120,19 +112,44 @@ impl DriveToPeak {
         finger::share_left(&self.grid, &self.plate, finger, frequency_hz)
     }
 
-    /// Gain of the zero-order hold and the actuator.
+    /// Gain of the zero-order hold and of what lies between it and the driven end.
     fn before_the_plate(&self, frequency_hz: f64) -> f64 {
         let droop = sample_rate::hold_droop(frequency_hz, self.sample_rate_hz);
-        let actuator = self.plate.spec().actuator.as_ref();
-        droop * actuator.map_or(1.0, |actuator| actuator.response(frequency_hz).norm())
+        droop * self.plate.drive_response(frequency_hz).norm()
     }
+}
+
+/// The amplitude that a table levels, of a field on points `step_m` apart: that of the turning-point peak, which is told,
+/// too; without one, the amplitude at the turning point over 0.6628.
+pub(crate) fn peak_amplitude(
+    plate: &Plate,
+    field: &[Complex64],
+    step_m: f64,
+    frequency_hz: f64,
+) -> (f64, Option<Peak>) {
+    let turning_point_m = plate.turning_point_m(frequency_hz).unwrap_or(0.0);
+    let kappa = plate.kappa_per_m(frequency_hz).unwrap_or(f64::NAN);
+    let found = peak::find(field, step_m, turning_point_m, kappa);
+    let amplitude = match found {
+        Some(Peak { amplitude, .. }) => amplitude,
+        None => {
+            let at = turning_point_m.min(plate.length_m());
+            peak::amplitude_at(field, step_m, at) * airy::PEAK_VALUE / airy::ai(0.0)
+        }
+    };
+    (amplitude, found)
 }
 
 /// The plate at the other wave speeds and losses within its tolerances. Speeds that make the plate invalid are left out.
 ///
 /// At each place the level is monotone in the loss but for the ripple, which is largest at the lowest loss: so every
 /// speed is taken with the lowest and the highest loss, too.
+///
+/// None where the gain itself was measured: it holds whatever the speed and the loss are.
 pub(crate) fn other_plates(plate: &Plate) -> Vec<Plate> {
+    if plate.spec().calibration.as_ref().is_some_and(|calibration| calibration.correction.is_some()) {
+        return Vec::new();
+    }
     let tolerance = plate.spec().wave_speed_tolerance;
     let half = if tolerance == 0.0 { 0 } else { SPEEDS / 2 };
     let speeds = (0..=2 * half).filter_map(|number| {

@@ -68,9 +68,8 @@ impl<'a> Palette<'a> {
 
     /// From the driven end's displacement to that of a tone of level 1, over the table's peak at full scale.
     fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
-        let spec = self.plate.spec();
-        let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
+        let drive = self.plate.drive_response(frequency_hz);
         let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz);
-        actuator * dac * spec.full_scale_m / self.table.peak_at_full_scale_m
+        drive * dac * self.plate.spec().full_scale_m / self.table.peak_at_full_scale_m
     }
 }

@@ -4,8 +4,8 @@ mod drive;
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Actuator, DriveEnd, EndSlope, Impedance, LeadIn, Plate, PlateError, PlateFileError, ResponseCurve,
-    Source, TurningWidth, preset, presets,
+    Actuator, DriveEnd, DriveTable, EndSlope, Impedance, LeadIn, Plate, PlateError, PlateFileError,
+    ResponseCurve, Source, TurningWidth, preset, presets,
 };
 
 const GOOD: &str = r#"
@@ -239,6 +239,30 @@ fn what_is_missing_is_told_with_its_meaning_and_range_and_all_at_once() {
         found.to_string(),
         "line 19: actuator.quality is missing: quality factor of the resonance, a number, 0.1 to 1000"
     );
+}
+
+#[test]
+fn a_calibration_is_read_written_and_corrects_the_drive() {
+    let section = "[calibration]\nchi2_per_n = 0.9\nhalf_width_tolerance = 0.001\ntaper_tolerance = 0.002\n";
+    let read = |points: &str| Plate::from_toml(&format!("{GOOD}{section}{points}"));
+    let plain = Plate::from_toml(GOOD).expect("a plate");
+    let without = read("").expect("a calibration of places alone");
+    assert_eq!(without.drive_response(100.0), plain.drive_response(100.0));
+    let plate = read("points = [[50.0, 20.0, 0.0], [500.0, 20.0, 0.0]]\n").expect("a calibration");
+    for plate in [&plate, &without] {
+        assert_eq!(Plate::from_toml(&plate.to_toml()).as_ref(), Ok(plate));
+    }
+    assert!((plate.drive_response(100.0) / plain.drive_response(100.0) - 10.0).norm() < 1e-9);
+    let peak = |plate: &Plate| DriveTable::build(plate, 400e3, 17).expect("a table").peak_at_full_scale_m;
+    assert!((peak(&plate) / peak(&plain) - 10.0).abs() < 1e-9, "what the table levels");
+    let falling = read("points = [[50.0, 0.0, 0.0], [40.0, 0.0, 0.0]]\n").expect_err("falls");
+    assert!(falling.to_string().contains("calibration.points[1][0] = 40"), "{falling}");
+    let half = GOOD.to_owned() + "[calibration]\nchi2_per_n = 0.9\n";
+    let half = Plate::from_toml(&half).expect_err("half a calibration");
+    assert!(half.to_string().contains("calibration.half_width_tolerance is missing"), "{half}");
+    let wide = format!("{GOOD}{}", section.replace("0.001", "1.5"));
+    let wide = Plate::from_toml(&wide).expect_err("out of range");
+    assert!(wide.to_string().contains("calibration.half_width_tolerance = 1.5: must be 0 to 1"), "{wide}");
 }
 
 #[test]

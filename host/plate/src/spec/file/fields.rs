@@ -244,8 +244,26 @@ pub(super) const ACTUATOR: Section = Section {
     ],
 };
 
+pub(super) const CALIBRATION: Section = Section {
+    name: "calibration",
+    meaning: "how well the plate was measured, and what its drive does over what the file says",
+    kind_field: "",
+    kinds: &[],
+    fields: &[
+        field("chi2_per_n", FieldType::Number(limits::CHI2_PER_N), "how well the measurement fits"),
+        field(
+            "half_width_tolerance",
+            FieldType::Number(limits::CALIBRATED),
+            "how well the half-width at the driven end is known",
+        ),
+        field("taper_tolerance", FieldType::Number(limits::CALIBRATED), "how well ln(W0/W(L)) is known"),
+        field("points", FieldType::Points(&CURVE), "the measured gain over what the file gives"),
+    ],
+};
+
 /// All sections; the plate's own fields come first.
-pub(super) const SECTIONS: [&Section; 6] = [&PLATE, &TAPER, &MODEL, &DRIVE, &LEAD_IN, &ACTUATOR];
+pub(super) const SECTIONS: [&Section; 7] =
+    [&PLATE, &TAPER, &MODEL, &DRIVE, &LEAD_IN, &ACTUATOR, &CALIBRATION];
 
 impl Section {
     /// The field of that name.

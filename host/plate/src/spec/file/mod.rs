@@ -6,6 +6,7 @@ mod written;
 
 use crate::quantity::{Count, Counted, Range, WrongCount};
 use crate::spec::actuator::{Actuator, Resonator};
+use crate::spec::calibration::Calibration;
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Origin, PlateError, PlateFileError};
 use crate::spec::impedance::Impedance;
@@ -43,9 +44,8 @@ impl Plate {
 fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
     // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
     let given = text.section(&fields::PLATE)?;
-    let sections = [&fields::TAPER, &fields::MODEL, &fields::DRIVE, &fields::LEAD_IN, &fields::ACTUATOR]
-        .map(|schema| text.section(schema));
-    let [taper, model, drive, lead_in, actuator] = sections;
+    let [_, others @ ..] = fields::SECTIONS;
+    let [taper, model, drive, lead_in, actuator, calibration] = others.map(|schema| text.section(schema));
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
     };
@@ -69,6 +69,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         full_scale_m: plate.number("full_scale_m")?.unwrap_or(1e-6),
         span_start_m: 0.0,
         span_end_m: 0.0,
+        calibration: calibration?.as_ref().map(calibration_of).transpose()?,
     };
     let span = (plate.number("span_start_m")?, plate.number("span_end_m")?);
     let band = (plate.number("band_start_hz")?, plate.number("band_end_hz")?);
@@ -255,6 +256,16 @@ fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {
         quality: given.required("quality")?,
         travel: has_travel.then(|| travel_of(given)).transpose()?,
     }))
+}
+
+fn calibration_of(given: &Given<'_>) -> Result<Calibration, PlateError> {
+    let correction = given.has("points").then(|| given.points("points")).transpose()?;
+    Ok(Calibration {
+        chi2_per_n: given.required("chi2_per_n")?,
+        half_width_tolerance: given.required("half_width_tolerance")?,
+        taper_tolerance: given.required("taper_tolerance")?,
+        correction: correction.map(|points| ResponseCurve { points }),
+    })
 }
 
 /// Half a limit is none: who gives one of the two fields is told of the other.

@@ -26,6 +26,8 @@ struct PlateText {
     drive: DriveText,
     #[serde(skip_serializing_if = "Option::is_none")]
     actuator: Option<ActuatorText>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    calibration: Option<CalibrationText>,
 }
 
 #[derive(Serialize, Default)]
@@ -102,6 +104,15 @@ struct ActuatorText {
     points: Option<Vec<[f64; 3]>>,
 }
 
+#[derive(Serialize)]
+struct CalibrationText {
+    chi2_per_n: f64,
+    half_width_tolerance: f64,
+    taper_tolerance: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<[f64; 3]>>,
+}
+
 impl Plate {
     /// The plate as TOML text that [`Plate::from_toml`] reads back to the same plate.
     pub fn to_toml(&self) -> String {
@@ -121,6 +132,12 @@ impl Plate {
             model: model_text(&spec.model),
             drive: drive_text(spec.drive_end),
             actuator: spec.actuator.as_ref().map(actuator_text),
+            calibration: spec.calibration.as_ref().map(|calibration| CalibrationText {
+                chi2_per_n: calibration.chi2_per_n,
+                half_width_tolerance: calibration.half_width_tolerance,
+                taper_tolerance: calibration.taper_tolerance,
+                points: calibration.correction.as_ref().map(|curve| curve.points.clone()),
+            }),
         };
         // `PlateText` holds only strings, numbers and lists of numbers, which TOML can always represent.
         toml::to_string(&text).unwrap_or_default()

@@ -1,0 +1,165 @@
+//! The calibration by the ratio of two places, from the measurements to the plate file.
+
+use super::band;
+use super::error::CalibrateError;
+use super::gain;
+use super::measurement::Measurement;
+use super::ratio::Ratio;
+use super::refusal::{self, CHI2_PER_N_MAX};
+use super::spread::Spread;
+use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, Priors, TAPER, spec_at};
+use crate::spec::{Calibration, Model, Plate, PlateSpec, Taper, limits};
+
+/// Standard deviations of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+
+/// A number of the plate or of a sensor, as a calibration found it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name in the plate file: `model.wave_speed_m_per_s`; `place_m` for a sensor's.
+    pub name: &'static str,
+    /// The best value, in the unit of its name.
+    pub value: f64,
+    /// Ends of the 95 % interval.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+/// What a calibration found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    /// The plate with the measured numbers, their intervals and, where levels were measured, the measured gain.
+    pub plate: Plate,
+    /// The fitted parameters: the plate's, then the sensors' places.
+    pub parameters: Vec<Parameter>,
+    /// Sum of the squared residuals over their number; about 1 where the model fits to the noise.
+    pub chi2_per_n: f64,
+    /// Half of the 95 % interval of the boundary, metres: the largest over the span.
+    pub boundary_tolerance_m: f64,
+    /// How far the boundary goes, at most over the span, for each metre that a sensor stands farther from the driven end than
+    /// it was told to: the measurement itself does not tell a small such mistake from a plate of another width. One number
+    /// for each sensor.
+    pub boundary_per_place: [f64; 2],
+    /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: what noise leaves of the
+    /// measured gain, and what the fit leaves of the way to the peak. Infinite where no levels were measured.
+    pub level_tolerance_db: f64,
+}
+
+/// Calibrates `plate`, the nominal one, from the same sensor at two places.
+///
+/// ```no_run
+/// # use slipline_plate::calibrate::{Measurement, Priors, from_ratio};
+/// # fn example(near: Measurement, far: Measurement) -> Result<(), Box<dyn std::error::Error>> {
+/// let nominal = slipline_plate::preset("membrane").unwrap();
+/// let found = from_ratio(&nominal, [&near, &far], &Priors::default())?;
+/// println!("{} +- {} m", found.plate.name(), found.boundary_tolerance_m);
+/// let file = found.plate.to_toml();
+/// # Ok(()) }
+/// ```
+///
+/// # Errors
+/// [`CalibrateError`]: what is wrong with the measurements, or what they do not carry.
+pub fn from_ratio(
+    plate: &Plate,
+    sensors: [&Measurement; 2],
+    priors: &Priors,
+) -> Result<Calibrated, CalibrateError> {
+    priors.check()?;
+    for sensor in sensors {
+        refusal::check_sensor(plate, sensor)?;
+    }
+    let ratio = Ratio::new(plate, sensors, priors);
+    refusal::check_pair(sensors, &ratio.pairs)?;
+    let fit = ratio.fit().ok_or(CalibrateError::NoFit)?;
+    let residuals = (ratio.pairs.len() + ratio.deviations.len() - fit.parameters.len()) as f64;
+    let chi2_per_n = fit.chi2 / residuals;
+    if chi2_per_n > CHI2_PER_N_MAX {
+        let swapped = ratio.swapped().fit().map_or(f64::INFINITY, |fit| fit.chi2 / residuals);
+        return Err(if swapped <= CHI2_PER_N_MAX {
+            let [first_m, second_m] = ratio.places_m;
+            CalibrateError::Swapped { first_m, second_m }
+        } else {
+            CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX }
+        });
+    }
+    refusal::check_coordinates(&fit.parameters, &ratio.deviations, &ratio.places_m)?;
+
+    // Where the model misses more than the noise, the intervals grow with it.
+    let scale = chi2_per_n.max(1.0).sqrt();
+    let deviation = |i: usize| scale * fit.covariance[(i, i)].sqrt();
+    let fitted = Plate::new(spec_at(plate.spec(), &fit.parameters))?;
+    let peaks = ratio.with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
+    let spread = Spread::of(&ratio, &fitted, &fit, &peaks).ok_or(CalibrateError::NoFit)?;
+    let (correction, noise_db) = gain::correction(&fitted, sensors[0], &ratio.pairs, &peaks)?;
+    let (boundary_m, level_db) = (scale * spread.boundary_m, (scale * spread.level_db).hypot(noise_db));
+    refusal::check_carried(plate, &sensors, boundary_m, level_db)?;
+    let measured_hz = (ratio.pairs[0].frequency_hz, ratio.pairs[ratio.pairs.len() - 1].frequency_hz);
+    band::check(&fitted, measured_hz.0, measured_hz.1)?;
+    let mut spec = fitted.spec().clone();
+    spec.wave_speed_tolerance = (INTERVAL * scale * spread.speed).min(limits::WAVE_SPEED_TOLERANCE.high);
+    spec.loss_tolerance = Some(((INTERVAL * deviation(LOSS)).exp() - 1.0).min(limits::LOSS_TOLERANCE.high));
+    spec.calibration = Some(Calibration {
+        chi2_per_n,
+        half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
+        taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
+        correction: Some(correction),
+    });
+    let mut parameters = parameters_of_plate(plate.spec(), &fit.parameters, &deviation);
+    for (i, place_m) in ratio.places_m.iter().enumerate() {
+        let value = place_m + fit.parameters[OF_PLATE + i];
+        let half = INTERVAL * deviation(OF_PLATE + i);
+        parameters.push(Parameter { name: "place_m", value, low: value - half, high: value + half });
+    }
+    Ok(Calibrated {
+        plate: Plate::new(spec)?,
+        parameters,
+        chi2_per_n,
+        boundary_tolerance_m: INTERVAL * boundary_m,
+        boundary_per_place: spread.boundary_per_place,
+        level_tolerance_db: INTERVAL * level_db,
+    })
+}
+
+/// The plate's numbers by their names in the file, each from the ends of its coordinate's interval.
+fn parameters_of_plate(
+    nominal: &PlateSpec,
+    coordinates: &[f64],
+    deviation: &impl Fn(usize) -> f64,
+) -> Vec<Parameter> {
+    let best = numbers(&spec_at(nominal, coordinates));
+    let at_end = |i: usize, side: f64| {
+        let mut coordinates = coordinates.to_vec();
+        coordinates[i] += side * INTERVAL * deviation(i);
+        numbers(&spec_at(nominal, &coordinates))[i].1
+    };
+    (0..OF_PLATE)
+        .map(|i| {
+            let (name, value) = best[i];
+            let ends = [at_end(i, -1.0), at_end(i, 1.0)];
+            Parameter { name, value, low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) }
+        })
+        .collect()
+}
+
+/// The number that each coordinate moves, with its name in a plate file.
+fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
+    let speed = match &spec.model {
+        Model::Membrane { wave_speed_m_per_s, .. } => ("model.wave_speed_m_per_s", *wave_speed_m_per_s),
+        Model::ShearHorizontal { shear_modulus_pa, .. } => ("model.shear_modulus_pa", *shear_modulus_pa),
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+            ("model.youngs_modulus_pa", bending.youngs_modulus_pa)
+        }
+    };
+    let (taper, half_width_m) = match &spec.taper {
+        Taper::Exponential { half_width_m, rate_per_m } => (("taper.rate_per_m", *rate_per_m), *half_width_m),
+        Taper::Linear { half_width_m, end_half_width_m } => {
+            (("taper.end_half_width_m", *end_half_width_m), *half_width_m)
+        }
+        Taper::Sampled { points } => {
+            let width = |point: Option<&[f64; 2]>| point.map_or(f64::NAN, |point| point[1]);
+            (("taper.points[last][1]", width(points.last())), width(points.first()))
+        }
+    };
+    [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)]
+}

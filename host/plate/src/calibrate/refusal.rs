@@ -1,0 +1,106 @@
+//! What is refused before and after a fit, and why.
+
+use super::error::CalibrateError;
+use super::measurement::{MeasuredPoint, Measurement, SensorKind};
+use super::pairs::Pair;
+use super::unknowns::{HALF_WIDTH, SPEED, TAPER};
+use crate::spec::Plate;
+
+/// An answer below this multiple of its noise shows nothing. Of 10 000 answers of noise alone the largest is 4.3 times
+/// its standard deviation.
+const AUDIBLE: f64 = 6.0;
+/// Fewest frequencies that both sensors measured: twice the number of what is fitted.
+const FREQUENCIES_MIN: usize = 12;
+/// Largest chi^2 over the number of residuals. On plates in two dimensions it is up to 4.7 where the one-mode
+/// equation serves; a finger that moves the boundary by 1 mm makes 12 and more.
+pub(super) const CHI2_PER_N_MAX: f64 = 6.0;
+/// Farthest that a wave speed may be from the file's, as a logarithm: no material is less well known.
+const SPEED_MAX: f64 = 0.12;
+/// Standard deviations by which a width or a place may differ from what was known beforehand.
+const DEVIATIONS_MAX: f64 = 4.5;
+/// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.
+const BOUNDARY_MAX: f64 = 5e-3;
+const LEVEL_MAX_DB: f64 = 1.5;
+
+/// Refuses a measurement that has nothing to show: no signal, clipped, beyond the plate.
+pub(super) fn check_sensor(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
+    sensor.check()?;
+    let place_m = sensor.place_m;
+    if place_m > plate.length_m() {
+        return Err(CalibrateError::BeyondPlate { place_m, length_m: plate.length_m() });
+    }
+    if sensor.sensor == SensorKind::Strain && plate.spec().model.bending().is_none() {
+        return Err(CalibrateError::NoStrain);
+    }
+    let clipped =
+        sensor.points.iter().filter(|point| point.headroom_db.is_some_and(|headroom| headroom <= 0.0));
+    match clipped.count() {
+        0 => {}
+        count => return Err(CalibrateError::Clipped { place_m, count, of: sensor.points.len() }),
+    }
+    let above = |point: &MeasuredPoint| point.response.norm() / point.noise;
+    let loudest = sensor.points.iter().map(above).fold(0.0, f64::max);
+    if loudest < AUDIBLE { Err(CalibrateError::NoSignal { place_m }) } else { Ok(()) }
+}
+
+/// Refuses two measurements that have no ratio: too few common frequencies, two kinds of sensor, one place.
+pub(super) fn check_pair([a, b]: [&Measurement; 2], pairs: &[Pair]) -> Result<(), CalibrateError> {
+    if a.sensor != b.sensor || a.unit_per_response != b.unit_per_response {
+        return Err(CalibrateError::DifferentSensors);
+    }
+    if (a.place_m - b.place_m).abs() <= 4.0 * a.place_tolerance_m.hypot(b.place_tolerance_m) {
+        return Err(CalibrateError::SamePlace { place_m: a.place_m });
+    }
+    if pairs.len() < FREQUENCIES_MIN {
+        return Err(CalibrateError::FewFrequencies { count: pairs.len(), least: FREQUENCIES_MIN });
+    }
+    Ok(())
+}
+
+/// Refuses coordinates that no plate of this file has, or that the sensors' places do not have.
+pub(super) fn check_coordinates(
+    coordinates: &[f64],
+    deviations: &[f64],
+    places_m: &[f64],
+) -> Result<(), CalibrateError> {
+    if coordinates[SPEED].abs() > SPEED_MAX {
+        return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
+    }
+    for (at, what, share) in [
+        (HALF_WIDTH, "half-width at the driven end", coordinates[HALF_WIDTH].exp()),
+        (TAPER, "taper", 1.0 + coordinates[TAPER]),
+    ] {
+        if coordinates[at].abs() > DEVIATIONS_MAX * deviations[at] {
+            return Err(CalibrateError::AnotherPlate { what, share });
+        }
+    }
+    let first = deviations.len() - places_m.len();
+    for (i, &place_m) in places_m.iter().enumerate() {
+        let (moved_m, deviation) = (coordinates[first + i], deviations[first + i]);
+        if moved_m.abs() > DEVIATIONS_MAX * deviation {
+            return Err(CalibrateError::Misplaced { place_m, found_m: place_m + moved_m });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses what the data leave open: the boundary's standard deviation in metres, the level's in dB.
+pub(super) fn check_carried(
+    plate: &Plate,
+    sensors: &[&Measurement],
+    boundary_m: f64,
+    level_db: f64,
+) -> Result<(), CalibrateError> {
+    if boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB {
+        return Ok(());
+    }
+    // The sensor that shows least.
+    let silent = |sensor: &Measurement| {
+        let is_silent = |point: &&MeasuredPoint| point.response.norm() < 3.0 * point.noise;
+        sensor.points.iter().filter(is_silent).count() as f64 / sensor.points.len() as f64
+    };
+    let weakest = sensors.iter().max_by(|a, b| silent(a).total_cmp(&silent(b)));
+    let (place_m, share) = weakest.map_or((0.0, 0.0), |sensor| (sensor.place_m, silent(sensor)));
+    let span_end_m = plate.span_m().1;
+    Err(CalibrateError::NotCarried { boundary_m, level_db, place_m, silent_share: share, span_end_m })
+}

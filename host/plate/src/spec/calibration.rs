@@ -1,0 +1,32 @@
+//! What a calibration leaves in a plate file beside the plate's numbers: how well they are known, and what the drive does
+//! over what the rest of the file says of it.
+
+use crate::spec::error::PlateError;
+use crate::spec::limits;
+use crate::spec::response_curve::ResponseCurve;
+
+/// The record of a calibration.
+///
+/// How well wave speed and loss are known stands in [`crate::PlateSpec::wave_speed_tolerance`] and
+/// [`crate::PlateSpec::loss_tolerance`], which a drive table and the validity lights use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// Sum of the squared residuals over their variance and number (0 to 1e6): about 1 where the model fits to the noise.
+    pub chi2_per_n: f64,
+    /// How well the half-width at the driven end is known, as a fraction (0 to 1).
+    pub half_width_tolerance: f64,
+    /// How well ln(W0/W(L)) is known, as a fraction (0 to 1); for an exponential taper, its rate.
+    pub taper_tolerance: f64,
+    /// Measured gain from the DAC to the peak over what the rest of the file gives; its phase counts, too. It multiplies
+    /// every steady amplitude. `None` if no levels were measured.
+    pub correction: Option<ResponseCurve>,
+}
+
+impl Calibration {
+    pub(crate) fn validate(&self) -> Result<(), PlateError> {
+        limits::CHI2_PER_N.check("calibration.chi2_per_n", self.chi2_per_n)?;
+        limits::CALIBRATED.check("calibration.half_width_tolerance", self.half_width_tolerance)?;
+        limits::CALIBRATED.check("calibration.taper_tolerance", self.taper_tolerance)?;
+        self.correction.as_ref().map_or(Ok(()), |curve| curve.validate("calibration.points"))
+    }
+}

@@ -1,0 +1,74 @@
+//! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the plate file that comes of
+//! it drives the true plate.
+
+mod misuse;
+mod rig;
+
+use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_ratio};
+
+/// Shares of the length at which the sensor stands.
+const PLACES: [f64; 2] = [0.1, 0.55];
+
+/// Frequencies that suffice.
+fn count(name: &str) -> usize {
+    if name == "membrane" { 60 } else { 150 }
+}
+
+fn measured(name: &str, rig: &Rig, random: &mut Random) -> [Measurement; 2] {
+    rig.measure(PLACES.map(|share| share * rig.nominal.length_m()), count(name), random)
+}
+
+fn calibrated(rig: &Rig, sensors: &[Measurement; 2]) -> Result<Calibrated, CalibrateError> {
+    from_ratio(&rig.nominal, [&sensors[0], &sensors[1]], &Priors::default())
+}
+
+/// Calibrates truths of a preset; returns what the tables do before and after.
+fn truths(name: &str, solver: Solver, number: u64) -> Vec<[Judgement; 2]> {
+    let run = |seed: u64| {
+        let mut random = Random(seed);
+        let rig = Rig::new(name, solver, &mut random);
+        let sensors = measured(name, &rig, &mut random);
+        let found = calibrated(&rig, &sensors).unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
+        let file = found.plate.to_toml();
+        let plate = Plate::from_toml(&file).expect("an ordinary plate file");
+        assert_eq!(plate, found.plate);
+        // What is told of the boundary must hold: 95 % of all truths, and none far beyond.
+        let [before, after] = [&rig.nominal, &plate].map(|plate| rig.judge(plate));
+        if solver == Solver::OneMode {
+            assert!(after.boundary_m < 1.5 * found.boundary_tolerance_m, "{name} {seed}: {after:?}");
+        }
+        [before, after]
+    };
+    (0..number).map(run).collect()
+}
+
+fn figures(judged: &[[Judgement; 2]], which: usize) -> [(f64, f64); 2] {
+    [
+        middle_and_worst(judged.iter().map(|both| 1e3 * both[which].boundary_m).collect()),
+        middle_and_worst(judged.iter().map(|both| both[which].level_db).collect()),
+    ]
+}
+
+#[test]
+fn the_ratio_of_two_places_puts_boundary_and_level_right() {
+    for name in ["membrane", "al-bending"] {
+        let judged = truths(name, Solver::OneMode, 20);
+        let [before, after] = [0, 1].map(|which| figures(&judged, which));
+        println!("{name}: mm and dB, median and worst: {before:?} -> {after:?}");
+        let [(boundary_mm, worst_mm), (level_db, worst_db)] = after;
+        assert!(boundary_mm <= 0.2 && worst_mm <= 1.0, "{name}: {after:?}");
+        assert!(level_db <= 0.5 && worst_db <= 2.0, "{name}: {after:?}");
+        assert!(before[0].0 > 1.0 && before[1].0 > 2.0, "{name}: {before:?}");
+    }
+}
+
+#[test]
+fn plates_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
+    for (name, number) in [("membrane", 4), ("al-bending", 1)] {
+        let judged = truths(name, Solver::TwoDimensions, number);
+        let [(_, worst_mm), (_, worst_db)] = figures(&judged, 1);
+        assert!(worst_mm <= 0.5 && worst_db <= 1.0, "{name}: {worst_mm} mm {worst_db} dB");
+    }
+}

@@ -1,0 +1,177 @@
+//! What goes wrong while a person measures: it is refused by its name, or the table is good all the same.
+
+use crate::rig::{Random, Rig, Solver};
+use crate::{PLACES, calibrated, count, measured};
+use slipline_plate::calibrate::{CalibrateError, Measurement};
+use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
+
+const NAMES: [&str; 2] = ["membrane", "al-bending"];
+
+fn rig(name: &str, seed: u64) -> (Rig, Random) {
+    let mut random = Random(seed);
+    (Rig::new(name, Solver::OneMode, &mut random), random)
+}
+
+/// The refusal, or nothing if the table is as good as is told: never a bad one without a word. `moved_m` is how far each
+/// sensor is from its mark.
+fn refused_or_good(
+    rig: &Rig,
+    sensors: &[Measurement; 2],
+    moved_m: [f64; 2],
+    what: &str,
+) -> Option<CalibrateError> {
+    let found = match calibrated(rig, sensors) {
+        Ok(found) => found,
+        Err(error) => return Some(error),
+    };
+    let untouched = Rig { finger: None, ..rig.clone() };
+    let judged = untouched.judge(&found.plate);
+    let by_places: f64 = (0..2).map(|i| found.boundary_per_place[i] * moved_m[i].abs()).sum();
+    let told_m = 1e-3_f64.max(1.5 * found.boundary_tolerance_m) + by_places;
+    assert!(judged.boundary_m < told_m, "{what}: {judged:?}, told {told_m}");
+    let told_db = 2_f64.max(1.5 * found.level_tolerance_db);
+    assert!(judged.level_db < told_db, "{what}: {judged:?}, told {told_db}");
+    None
+}
+
+#[test]
+fn a_finger_on_the_plate_is_noticed_where_it_matters() {
+    for name in NAMES {
+        let (mut rig, mut random) = rig(name, 30);
+        let mut firm_seen = 0;
+        for place_m in [0.12, 0.2] {
+            let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(place_m) };
+            for finger in [Finger::light(place_m), firm] {
+                rig.finger = Some(finger);
+                let places = PLACES.map(|share| share * rig.nominal.length_m());
+                let sensors = rig.measure(places, 60, &mut random);
+                let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {finger:?}"));
+                let is_seen = matches!(error, Some(CalibrateError::Unlike { .. } | CalibrateError::NoFit));
+                // The wave impedance of the aluminium is 1500 times that of a light touch.
+                assert!(is_seen || name == "al-bending", "{name} {finger:?}: {error:?}");
+                firm_seen += usize::from(is_seen && finger == firm);
+            }
+        }
+        assert!(firm_seen >= 2, "{name}: {firm_seen}");
+    }
+}
+
+#[test]
+fn a_sensor_at_another_place_than_told_is_noticed_where_it_matters() {
+    for name in NAMES {
+        for (a_mm, b_mm) in [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (10.0, 0.0), (0.0, 10.0), (0.0, -10.0)] {
+            let (rig, mut random) = rig(name, 31);
+            let told = PLACES.map(|share| share * rig.nominal.length_m());
+            let places = [told[0] + 1e-3 * a_mm, told[1] + 1e-3 * b_mm];
+            let mut sensors = rig.measure(places, count(name), &mut random);
+            (sensors[0].place_m, sensors[1].place_m) = (told[0], told[1]);
+            let moved_m = [1e-3 * a_mm, 1e-3 * b_mm];
+            let error = refused_or_good(&rig, &sensors, moved_m, &format!("{name} {a_mm} {b_mm} mm"));
+            let is_far = f64::abs(a_mm) + f64::abs(b_mm) > 5.0;
+            assert_eq!(error.is_some(), is_far, "{name} {a_mm} {b_mm} mm: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sensor_where_nothing_is_to_be_seen_is_noticed() {
+    for name in NAMES {
+        for (shares, is_refused) in [([0.1, 0.9], false), ([0.93, 0.98], true), ([0.1, 1.0], false)] {
+            let (rig, mut random) = rig(name, 32);
+            let places = shares.map(|share| share * rig.nominal.length_m());
+            let sensors = rig.measure(places, count(name), &mut random);
+            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {shares:?}"));
+            let not_carried = matches!(error, Some(CalibrateError::NotCarried { .. }));
+            assert_eq!(not_carried, is_refused, "{name} {shares:?}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn an_unplugged_a_clipped_and_an_exchanged_sensor_are_refused_by_name() {
+    for name in NAMES {
+        let (rig, mut random) = rig(name, 33);
+        let sensors = measured(name, &rig, &mut random);
+
+        let mut unplugged = sensors.clone();
+        for point in &mut unplugged[1].points {
+            point.response = Complex64::new(random.normal(), random.normal()) * point.noise;
+        }
+        let error = calibrated(&rig, &unplugged).expect_err("unplugged");
+        assert!(matches!(error, CalibrateError::NoSignal { .. }), "{error}");
+
+        let mut clipped = sensors.clone();
+        let largest = clipped[0].points.iter().map(|point| point.response.norm()).fold(0.0, f64::max);
+        for point in &mut clipped[0].points {
+            let over = point.response.norm() / (0.4 * largest);
+            point.response /= over.max(1.0);
+            point.headroom_db = point.headroom_db.map(|_| -20.0 * over.log10());
+        }
+        let error = calibrated(&rig, &clipped).expect_err("clipped");
+        assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");
+        // Who imports a file knows no headroom.
+        clipped[0].points.iter_mut().for_each(|point| point.headroom_db = None);
+        let error = calibrated(&rig, &clipped).expect_err("clipped");
+        assert!(matches!(error, CalibrateError::Unlike { .. }), "{error}");
+
+        let [mut a, mut b] = sensors;
+        std::mem::swap(&mut a.place_m, &mut b.place_m);
+        let error = calibrated(&rig, &[a, b]).expect_err("exchanged");
+        assert!(matches!(error, CalibrateError::Swapped { .. }), "{error}");
+    }
+}
+
+#[test]
+fn the_file_of_another_plate_is_refused() {
+    for name in NAMES {
+        let other = |change: &dyn Fn(&mut PlateSpec)| {
+            let (mut rig, mut random) = rig(name, 34);
+            let sensors = measured(name, &rig, &mut random);
+            let mut spec = rig.nominal.spec().clone();
+            change(&mut spec);
+            rig.nominal = Plate::new(spec).expect("valid");
+            calibrated(&rig, &sensors).expect_err("another plate")
+        };
+        for factor in [0.8, 1.2] {
+            let wider = other(&|spec| {
+                if let Taper::Exponential { half_width_m, .. } = &mut spec.taper {
+                    *half_width_m *= factor;
+                }
+            });
+            let steeper = other(&|spec| {
+                if let Taper::Exponential { rate_per_m, .. } = &mut spec.taper {
+                    *rate_per_m *= factor;
+                }
+            });
+            let faster = other(&|spec| {
+                let plate = Plate::new(spec.clone()).expect("valid");
+                *spec = plate.with_wave_speed(factor).expect("valid").spec().clone();
+            });
+            for error in [wider, steeper] {
+                let is_seen = matches!(error, CalibrateError::Unlike { .. } | CalibrateError::NoFit);
+                assert!(is_seen, "{name} {factor}: {error}");
+            }
+            let CalibrateError::AnotherPlate { what: "wave speed", share } = faster else {
+                panic!("{name} {factor}: {faster}")
+            };
+            assert!((share * factor - 1.0).abs() < 0.06, "{name} {factor}: {share}");
+        }
+    }
+}
+
+#[test]
+fn at_twenty_decibels_over_the_noise_the_told_interval_is_wider_and_holds() {
+    for name in NAMES {
+        let mut accepted = 0;
+        for seed in 40..44 {
+            let (mut rig, mut random) = rig(name, seed);
+            rig.snr_db = 20.0;
+            let sensors = measured(name, &rig, &mut random);
+            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {seed} 20 dB"));
+            let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+            assert!(is_told, "{name} {seed}: {error:?}");
+            accepted += usize::from(error.is_none());
+        }
+        assert!(accepted > 0, "{name}: all refused");
+    }
+}

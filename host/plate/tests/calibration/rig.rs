@@ -1,0 +1,247 @@
+//! A plate that nobody knows, drawn at random near a nominal one, and what a sensor on it measures: by the one-mode
+//! equation or in two dimensions, with noise and 12 bits.
+
+use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
+use slipline_plate::{
+    Actuator, Complex64, DriveEnd, DriveTable, Equation, Finger, Impedance, Peak, Plate, Resonator, Source,
+    Taper, airy, plane, preset, respond_batch, respond_touched,
+};
+use std::f64::consts::TAU;
+
+/// The rate of the device that plays the tones, Hz.
+const RATE_HZ: f64 = 400e3;
+/// Knots of a table; more would not change what is measured here.
+const KNOTS: usize = 129;
+/// Boundaries over the span at which a table is judged.
+const BOUNDARIES: usize = 33;
+/// Codes of an input from zero to full scale.
+const CODES: f64 = 2048.0;
+/// Points of a field: an error of 1e-6.
+const POINTS: usize = 1601;
+
+/// SplitMix64 (Steele, Lea and Flood 2014).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Uniform from `low` to `high`.
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Uniform in the logarithm.
+    pub(crate) fn factor(&mut self, low: f64, high: f64) -> f64 {
+        self.within(low.ln(), high.ln()).exp()
+    }
+
+    /// Of mean 0 and variance 1 (Box and Muller).
+    pub(crate) fn normal(&mut self) -> f64 {
+        (-2.0 * self.within(1e-300, 1.0).ln()).sqrt() * (TAU * self.within(0.0, 1.0)).cos()
+    }
+}
+
+/// What a plate is solved with.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Solver {
+    OneMode,
+    TwoDimensions,
+}
+
+/// A nominal plate and the true one.
+#[derive(Clone)]
+pub(crate) struct Rig {
+    pub(crate) nominal: Plate,
+    pub(crate) truth: Plate,
+    pub(crate) solver: Solver,
+    /// The sensor's signal over the displacement, the amplifier included.
+    pub(crate) gain: f64,
+    pub(crate) delay_s: f64,
+    pub(crate) finger: Option<Finger>,
+    pub(crate) snr_db: f64,
+}
+
+impl Rig {
+    /// A truth near the preset: speed +-5 %, loss x0.5 to 2.5, taper +-0.4 %, width +-0.3 %, a source of 0.4 to 2.5 times
+    /// the resistance that matches with mass and spring, an actuator, a delay and a gain.
+    pub(crate) fn new(name: &str, solver: Solver, random: &mut Random) -> Self {
+        let nominal = preset(name).expect("a preset");
+        let mut spec = nominal.with_wave_speed(random.within(0.95, 1.05)).expect("valid").spec().clone();
+        spec.loss_factor *= random.factor(0.5, 2.5);
+        let Taper::Exponential { half_width_m, rate_per_m } = &mut spec.taper else {
+            panic!("the presets' tapers are exponential")
+        };
+        *rate_per_m *= random.within(0.996, 1.004);
+        *half_width_m *= random.within(0.997, 1.003);
+        let (low_hz, high_hz) = nominal.band_hz();
+        let middle_hz = 0.5 * (low_hz + high_hz);
+        let omega = TAU * middle_hz;
+        let z = nominal.wave_impedance_n_s_per_m(middle_hz).expect("told");
+        let lead_in = match nominal.spec().drive_end {
+            DriveEnd::Source(source) => source.lead_in,
+            _ => None,
+        };
+        // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
+        let matched = if lead_in.is_some() { 0.3 * z } else { z };
+        let impedance = Impedance {
+            resistance_n_s_per_m: matched * random.factor(0.4, 2.5),
+            mass_kg: random.within(0.0, 1.0) * matched / omega,
+            stiffness_n_per_m: random.within(0.0, 1.0) * matched * omega,
+        };
+        spec.drive_end =
+            DriveEnd::Source(Source { impedance, lead_in, ..Source::soft(&spec.model, middle_hz) });
+        spec.actuator = Some(Actuator::Resonator(Resonator {
+            resonance_hz: middle_hz * random.factor(0.5, 2.0),
+            quality: random.factor(0.7, 5.0),
+            travel: None,
+        }));
+        Self {
+            truth: Plate::new(spec).expect("a valid plate"),
+            nominal,
+            solver,
+            gain: random.factor(1e3, 1e6),
+            delay_s: random.within(0.0, 3.0) / high_hz,
+            finger: None,
+            snr_db: 40.0,
+        }
+    }
+
+    /// Frequencies over the band that a calibration needs, uniform in the logarithm.
+    pub(crate) fn frequencies_hz(&self, count: usize) -> Vec<f64> {
+        let (low, high) = band_hz(&self.nominal);
+        (0..count).map(|i| low * (high / low).powf(i as f64 / (count - 1) as f64)).collect()
+    }
+
+    fn fields(&self, frequencies_hz: &[f64]) -> Vec<Vec<Complex64>> {
+        let each =
+            |field: &dyn Fn(f64) -> Vec<Complex64>| frequencies_hz.iter().map(|&hz| field(hz)).collect();
+        match (self.solver, &self.finger) {
+            (Solver::OneMode, None) => {
+                respond_batch(&self.truth, frequencies_hz, POINTS, Equation::Corrected).expect("in the band")
+            }
+            (Solver::OneMode, Some(finger)) => each(&|hz| {
+                let touched = respond_touched(&self.truth, Some(finger), hz, POINTS, Equation::Corrected);
+                touched.expect("in the band").amplitude
+            }),
+            (Solver::TwoDimensions, _) => {
+                let setup = plane::Setup { finger: self.finger, ..plane::Setup::of(&self.truth) };
+                each(&|hz| plane::respond(&self.truth, hz, POINTS, &setup).expect("in the band").amplitude)
+            }
+        }
+    }
+
+    /// From the code to the driven end, in units of the sensor.
+    fn drive(&self, frequency_hz: f64) -> Complex64 {
+        let turn = std::f64::consts::PI * frequency_hz / RATE_HZ;
+        let lag = Complex64::cis(TAU * frequency_hz * self.delay_s);
+        self.truth.drive_response(frequency_hz) * lag * (turn.sin() / turn) * self.truth.spec().full_scale_m
+    }
+
+    /// What an uncalibrated displacement sensor at each place measures, whose marks are at `marks_m`.
+    pub(crate) fn measure<const N: usize>(
+        &self,
+        places_m: [f64; N],
+        count: usize,
+        random: &mut Random,
+    ) -> [Measurement; N] {
+        let frequencies = self.frequencies_hz(count);
+        let step_m = self.truth.length_m() / (POINTS - 1) as f64;
+        let fields = self.fields(&frequencies);
+        places_m.map(|place_m| {
+            let at = place_m / step_m;
+            let (left, t) = (at as usize, at.fract());
+            let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
+                let here = field[left] * (1.0 - t) + field.get(left + 1).map_or(Complex64::ZERO, |f| f * t);
+                here * self.drive(hz) * self.gain
+            };
+            let clean: Vec<Complex64> = fields.iter().zip(&frequencies).map(seen).collect();
+            self.sampled(place_m, &frequencies, &clean, random)
+        })
+    }
+
+    /// With noise and in codes; the input's range is twice the largest answer.
+    fn sampled(
+        &self,
+        place_m: f64,
+        frequencies_hz: &[f64],
+        clean: &[Complex64],
+        random: &mut Random,
+    ) -> Measurement {
+        let mean: f64 = clean.iter().map(Complex64::norm_sqr).sum::<f64>() / clean.len() as f64;
+        let largest = clean.iter().map(|answer| answer.norm()).fold(0.0, f64::max);
+        let code = 2.0 * largest / CODES;
+        let noise = mean.sqrt() * 10_f64.powf(-self.snr_db / 20.0);
+        let coded = |value: f64| (value / code).round() * code;
+        let points = frequencies_hz.iter().zip(clean).map(|(&frequency_hz, answer)| {
+            let noisy = answer + Complex64::new(random.normal(), random.normal()) * noise;
+            MeasuredPoint {
+                frequency_hz,
+                response: Complex64::new(coded(noisy.re), coded(noisy.im)),
+                noise: noise.hypot(code / 12_f64.sqrt()),
+                headroom_db: Some(20.0 * (2.0 * largest / answer.norm()).log10()),
+            }
+        });
+        let points = points.collect();
+        let measured = Measurement::at(place_m, SensorKind::Displacement, points);
+        Measurement { sample_rate_hz: Some(RATE_HZ), ..measured }
+    }
+
+    /// Drives the true plate with a table made for `plate`.
+    pub(crate) fn judge(&self, plate: &Plate) -> Judgement {
+        let table = DriveTable::build(plate, RATE_HZ, KNOTS).expect("a table");
+        let (start, end) = self.nominal.span_m();
+        let places: Vec<f64> =
+            (0..BOUNDARIES).map(|i| start + (end - start) * i as f64 / (BOUNDARIES - 1) as f64).collect();
+        let frequencies: Vec<f64> = places.iter().map(|&x| table.frequency_hz(x)).collect();
+        let mut levels = Vec::new();
+        let mut boundary_m: f64 = 0.0;
+        for ((&x, &hz), field) in places.iter().zip(&frequencies).zip(self.fields(&frequencies)) {
+            let peak = Peak::of(&field, &self.truth, hz);
+            let turning_m = self.truth.turning_point_m(hz).expect("enters");
+            boundary_m = boundary_m.max(match (self.solver, peak) {
+                (Solver::OneMode, _) => (turning_m - x).abs(),
+                // In two dimensions the peak has a place, a turning point is a notion of one mode.
+                (Solver::TwoDimensions, Some(peak)) => (peak.position_m - told_peak_m(plate, hz)).abs(),
+                (Solver::TwoDimensions, None) => 0.0,
+            });
+            let amplitude = peak.map_or_else(
+                || {
+                    let at = turning_m.min(self.truth.length_m()) / self.truth.length_m();
+                    let there = field[(at * (POINTS - 1) as f64).round() as usize].norm();
+                    there * airy::PEAK_VALUE / airy::ai(0.0)
+                },
+                |peak| peak.amplitude,
+            );
+            levels.push(20.0 * (amplitude * self.drive(hz).norm() * table.gain(x)).log10());
+        }
+        // The sensor is not calibrated: one factor for the whole span is free.
+        let middle =
+            levels.iter().copied().fold(f64::MIN, f64::max) + levels.iter().copied().fold(f64::MAX, f64::min);
+        let level_db = levels.iter().map(|level| (level - 0.5 * middle).abs()).fold(0.0, f64::max);
+        Judgement { boundary_m, level_db }
+    }
+}
+
+/// Where the plate of the table has its peak, metres.
+fn told_peak_m(plate: &Plate, frequency_hz: f64) -> f64 {
+    let field = respond_batch(plate, &[frequency_hz], POINTS, Equation::Corrected).expect("in the band");
+    Peak::of(&field[0], plate, frequency_hz).map_or(f64::NAN, |peak| peak.position_m)
+}
+
+/// What a table does on the true plate: the largest errors over the span.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judgement {
+    pub(crate) boundary_m: f64,
+    pub(crate) level_db: f64,
+}
+
+/// The middle of a list, and its largest.
+pub(crate) fn middle_and_worst(mut values: Vec<f64>) -> (f64, f64) {
+    values.sort_by(f64::total_cmp);
+    (values[values.len() / 2], values[values.len() - 1])
+}
