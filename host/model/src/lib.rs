@@ -21,6 +21,7 @@ pub mod export;
 pub mod field;
 pub mod jobs;
 pub mod played;
+pub mod recording;
 pub mod scenes;
 pub mod setup;
 pub mod sound;

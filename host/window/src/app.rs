@@ -18,12 +18,14 @@ mod notices;
 mod paths;
 mod perform;
 mod playback;
+mod replay;
 mod setup;
 mod sound;
 mod start;
 mod stop_presses;
 mod window;
 
+pub use replay::Recorder;
 pub use window::run;
 
 use crate::files::{FileJob, Files};
@@ -51,6 +53,7 @@ use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::scenes::{SCENES, Thumbnail};
+use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
 use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_model::waveform::{Waveform, WaveformJob};
@@ -112,6 +115,8 @@ pub struct App {
     parts: Parts,
     setup: Setup,
     history: History,
+    compare: Compare,
+    recorder: Recorder,
     settings: Settings,
     autopilot: Autopilot,
     stop_presses: StopPresses,
@@ -169,6 +174,8 @@ impl App {
             parts,
             setup,
             history: History::default(),
+            compare: Compare::default(),
+            recorder: Recorder::default(),
             settings,
             autopilot: Autopilot::default(),
             stop_presses: StopPresses::default(),
@@ -219,6 +226,12 @@ impl App {
         &self.settings
     }
 
+    /// The recorded drag.
+    #[must_use]
+    pub fn recorder(&self) -> &Recorder {
+        &self.recorder
+    }
+
     /// The latest message that is shown, if any.
     #[must_use]
     pub fn notice(&self) -> Option<&Notice> {
@@ -231,6 +244,7 @@ impl App {
         self.take_results();
         self.keys(ctx);
         self.follow_pointer(ctx);
+        self.replay(ctx);
         self.dropped_files(ctx);
         self.update_background(ctx);
         self.advance(ctx);
@@ -303,6 +317,8 @@ impl App {
             notices: self.notices.iter().collect(),
             dialog: self.dialog.as_ref(),
             thumbnails: &self.thumbnails,
+            compare: &self.compare,
+            recorder: &self.recorder,
             undo: (self.history.undo_name(), self.history.redo_name()),
             wave_time_s: self.playback.wave_time_s,
         };

@@ -118,7 +118,9 @@ fn perform(job: FileJob) -> Option<FileEvent> {
     }
     match job {
         FileJob::Choose => {
-            let path = rfd::FileDialog::new().add_filter("Setup or plate", &["toml"]).pick_file()?;
+            let path = rfd::FileDialog::new()
+                .add_filter("Setup, plate or recorded drag", &["toml", "csv"])
+                .pick_file()?;
             let text = read_text(&path);
             Some(FileEvent::Opened(path, text))
         }

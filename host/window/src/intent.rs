@@ -47,6 +47,8 @@ pub enum Export {
     Sound,
     /// Versions, counters, setup and log, as text in a file.
     Diagnostics,
+    /// The recorded drag, as CSV.
+    Recording,
 }
 
 /// The page in front of the window.
@@ -128,6 +130,18 @@ pub enum Intent {
     Volume(f32),
     /// The pointer took a handle.
     Grab(Grab),
+    /// Show the other of the two setups that are compared.
+    Switch,
+    /// Record the moves of the lines, or end that.
+    Record(bool),
+    /// Play the recording, or end that.
+    Play(bool),
+    /// Play the recording again and again.
+    Loop(bool),
+    /// Show the wave at this multiple of its usual speed.
+    Speed(f64),
+    /// Show the paused wave at this time, in seconds of the plate.
+    Scrub(f64),
     /// Undo the latest change.
     Undo,
     /// Redo the change that was undone.

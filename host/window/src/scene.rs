@@ -1,5 +1,6 @@
 //! The scene: everything the views show, as the app passes it to them.
 
+use crate::app::Recorder;
 use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
 use crate::sound::{SoundChoice, SpeakerState};
@@ -16,6 +17,7 @@ use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
+use slipline_model::setup::compare::Compare;
 use slipline_model::waveform::Waveform;
 use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
@@ -78,6 +80,10 @@ pub struct Scene<'a> {
     pub thumbnails: &'a [Thumbnail],
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
+    /// The two setups that are compared.
+    pub compare: &'a Compare,
+    /// The recorded drag.
+    pub recorder: &'a Recorder,
     /// The names of the changes that undo and redo would affect.
     pub undo: (Option<&'static str>, Option<&'static str>),
     /// Seconds of slow motion so far; constant while the wave is paused.

@@ -41,6 +41,9 @@ pub enum Part {
     Plots,
 }
 
+/// The speeds of the wave, as multiples of its usual one.
+pub const SPEEDS: std::ops::RangeInclusive<f64> = 0.05..=4.0;
+
 /// Most files in the list of recent files.
 const RECENT: usize = 8;
 /// Most boards in the list of those that are armed without a brown-out level.
@@ -78,6 +81,8 @@ pub struct Settings {
     pub hear_finger: bool,
     /// The volume of what is heard, 0..=1.
     pub volume: f32,
+    /// The speed of the wave as a multiple of its usual one, in [`SPEEDS`].
+    pub speed: f64,
     /// Whether the wave is animated; not kept between runs, so that every start shows it moving.
     #[serde(skip, default = "moving")]
     pub animate: bool,
@@ -104,6 +109,7 @@ impl Default for Settings {
             in_front: Part::Panel,
             hear_finger: true,
             volume: 0.5,
+            speed: 1.0,
             animate: true,
         }
     }
@@ -167,6 +173,7 @@ mod tests {
             has_dragged: true,
             hear_finger: false,
             volume: 0.25,
+            speed: 0.5,
             animate: true,
         }
     }

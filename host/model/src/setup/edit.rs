@@ -61,6 +61,8 @@ pub enum Edit {
     Replace(Box<Setup>),
     /// Start again with this setup.
     New(Box<Setup>),
+    /// Show the other of the two setups that are compared.
+    Switch(Box<Setup>),
 }
 
 /// Why a change was refused. The setup is unchanged.
@@ -80,6 +82,9 @@ pub enum EditError {
     LastTone,
 }
 
+/// The name of [`Edit::Switch`].
+pub const SWITCH: &str = "switch of A and B";
+
 impl Edit {
     /// Its name in a menu, as in `Undo move`.
     #[must_use]
@@ -97,6 +102,7 @@ impl Edit {
             Self::Plate(_) => "plate",
             Self::Replace(_) => "open setup",
             Self::New(_) => "new setup",
+            Self::Switch(_) => SWITCH,
         }
     }
 
@@ -168,7 +174,9 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             }
             next.plate = Arc::clone(plate);
         }
-        Edit::Replace(ref setup) | Edit::New(ref setup) => return Ok((**setup).clone()),
+        Edit::Replace(ref setup) | Edit::New(ref setup) | Edit::Switch(ref setup) => {
+            return Ok((**setup).clone());
+        }
     }
     // Tones that have moved may be no multiples any more, and their peak is another.
     if !matches!(edit, Edit::Master(_) | Edit::Glide(_) | Edit::Boundary(_) | Edit::Feeling(_)) {

@@ -3,6 +3,7 @@
 //! A [`Setup`] is always valid: it is made from a valid plate and changed only through [`crate::setup::edit`], which holds
 //! the limits below.
 
+pub mod compare;
 pub mod edit;
 pub mod file;
 pub mod undo;

@@ -189,7 +189,8 @@ impl App {
 
     /// The sheet, if the wave of the plate on the screen is drawn from it.
     pub(super) fn shown_sheet(&self) -> Option<&Frame> {
-        if self.finger().is_some() {
+        // The sheet runs forward only: at a time of the user's choice the modal lines are shown.
+        if self.finger().is_some() || self.playback.is_scrubbed {
             return None;
         }
         let frame =

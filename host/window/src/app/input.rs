@@ -47,6 +47,9 @@ impl App {
             } else if input.consume_key(Modifiers::COMMAND, Key::Z) {
                 asked.push(Intent::Undo);
             }
+            if input.consume_key(Modifiers::COMMAND, Key::B) {
+                asked.push(Intent::Switch);
+            }
             if input.consume_key(Modifiers::COMMAND, Key::O) {
                 asked.push(Intent::OpenDialog);
             }
@@ -61,7 +64,9 @@ impl App {
                 let show = !(self.settings.show_panel || self.settings.show_plots);
                 (self.settings.show_panel, self.settings.show_plots) = (show, show);
             }
-            for (index, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4].into_iter().enumerate() {
+            for (index, key) in
+                [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5].into_iter().enumerate()
+            {
                 if input.consume_key(Modifiers::COMMAND, key) {
                     self.view.open_tab(index);
                     asked.push(Intent::ShowPanel(true));
@@ -93,6 +98,7 @@ impl App {
     /// During a drag, each move of the pointer moves what it holds: a tone is sent before anything is painted.
     pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
         let Some(grab) = self.grab else { return };
+        let now_s = ctx.input(|input| input.time);
         let (moves, is_down) = ctx.input(|input| {
             let moves: Vec<egui::Pos2> = input
                 .events
@@ -102,18 +108,19 @@ impl App {
             (moves, input.pointer.primary_down())
         });
         for to in moves {
-            self.drag_to(grab, to);
+            self.drag_to(grab, to, now_s);
         }
         if !is_down {
             self.grab = None;
         }
     }
 
-    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
+    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2, now_s: f64) {
         let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
         let Held::Tone(slot) = grab.held else { return self.move_finger(shown_m) };
         self.settings.has_dragged = true;
         self.move_line(slot, shown_m);
+        self.note_move(now_s, slot);
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {

@@ -4,7 +4,7 @@ use super::{App, first_setup, set_theme};
 use crate::files::{FileEvent, FileJob, Save};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
-use crate::settings::Part;
+use crate::settings::{Part, SPEEDS};
 use eframe::egui;
 use slipline_link::protocol::event::State;
 use slipline_link::{Request, Severity};
@@ -12,6 +12,7 @@ use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
+use slipline_model::recording::Recording;
 use slipline_model::scenes::{SCENES, Scene};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
@@ -24,7 +25,11 @@ impl App {
         for intent in intents {
             match intent {
                 Intent::Edit(edit) => self.edit(&edit),
-                Intent::MoveLine { slot, place_m } => self.move_line(slot, place_m),
+                Intent::MoveLine { slot, place_m } => {
+                    self.end_replay();
+                    self.move_line(slot, place_m);
+                    self.note_move(ctx.input(|input| input.time), slot);
+                }
                 Intent::Request(request) => {
                     if let Request::AutoReconnect(looks) = request {
                         self.settings.auto_reconnect = looks;
@@ -45,17 +50,29 @@ impl App {
                 Intent::Sound(choice) => self.choose_sound(choice),
                 Intent::Volume(volume) => self.settings.volume = volume.clamp(0.0, 1.0),
                 Intent::Grab(grab) => {
+                    self.end_replay();
                     self.grab = Some(grab);
                 }
+                Intent::Switch => {
+                    let edit = self.compare.switch(&self.setup);
+                    self.edit(&edit);
+                }
+                Intent::Record(records) => self.record(records),
+                Intent::Play(plays) => self.play(plays),
+                Intent::Loop(is_looped) => self.recorder.is_looped = is_looped,
+                Intent::Speed(speed) => {
+                    self.settings.speed = speed.clamp(*SPEEDS.start(), *SPEEDS.end());
+                }
+                Intent::Scrub(time_s) => self.scrub(time_s),
                 Intent::Undo => {
-                    if let Some(setup) = self.history.undo(&self.setup) {
-                        self.take(setup);
-                    }
+                    let name = self.history.undo_name();
+                    let setup = self.history.undo(&self.setup);
+                    self.step_back_or_forth(name, setup);
                 }
                 Intent::Redo => {
-                    if let Some(setup) = self.history.redo(&self.setup) {
-                        self.take(setup);
-                    }
+                    let name = self.history.redo_name();
+                    let setup = self.history.redo(&self.setup);
+                    self.step_back_or_forth(name, setup);
                 }
                 Intent::New => {
                     if let Some(setup) = first_setup() {
@@ -229,6 +246,10 @@ impl App {
                 Ok(None) => self.fail("Nothing is driven, so there is no drive to save".to_owned()),
                 Err(error) => self.fail(format!("The sound could not be made: {error}")),
             },
+            Export::Recording => {
+                let text = self.recorder.recording().to_csv();
+                self.save("drag.csv", "Recording", "csv", text.into_bytes());
+            }
             Export::Diagnostics => {
                 let text = self.diagnostics();
                 self.save("slipline-diagnostics.txt", "Text", "txt", text.into_bytes());
@@ -249,6 +270,10 @@ impl App {
         match event {
             FileEvent::Opened(path, text) => {
                 let name = name_of(&path);
+                if let Some(recording) = text.as_ref().ok().filter(|text| Recording::is_one(text)) {
+                    let recording = Recording::from_csv(recording).map_err(|error| error.to_string());
+                    return self.open_recording(&name, recording);
+                }
                 let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
                 match opened {
                     Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
@@ -276,6 +301,21 @@ impl App {
             }
             FileEvent::NoDialog(job) => self.ask_for_path(job, None),
             FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),
+        }
+    }
+
+    fn open_recording(&mut self, name: &str, recording: Result<Recording, String>) {
+        match recording {
+            Ok(recording) => {
+                self.take_recording(recording);
+                self.note(Severity::Info, format!("Opened {name}."));
+                self.notices.tell(format!("Opened {name}: press Play on the page Play"));
+            }
+            Err(reason) => {
+                let text = format!("{name} was not opened, nothing has changed. {reason}");
+                self.note(Severity::Error, text.clone());
+                self.fail(text);
+            }
         }
     }
 

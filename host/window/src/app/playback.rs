@@ -6,6 +6,7 @@ use super::App;
 use crate::sound::SoundChoice;
 use eframe::egui;
 use slipline_model::autopilot;
+use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
 use slipline_model::field::time_domain::{Measured, TimeDomainJob};
@@ -31,6 +32,8 @@ pub(super) struct Playback {
     pub(super) measured: Option<Measured>,
     /// How long the wave has moved, in seconds of the user's time.
     pub(super) wave_time_s: f64,
+    /// Whether the paused wave is shown at a time that the user has chosen.
+    pub(super) is_scrubbed: bool,
 }
 
 impl Playback {
@@ -149,6 +152,16 @@ impl App {
         self.play_sound();
     }
 
+    /// Pauses the wave and shows it at this time, in seconds of the plate.
+    pub(super) fn scrub(&mut self, plate_time_s: f64) {
+        let Some(sounding) = self.playback.on(&self.setup.plate).filter(|_| plate_time_s.is_finite()) else {
+            return;
+        };
+        self.playback.wave_time_s = plate_time_s * slow_factor(&sounding.steady);
+        self.playback.is_scrubbed = true;
+        self.settings.animate = false;
+    }
+
     fn move_on(&mut self, ctx: &egui::Context) {
         let is_visible = ctx.input(|input| {
             let viewport = input.viewport();
@@ -162,7 +175,8 @@ impl App {
             return;
         }
         if self.settings.animate {
-            let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1)));
+            let step = ctx.input(|input| f64::from(input.stable_dt.min(0.1))) * self.settings.speed;
+            self.playback.is_scrubbed = false;
             self.playback.wave_time_s += step;
             self.trace_finger(ctx.input(|input| input.time));
             self.advance_sheet(step);

@@ -55,6 +55,15 @@ impl App {
         }
     }
 
+    /// Takes the setup of an undo or redo of the change with this name.
+    pub(super) fn step_back_or_forth(&mut self, name: Option<&'static str>, setup: Option<Setup>) {
+        let Some(setup) = setup else { return };
+        if name == Some(edit::SWITCH) {
+            self.compare.undone(self.setup.clone());
+        }
+        self.take(setup);
+    }
+
     /// Replaces the setup, after an edit, undo or redo.
     pub(super) fn take(&mut self, next: Setup) {
         let is_new_plate = !Arc::ptr_eq(&self.setup.plate, &next.plate);

@@ -46,6 +46,7 @@ impl App {
     /// Sends a stop; the drive is not wanted any more.
     fn end_drive(&mut self, stop: Request) {
         self.autopilot.stopped();
+        self.end_replay();
         self.notices.settle();
         self.parts.link.send(stop);
     }

@@ -78,7 +78,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.separator();
     mode(ui, scene, intents);
     finger::choice(ui, scene, intents);
-    sound::choice(ui, scene, intents);
+    sound::choice(ui, scene, view, intents);
 
     ui.add_space(6.0);
     ui.separator();

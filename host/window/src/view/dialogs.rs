@@ -12,7 +12,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::export::report;
 
 /// Every key and what it does.
-pub(super) const SHORTCUTS: [(&str, &str); 18] = [
+pub(super) const SHORTCUTS: [(&str, &str); 19] = [
     ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
     ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
@@ -23,7 +23,8 @@ pub(super) const SHORTCUTS: [(&str, &str); 18] = [
     ("Enter", "Press the control; take a typed value"),
     ("Ctrl+Z, Ctrl+Y", "Undo, redo"),
     ("Ctrl+O, Ctrl+S", "Open, save the setup"),
-    ("Ctrl+1 … Ctrl+4", "Boundary, tones, plate, device"),
+    ("Ctrl+1 … Ctrl+5", "Boundary, tones, plate, device, play"),
+    ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
     ("Double click", "On the plate: add a tone there"),

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! top_bar ................................ STOP
-//! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device
+//! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device, play
 //! bottom_row: plots (waveform or finger_trace, spectrum), meters, log
 //! ```
 
@@ -28,6 +28,7 @@ mod place_field;
 mod plane_check;
 mod plate;
 mod plate_panel;
+mod play_panel;
 mod plots;
 mod read_out;
 mod room;

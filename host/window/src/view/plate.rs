@@ -113,7 +113,10 @@ fn drawn(scene: &Scene<'_>) -> String {
         return format!("{source}, largest");
     }
     let paused = if scene.settings.animate { "" } else { ", paused" };
-    format!("{source}, 1/{:.0} speed{paused}", slow_factor(steady))
+    let slower = slow_factor(steady) / scene.settings.speed;
+    // Three digits.
+    let step = 10f64.powf(slower.log10().floor() - 2.0).max(1.0);
+    format!("{source}, 1/{:.0} speed{paused}", (slower / step).round() * step)
 }
 
 /// The colour scale, with the displacements at both ends, or only at the right end if there is little space.

@@ -1,6 +1,6 @@
-//! The side panel at the right: shows one of boundary, tones, plate and device.
+//! The side panel at the right: shows one of boundary, tones, plate, device and play.
 
-use super::{Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, tones_panel};
+use super::{Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, play_panel, tones_panel};
 use crate::intent::Intents;
 use eframe::egui::{self, ScrollArea};
 
@@ -15,6 +15,7 @@ pub(crate) enum Tab {
     Tones,
     Plate,
     Device,
+    Play,
 }
 
 impl Tab {
@@ -24,11 +25,12 @@ impl Tab {
     }
 }
 
-const TABS: [(Tab, &str, &str); 4] = [
+const TABS: [(Tab, &str, &str); 5] = [
     (Tab::Boundary, "Boundary", "Where the boundary is, its frequency and level"),
     (Tab::Tones, "Tones", "Up to 16 peaks: add, move, level, remove"),
     (Tab::Plate, "Plate", "Which plate: preset or file, material, taper, loss"),
     (Tab::Device, "Device", "Port, connection, arming, table, counters"),
+    (Tab::Play, "Play", "Compare two setups, record and replay a drag, slow motion"),
 ];
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
@@ -36,7 +38,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 2.0;
-        let width = ((ui.available_width() - 12.0) / 4.0).floor();
+        let gaps = 4.0 * (TABS.len() - 1) as f32;
+        let width = ((ui.available_width() - gaps) / TABS.len() as f32).floor();
         for (tab, name, help) in TABS {
             let button = egui::Button::selectable(view.tab == tab, name).min_size(egui::vec2(width, 28.0));
             if ui.add(button).on_hover_text(help).clicked() {
@@ -61,6 +64,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             Tab::Tones => tones_panel::show(ui, scene, view, intents),
             Tab::Plate => plate_panel::show(ui, scene, view, intents),
             Tab::Device => device_panel::show(ui, scene, view, intents),
+            Tab::Play => play_panel::show(ui, scene, view, intents),
         }
     });
 }

@@ -2,13 +2,14 @@
 //! unchanged, and the reason is shown under the slider.
 
 use super::ViewState;
-use super::field::InputField;
+use super::field::{Fields, InputField};
 use super::theme;
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, Slider};
 use slipline_model::setup::edit::{self, Edit};
 use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
 use slipline_plate::quantity::{self, NotAllowed, QuantityError, must_be, ticks};
+use std::ops::RangeInclusive;
 
 /// A value that a slider and a field show and change.
 pub(super) struct Quantity<'a> {
@@ -31,8 +32,9 @@ pub(super) struct Quantity<'a> {
     edit: &'a dyn Fn(f64) -> Edit,
 }
 
-/// The hints for a level, the master level and a glide time. [`edit::apply`] checks the limits.
-const LEVELS: &str = "0 to 1, or 0 to 100 %";
+/// The hint for a level.
+pub(super) const LEVELS: &str = "0 to 1, or 0 to 100 %";
+/// The hints for the master level and a glide time. [`edit::apply`] checks the limits.
 const MASTERS: &str = "-96 to 0 dB";
 const GLIDES: &str = "5 ms to 10 s";
 
@@ -118,10 +120,63 @@ impl<'a> Quantity<'a> {
             let taken = field.show_apart(ui, &mut view.fields, &mut reason, |text| self.typed(setup, text));
             intents.extend(taken.map(Intent::Edit));
         });
-        if let Some(reason) = reason {
-            let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
-            ui.add(egui::Label::new(text).wrap());
-        }
+        told(ui, reason);
+    }
+}
+
+/// A slider and field of a value that is no part of the setup.
+pub(super) struct FreeSlider<'a> {
+    pub(super) name: &'a str,
+    pub(super) help: &'a str,
+    /// The value, in the unit in which `read` gives it.
+    pub(super) value: f64,
+    pub(super) range: RangeInclusive<f64>,
+    pub(super) is_logarithmic: bool,
+    /// The value as text in the field.
+    pub(super) shown: String,
+    /// The allowed range, in the form in which it is typed.
+    pub(super) allowed: String,
+    /// Parses a typed text.
+    pub(super) read: fn(&str) -> Result<f64, QuantityError>,
+}
+
+impl FreeSlider<'_> {
+    /// Shows it, and the reason of a refusal under it; returns the value that was chosen, if any.
+    pub(super) fn show(self, ui: &mut egui::Ui, fields: &mut Fields) -> Option<f64> {
+        let Self { name, help, value, range, is_logarithmic, shown, allowed, read } = self;
+        let mut reason = None;
+        let mut chosen = None;
+        ui.horizontal(|ui| {
+            let mut slid = value;
+            let slider = Slider::new(&mut slid, range.clone()).logarithmic(is_logarithmic);
+            if slide(ui, name, slider, help).changed() {
+                chosen = Some(slid);
+            }
+            let hint = format!("{help}: {allowed}");
+            let width = VALUE - FIELD_EDGES;
+            let field = InputField { name, value: &shown, hint: &hint, width, caption: None };
+            let typed = field.show_apart(ui, fields, &mut reason, |text| {
+                let value = read(text).map_err(|mistake| {
+                    let refusal = NotAllowed { mistake: Some(mistake), allowed: &allowed };
+                    format!("{name}: {refusal}")
+                })?;
+                let is_allowed = range.contains(&value);
+                is_allowed
+                    .then_some(value)
+                    .ok_or_else(|| must_be(format_args!("{name} {}", text.trim()), &allowed))
+            });
+            chosen = typed.or(chosen);
+        });
+        told(ui, reason);
+        chosen
+    }
+}
+
+/// The reason of a refusal, under slider and field.
+fn told(ui: &mut egui::Ui, reason: Option<String>) {
+    if let Some(reason) = reason {
+        let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
+        ui.add(egui::Label::new(text).wrap());
     }
 }
 

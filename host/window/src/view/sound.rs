@@ -1,9 +1,11 @@
 //! The choice of what is heard.
 
-use super::{Scene, theme};
+use super::slider::{FreeSlider, LEVELS};
+use super::{Scene, ViewState, theme};
 use crate::intent::{Intent, Intents};
 use crate::sound::{SoundChoice, SpeakerState};
-use eframe::egui::{self, RichText, Slider};
+use eframe::egui::{self, RichText};
+use slipline_plate::quantity;
 
 const CHOICES: [(SoundChoice, &str, &str); 3] = [
     (SoundChoice::Off, "Off", "Nothing is played"),
@@ -21,7 +23,7 @@ const CHOICES: [(SoundChoice, &str, &str); 3] = [
 ];
 
 /// The choice, the volume, and why nothing is heard.
-pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         theme::heading(ui, "Sound");
@@ -45,10 +47,19 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
     if !is_heard {
         return;
     }
-    let mut volume = scene.settings.volume;
-    let slider = Slider::new(&mut volume, 0.0..=1.0).text("Volume").fixed_decimals(2);
-    if ui.add(slider).changed() {
-        intents.push(Intent::Volume(volume));
+    let volume = f64::from(scene.settings.volume);
+    let slider = FreeSlider {
+        name: "Volume",
+        help: "How loud it is played",
+        value: volume,
+        range: 0.0..=1.0,
+        is_logarithmic: false,
+        shown: format!("{volume:.2}"),
+        allowed: LEVELS.to_owned(),
+        read: quantity::level,
+    };
+    if let Some(volume) = slider.show(ui, &mut view.fields) {
+        intents.push(Intent::Volume(volume as f32));
     }
     let (text, colour) = match (&scene.sound.speaker, &scene.sound.unplayed) {
         (SpeakerState::Failed(reason), _) => (format!("No sound: {reason}."), palette.wrong),

@@ -285,6 +285,9 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
         ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
         ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
+        let has_recording = !scene.recorder.recording().moves().is_empty();
+        let name = "Export recorded drag (CSV)…".into();
+        ask(ui, has_recording, name, "", Intent::Export(Export::Recording));
         ask(ui, true, "Save screenshot (PNG)…".into(), "", Intent::Export(Export::Screenshot));
         ask(ui, true, "Copy diagnostics".into(), "", Intent::CopyDiagnostics);
     });
@@ -294,6 +297,8 @@ fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         };
         ask(ui, scene.undo.0.is_some(), name("Undo", scene.undo.0), "Ctrl+Z", Intent::Undo);
         ask(ui, scene.undo.1.is_some(), name("Redo", scene.undo.1), "Ctrl+Y", Intent::Redo);
+        let name = format!("Switch to {}", scene.compare.side().other().letter());
+        ask(ui, true, name, "Ctrl+B", Intent::Switch);
     });
     ui.menu_button("View", |ui| {
         for choice in ThemeChoice::ALL {

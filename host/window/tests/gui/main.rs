@@ -16,6 +16,7 @@ mod notices;
 mod painter;
 mod paths;
 mod plane_check;
+mod play;
 mod plots;
 mod pluggable_port;
 mod port_help;

@@ -1,0 +1,125 @@
+//! A drag that is recorded, and its replay. A replay goes the way of a drag: each move is an edit, held by the same limits
+//! and sent only if the plate is driven already. It arms nothing, and whatever ends the drive ends it.
+
+use super::App;
+use eframe::egui;
+use slipline_model::recording::Recording;
+use std::time::Duration;
+
+/// Time between two moves of a replay.
+const STEP: Duration = Duration::from_millis(16);
+/// A pause between two frames longer than this, in seconds, does not count: a hidden window does not jump ahead.
+const GAP_S: f64 = 0.1;
+
+/// The recorder: the recording, and what is done with it.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    recording: Recording,
+    /// While it records: the time of the first move, once there is one.
+    begun: Option<Option<f64>>,
+    playing: Option<Playing>,
+    /// Whether the replay begins again at its end.
+    pub is_looped: bool,
+}
+
+/// A replay under way.
+#[derive(Debug)]
+struct Playing {
+    /// How much was played, in seconds; negative before the first move.
+    done_s: f64,
+    /// The time of the last frame, in seconds of the window's clock.
+    last_s: Option<f64>,
+    /// Whether the plate was driven meanwhile: then the end of the drive ends the replay.
+    has_driven: bool,
+}
+
+impl Recorder {
+    /// The recording.
+    #[must_use]
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Whether moves are recorded.
+    #[must_use]
+    pub fn is_recording(&self) -> bool {
+        self.begun.is_some()
+    }
+
+    /// How much was played, in seconds, while it plays.
+    #[must_use]
+    pub fn played_s(&self) -> Option<f64> {
+        self.playing.as_ref().map(|playing| playing.done_s.max(0.0))
+    }
+}
+
+impl App {
+    /// Begins a new recording, or ends it.
+    pub(super) fn record(&mut self, records: bool) {
+        self.end_replay();
+        if records {
+            self.recorder.recording = Recording::default();
+            self.notices.tell("Recording begins with the first move of a line.".to_owned());
+        }
+        self.recorder.begun = records.then_some(None);
+    }
+
+    /// Begins the replay, or ends it.
+    pub(super) fn play(&mut self, plays: bool) {
+        self.recorder.begun = None;
+        let has_moves = !self.recorder.recording.moves().is_empty();
+        self.recorder.playing =
+            (plays && has_moves).then_some(Playing { done_s: -1.0, last_s: None, has_driven: false });
+    }
+
+    /// Ends the replay, because the drive was stopped or the user takes a line.
+    pub(super) fn end_replay(&mut self) {
+        self.recorder.playing = None;
+    }
+
+    /// Takes a recording from a file.
+    pub(super) fn take_recording(&mut self, recording: Recording) {
+        self.record(false);
+        self.recorder.recording = recording;
+    }
+
+    /// Records that the user has moved a line.
+    pub(super) fn note_move(&mut self, now_s: f64, slot: u8) {
+        let Some(place_m) = self.line(slot).map(|line| line.place_m) else { return };
+        let Some(begun_s) = &mut self.recorder.begun else { return };
+        if !self.recorder.recording.push(now_s, begun_s, slot, place_m) {
+            self.recorder.begun = None;
+            self.fail("The recording is full: it is kept up to here.".to_owned());
+        }
+    }
+
+    /// Makes the moves that are due now.
+    pub(super) fn replay(&mut self, ctx: &egui::Context) {
+        let now_s = ctx.input(|input| input.time);
+        let is_driven = self.autopilot.wants_drive();
+        let Recorder { recording, playing, is_looped, .. } = &mut self.recorder;
+        let Some(play) = playing else { return };
+        if play.has_driven && !is_driven {
+            *playing = None;
+            return self.notices.tell("The replay ended with the drive.".to_owned());
+        }
+        play.has_driven |= is_driven;
+        let step_s = play.last_s.map_or(0.0, |last_s| (now_s - last_s).clamp(0.0, GAP_S));
+        play.last_s = Some(now_s);
+        let from_s = play.done_s;
+        let to_s = from_s.max(0.0) + step_s;
+        play.done_s = to_s;
+        let due: Vec<_> = recording.between(from_s, to_s).collect();
+        if to_s >= recording.duration_s() {
+            if *is_looped {
+                play.done_s = -1.0;
+            } else {
+                *playing = None;
+            }
+        }
+        for step in due {
+            self.move_line(step.slot, step.place_m);
+        }
+        ctx.request_repaint_after(STEP);
+    }
+}
