@@ -44,6 +44,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
             width: 124.0,
             caption: Some("Position"),
+            is_live: false,
         };
         let taken =
             place.show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text));
@@ -54,6 +55,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
             width: 124.0,
             caption: Some("Frequency"),
+            is_live: false,
         };
         let taken = pitch
             .show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text))

@@ -1,6 +1,7 @@
 //! The designer: the requirements (its [`form`]), the resulting plate, and the actions on it.
 
 mod form;
+pub(super) mod sketch;
 
 use super::field::row;
 use super::{Scene, ViewState, theme};

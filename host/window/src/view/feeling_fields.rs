@@ -101,8 +101,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             labelled(ui, value.name, |ui| {
                 let (shown, hint) =
                     ((value.shown)(&setup.feeling), format!("{}: {}", value.help, value.allowed));
-                let field =
-                    InputField { name: value.name, value: &shown, hint: &hint, width: 90.0, caption: None };
+                let field = InputField {
+                    name: value.name,
+                    value: &shown,
+                    hint: &hint,
+                    width: 90.0,
+                    caption: None,
+                    is_live: false,
+                };
                 let taken = field.show(ui, &mut view.fields, |text| value.typed(setup, text));
                 intents.extend(taken.map(Intent::Edit));
             });

@@ -25,6 +25,8 @@ pub(super) struct InputField<'a> {
     pub(super) width: f32,
     /// A caption over the field, where its place alone does not explain it.
     pub(super) caption: Option<&'a str>,
+    /// Whether a text that is understood is taken while it is typed, for a picture that follows.
+    pub(super) is_live: bool,
 }
 
 impl InputField<'_> {
@@ -107,6 +109,10 @@ impl InputField<'_> {
                     }
                 }
             } else if response.has_focus() {
+                if self.is_live && response.changed() {
+                    // What is not understood yet is told when the field is left.
+                    taken = take(&text).ok();
+                }
                 let over = self.value.to_owned();
                 fields.texts.insert(id, Typing { text, error: error.clone(), over });
             }

@@ -59,6 +59,7 @@ pub struct ViewState {
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
     pub(crate) notices: notices::Seen,
+    pub(crate) sketched: designer::sketch::Sketched,
     pub(crate) typed_path: Option<dialogs::TypedPath>,
 }
 
@@ -77,6 +78,11 @@ impl ViewState {
     fn open_validity(&mut self) {
         self.tab = side_panel::Tab::Plate;
         self.plate_page = plate_panel::Page::Validity;
+    }
+
+    /// Whether the designer is open.
+    fn is_designing(&self) -> bool {
+        self.tab == side_panel::Tab::Plate && self.plate_page == plate_panel::Page::Designer
     }
 
     /// Whether the focus is on the finger.

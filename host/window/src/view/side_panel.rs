@@ -38,9 +38,18 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 2.0;
+        // As wide as their words need, and the rest is shared.
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let word = |name: &str| {
+            let galley =
+                ui.painter().layout_no_wrap(name.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
+            galley.size().x
+        };
+        let words: f32 = TABS.iter().map(|(_, name, _)| word(name)).sum();
         let gaps = 4.0 * (TABS.len() - 1) as f32;
-        let width = ((ui.available_width() - gaps) / TABS.len() as f32).floor();
-        for (tab, name, help) in TABS {
+        let more = (ui.available_width() - gaps - words) / TABS.len() as f32;
+        let widths = TABS.map(|(_, name, _)| (word(name) + more).floor());
+        for ((tab, name, help), width) in TABS.into_iter().zip(widths) {
             let button = egui::Button::selectable(view.tab == tab, name).min_size(egui::vec2(width, 28.0));
             if ui.add(button).on_hover_text(help).clicked() {
                 view.tab = tab;

@@ -116,6 +116,7 @@ impl<'a> Quantity<'a> {
                 hint: &hint,
                 width: VALUE - FIELD_EDGES,
                 caption: None,
+                is_live: false,
             };
             let taken = field.show_apart(ui, &mut view.fields, &mut reason, |text| self.typed(setup, text));
             intents.extend(taken.map(Intent::Edit));
@@ -154,7 +155,7 @@ impl FreeSlider<'_> {
             }
             let hint = format!("{help}: {allowed}");
             let width = VALUE - FIELD_EDGES;
-            let field = InputField { name, value: &shown, hint: &hint, width, caption: None };
+            let field = InputField { name, value: &shown, hint: &hint, width, caption: None, is_live: false };
             let typed = field.show_apart(ui, fields, &mut reason, |text| {
                 let value = read(text).map_err(|mistake| {
                     let refusal = NotAllowed { mistake: Some(mistake), allowed: &allowed };

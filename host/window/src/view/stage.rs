@@ -1,5 +1,6 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
+use super::designer::sketch;
 use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, read_out, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
@@ -78,6 +79,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     grid(ui, scene, &layout);
     plate::show(ui, scene, &layout.axis, layout.plate);
+    if view.is_designing() && scene.settings.show_panel {
+        sketch::show(ui, scene, view, &layout.axis, layout.plate);
+    }
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);

@@ -54,6 +54,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                         hint: "A place (120 mm) or a frequency (126 Hz, 40 kHz)",
                         width: 84.0,
                         caption: None,
+                        is_live: false,
                     };
                     let taken = field.show(ui, &mut view.fields, |text| typed_position(scene, tone, text));
                     if let Some(position_m) = taken {

@@ -267,3 +267,36 @@ fn at_rest_nothing_is_repainted_and_the_sheet_does_not_run() {
     assert_eq!(app.sheet_jobs.get(), asleep);
     assert!(delay(&app) > Duration::from_secs(1), "{:?}", delay(&app));
 }
+
+#[test]
+fn the_designer_draws_its_plate_on_the_stage_while_one_types_and_loads_nothing() {
+    let mut app = TestApp::driving();
+    let before = app.setup_text();
+    let shown = |app: &TestApp, length: &str| {
+        let name = format!("Design, not loaded: designed, {length} long");
+        app.window.query_by_label(&name).is_some()
+    };
+    let any = |app: &TestApp| app.window.query_by_label_contains("Design, not loaded").is_some();
+    assert!(!any(&app));
+    open_page(&mut app, "Designer");
+    app.wait(300);
+    assert!(shown(&app, "300.0 mm"));
+    // Typed, and not confirmed.
+    app.window.get_by_role_and_label(Role::TextInput, "Length").focus();
+    app.window.step();
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    app.window.step();
+    app.window.get_by_role_and_label(Role::TextInput, "Length").type_text("25 cm");
+    app.wait(300);
+    assert!(shown(&app, "250.0 mm"));
+    assert_eq!(app.setup_text(), before);
+    assert!(app.is_driving());
+    app.window.get_by_role_and_label(Role::Button, "This plate").click();
+    app.wait(100);
+    assert!(!any(&app), "only while the designer is open");
+    open_page(&mut app, "Designer");
+    app.window.get_by_label("Use this plate").click();
+    app.wait(300);
+    assert!(!any(&app), "it is the plate now");
+    assert_ne!(app.setup_text(), before);
+}

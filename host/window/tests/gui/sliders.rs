@@ -112,3 +112,19 @@ fn the_level_of_each_tone_has_a_field_of_its_own() {
     assert!(told.rect().top() >= field.rect().bottom(), "under its field");
     assert!(field.accesskit_node().value().is_some_and(|value| value == "7"), "it can be mended");
 }
+
+#[test]
+fn the_box_of_the_volume_takes_units_and_a_comma_and_tells_its_range() {
+    let mut app = TestApp::driving();
+    crate::finger::choose(&mut app, "Light");
+    for (text, wanted) in [("0,25", 0.25), ("80 %", 0.8), ("-20 dB", 0.1)] {
+        type_into(&mut app, "Volume", text);
+        let volume = app.window.state().settings().volume;
+        assert!((volume - wanted).abs() < 1e-6, "{text}: {volume}");
+    }
+    for text in ["2", "7 Hz", "loud"] {
+        type_into(&mut app, "Volume", text);
+        assert!(app.window.query_by_label_contains("0 to 1, or 0 to 100 %").is_some(), "{text}");
+        assert!((app.window.state().settings().volume - 0.1).abs() < 1e-6, "{text}");
+    }
+}

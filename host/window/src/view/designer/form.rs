@@ -94,7 +94,7 @@ impl<'a> Form<'a> {
         let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
-                let field = InputField { name, value, hint, width: FIELD, caption: None };
+                let field = InputField { name, value, hint, width: FIELD, caption: None, is_live: true };
                 let draft = self.draft;
                 let taken = field.show(ui, self.fields, |text| {
                     let mut draft = draft.clone();

@@ -52,6 +52,7 @@ impl Numbers<'_, '_> {
                 hint: "The range is checked by the rule that plate files obey",
                 width: 120.0,
                 caption: None,
+                is_live: false,
             };
             let taken = field.show(ui, &mut self.view.fields, |text| {
                 let value = caption.unit.read(text).map_err(|error| error.to_string())?;
