@@ -19,6 +19,7 @@ mod pairs;
 mod ratio;
 mod refusal;
 mod spread;
+mod touches;
 mod unknowns;
 mod wave;
 
@@ -27,4 +28,5 @@ pub use calibrated::{Calibrated, Parameter, from_ratio};
 pub use calipers::Calipers;
 pub use error::CalibrateError;
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
+pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;
