@@ -15,6 +15,7 @@ mod finger;
 mod input;
 mod no_display;
 mod notices;
+mod pace;
 mod paths;
 mod perform;
 mod playback;
@@ -25,6 +26,7 @@ mod start;
 mod stop_presses;
 mod window;
 
+pub use event_loop::run as run_in_event_loop;
 pub use replay::Recorder;
 pub use window::run;
 
