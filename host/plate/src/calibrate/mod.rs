@@ -11,6 +11,7 @@
 mod band;
 mod calibrated;
 mod calipers;
+mod csv;
 mod error;
 mod gain;
 mod least_squares;
@@ -26,6 +27,7 @@ mod wave;
 pub use band::band_hz;
 pub use calibrated::{Calibrated, Parameter, from_ratio};
 pub use calipers::Calipers;
+pub use csv::CsvError;
 pub use error::CalibrateError;
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
 pub use touches::{Touch, Touched, from_touches};
