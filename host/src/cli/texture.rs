@@ -225,7 +225,7 @@ fn lines(
         let chord = rest.as_ref().and_then(|rest| rest.chord.as_ref());
         let words = |(chord, is_used): &(ChordTexture, bool)| chord_words(chord, *is_used, fitted.is_solid());
         lines.extend(chord.map(|chord| ("Chord", words(chord))));
-        lines.extend(made.not_to_be_had(most).map(|text| ("Reach", text)));
+        lines.extend(made.lack(most).map(|lack| ("Reach", lack.sentence().to_owned())));
     }
     if let Some(distance_m) = made.stripes_m {
         lines.push(("Stripes", format!("{} apart in the middle", show_length(distance_m))));

@@ -15,7 +15,6 @@ mod finger;
 mod input;
 mod no_display;
 mod notices;
-mod pace;
 mod paths;
 mod perform;
 mod playback;
@@ -24,9 +23,9 @@ mod setup;
 mod sound;
 mod start;
 mod stop_presses;
+mod texture;
 mod window;
 
-pub use event_loop::run as run_in_event_loop;
 pub use replay::Recorder;
 pub use window::run;
 
@@ -54,6 +53,7 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+use slipline_model::jobs::texture::{TextureJob, Textured};
 use slipline_model::scenes::{SCENES, Thumbnail};
 use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
@@ -94,6 +94,8 @@ pub struct Parts {
     pub planes: JobQueue<PlaneJob, PlaneChecked>,
     /// Designs plates.
     pub designs: JobQueue<Draft, Designed>,
+    /// Makes textures.
+    pub textures: JobQueue<TextureJob, Textured>,
     /// Runs the 2-D sheet.
     pub sheets: JobQueue<SheetJob, sheet::Frame>,
     /// Replays the device's codes with the mirror.
@@ -154,6 +156,7 @@ pub struct App {
     hearing: sound::Hearing,
     playback: Playback,
     background: background::Work,
+    textures: texture::Textures,
     notices: Notices,
     dialog: Option<Dialog>,
     /// The pictures of the scenes; empty until their page was opened.
@@ -172,9 +175,11 @@ impl App {
         set_theme(ctx, settings.theme);
         let ports = (parts.ports)();
         let selected = setup.tones.first().map_or(0, |tone| tone.slot);
+        let textures = texture::Textures::of(&setup.plate);
         let mut app = Self {
             parts,
             setup,
+            textures,
             history: History::default(),
             compare: Compare::default(),
             recorder: Recorder::default(),
@@ -311,6 +316,7 @@ impl App {
             waveform: &self.playback.waveform,
             measured: self.shown_measured(),
             background: &self.background.shown,
+            texture: self.textures.scene(),
             plane_job: self.plane_job(),
             sheet: self.shown_sheet(),
             waiting: self.background.waiting(&self.parts),

@@ -4,6 +4,7 @@ mod native;
 
 use slipline_model::atomic_file::{self, said};
 use slipline_model::setup::file::FILE_BYTES_MAX;
+use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,6 +30,10 @@ pub enum FileJob {
     Choose,
     /// Read this file.
     Open(PathBuf),
+    /// Let the user choose a profile (CSV or PNG) and read it.
+    ChooseProfile,
+    /// Read this profile.
+    OpenProfile(PathBuf),
     /// Let the user choose a path, and write to it.
     Save(Save),
     /// Let the user choose a folder and write these files (name, text) into it.
@@ -46,11 +51,16 @@ pub enum FileJob {
     SaveInto(PathBuf, Vec<(String, String)>),
 }
 
+/// The extensions of profiles: breakpoints, and images whose middle row is one.
+pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
+
 /// The result of a job.
 #[derive(Clone, Debug)]
 pub enum FileEvent {
     /// A file was read, or the reason why not.
     Opened(PathBuf, Result<String, String>),
+    /// A profile was read, or the reason why not.
+    Profile(PathBuf, Result<Vec<u8>, String>),
     /// A file was written, or the reason why not.
     Saved(PathBuf, Result<(), String>),
     /// The system has no dialog to choose a path for this job.
@@ -112,7 +122,8 @@ impl Files for SystemFiles {
 
 /// Runs a job; `None` when the user cancelled the dialog.
 fn perform(job: FileJob) -> Option<FileEvent> {
-    let needs_dialog = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+    let needs_dialog =
+        matches!(job, FileJob::Choose | FileJob::ChooseProfile | FileJob::Save(_) | FileJob::SaveFolder(_));
     if needs_dialog && !native::is_there() {
         return Some(FileEvent::NoDialog(job));
     }
@@ -128,6 +139,11 @@ fn perform(job: FileJob) -> Option<FileEvent> {
             let text = read_text(&path);
             Some(FileEvent::Opened(path, text))
         }
+        FileJob::ChooseProfile => {
+            let path = rfd::FileDialog::new().add_filter("Profile", &PROFILE_EXTENSIONS).pick_file()?;
+            Some(open_profile(path))
+        }
+        FileJob::OpenProfile(path) => Some(open_profile(path)),
         FileJob::Save(save) => {
             let dialog = rfd::FileDialog::new().add_filter(save.kind, &[save.extension]);
             let path = dialog.set_file_name(&save.name).save_file()?;
@@ -141,6 +157,11 @@ fn perform(job: FileJob) -> Option<FileEvent> {
         FileJob::SaveAs { path, save, may_replace } => Some(save_as(path, save, may_replace)),
         FileJob::SaveInto(folder, files) => Some(save_into(folder, &files)),
     }
+}
+
+fn open_profile(path: PathBuf) -> FileEvent {
+    let bytes = atomic_file::read_bytes(&path, PROFILE_FILE_BYTES_MAX).map_err(|error| said(&error));
+    FileEvent::Profile(path, bytes)
 }
 
 fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {

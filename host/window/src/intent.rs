@@ -10,6 +10,7 @@ use slipline_model::field::sheet::SourceChoice;
 use slipline_model::field::touch::Touch;
 use slipline_model::jobs::design::Draft;
 use slipline_model::setup::edit::Edit;
+use slipline_model::texture::WishDraft;
 use std::path::PathBuf;
 
 /// What the pointer drags on the stage.
@@ -166,6 +167,14 @@ pub enum Intent {
     SaveDesign,
     /// Save the cut files of the designed plate and its frame.
     SaveCutFiles,
+    /// Make the texture of this draft.
+    Texture(Box<WishDraft>),
+    /// Play the texture that was made.
+    PlayTexture,
+    /// Save the texture that was made as a setup.
+    SaveTexture,
+    /// Choose a profile and draw the texture by it.
+    OpenProfile,
     /// Compute the plate on the screen in two dimensions.
     CheckPlane,
     /// Cancel the work in progress.

@@ -15,9 +15,11 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
+use slipline_model::jobs::texture::Textured;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
+use slipline_model::texture::WishDraft;
 use slipline_model::waveform::Waveform;
 use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
@@ -64,6 +66,8 @@ pub struct Scene<'a> {
     pub measured: Option<(&'a Measured, bool)>,
     /// The lights, the designer and what the wave is drawn from.
     pub background: &'a Background,
+    /// The texture page.
+    pub texture: TextureScene<'a>,
     /// The plate and boundary that would be computed in two dimensions.
     pub plane_job: Option<PlaneJob>,
     /// The sheet, if the wave is drawn from it.
@@ -156,6 +160,19 @@ impl Background {
     pub fn is_checked(&self) -> bool {
         self.checked.as_ref().map(|checked| &checked.job) == self.asked.as_ref()
     }
+}
+
+/// The texture page: what is wanted, and what was made of it.
+#[derive(Clone, Copy)]
+pub struct TextureScene<'a> {
+    /// What is wanted.
+    pub draft: &'a WishDraft,
+    /// The latest result.
+    pub latest: Option<&'a Textured>,
+    /// Whether that is of the draft.
+    pub is_current: bool,
+    /// Whether the user has given the draft up.
+    pub is_given_up: bool,
 }
 
 /// The state of the designer.

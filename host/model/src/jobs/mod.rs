@@ -4,6 +4,7 @@ pub mod check;
 pub mod design;
 pub mod plane;
 pub mod table;
+pub mod texture;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -57,6 +57,13 @@ pub enum Edit {
     Feeling(Feeling),
     /// Change the plate; the tones keep their places as far as its span allows.
     Plate(Arc<Plate>),
+    /// Play these tones, as a chord where they are so much louder in dB: what a texture is made of.
+    Texture {
+        /// The tones; the first is the boundary.
+        tones: Vec<ToneSetup>,
+        /// See [`Setup::chord_gain_db`].
+        chord_gain_db: Option<f64>,
+    },
     /// Replace the whole setup, for example by one read from a file.
     Replace(Box<Setup>),
     /// Start again with this setup.
@@ -100,6 +107,7 @@ impl Edit {
             Self::Boundary(_) => "what the line holds",
             Self::Feeling(_) => "feeling",
             Self::Plate(_) => "plate",
+            Self::Texture { .. } => "texture",
             Self::Replace(_) => "open setup",
             Self::New(_) => "new setup",
             Self::Switch(_) => SWITCH,
@@ -173,6 +181,11 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
                 }
             }
             next.plate = Arc::clone(plate);
+        }
+        Edit::Texture { ref tones, chord_gain_db } => {
+            // As loud as it was made; of its tones none alone has an edge that is felt.
+            let (tones, boundary) = (tones.clone(), BoundaryMode::TurningPoint);
+            return Ok(Setup { tones, boundary, master_db: 0.0, chord_gain_db, ..next });
         }
         Edit::Replace(ref setup) | Edit::New(ref setup) | Edit::Switch(ref setup) => {
             return Ok((**setup).clone());

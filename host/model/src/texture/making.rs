@@ -6,8 +6,9 @@
 //! The first step takes tens of milliseconds, so it follows a pointer; an area by its felt edge and the second step take
 //! some tenths of a second.
 
-use super::setup_of;
+use super::{setup_of, tones_of};
 use crate::setup::Setup;
+use crate::setup::edit::Edit;
 use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::texture::{
@@ -67,6 +68,25 @@ pub struct Rest {
     pub largest_square_error: f64,
 }
 
+/// What cannot be had of a wish, in a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Lack {
+    /// No number of tones has it.
+    Reach(String),
+    /// More tones would come nearer.
+    Tones(String),
+}
+
+impl Lack {
+    /// The sentence.
+    #[must_use]
+    pub fn sentence(&self) -> &str {
+        match self {
+            Self::Reach(sentence) | Self::Tones(sentence) => sentence,
+        }
+    }
+}
+
 /// An error of the RMS amplitude, over the largest wanted, that one does not see in a drawn profile.
 const FINE: f64 = 0.05;
 /// Ripple of an area that a finger does not tell, dB.
@@ -114,6 +134,12 @@ fn fitted(palette: &Palette<'_>, target: Target, texture: Texture) -> Result<Mad
 }
 
 impl Fitted {
+    /// How much the error at each place counts; 0 where nothing is wanted.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        self.target.weight()
+    }
+
     /// Whether it is an area, whose end is chosen by its loudness.
     #[must_use]
     pub fn is_solid(&self) -> bool {
@@ -155,15 +181,21 @@ impl Made {
         is_used.then_some(if fitted.is_solid() { 0.0 } else { chord.gain_db })
     }
 
+    /// The change of a setup that plays it.
+    #[must_use]
+    pub fn edit(&self) -> Edit {
+        Edit::Texture { tones: tones_of(&self.tones), chord_gain_db: self.chord_gain_db() }
+    }
+
     /// The setup that plays it on its plate.
     #[must_use]
     pub fn setup(&self, plate: Arc<Plate>) -> Setup {
         Setup { chord_gain_db: self.chord_gain_db(), ..setup_of(plate, &self.tones) }
     }
 
-    /// What cannot be had of it, in a sentence; `None` if all of it can. `most` is the number of tones that were allowed.
+    /// What cannot be had of it; `None` if all of it can. `most` is the number of tones that were allowed.
     #[must_use]
-    pub fn not_to_be_had(&self, most: usize) -> Option<String> {
+    pub fn lack(&self, most: usize) -> Option<Lack> {
         let Fitted { texture, .. } = self.fitted.as_ref()?;
         let (is, reach) = (texture.figures, texture.reach);
         let percent = |share: f64| format!("{} %", with_decimals(100.0 * share, 1));
@@ -171,23 +203,23 @@ impl Made {
         if let (Some(ripple_db), Some(contrast_db)) = (reach.ripple_db, reach.contrast_db) {
             if ripple_db > EVEN_DB || contrast_db < CLEAR_DB {
                 let (ripple, contrast) = (decibel(ripple_db), decibel(contrast_db));
-                return Some(format!(
+                return Some(Lack::Reach(format!(
                     "This plate has no more even area, whatever the number of tones: with any number the ripple is \
                      {ripple} and the contrast {contrast}."
-                ));
+                )));
             }
         } else if reach.rms_error > FINE {
             let error = percent(reach.rms_error);
-            return Some(format!(
+            return Some(Lack::Reach(format!(
                 "Not all of it can be had: any number of tones leaves an error of {error}. Every tone vibrates \
                  everywhere before its turning point, so the amplitude can fall along the plate but hardly rise."
-            ));
+            )));
         }
         let is_short = self.tones.len() >= most && is.rms_error > FINE;
         (is_short && reach.rms_error < WORTH_IT * is.rms_error).then(|| {
             let (is, reach) = (percent(is.rms_error), percent(reach.rms_error));
             let leave = if most == 1 { "tone leaves" } else { "tones leave" };
-            format!("{most} {leave} an error of {is}; any number would leave {reach}.")
+            Lack::Tones(format!("{most} {leave} an error of {is}; any number would leave {reach}."))
         })
     }
 }
@@ -212,14 +244,14 @@ mod tests {
     #[test]
     fn what_cannot_be_had_is_said_and_nothing_else_is() {
         let falls = Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]);
-        assert_eq!(made(&falls, 16).not_to_be_had(16), None);
+        assert_eq!(made(&falls, 16).lack(16), None);
         let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
-        let sentence = rises.not_to_be_had(16).unwrap();
+        let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it can be had") };
         assert!(sentence.starts_with("Not all of it can be had: any number of tones leaves"), "{sentence}");
-        let few = made(&falls, 1).not_to_be_had(1).unwrap();
+        let Some(Lack::Tones(few)) = made(&falls, 1).lack(1) else { panic!("one is enough") };
         assert!(few.starts_with("1 tone leaves an error of"), "{few}");
-        assert_eq!(made(&Wish::Solid(0.28), 16).not_to_be_had(16), None);
-        assert_eq!(made(&Wish::Stripes(0.05), 16).not_to_be_had(16), None);
+        assert_eq!(made(&Wish::Solid(0.28), 16).lack(16), None);
+        assert_eq!(made(&Wish::Stripes(0.05), 16).lack(16), None);
     }
 
     #[test]

@@ -5,11 +5,13 @@
 //! ```
 
 mod chord;
+mod draft;
 mod making;
 mod profile_file;
 
 pub use chord::chord_of;
-pub use making::{Fitted, Made, Rest, Wish, make};
+pub use draft::{BREAKPOINTS_DRAWN_MAX, BREAKPOINTS_MIN, WishDraft, WishKind};
+pub use making::{Fitted, Lack, Made, Rest, Wish, make};
 pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, from_csv, from_png};
 
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
@@ -17,14 +19,19 @@ use slipline_plate::Plate;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
 
-/// The setup that plays these tones (16 at most; more are left out): the last one, which makes the edge, is the boundary.
-#[must_use]
-pub fn setup_of(plate: Arc<Plate>, tones: &[TextureTone]) -> Setup {
+/// These tones (16 at most; more are left out) as those of a setup: the last one, which makes the edge, is the boundary.
+fn tones_of(tones: &[TextureTone]) -> Vec<ToneSetup> {
     let tones = tones.iter().rev().take(MAX_TONES).zip(0..).map(|(tone, slot)| ToneSetup {
         slot,
         position_m: tone.position_m,
         level: tone.level,
         phase_turns: tone.phase_turns,
     });
-    Setup { tones: tones.collect(), boundary: BoundaryMode::TurningPoint, ..Setup::new(plate) }
+    tones.collect()
+}
+
+/// The setup that plays these tones.
+#[must_use]
+pub fn setup_of(plate: Arc<Plate>, tones: &[TextureTone]) -> Setup {
+    Setup { tones: tones_of(tones), boundary: BoundaryMode::TurningPoint, ..Setup::new(plate) }
 }

@@ -51,6 +51,8 @@ pub struct Texture {
     pub wanted_m: Vec<f64>,
     /// RMS displacement at each place, metres.
     pub rms_m: Vec<f64>,
+    /// RMS displacement that any number of tones would have there at the same loudness, metres.
+    pub reach_m: Vec<f64>,
     /// How near it comes.
     pub figures: Figures,
     /// How near any number of tones could come.
@@ -90,6 +92,7 @@ impl Texture {
             tones,
             wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
             rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
+            reach_m: best.iter().map(|square| square.max(0.0).sqrt() * peak_m).collect(),
             figures,
             reach: Figures::of(&best, &places_m, target),
             places_m,
@@ -113,6 +116,7 @@ impl Texture {
             tones,
             wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
             rms_m: squares.iter().map(|square| square.sqrt() * peak_m).collect(),
+            reach_m: self.reach_m.iter().map(|metres| metres * scale / self.scale).collect(),
             figures,
             reach: self.reach,
             places_m: self.places_m.clone(),
@@ -131,7 +135,8 @@ impl Texture {
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
         scaled.tones.iter_mut().for_each(|tone| tone.level *= factor);
-        scaled.wanted_m.iter_mut().chain(&mut scaled.rms_m).for_each(|amplitude| *amplitude *= factor);
+        let fields = scaled.wanted_m.iter_mut().chain(&mut scaled.rms_m).chain(&mut scaled.reach_m);
+        fields.for_each(|amplitude| *amplitude *= factor);
         scaled.scale *= factor;
         scaled
     }

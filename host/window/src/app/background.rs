@@ -61,6 +61,7 @@ fn under_way(parts: &Parts) -> Option<Waiting> {
     [
         ("table", parts.tables.progress()),
         ("design", parts.designs.progress()),
+        ("texture", parts.textures.progress()),
         ("two dimensions", parts.planes.progress()),
         ("sheet", parts.sheets.progress()),
         ("check", parts.checks.progress()),
@@ -77,6 +78,7 @@ impl App {
         if self.grab.is_none() && !ctx.input(|input| input.pointer.any_down()) {
             self.check();
         }
+        self.update_texture(ctx);
         let now = ctx.input(|input| input.time);
         let Some(Waiting { what, .. }) = under_way(&self.parts) else {
             self.background.since = None;
@@ -205,6 +207,9 @@ impl App {
         if let Some(checked) = self.parts.planes.take() {
             self.background.shown.plane = Some(checked);
         }
+        if let Some(textured) = self.parts.textures.take() {
+            self.textures.take(textured);
+        }
         if let Some(designed) = self.parts.designs.take()
             && designed.draft == self.background.shown.draft
         {
@@ -240,6 +245,10 @@ impl App {
             Some("design") => {
                 self.parts.designs.cancel();
                 self.background.shown.design = DesignState::Cancelled;
+            }
+            Some("texture") => {
+                self.parts.textures.cancel();
+                self.textures.give_up();
             }
             Some("two dimensions") => {
                 self.parts.planes.cancel();

@@ -1,7 +1,7 @@
 //! Input from keys, pointer and dropped files, processed before anything is painted.
 
 use super::App;
-use crate::files::FileJob;
+use crate::files::{FileJob, PROFILE_EXTENSIONS};
 use crate::intent::{Dialog, Grab, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
@@ -65,7 +65,7 @@ impl App {
                 (self.settings.show_panel, self.settings.show_plots) = (show, show);
             }
             for (index, key) in
-                [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5].into_iter().enumerate()
+                [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6].into_iter().enumerate()
             {
                 if input.consume_key(Modifiers::COMMAND, key) {
                     self.view.open_tab(index);
@@ -126,7 +126,12 @@ impl App {
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if let Some(file) = dropped.first() {
-            self.parts.files.begin(FileJob::Open(file.path().to_owned()));
+            let path = file.path().to_owned();
+            let is_profile = path.extension().is_some_and(|extension| {
+                PROFILE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
+            });
+            let job = if is_profile { FileJob::OpenProfile(path) } else { FileJob::Open(path) };
+            self.parts.files.begin(job);
         }
     }
 }

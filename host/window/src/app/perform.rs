@@ -112,6 +112,10 @@ impl App {
                         self.parts.files.begin(FileJob::SaveFolder(cut_files(&designed)));
                     }
                 }
+                Intent::Texture(draft) => self.textures.draft(*draft),
+                Intent::PlayTexture => self.play_texture(),
+                Intent::SaveTexture => self.save_texture(),
+                Intent::OpenProfile => self.parts.files.begin(FileJob::ChooseProfile),
                 Intent::CheckPlane => self.check_plane(),
                 Intent::CancelWork => self.cancel_work(),
                 Intent::MakeTable => {
@@ -288,6 +292,14 @@ impl App {
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}"));
             }
+            FileEvent::Profile(path, bytes) => {
+                let text = bytes.as_ref().ok().and_then(|bytes| str::from_utf8(bytes).ok());
+                if let Some(text) = text.filter(|text| Recording::is_one(text)) {
+                    let recording = Recording::from_csv(text).map_err(|error| error.to_string());
+                    return self.open_recording(&name_of(&path), recording);
+                }
+                self.take_profile(&name_of(&path), bytes);
+            }
             FileEvent::Saved(path, Ok(())) => {
                 if path.extension().is_some_and(|extension| extension == "toml") {
                     self.settings.used(&path);
@@ -319,7 +331,7 @@ impl App {
         }
     }
 
-    fn note(&self, severity: Severity, text: String) {
+    pub(super) fn note(&self, severity: Severity, text: String) {
         self.parts.link.send(Request::Note(severity, text));
     }
 }

@@ -23,7 +23,7 @@ pub(super) const SHORTCUTS: [(&str, &str); 19] = [
     ("Enter", "Press the control; take a typed value"),
     ("Ctrl+Z, Ctrl+Y", "Undo, redo"),
     ("Ctrl+O, Ctrl+S", "Open, save the setup"),
-    ("Ctrl+1 … Ctrl+5", "Boundary, tones, plate, device, play"),
+    ("Ctrl+1 … Ctrl+6", "Boundary, tones, texture, plate, device, play"),
     ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),

@@ -13,7 +13,6 @@ mod boundary_panel;
 mod designer;
 mod device_panel;
 mod dialogs;
-mod displacement;
 mod envelope;
 mod feeling_fields;
 mod felt_strip;
@@ -31,13 +30,14 @@ mod plate;
 mod plate_panel;
 mod play_panel;
 mod plots;
-mod polyline;
 mod read_out;
 mod room;
 mod side_panel;
 mod slider;
 mod sound;
 mod stage;
+mod texture_panel;
+mod texture_plot;
 pub mod theme;
 mod tones_panel;
 mod top_bar;
@@ -58,6 +58,8 @@ pub struct ViewState {
     pub(crate) fields: field::Fields,
     pub(crate) log: log::LogView,
     pub(crate) plots: plots::PlotsView,
+    /// The breakpoint of the texture's plot that the pointer holds.
+    pub(crate) held_breakpoint: Option<usize>,
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
     pub(crate) notices: notices::Seen,
@@ -66,7 +68,7 @@ pub struct ViewState {
 }
 
 impl ViewState {
-    /// Opens a tab by its place, 0..4.
+    /// Opens a tab by its place, 0..6.
     pub(crate) fn open_tab(&mut self, index: usize) {
         self.tab = side_panel::Tab::by_index(index);
     }
@@ -74,6 +76,16 @@ impl ViewState {
     /// Opens the device panel.
     pub(crate) fn open_device(&mut self) {
         self.tab = side_panel::Tab::Device;
+    }
+
+    /// Opens the texture page.
+    pub(crate) fn open_texture(&mut self) {
+        self.tab = side_panel::Tab::Texture;
+    }
+
+    /// Whether the texture page is open.
+    pub(crate) fn is_texture_open(&self) -> bool {
+        self.tab == side_panel::Tab::Texture
     }
 
     /// Opens the validity lights.

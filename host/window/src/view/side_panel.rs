@@ -1,6 +1,9 @@
-//! The side panel at the right: shows one of boundary, tones, plate, device and play.
+//! The side panel at the right: shows one of boundary, tones, texture, plate, device and play.
 
-use super::{Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, play_panel, tones_panel};
+use super::{
+    Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, play_panel, texture_panel,
+    tones_panel,
+};
 use crate::intent::Intents;
 use eframe::egui::{self, ScrollArea};
 
@@ -13,6 +16,7 @@ pub(crate) enum Tab {
     #[default]
     Boundary,
     Tones,
+    Texture,
     Plate,
     Device,
     Play,
@@ -25,9 +29,10 @@ impl Tab {
     }
 }
 
-const TABS: [(Tab, &str, &str); 5] = [
+const TABS: [(Tab, &str, &str); 6] = [
     (Tab::Boundary, "Boundary", "Where the boundary is, its frequency and level"),
     (Tab::Tones, "Tones", "Up to 16 peaks: add, move, level, remove"),
+    (Tab::Texture, "Texture", "Solid areas, painted profiles, stripes and beats"),
     (Tab::Plate, "Plate", "Which plate: preset or file, material, taper, loss"),
     (Tab::Device, "Device", "Port, connection, arming, table, counters"),
     (Tab::Play, "Play", "Compare two setups, record and replay a drag, slow motion"),
@@ -71,6 +76,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         match view.tab {
             Tab::Boundary => boundary_panel::show(ui, scene, view, intents),
             Tab::Tones => tones_panel::show(ui, scene, view, intents),
+            Tab::Texture => texture_panel::show(ui, scene, view, intents),
             Tab::Plate => plate_panel::show(ui, scene, view, intents),
             Tab::Device => device_panel::show(ui, scene, view, intents),
             Tab::Play => play_panel::show(ui, scene, view, intents),

@@ -14,6 +14,8 @@ type Shared<T> = Rc<RefCell<Vec<T>>>;
 pub(crate) struct FakeFiles {
     /// The result of opening each path.
     pub(crate) contents: Shared<(PathBuf, Result<String, String>)>,
+    /// The result of opening each profile.
+    pub(crate) profiles: Shared<(PathBuf, Result<Vec<u8>, String>)>,
     /// What was saved.
     pub(crate) saved: Shared<(String, Vec<u8>)>,
     /// Whether the system has no dialogs for files.
@@ -32,7 +34,10 @@ impl FakeFiles {
 
 impl Files for FakeFiles {
     fn begin(&mut self, job: FileJob) {
-        let asks = matches!(job, FileJob::Choose | FileJob::Save(_) | FileJob::SaveFolder(_));
+        let asks = matches!(
+            job,
+            FileJob::Choose | FileJob::ChooseProfile | FileJob::Save(_) | FileJob::SaveFolder(_)
+        );
         if asks && self.stays_open.get() {
             return;
         }
@@ -41,6 +46,15 @@ impl Files for FakeFiles {
             FileJob::Choose => {
                 let (path, text) = self.contents.borrow()[0].clone();
                 FileEvent::Opened(path, text)
+            }
+            FileJob::ChooseProfile => {
+                let (path, bytes) = self.profiles.borrow()[0].clone();
+                FileEvent::Profile(path, bytes)
+            }
+            FileJob::OpenProfile(path) => {
+                let profiles = self.profiles.borrow();
+                let bytes = profiles.iter().find(|(other, _)| *other == path).map(|(_, bytes)| bytes.clone());
+                FileEvent::Profile(path, bytes.unwrap_or_else(|| Err("no such file".to_owned())))
             }
             FileJob::Open(path) => {
                 let contents = self.contents.borrow();

@@ -33,6 +33,7 @@ mod stop;
 mod stop_keys;
 mod tab_order;
 mod test_app;
+mod textures;
 mod unknown_values;
 mod upkeep;
 
@@ -407,7 +408,7 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
 #[test]
 fn every_control_has_an_accessible_name() {
     let mut app = TestApp::driving();
-    for tab in ["Boundary", "Tones", "Plate", "Device"] {
+    for tab in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
         app.window.get_by_role_and_label(Role::Button, tab).click();
         app.wait(50);
         for role in

@@ -11,14 +11,14 @@ fn no_window_is_too_small_to_be_shown() {
     let tiny = [[500.0, 350.0], [960.0, 100.0], [100.0, 620.0], [40.0, 40.0], [1.0, 1.0]].map(Vec2::from);
     for size in zoomed.chain(tiny) {
         app.window.set_size(size);
-        for tab in [Key::Num1, Key::Num2, Key::Num3, Key::Num4] {
+        for tab in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6] {
             app.window.key_press_modifiers(Modifiers::COMMAND, tab);
             app.wait(100);
         }
     }
     for page in ["Validity", "Designer"] {
         app.window.set_size(vec2(1280.0, 800.0));
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num3);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num4);
         app.wait(100);
         app.window.get_by_label(page).click();
         app.wait(100);

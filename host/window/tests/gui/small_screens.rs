@@ -93,7 +93,7 @@ fn the_hint_lies_over_nothing_and_the_names_are_read_on_a_small_screen() {
 fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
     for size in SIZES {
         let mut app = small(size);
-        for panel in ["Boundary", "Tones", "Plate", "Device"] {
+        for panel in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
             app.window.get_by_role_and_label(Role::Button, panel).click();
             app.wait(100);
             stop_is_on_the_screen(&app, size, panel);
@@ -195,7 +195,7 @@ fn stop_is_on_the_screen_at_every_zoom_and_pixel_density() {
 #[test]
 fn the_buttons_of_the_pages_stay_while_a_page_is_scrolled_and_each_page_keeps_its_place() {
     let mut app = small(SIZES[0]);
-    let pages = ["Boundary", "Tones", "Plate", "Device", "This plate", "Validity", "Designer"];
+    let pages = ["Boundary", "Tones", "Texture", "Plate", "Device", "This plate", "Validity", "Designer"];
     app.window.get_by_role_and_label(Role::Button, "Plate").click();
     app.wait(100);
     let place = |app: &TestApp, name: &str| app.window.get_by_role_and_label(Role::Button, name).rect();

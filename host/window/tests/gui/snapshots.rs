@@ -137,6 +137,31 @@ fn the_lights_look_as_they_were_approved() {
     compare("validity", &picture(ThemeChoice::Dark, USUAL, |app| open_page(app, "Validity")));
 }
 
+/// A drawn profile, a solid area and what cannot be had, large and small.
+#[test]
+fn the_texture_page_looks_as_it_was_approved() {
+    use crate::textures::{choose, open_profile, open_textures};
+    let rising = |app: &mut TestApp| {
+        open_textures(app);
+        open_profile(app, "bump.csv", Ok(b"0,0.3\n0.1,0.3\n0.16,1\n0.22,0.2\n0.32,0\n".to_vec()));
+        app.window.get_by_label("Dismiss").click();
+        app.wait(1450);
+        // Away from the bar of the page, which grows under the pointer.
+        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
+        app.wait(50);
+    };
+    compare("texture-light", &picture(ThemeChoice::Light, USUAL, rising));
+    let solid = |app: &mut TestApp| {
+        open_textures(app);
+        choose(app, "Solid");
+        crate::type_into(app, "Felt to", "270 mm");
+        app.wait(1500);
+    };
+    compare("texture-dark", &picture(ThemeChoice::Dark, USUAL, solid));
+    compare("texture-small-light", &picture(ThemeChoice::Light, [640, 480], open_textures));
+    compare("texture-small-dark", &picture(ThemeChoice::Dark, [640, 480], solid));
+}
+
 /// A firm finger that is dragged on an ultrasonic plate in a small window: amplitude, friction and speed.
 #[test]
 fn the_trace_of_a_finger_looks_as_it_was_approved() {

@@ -233,7 +233,7 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
 #[test]
 fn there_is_one_control_for_the_emergency_stop_on_every_page() {
     let mut app = TestApp::driving();
-    for page in ["Boundary", "Tones", "Plate", "Device"] {
+    for page in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
         app.window.get_by_role_and_label(Role::Button, page).click();
         app.wait(100);
         let controls = app.window.query_all_by_role(Role::Button);

@@ -89,7 +89,7 @@ fn walk(app: &mut TestApp, page: &str) {
 #[test]
 fn tab_reaches_every_control_once() {
     let mut app = TestApp::driving();
-    for tab in ["Boundary", "Tones", "Plate", "Device"] {
+    for tab in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
         app.window.get_by_role_and_label(Role::Button, tab).click();
         app.wait(100);
         walk(&mut app, tab);

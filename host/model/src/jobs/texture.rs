@@ -1,0 +1,85 @@
+//! Textures in the background: first the tones, soon enough for a pointer that draws; then what takes longer.
+
+use crate::jobs::Task;
+use crate::jobs::table::TableMade;
+use crate::texture::{Made, Wish, make};
+use slipline_plate::Progress;
+use slipline_plate::feeling::Feeling;
+use slipline_plate::texture::{Palette, TextureError};
+use std::sync::Arc;
+
+/// What is wanted, and of which plate.
+#[derive(Clone, Debug)]
+pub struct TextureWish {
+    /// The plate and its table.
+    pub table: Arc<TableMade>,
+    /// What is wanted.
+    pub wish: Wish,
+    /// Tones at most.
+    pub most: usize,
+    /// How a finger feels.
+    pub feeling: Feeling,
+}
+
+impl PartialEq for TextureWish {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.table, &other.table)
+            && self.wish == other.wish
+            && self.most == other.most
+            && self.feeling == other.feeling
+    }
+}
+
+/// A texture to make.
+#[derive(Clone, Debug)]
+pub struct TextureJob {
+    /// What is wanted.
+    pub wish: TextureWish,
+    /// Its tones, where they are known and the rest is wanted.
+    pub begun: Option<Arc<Made>>,
+}
+
+/// The result of a job.
+#[derive(Clone, Debug)]
+pub struct Textured {
+    /// What was wanted.
+    pub wish: TextureWish,
+    /// The texture, or why there is none.
+    pub result: Result<Arc<Made>, String>,
+    /// RMS displacement of its tones at places uniform from 0 to the plate's end, in metres; empty if there is none.
+    pub rms_m: Vec<f64>,
+    /// Whether nothing more will be known of it.
+    pub is_finished: bool,
+}
+
+/// The RMS displacement of a texture's tones at the palette's places, in metres.
+fn rms_m(palette: &Palette<'_>, made: &Made) -> Result<Vec<f64>, TextureError> {
+    let peak_m = palette.table().peak_at_full_scale_m;
+    let positions_m: Vec<f64> = made.tones.iter().map(|tone| tone.position_m).collect();
+    let powers: Vec<f64> = made.tones.iter().map(|tone| (tone.level * peak_m).powi(2)).collect();
+    let squares = palette.squares(&positions_m)?.times(&powers);
+    Ok(squares.into_iter().map(f64::sqrt).collect())
+}
+
+/// Does a job. `None` when it was over before the end.
+#[must_use]
+pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
+    let TextureJob { wish, begun } = job;
+    let palette = Palette::new(&wish.table.plate, &wish.table.drive_table);
+    let is_finished = begun.is_some();
+    let mut tell = |share| task.tell(share);
+    let progress = &mut Progress::new(&mut tell);
+    let made = match begun {
+        Some(made) => Made::clone(&made).finished(&palette, progress),
+        None => make(&palette, &wish.wish, wish.most, &wish.feeling, progress),
+    };
+    let drawn = made.and_then(|made| Ok((rms_m(&palette, &made)?, Arc::new(made))));
+    let (rms_m, result) = match drawn {
+        Ok((rms_m, made)) => (rms_m, Ok(made)),
+        Err(TextureError::Stopped(_)) => return None,
+        Err(TextureError::OutOfRange(error)) => (Vec::new(), Err(error.in_suitable_units())),
+        Err(error) => (Vec::new(), Err(error.to_string())),
+    };
+    let is_finished = is_finished || result.is_err();
+    Some(Textured { wish, result, rms_m, is_finished })
+}

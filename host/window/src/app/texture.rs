@@ -1,0 +1,153 @@
+//! The texture page: its draft is made while the page is open, what takes longer once the pointer is up.
+
+use super::App;
+use crate::scene::TextureScene;
+use eframe::egui;
+use slipline_link::Severity;
+use slipline_model::jobs::texture::{TextureJob, TextureWish, Textured};
+use slipline_model::setup::edit;
+use slipline_model::setup::file as setup_file;
+use slipline_model::texture::{Made, WishDraft, from_csv, from_png};
+use slipline_plate::Plate;
+use std::sync::Arc;
+
+/// What PNG files begin with.
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// The state of the texture page.
+pub(super) struct Textures {
+    draft: WishDraft,
+    /// The plate that the draft's places are of.
+    plate: Arc<Plate>,
+    /// The latest wish that a job was asked for, and whether the rest of it was, too.
+    asked: Option<(TextureWish, bool)>,
+    latest: Option<Textured>,
+    is_given_up: bool,
+}
+
+impl Textures {
+    pub(super) fn of(plate: &Arc<Plate>) -> Self {
+        let draft = WishDraft::of(plate);
+        Self { draft, plate: Arc::clone(plate), asked: None, latest: None, is_given_up: false }
+    }
+
+    pub(super) fn draft(&mut self, draft: WishDraft) {
+        self.draft = draft;
+        self.is_given_up = false;
+    }
+
+    pub(super) fn take(&mut self, textured: Textured) {
+        self.latest = Some(textured);
+    }
+
+    /// The user does not wait for the draft any more.
+    pub(super) fn give_up(&mut self) {
+        self.is_given_up = true;
+        self.asked = None;
+    }
+
+    /// What was wanted last, if it is made.
+    fn current(&self) -> Option<&Textured> {
+        let (asked, _) = self.asked.as_ref()?;
+        self.latest.as_ref().filter(|latest| latest.wish == *asked)
+    }
+
+    pub(super) fn scene(&self) -> TextureScene<'_> {
+        TextureScene {
+            draft: &self.draft,
+            latest: self.latest.as_ref(),
+            is_current: self.current().is_some(),
+            is_given_up: self.is_given_up,
+        }
+    }
+}
+
+impl App {
+    /// Asks for the texture of the draft while its page is open, and for the rest once the pointer is up.
+    pub(super) fn update_texture(&mut self, ctx: &egui::Context) {
+        if !self.view.is_texture_open() {
+            return;
+        }
+        if !Arc::ptr_eq(&self.textures.plate, &self.setup.plate) {
+            // The places were those of another plate.
+            let WishDraft { kind, most, .. } = self.textures.draft;
+            self.textures = Textures::of(&self.setup.plate);
+            self.textures.draft(WishDraft { kind, most, ..self.textures.draft.clone() });
+        }
+        let Some(table) = self.screen_table().cloned() else { return };
+        let draft = &self.textures.draft;
+        let wish = TextureWish { table, wish: draft.wish(), most: draft.most, feeling: self.setup.feeling };
+        let is_asked = self.textures.asked.as_ref().is_some_and(|(asked, _)| *asked == wish);
+        if !is_asked && !self.textures.is_given_up {
+            self.textures.asked = Some((wish.clone(), false));
+            return self.parts.textures.ask(TextureJob { wish, begun: None });
+        }
+        let begun = self.textures.current().filter(|latest| !latest.is_finished);
+        let begun = begun.and_then(|latest| latest.result.as_ref().ok()).cloned();
+        let is_drawing = ctx.input(|input| input.pointer.any_down());
+        if let (Some(made), Some((_, has_rest @ false))) = (begun, &mut self.textures.asked)
+            && !is_drawing
+        {
+            *has_rest = true;
+            self.parts.textures.ask(TextureJob { wish, begun: Some(made) });
+        }
+    }
+
+    fn made_texture(&self) -> Option<Arc<Made>> {
+        self.textures.current()?.result.as_ref().ok().cloned()
+    }
+
+    pub(super) fn play_texture(&mut self) {
+        let Some(made) = self.made_texture() else { return };
+        self.edit(&made.edit());
+        let gain_db = made.chord_gain_db().unwrap_or(0.0);
+        if gain_db > 0.1 && self.snapshot.is_connected() && self.chord().is_none() {
+            let text = format!("This device plays no chords: the texture is {gain_db:.1} dB quieter on it.");
+            self.notices.tell(text);
+        }
+    }
+
+    pub(super) fn save_texture(&mut self) {
+        let Some(made) = self.made_texture() else { return };
+        match edit::apply(&self.setup, &made.edit()) {
+            Ok(setup) => {
+                let text = setup_file::write(&setup);
+                self.save("texture.toml", "Setup", "toml", text.into_bytes());
+            }
+            Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    /// Draws the texture by a profile from a file, and opens its page.
+    pub(super) fn take_profile(&mut self, name: &str, bytes: Result<Vec<u8>, String>) {
+        let length_m = self.setup.plate.length_m();
+        let read = bytes.and_then(|bytes| {
+            let profile = if bytes.starts_with(PNG_SIGNATURE) {
+                from_png(&bytes, length_m)
+            } else {
+                from_csv(&String::from_utf8_lossy(&bytes))
+            };
+            profile.map_err(|error| error.to_string())
+        });
+        match read {
+            Ok(breakpoints) => {
+                let mut draft = if Arc::ptr_eq(&self.textures.plate, &self.setup.plate) {
+                    self.textures.draft.clone()
+                } else {
+                    WishDraft::of(&self.setup.plate)
+                };
+                self.textures.plate = Arc::clone(&self.setup.plate);
+                draft.take_profile(&breakpoints);
+                self.textures.draft(draft);
+                self.view.open_texture();
+                self.note(Severity::Info, format!("Opened {name}."));
+                self.notices.tell(format!("Opened {name}"));
+            }
+            Err(reason) => {
+                let text = format!("{name} was not opened, nothing has changed. {reason}");
+                self.note(Severity::Error, text.clone());
+                self.fail(text);
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! The texture page: what is wanted is drawn, typed or read; what can be had of it is told, played and saved.
+
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::{Key, Modifiers, Pos2, Rect, accesskit::Role, pos2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_model::setup::file::{self as setup_file, Opened};
+use std::path::PathBuf;
+
+/// The texture page, with its first draft made.
+pub(crate) fn open_textures(app: &mut TestApp) {
+    app.window.get_by_role_and_label(Role::Button, "Texture").click();
+    app.wait(300);
+}
+
+pub(crate) fn choose(app: &mut TestApp, kind: &str) {
+    app.window.get_by_role_and_label(Role::Button, kind).click();
+    app.wait(300);
+}
+
+/// Opens a profile with the page's button.
+pub(crate) fn open_profile(app: &mut TestApp, name: &str, bytes: Result<Vec<u8>, String>) {
+    *app.files.profiles.borrow_mut() = vec![(PathBuf::from(name), bytes)];
+    app.window.get_by_label("Open profile…").click();
+    app.wait(300);
+}
+
+fn has(app: &TestApp, part: &str) -> bool {
+    app.window.query_by_label_contains(part).is_some()
+}
+
+/// Place in mm of each breakpoint.
+fn breakpoints_mm(app: &TestApp) -> Vec<f64> {
+    let point = |number: usize| {
+        let name = format!("Breakpoint {number}");
+        let handle = app.window.query_by_role_and_label(Role::Slider, &name)?;
+        handle.accesskit_node().numeric_value()
+    };
+    (1..).map_while(point).collect()
+}
+
+fn breakpoint_at(app: &TestApp, number: usize) -> Pos2 {
+    app.window.get_by_role_and_label(Role::Slider, &format!("Breakpoint {number}")).rect().center()
+}
+
+fn drag(app: &mut TestApp, from: Pos2, to: Pos2) {
+    app.window.drag_at(from);
+    app.wait(50);
+    app.window.hover_at(to);
+    app.wait(50);
+    app.window.drop_at(to);
+    app.wait(300);
+}
+
+#[test]
+fn a_profile_is_drawn_played_undone_and_saved() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    let plot = app.window.get_by_label("Texture over the plate").rect();
+    assert_eq!(breakpoints_mm(&app).len(), 4);
+    // Pressing between two points adds one there, which the pointer holds.
+    let between = breakpoint_at(&app, 1) + 0.5 * (breakpoint_at(&app, 2) - breakpoint_at(&app, 1));
+    drag(&mut app, between, between + 0.2 * (plot.left_bottom() - plot.left_top()));
+    let five = breakpoints_mm(&app);
+    assert!(five.len() == 5 && five.is_sorted(), "{five:?}");
+    // One is dragged no farther than its neighbours, and no amplitude above the whole.
+    let last = breakpoint_at(&app, 4);
+    drag(&mut app, last, pos2(plot.left(), plot.top() - 300.0));
+    let dragged = breakpoints_mm(&app);
+    assert!((dragged[3] - dragged[2] - 1.0).abs() < 1e-6, "{dragged:?}");
+    app.window.key_press(Key::ArrowRight);
+    app.window.key_press(Key::ArrowDown);
+    app.wait(300);
+    assert!((breakpoints_mm(&app)[3] - dragged[3] - 1.0).abs() < 1e-6, "{:?}", breakpoints_mm(&app));
+    app.window.key_press(Key::Delete);
+    app.wait(300);
+    assert_eq!(breakpoints_mm(&app).len(), 4);
+
+    let before = app.window.state().setup().clone();
+    app.window.get_by_label("Play this").click();
+    app.wait(600);
+    let played = app.window.state().setup().clone();
+    assert!(played.tones.len() > 1 && app.is_driving(), "{:?}", played.tones);
+    assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
+    app.window.get_by_label("Save setup…").click();
+    app.wait(100);
+    let (name, bytes) = app.files.saved.borrow()[0].clone();
+    let Ok(Opened::Setup(saved)) = setup_file::read(&String::from_utf8(bytes).unwrap()) else {
+        panic!("{name} is no setup")
+    };
+    assert_eq!(*saved, played);
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(300);
+    assert_eq!(app.window.state().setup(), &before);
+}
+
+#[test]
+fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    open_profile(&mut app, "rising.csv", Ok(b"0.01,0.1\n0.25,1\n".to_vec()));
+    assert!(has(&app, "Not all of it can be had: any number of tones leaves an error of"));
+    open_profile(&mut app, "falling.csv", Ok(b"place_m,rms\n0.01,1\n0.28,0.1\n".to_vec()));
+    assert_eq!(breakpoints_mm(&app), [10.0, 280.0]);
+    assert!(!has(&app, "can be had"));
+    for column in ["its tones", "any number", "worst", "Error", "RMS at most", "Sum, of full scale"] {
+        assert!(app.window.query_all_by_label(column).next().is_some(), "{column}");
+    }
+    type_into(&mut app, "Tones at most", "1");
+    app.wait(300);
+    assert!(has(&app, "1 tone leaves an error of"));
+    type_into(&mut app, "Tones at most", "17");
+    assert!(has(&app, "must be 1 to 16"));
+}
+
+#[test]
+fn profiles_that_are_none_are_refused_by_name_and_change_nothing() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    let before = breakpoints_mm(&app);
+    for (name, bytes, reason) in [
+        ("bad.csv", Ok(b"0.1,1\nnonsense,2\n".to_vec()), "line 2"),
+        ("bad.png", Ok(b"\x89PNG\r\n\x1a\nnot an image".to_vec()), "PNG"),
+        ("gone.csv", Err("there is no such file".to_owned()), "no such file"),
+    ] {
+        open_profile(&mut app, name, bytes);
+        let notice = app.window.state().notice().cloned().unwrap();
+        assert!(notice.is_error && notice.text.contains(name) && notice.text.contains(reason), "{notice:?}");
+        app.window.get_by_label("Dismiss").click();
+        app.wait(50);
+        assert_eq!(breakpoints_mm(&app), before);
+    }
+    // Breakpoints that are not in order are read, and refused by what makes the texture.
+    open_profile(&mut app, "mixed.csv", Ok(b"0.2,1\n0.1,1\n".to_vec()));
+    assert!(has(&app, "breakpoint 2 of the profile"));
+}
+
+#[test]
+fn an_area_stripes_and_a_beat_are_typed_and_what_is_out_of_range_is_told() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    choose(&mut app, "Solid");
+    type_into(&mut app, "Felt to", "260 mm");
+    app.wait(600);
+    assert!(has(&app, "Contrast") && has(&app, "Ripple"));
+    type_into(&mut app, "Felt to", "20 mm");
+    app.wait(300);
+    assert!(has(&app, "solid = 20 mm: must be"), "the reason is under the plot");
+
+    choose(&mut app, "Stripes");
+    type_into(&mut app, "Distance", "50 mm");
+    app.wait(300);
+    assert!(has(&app, "Stripes, in the middle") && has(&app, "1 tone"));
+    type_into(&mut app, "Distance", "1 mm");
+    app.wait(300);
+    assert!(has(&app, "stripes = 1 mm: must be"));
+
+    choose(&mut app, "Beat");
+    type_into(&mut app, "Place", "150 mm");
+    type_into(&mut app, "Beat", "30 Hz");
+    app.wait(300);
+    app.window.get_by_label("Play this").click();
+    app.wait(300);
+    let setup = app.window.state().setup();
+    let hertz = |i: usize| setup.plate.frequency_for_boundary_hz(setup.tones[i].position_m);
+    assert!(setup.tones.len() == 2 && ((hertz(0) - hertz(1)).abs() - 30.0).abs() < 0.5);
+}
+
+/// The parts of the page lie inside the panel, however small the window is.
+#[test]
+fn the_page_lies_inside_its_panel() {
+    let mut app = TestApp::driving();
+    open_textures(&mut app);
+    let window: Rect = app.window.ctx.content_rect();
+    for name in
+        ["Boundary", "Tones", "Texture", "Plate", "Device", "Play", "Solid", "Profile", "Stripes", "Beat"]
+    {
+        let rect = app.window.get_by_role_and_label(Role::Button, name).rect();
+        assert!(window.contains_rect(rect), "{name}: {rect:?}");
+    }
+    let page = app.window.get_by_label("Texture over the plate").rect();
+    assert!(page.right() <= window.right() && page.width() > 250.0, "{page:?}");
+}
