@@ -30,6 +30,54 @@ pub trait DacStream {
     fn revise_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
 }
 
+/// The ADC's stream of 12-bit codes, sampled by the same trigger as the DAC's.
+///
+/// The ADC converts once at every trigger at which the DAC takes a code, from the DAC's first one on, and its blocks are
+/// the DAC's blocks: code `n` of every input belongs to DAC code `n`, whatever happens to either. A block of the DAC that
+/// was late is mid-scale at the pin, and is sampled all the same.
+pub trait SenseStream {
+    /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
+    fn inputs(&self) -> usize;
+
+    /// How long after DAC code `n` is at its pin the inputs are held for ADC code `n`, in nanoseconds: a constant of the
+    /// board. Negative where the ADC holds before the DAC's output has changed. Delays of filters outside the chip are not
+    /// in it.
+    fn delay_ns(&self) -> i32;
+
+    /// Takes the oldest block that has been sampled whole, a row for each input; rows of inputs that do not exist stay as
+    /// they are. `None` if there is none yet.
+    ///
+    /// # Errors
+    /// [`Overrun`] if blocks were lost before it: they were sampled and overwritten, or the ADC missed a trigger. The next
+    /// call takes the block after them.
+    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>>;
+}
+
+/// Inputs at most.
+pub const INPUTS: usize = 2;
+
+/// Blocks of codes were lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrun {
+    /// How many, at least 1. They take up their time.
+    pub blocks: u32,
+}
+
+/// No inputs.
+impl SenseStream for () {
+    fn inputs(&self) -> usize {
+        0
+    }
+
+    fn delay_ns(&self) -> i32 {
+        0
+    }
+
+    fn take_block(&mut self, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+        None
+    }
+}
+
 /// A block came too late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Underrun;

@@ -43,7 +43,7 @@ impl ToneBlock {
 
     /// The phase gained over the block, `64 (step + step_end)`, modulo one turn.
     #[inline(always)]
-    pub(super) const fn block_gain(&self) -> u64 {
+    pub(crate) const fn block_gain(&self) -> u64 {
         self.step.wrapping_add(self.step_end) << 6
     }
 

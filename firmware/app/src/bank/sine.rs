@@ -42,20 +42,20 @@ pub fn sine_cosine(phase: u32) -> (i32, i32) {
 /// Sine and cosine of the sum of two angles. Each product halves the scale, so a shift doubles it again. All products
 /// are rounded to nearest (SMMULR, SMMLAR, SMMLSR), so that a chain of turns does not drift to one side.
 #[inline(always)]
-pub(super) const fn turned(s: i32, c: i32, turn_sine: i32, turn_cosine: i32) -> (i32, i32) {
+pub(crate) const fn turned(s: i32, c: i32, turn_sine: i32, turn_cosine: i32) -> (i32, i32) {
     let (sine, cosine) = (high_rounded(0, s, turn_cosine), high_rounded(0, c, turn_cosine));
     (high_rounded(sine, c, turn_sine) << 1, high_rounded(cosine, s, -turn_sine) << 1)
 }
 
 /// Sine and cosine of twice an angle, rounded in the same way.
 #[inline(always)]
-pub(super) const fn doubled(s: i32, c: i32) -> (i32, i32) {
+pub(crate) const fn doubled(s: i32, c: i32) -> (i32, i32) {
     (high_rounded(0, s, c) << 2, high_rounded(high_rounded(0, c, c), s, -s) << 1)
 }
 
 /// `sum` plus the upper half of a product, rounded to nearest.
 #[inline(always)]
-const fn high_rounded(sum: i32, a: i32, b: i32) -> i32 {
+pub(crate) const fn high_rounded(sum: i32, a: i32, b: i32) -> i32 {
     ((((sum as i64) << 32) + a as i64 * b as i64 + (1 << 31)) >> 32) as i32
 }
 

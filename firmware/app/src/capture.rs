@@ -1,0 +1,199 @@
+//! A capture: up to 4096 values of one input from a named sample index on.
+//!
+//! A value is one code, or the sum of `M` = 2, 4 ... 1024 codes one after the other: 4096 values are 10 ms to 10.5 s at
+//! 400 kS/s. The sums are exact, 22 bits at most. Less `2048 M` (mid-scale), and divided by `M`, they are the codes behind
+//! a boxcar filter. At the sample rate `fs` its response, relative to one code, is
+//! ```text
+//! |H(f)| = |sin(pi f M / fs) / (M sin(pi f / fs))|        phase: linear, that of a delay of (M - 1)/2 samples
+//! ```
+//! with zeros at the multiples of the values' rate `fs / M`. At the highest frequency the values can carry, `fs / 2M`, it
+//! is -3.9 dB (-3.0 dB for `M` = 2); at a quarter of the values' rate -0.9 dB (-0.7 dB). What lies above `fs / 2M` folds
+//! back, weakened by the same `H`: at `fs/M - f` it is weaker than at `f` by `f / (fs/M - f)` for `M` of 8 or more.
+//! White noise falls by the square root of `M`.
+//!
+//! **Messages.** *Start*: a [`Recipe`], refused with [`CaptureError`]. *Read*: [`Capture::progress`] and the
+//! [values](Capture::values), in parts of any length, as often as wanted, also while the capture goes on; a value once
+//! there stays until the next start. A gap in the codes ends the capture: what came before it can be read.
+
+#![cfg_attr(not(test), deny(clippy::float_arithmetic))]
+
+use crate::bank::BLOCK;
+use crate::ports::INPUTS;
+use crate::timing::BLOCK_SAMPLES;
+use slipline_protocol::units::SampleIndex;
+
+/// Values at most.
+pub const MAX_VALUES: usize = 4096;
+/// The highest power of two of codes in a value: 1024 of them.
+pub const MAX_LOG2_CODES: u8 = 10;
+
+/// What a capture takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Recipe {
+    /// The first code's index; any.
+    pub begin: SampleIndex,
+    /// The input, from 0.
+    pub input: u8,
+    /// A value is the sum of two to this power of codes, `0..=`[`MAX_LOG2_CODES`].
+    pub log2_codes: u8,
+    /// How many values, `1..=`[`MAX_VALUES`].
+    pub values: u16,
+}
+
+/// Why a capture cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CaptureError {
+    /// `begin` is over.
+    Past {
+        /// The earliest that is not.
+        earliest: SampleIndex,
+    },
+    /// The board has no such input.
+    NoSuchInput {
+        /// How many it has.
+        inputs: u8,
+    },
+    /// `log2_codes` is above [`MAX_LOG2_CODES`].
+    TooManyCodes,
+    /// `values` is 0 or above [`MAX_VALUES`].
+    Values,
+    /// The capture ends after the last sample index, 2^64 - 1.
+    BeyondTime,
+}
+
+/// How far a capture has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// None has been started.
+    Idle,
+    /// It waits for its first code, or is under way.
+    Capturing,
+    /// It is complete.
+    Finished,
+    /// A block was lost; the values end before it.
+    Broken {
+        /// The first sample that is missing.
+        at: SampleIndex,
+    },
+}
+
+/// One capture at a time; 16 KiB.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    progress: Progress,
+    recipe: Recipe,
+    /// The next code.
+    due: SampleIndex,
+    /// The sum of the value under way, and of how many codes.
+    sum: u32,
+    summed: u16,
+    filled: usize,
+    values: [u32; MAX_VALUES],
+}
+
+impl Default for Capture {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Capture {
+    /// No capture.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            progress: Progress::Idle,
+            recipe: Recipe { begin: 0, input: 0, log2_codes: 0, values: 0 },
+            due: 0,
+            sum: 0,
+            summed: 0,
+            filled: 0,
+            values: [0; MAX_VALUES],
+        }
+    }
+
+    /// Begins a capture and forgets the last one. `next` is the first sample of the next block that will be taken,
+    /// `inputs` how many inputs the board has.
+    ///
+    /// # Errors
+    /// [`CaptureError`] if it cannot be made; the last capture stays as it is.
+    pub fn start(&mut self, recipe: Recipe, next: SampleIndex, inputs: usize) -> Result<(), CaptureError> {
+        let inputs = u8::try_from(inputs.min(INPUTS)).unwrap_or(u8::MAX);
+        if recipe.begin < next {
+            return Err(CaptureError::Past { earliest: next });
+        }
+        if recipe.input >= inputs {
+            return Err(CaptureError::NoSuchInput { inputs });
+        }
+        if recipe.log2_codes > MAX_LOG2_CODES {
+            return Err(CaptureError::TooManyCodes);
+        }
+        if recipe.values == 0 || usize::from(recipe.values) > MAX_VALUES {
+            return Err(CaptureError::Values);
+        }
+        let codes = u64::from(recipe.values) << recipe.log2_codes;
+        // The last block must begin and end before the end of time, too.
+        if recipe.begin.checked_add(codes).and_then(|end| end.checked_add(BLOCK_SAMPLES)).is_none() {
+            return Err(CaptureError::BeyondTime);
+        }
+        self.recipe = recipe;
+        self.due = recipe.begin;
+        (self.sum, self.summed, self.filled) = (0, 0, 0);
+        self.progress = Progress::Capturing;
+        Ok(())
+    }
+
+    /// Ends a capture that is under way; what it has captured can be read.
+    pub fn stop(&mut self) {
+        if self.progress == Progress::Capturing {
+            self.progress = if self.filled == 0 { Progress::Idle } else { Progress::Broken { at: self.due } };
+        }
+    }
+
+    /// How far it has come.
+    #[must_use]
+    pub const fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// The values so far.
+    #[must_use]
+    pub fn values(&self) -> &[u32] {
+        self.values.get(..self.filled).unwrap_or_default()
+    }
+
+    /// Takes a block of codes of each input; `index` is its first sample.
+    pub fn take_block(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]]) {
+        let end = index.saturating_add(BLOCK_SAMPLES);
+        if self.progress != Progress::Capturing || end <= self.due {
+            return;
+        }
+        let codes = inputs.get(usize::from(self.recipe.input));
+        let rest = self.due.checked_sub(index).and_then(|past| codes?.get(usize::try_from(past).ok()?..));
+        let Some(rest) = rest else {
+            self.progress = Progress::Broken { at: self.due };
+            return;
+        };
+        self.due = end;
+        let codes_each = 1 << self.recipe.log2_codes;
+        let free = self.values.get_mut(..usize::from(self.recipe.values)).unwrap_or_default();
+        for code in rest {
+            // 1024 codes of 16 bits: 26 bits.
+            self.sum = self.sum.wrapping_add(u32::from(*code));
+            self.summed = self.summed.wrapping_add(1);
+            if self.summed < codes_each {
+                continue;
+            }
+            let Some(value) = free.get_mut(self.filled) else { break };
+            *value = self.sum;
+            self.filled = self.filled.wrapping_add(1);
+            (self.sum, self.summed) = (0, 0);
+        }
+        if self.filled >= usize::from(self.recipe.values) {
+            self.progress = Progress::Finished;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

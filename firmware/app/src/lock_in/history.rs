@@ -1,0 +1,61 @@
+//! What the renderer has handed to the DAC, until the ADC's codes of the same samples come.
+
+use crate::bank::{TONES, ToneBlock};
+use slipline_protocol::units::SampleIndex;
+
+/// Blocks that are remembered: one is rendered while one waits, one plays, and one has just been played.
+const BLOCKS: usize = 4;
+
+/// How one block was rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Played {
+    /// Its first sample.
+    pub index: SampleIndex,
+    /// Every tone's phase there, 2^64 = one turn.
+    pub phases: [u64; TONES],
+    /// The tones.
+    pub tones: [ToneBlock; TONES],
+}
+
+impl Played {
+    /// Stands for no block: no block has this index, which is not a multiple of a block's length.
+    const NONE: Self =
+        Self { index: SampleIndex::MAX, phases: [0; TONES], tones: [ToneBlock::steady(0, 0); TONES] };
+}
+
+/// The last blocks that were rendered. A stop that revises a block changes amplitudes, not phases: it needs no word here.
+#[derive(Clone, Debug)]
+pub struct History {
+    blocks: [Played; BLOCKS],
+    next: usize,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl History {
+    /// No blocks.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { blocks: [Played::NONE; BLOCKS], next: 0 }
+    }
+
+    /// Remembers a block, and forgets the oldest.
+    pub fn record(&mut self, index: SampleIndex, phases: &[u64; TONES], tones: &[ToneBlock; TONES]) {
+        if let Some(place) = self.blocks.get_mut(self.next) {
+            place.index = index;
+            place.phases = *phases;
+            place.tones = *tones;
+        }
+        self.next = (self.next + 1) % BLOCKS;
+    }
+
+    /// The block that begins at an index, if it is remembered.
+    #[must_use]
+    pub fn at(&self, index: SampleIndex) -> Option<&Played> {
+        self.blocks.iter().find(|block| block.index == index)
+    }
+}
