@@ -137,6 +137,8 @@ pub struct App {
     grab: Option<Grab>,
     /// Incremented with every press of pointer or key, so that a whole drag is one undo step.
     gesture: u64,
+    /// When egui took the latest input that was processed.
+    input_time_s: Option<f64>,
     snapshot: Arc<Snapshot>,
     ports: Vec<PortInfo>,
     table: TableState,
@@ -193,6 +195,7 @@ impl App {
             selected,
             grab: None,
             gesture: 0,
+            input_time_s: None,
             snapshot: Arc::default(),
             ports,
             table: TableState::Waiting,
@@ -249,10 +252,12 @@ impl App {
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.update_snapshot();
         self.take_results();
-        self.keys(ctx);
-        self.follow_pointer(ctx);
+        if self.has_new_input(ctx) {
+            self.keys(ctx);
+            self.follow_pointer(ctx);
+            self.dropped_files(ctx);
+        }
         self.replay(ctx);
-        self.dropped_files(ctx);
         self.update_background(ctx);
         self.advance(ctx);
     }

@@ -12,6 +12,13 @@ use slipline_link::protocol::event::State;
 const LEAST_ROOM: egui::Vec2 = egui::vec2(800.0, 520.0);
 
 impl App {
+    /// Whether the input is not that of the last call. While the window is hidden egui takes no input, so that of the last
+    /// frame would be seen again each time: a press of Escape would become many, and they an emergency stop.
+    pub(super) fn has_new_input(&mut self, ctx: &egui::Context) -> bool {
+        let time_s = ctx.input(|input| input.time);
+        self.input_time_s.replace(time_s) != Some(time_s)
+    }
+
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
         end_zoom(ctx);
         let is_typing = ctx.text_edit_focused();

@@ -2,10 +2,10 @@
 
 use crate::test_app::TestApp;
 use crate::type_into;
-use eframe::egui::{Key, Modifiers, vec2};
+use eframe::egui::{Key, Modifiers, ViewportInfo, vec2};
 use egui_kittest::kittest::Queryable as _;
-use slipline_link::Severity;
 use slipline_link::protocol::event::State;
+use slipline_link::{Request, Severity};
 use slipline_model::jobs::table;
 use slipline_model::jobs::{JobQueue, Task};
 use std::sync::Arc;
@@ -72,11 +72,60 @@ fn a_window_that_is_held_up_for_less_than_a_second_drives_on() {
 
 #[test]
 fn a_window_that_paints_nothing_is_no_hang() {
-    // Minimised or covered: the event loop turns, and the app is not called.
+    // The event loop turns, and the app is not called.
     let mut app = TestApp::driving();
     app.pass(60_000);
     assert!(app.is_driving());
     assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+const MINIMISED: fn(&mut ViewportInfo) = |window| window.minimized = Some(true);
+const COVERED: fn(&mut ViewportInfo) = |window| window.occluded = Some(true);
+
+fn drives_on_while(hide: fn(&mut ViewportInfo)) {
+    let mut app = TestApp::driving();
+    app.wait_hidden(5000, hide);
+    assert!(app.is_driving());
+    app.wait(100);
+    assert!(app.is_driving(), "it is seen again");
+    assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+#[test]
+fn a_minimised_window_is_no_hang() {
+    drives_on_while(MINIMISED);
+}
+
+#[test]
+fn a_covered_window_is_no_hang() {
+    drives_on_while(COVERED);
+}
+
+#[test]
+fn a_window_that_is_being_resized_is_no_hang() {
+    let mut app = TestApp::driving();
+    for step in 0..60u8 {
+        app.window.set_size(vec2(640.0, 400.0) + vec2(10.0, 6.0) * f32::from(step));
+        // Most systems have the app paint each size, some only the last one.
+        if step < 30 { app.wait(50) } else { app.pass(50) }
+    }
+    app.wait(50);
+    assert!(app.is_driving());
+    assert_eq!(app.snapshot().driver_stalls, 0);
+}
+
+#[test]
+fn a_stop_in_the_last_frame_before_the_window_is_hidden_is_one_press() {
+    for hide in [MINIMISED, COVERED] {
+        let mut app = TestApp::driving();
+        app.take_sent();
+        app.window.key_down(Key::Escape);
+        app.window.step();
+        app.wait_hidden(2000, hide);
+        let sent = app.take_sent();
+        assert!(matches!(sent[..], [Request::Stop]), "{sent:?}");
+        assert_eq!(state(&app), State::Armed);
+    }
 }
 
 #[test]

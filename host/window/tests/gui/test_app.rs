@@ -171,6 +171,18 @@ impl TestApp {
         self.worker.borrow_mut().advance(Duration::from_millis(ms));
     }
 
+    /// Lets this many milliseconds pass while nothing of the window can be seen. As eframe does then, it has the app look for
+    /// what is new every 50 ms and paint nothing; `hide` says why.
+    pub(crate) fn wait_hidden(&mut self, ms: u64, hide: fn(&mut egui::ViewportInfo)) {
+        let mut input = self.window.input().clone();
+        input.viewports.values_mut().for_each(hide);
+        let ctx = self.window.ctx.clone();
+        for _ in 0..ms.div_ceil(50) {
+            self.pass(50);
+            drop(ctx.run_logic(&input, |ctx| self.window.state_mut().logic(ctx)));
+        }
+    }
+
     /// The snapshot of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
         self.worker.borrow().connection.view().clone()
