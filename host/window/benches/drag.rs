@@ -2,14 +2,15 @@
 //!
 //! `cargo bench -p slipline-window --bench drag` prints it; it needs a display, and opens a window for some seconds.
 //! A thread moves the pointer 125 times a second, as a mouse does. For each move it is measured how long it takes until
-//! the first picture that knows of it has been handed to the graphics, and the program comes back for the next one
-//! (software graphics have drawn it by then; a graphics card may need some milliseconds more), and how much processor
-//! time the whole program takes, all its threads together.
+//! the first picture that knows of it has been handed to the graphics (software graphics have drawn it by then; a graphics
+//! card may need some milliseconds more), and how much processor time the whole program takes, all its threads together.
 
 use eframe::egui::{self, CursorIcon, Event, Pos2, pos2};
 use slipline_link::native::Worker;
-use slipline_window::app::{App, Parts, first_setup};
+use slipline_window::app::{App, Parts, first_setup, run_in_event_loop};
 use slipline_window::settings::Settings;
+use std::cell::Cell;
+use std::rc::Rc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -50,6 +51,8 @@ struct Drag {
 struct Bench {
     app: App,
     stage: Stage,
+    /// When the last picture had been handed to the graphics.
+    drawn: Rc<Cell<Instant>>,
 }
 
 impl eframe::App for Bench {
@@ -81,7 +84,7 @@ impl eframe::App for Bench {
             }
             Stage::Seeking(at) => input.events.push(Event::PointerMoved(*at)),
             Stage::Dragging(drag) => {
-                drag.advance(input);
+                drag.advance(input, self.drawn.get());
                 if drag.since.elapsed() > DRAG {
                     drag.report();
                     self.stage = Stage::Done;
@@ -109,10 +112,10 @@ impl Drag {
         Self { grip, is_pressed: false, since, processor_s, moves, on_the_way, delays, pictures: 0 }
     }
 
-    /// The picture before is finished; the next one knows of all moves up to now.
-    fn advance(&mut self, input: &mut egui::RawInput) {
+    /// The picture before was finished when it was `drawn`; the next one knows of all moves up to now.
+    fn advance(&mut self, input: &mut egui::RawInput, drawn: Instant) {
         self.pictures += u32::from(!self.on_the_way.is_empty());
-        self.delays.extend(self.on_the_way.drain(..).map(|moved| moved.elapsed()));
+        self.delays.extend(self.on_the_way.drain(..).map(|moved| drawn.duration_since(moved)));
         self.on_the_way.extend(self.moves.try_iter());
         let Some(latest) = self.on_the_way.last() else { return };
         if !self.is_pressed {
@@ -161,27 +164,19 @@ fn main() -> eframe::Result {
         return Ok(());
     }
     let viewport = egui::ViewportBuilder::default().with_inner_size([1280.0, 800.0]);
-    let mut options = eframe::NativeOptions { viewport, ..Default::default() };
-    options.glow_options.vsync = false;
-    eframe::run_native(
-        "Slipline drag",
-        options,
-        Box::new(|context| {
-            let ctx = &context.egui_ctx;
-            let waker = ctx.clone();
-            let worker = Worker::spawn(move || waker.request_repaint())?;
-            // The benchmark is as alive as its loop.
-            let handle = worker.handle();
-            std::thread::spawn(move || {
-                loop {
-                    handle.sign_of_life();
-                    std::thread::sleep(Duration::from_millis(250));
-                }
-            });
-            let parts = Parts::threaded(ctx, Box::new(worker))?;
-            let setup = first_setup().ok_or("the first preset is damaged")?;
-            let app = App::new(ctx, parts, setup, Settings::default());
-            Ok(Box::new(Bench { app, stage: Stage::Settling(Instant::now()) }))
-        }),
-    )
+    let options = eframe::NativeOptions { viewport, ..Default::default() };
+    let drawn = Rc::new(Cell::new(Instant::now()));
+    let at = Rc::clone(&drawn);
+    let open = |context: &eframe::CreationContext<'_>| {
+        let ctx = &context.egui_ctx;
+        let waker = ctx.clone();
+        let worker = Worker::spawn(move || waker.request_repaint())?;
+        let handle = worker.handle();
+        let parts = Parts::threaded(ctx, Box::new(worker))?;
+        let setup = first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?;
+        let app = App::new(ctx, parts, setup, Settings::default());
+        let bench = Bench { app, stage: Stage::Settling(Instant::now()), drawn };
+        Ok((Box::new(bench) as Box<dyn eframe::App>, handle))
+    };
+    run_in_event_loop("Slipline drag", options, open, move || at.set(Instant::now()))
 }

@@ -15,6 +15,7 @@ mod finger;
 mod input;
 mod no_display;
 mod notices;
+mod pace;
 mod paths;
 mod perform;
 mod playback;
@@ -26,6 +27,7 @@ mod stop_presses;
 mod texture;
 mod window;
 
+pub use event_loop::run as run_in_event_loop;
 pub use replay::Recorder;
 pub use window::run;
 

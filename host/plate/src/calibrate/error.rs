@@ -117,6 +117,21 @@ pub enum CalibrateError {
         /// Frequencies of the ends of the span, Hz.
         needed_hz: (f64, f64),
     },
+    /// Felt edges that are too few or too close to tell the wave speed from the threshold.
+    #[error("{count} felt edges up to {} apart do not tell the wave speed from the threshold: at least two are needed, {} apart", show_place(*.apart_m), show_place(*.least_m))]
+    CloseMarks {
+        /// How many there are.
+        count: usize,
+        /// Distance of the nearest and the farthest mark, metres.
+        apart_m: f64,
+        /// Least distance that is accepted, metres.
+        least_m: f64,
+    },
+    /// No wave speed near the file's has felt edges at such frequencies.
+    #[error(
+        "on no such plate an edge is felt at all of these frequencies: either nothing is felt there, or all up to the plate's end; is the level right?"
+    )]
+    NoEdge,
     /// The data leave open what a plate file must tell.
     #[error("the measurement does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation); {} % of the answers of the sensor at {} are noise. Put it where the plate moves: not at a node, and before {}, the last boundary", show_place(*.boundary_m), significant(*.level_db, 2), significant(100.0 * .silent_share, 2), show_place(*.place_m), show_place(*.span_end_m))]
     NotCarried {

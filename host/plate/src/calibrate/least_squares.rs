@@ -18,9 +18,9 @@ pub(super) trait Problem {
     fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>>;
 }
 
-/// A column of J: the residuals beside a place, less those at it, over the way.
-pub(super) fn slope(beside: &[f64], at: &[f64], step: f64) -> Vec<f64> {
-    beside.iter().zip(at).map(|(beside, at)| (beside - at) / step).collect()
+/// A column of J: the residuals at one place less those at another, over the way between them.
+pub(super) fn slope(there: &[f64], here: &[f64], way: f64) -> Vec<f64> {
+    there.iter().zip(here).map(|(there, here)| (there - here) / way).collect()
 }
 
 /// The parameters at which |r|^2 is least.

@@ -20,6 +20,7 @@ mod pairs;
 mod ratio;
 mod refusal;
 mod spread;
+mod touches;
 mod unknowns;
 mod wave;
 
@@ -29,4 +30,5 @@ pub use calipers::Calipers;
 pub use csv::CsvError;
 pub use error::CalibrateError;
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
+pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;

@@ -73,7 +73,7 @@ impl<'a> Ratio<'a> {
 
     /// The best coordinates: the lowest valleys of a scan over wave speed and loss, each followed to its bottom.
     pub(super) fn fit(&self) -> Option<Fit> {
-        let coarse = Finished { ratio: self, radians: COARSE };
+        let coarse = OnGrid { ratio: self, radians: COARSE };
         let mut best: Option<Fit> = None;
         for [speed, loss] in self.valleys() {
             let mut start = vec![0.0; self.deviations.len()];
@@ -85,7 +85,7 @@ impl<'a> Ratio<'a> {
             }
         }
         let best = best?;
-        least_squares::fit(&Finished { ratio: self, radians: FINE }, &best.parameters, STILL.1)
+        least_squares::fit(&OnGrid { ratio: self, radians: FINE }, &best.parameters, STILL.1)
     }
 
     /// Magnitudes at the two sensors, moved by these ways, and the peak, at each frequency.
@@ -147,12 +147,12 @@ impl<'a> Ratio<'a> {
 }
 
 /// The least squares on a grid of a given fineness.
-struct Finished<'r, 'a> {
+struct OnGrid<'r, 'a> {
     ratio: &'r Ratio<'a>,
     radians: f64,
 }
 
-impl Problem for Finished<'_, '_> {
+impl Problem for OnGrid<'_, '_> {
     fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
         let Self { ratio, radians } = *self;
         let rows = ratio.wave(at, radians)?.at(ratio.sensor, &ratio.places_at(at)?, &ratio.frequencies_hz);
@@ -166,22 +166,27 @@ impl Problem for Finished<'_, '_> {
             beside[i] += step;
             beside
         };
-        let of_plate = STEPS
-            .iter()
-            .enumerate()
-            .map(|(i, &step)| Some(slope(&self.residuals(&beside(i, step))?, r, step)));
+        let of_plate = STEPS.iter().enumerate().map(|(i, &step)| {
+            let above = self.residuals(&beside(i, step))?;
+            if radians > FINE {
+                return Some(slope(&above, r, step));
+            }
+            // Speed, width and places nearly make up for each other, and that magnifies the error of a difference to
+            // one side: to 2e-3 of the interval.
+            Some(slope(&above, &self.residuals(&beside(i, -step))?, 2.0 * step))
+        });
         let mut columns: Vec<Vec<f64>> = of_plate.collect::<Option<_>>()?;
-        // One field serves both places. They move toward the middle of the plate, so that they stay on it.
-        let steps = ratio
-            .places_m
-            .map(|place_m| if place_m < 0.5 * ratio.nominal.length_m { PLACE_STEP_M } else { -PLACE_STEP_M });
+        // One field serves all places.
         let [a, b] = ratio.places_at(at)?;
-        let places = [a, b, a + steps[0], b + steps[1]];
+        let h = PLACE_STEP_M;
+        let places = [a, b, a + h, a - h, b + h, b - h];
         let rows = ratio.wave(at, radians)?.at(ratio.sensor, &places, &ratio.frequencies_hz);
-        for (i, pick) in [[2, 1], [0, 3]].into_iter().enumerate() {
-            let moved = beside(OF_PLATE + i, steps[i]);
-            let residuals = ratio.residuals(&moved, rows.iter().map(|p| pick.map(|at| &p[at])));
-            columns.push(slope(&residuals, r, steps[i]));
+        for (i, picks) in [[[2, 1], [3, 1]], [[0, 4], [0, 5]]].into_iter().enumerate() {
+            let [above, below] = [(h, picks[0]), (-h, picks[1])].map(|(step, pick)| {
+                let moved = beside(OF_PLATE + i, step);
+                ratio.residuals(&moved, rows.iter().map(|p| pick.map(|at| &p[at])))
+            });
+            columns.push(slope(&above, &below, 2.0 * h));
         }
         Some(columns)
     }

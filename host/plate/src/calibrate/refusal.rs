@@ -15,7 +15,7 @@ const FREQUENCIES_MIN: usize = 12;
 /// equation serves; a finger that moves the boundary by 1 mm makes 12 and more.
 pub(super) const CHI2_PER_N_MAX: f64 = 6.0;
 /// Farthest that a wave speed may be from the file's, as a logarithm: no material is less well known.
-const SPEED_MAX: f64 = 0.12;
+pub(super) const SPEED_MAX: f64 = 0.12;
 /// Standard deviations by which a width or a place may differ from what was known beforehand.
 const DEVIATIONS_MAX: f64 = 4.5;
 /// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.

@@ -3,6 +3,7 @@
 
 mod misuse;
 mod rig;
+mod touches;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
 use slipline_plate::Plate;

@@ -111,6 +111,15 @@ impl Rig {
         }
     }
 
+    /// The same truth behind the drive of the nominal plate: its levels are those of the file but for what the plate
+    /// itself changes.
+    pub(crate) fn with_told_drive(mut self) -> Self {
+        let mut spec = self.truth.spec().clone();
+        (spec.drive_end, spec.actuator) = (self.nominal.spec().drive_end, None);
+        self.truth = Plate::new(spec).expect("a valid plate");
+        self
+    }
+
     /// Frequencies over the band that a calibration needs, uniform in the logarithm.
     pub(crate) fn frequencies_hz(&self, count: usize) -> Vec<f64> {
         let (low, high) = band_hz(&self.nominal);
@@ -191,9 +200,25 @@ impl Rig {
         Measurement { sample_rate_hz: Some(RATE_HZ), ..measured }
     }
 
+    /// The table that a device gets for `plate`.
+    pub(crate) fn table(&self, plate: &Plate) -> DriveTable {
+        DriveTable::build(plate, RATE_HZ, KNOTS).expect("a table")
+    }
+
+    /// A table's gain where the nominal plate puts the boundary of this frequency.
+    pub(crate) fn gain_at(&self, table: &DriveTable, frequency_hz: f64) -> f64 {
+        table.gain(self.nominal.turning_point_m(frequency_hz).expect("enters"))
+    }
+
+    /// The true plate's deflection under a tone of this DAC amplitude, metres.
+    pub(crate) fn tone(&self, frequency_hz: f64, amplitude: f64) -> Vec<Complex64> {
+        let drive = self.drive(frequency_hz) * amplitude;
+        self.fields(&[frequency_hz]).remove(0).into_iter().map(|f| f * drive).collect()
+    }
+
     /// Drives the true plate with a table made for `plate`.
     pub(crate) fn judge(&self, plate: &Plate) -> Judgement {
-        let table = DriveTable::build(plate, RATE_HZ, KNOTS).expect("a table");
+        let table = self.table(plate);
         let (start, end) = self.nominal.span_m();
         let places: Vec<f64> =
             (0..BOUNDARIES).map(|i| start + (end - start) * i as f64 / (BOUNDARIES - 1) as f64).collect();

@@ -18,6 +18,9 @@ use std::time::Duration;
 
 /// Time between two frames of the moving wave.
 const FRAME: Duration = Duration::from_millis(33);
+/// Time between two drives that the simulated plate is given during a drag, in seconds. A drag makes dozens a second;
+/// to compute the plate for each would take a part of a core, and most would be replaced before they are done.
+const BETWEEN_DRIVES_S: f64 = 0.3;
 /// Time between two updates of the meters while the wave is paused.
 const GLANCE: Duration = Duration::from_millis(500);
 
@@ -30,6 +33,10 @@ pub(super) struct Playback {
     pub(super) waveform: Waveform,
     /// The latest result of the simulated plate; its drive may have ended.
     pub(super) measured: Option<Measured>,
+    /// What sounds, while the simulated plate has not been given it.
+    unmeasured: Option<TimeDomainJob>,
+    /// When the simulated plate was given a drive, in seconds of the user's time.
+    given_s: f64,
     /// How long the wave has moved, in seconds of the user's time.
     pub(super) wave_time_s: f64,
     /// Whether the paused wave is shown at a time that the user has chosen.
@@ -110,9 +117,7 @@ impl App {
             played: acknowledged.played,
             dac_bits: identity.dac_bits,
         };
-        if identity.simulated {
-            self.parts.time_domain.ask(job.clone());
-        }
+        self.playback.unmeasured = identity.simulated.then(|| job.clone());
         self.run_sheet(job);
     }
 
@@ -148,6 +153,7 @@ impl App {
 
     /// Advances the wave and requests the next frame, but only while something moves.
     pub(super) fn advance(&mut self, ctx: &egui::Context) {
+        self.measure(ctx.input(|input| input.time));
         self.move_on(ctx);
         self.play_sound();
     }
@@ -160,6 +166,20 @@ impl App {
         self.playback.wave_time_s = plate_time_s * slow_factor(&sounding.steady);
         self.playback.is_scrubbed = true;
         self.settings.animate = false;
+    }
+
+    /// Gives the simulated plate what sounds, at `now_s` of the user's time.
+    fn measure(&mut self, now_s: f64) {
+        let is_soon = now_s < self.playback.given_s + BETWEEN_DRIVES_S;
+        if self.playback.sounding.is_none() {
+            self.playback.unmeasured = None;
+        } else if self.grab.is_some() && is_soon {
+            return;
+        }
+        if let Some(job) = self.playback.unmeasured.take() {
+            self.playback.given_s = now_s;
+            self.parts.time_domain.ask(job);
+        }
     }
 
     fn move_on(&mut self, ctx: &egui::Context) {

@@ -53,14 +53,13 @@ impl eframe::App for Window {
 /// # Errors
 /// When there is no display, or the system cannot start a thread.
 pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> anyhow::Result<()> {
-    let mut options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
-    // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
-    options.glow_options.vsync = false;
-    event_loop::run("Slipline", options, |context| {
+    let options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
+    let open = |context: &eframe::CreationContext<'_>| {
         let (window, link) = open(context, opened)?;
-        Ok((Box::new(window), link))
-    })
-    .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
+        Ok((Box::new(window) as Box<dyn eframe::App>, link))
+    };
+    event_loop::run("Slipline", options, open, || ())
+        .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
 }
 
 fn viewport() -> egui::ViewportBuilder {

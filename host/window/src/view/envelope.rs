@@ -1,6 +1,7 @@
 //! The envelope: the largest displacement at each x, predicted by the solver and from the simulated plate.
 
 use super::field::UNKNOWN;
+use super::polyline::thinned;
 use super::{Scene, theme};
 use crate::axis::Axis;
 use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
@@ -35,7 +36,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
     let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
     let line = |values: &[f64]| -> Vec<Pos2> {
-        values.iter().enumerate().map(|(i, &metres)| pos2(place(i), height.screen(metres))).collect()
+        let at = |(i, &metres): (usize, &f64)| pos2(place(i), height.screen(metres));
+        thinned(&values.iter().enumerate().map(at).collect::<Vec<_>>())
     };
     let is_sounding = scene.sounding.is_some();
     let ink = if is_known { palette.accent } else { palette.weak };
@@ -57,7 +59,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.finger.is_none()) {
         for (x_m, metres) in measured.points().step_by(2) {
             let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
-            painter.circle(centre, 2.2, palette.well, Stroke::new(1.2, measured_ink(palette, is_current)));
+            point(&painter, centre, measured_ink(palette, is_current), palette.well);
         }
     }
     edge(ui, scene, axis, &height);
@@ -78,6 +80,12 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
 /// The ink of the simulated plate's points: dim while they are those of an earlier drive.
 fn measured_ink(palette: &theme::Palette, is_current: bool) -> Color32 {
     if is_current { palette.text } else { palette.text.gamma_multiply(STALE) }
+}
+
+/// A ring. Two discs are four triangles from a texture, where a stroke is more than a hundred.
+fn point(painter: &egui::Painter, centre: Pos2, ink: Color32, inside: Color32) {
+    painter.circle_filled(centre, 2.8, ink);
+    painter.circle_filled(centre, 1.6, inside);
 }
 
 fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
@@ -168,7 +176,7 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
     } else if let Some((_, is_current)) = scene.measured {
         entry(if is_current { "simulated plate" } else { "simulated plate, before" }, &|left| {
             let ink = measured_ink(palette, is_current);
-            painter.circle(pos2(left + 9.0, y), 2.2, palette.well, Stroke::new(1.2, ink));
+            point(painter, pos2(left + 9.0, y), ink, palette.well);
         });
     }
     if scene.predicted.tones.len() > 1 {

@@ -1,26 +1,23 @@
 //! The plate from above, to scale, with its wave.
 
 use super::field::UNKNOWN;
-use super::{Scene, ViewState, theme, validity};
+use super::polyline::thinned;
+use super::{Scene, ViewState, displacement, theme, validity};
 use crate::axis::Axis;
 use crate::intent::{Intent, Intents};
-use eframe::egui::{
-    self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
-};
+use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use slipline_link::protocol::event::State;
-use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave, slow_factor};
+use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::Source;
 use slipline_model::field::steady_field::full_colour_m;
 use slipline_plate::quantity::show_length;
 use std::sync::Arc;
 use theme::GAP;
 
-/// Rows of the mesh across the plate.
-const ROWS: usize = 19;
-/// The share of the glow's colour where the plate moves most.
-const GLOW: f32 = 0.45;
-/// Width of a mesh column, in points.
+/// Width of a column of the wave's picture, in points.
 const COLUMN: f32 = 3.0;
+/// Columns of one strip of the picture. In a triangle it is stretched evenly, so a strip must not taper much.
+const STRIDE: usize = 4;
 
 /// The least width of the line above the plate for the whole colour scale, in points.
 const ROOM_FOR_SCALE: f32 = 720.0;
@@ -183,65 +180,24 @@ impl Scale {
 /// Shows the plate in `rect`, aligned with the axis.
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
-    let show_amplitude = scene.settings.show_amplitude;
     let plate = &scene.setup.plate;
     let screen = axis.screen();
-    let columns = ((screen.span() / COLUMN).ceil() as usize).max(2);
+    let columns = ((screen.span() / (STRIDE as f32 * COLUMN)).ceil() as usize).max(1) * STRIDE;
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
     // A very wide plate is drawn narrower than to scale, so that it does not cover its neighbours.
     let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
-    let map = DisplacementMap::new(Wave {
-        plate,
-        sounding: scene.sounding,
-        sheet: scene.sheet,
-        is_largest: show_amplitude,
-        time_s: scene.wave_time_s,
-    });
-    // Under the present displacement lies a glow of the largest, so that no moment of the wave looks like a plate at rest.
-    let reach = DisplacementMap::new(Wave {
-        plate,
-        sounding: scene.sounding,
-        sheet: scene.sheet,
-        is_largest: true,
-        time_s: 0.0,
-    });
-    let across: Vec<Row> = (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
-    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
-    let mut mesh = Mesh::default();
-    mesh.reserve_vertices((columns + 1) * ROWS);
-    mesh.reserve_triangles(columns * (ROWS - 1) * 2);
-    let mut edge: [Vec<Pos2>; 2] = [Vec::with_capacity(columns + 1), Vec::with_capacity(columns + 1)];
-    for column in 0..=columns {
-        let share = column as f32 / columns as f32;
-        let x = screen.min + share * screen.span();
-        let x_m = f64::from(share) * axis.length_m();
-        let half = half_px(x_m) * squeeze;
-        let (across_here, reach_here) = (map.column(x_m), reach.column(x_m));
-        for row in &across {
-            let value = (map.at(&across_here, row) / full_m) as f32;
-            let colour = if show_amplitude {
-                theme::sequential(value.abs(), palette.dark)
-            } else {
-                let largest = (reach.at(&reach_here, row) / full_m) as f32;
-                glowing(theme::diverging(value, palette.dark), value, largest, palette.weak)
-            };
-            mesh.colored_vertex(pos2(x, rect.center().y + row.beta as f32 * half), colour);
-        }
-        edge[0].push(pos2(x, rect.center().y - half));
-        edge[1].push(pos2(x, rect.center().y + half));
-    }
-    for column in 0..columns {
-        for row in 0..ROWS - 1 {
-            let a = (column * ROWS + row) as u32;
-            let b = a + ROWS as u32;
-            mesh.add_triangle(a, a + 1, b);
-            mesh.add_triangle(a + 1, b + 1, b);
-        }
-    }
+    let half = |share: f32| half_px(f64::from(share) * axis.length_m()) * squeeze;
+    let outline: Vec<Pos2> = (0..=columns)
+        .map(|column| column as f32 / columns as f32)
+        .map(|share| pos2(screen.min + share * screen.span(), rect.center().y - half(share)))
+        .collect();
+    let mirrored = |at: &Pos2| pos2(at.x, 2.0 * rect.center().y - at.y);
+    let strips = outline.iter().step_by(STRIDE).map(|upper| [*upper, mirrored(upper)]);
+    displacement::show(ui, scene, strips, columns);
     let painter = ui.painter();
-    painter.add(Shape::mesh(mesh));
+    let upper = thinned(&outline);
+    let lower: Vec<Pos2> = upper.iter().map(mirrored).collect();
     let rim = Stroke::new(1.5, palette.weak);
-    let [upper, lower] = edge;
     // The driven end is a thick bar: this is where the actuator holds the plate.
     let (first, last) = (upper[0], upper[upper.len() - 1]);
     let far = (lower[0], lower[lower.len() - 1]);
@@ -255,12 +211,6 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     width_scale(ui, label.x, rect, squeeze);
 }
 
-/// The colour of a displacement over the glow of the largest there: full between two crests, gone on a crest.
-fn glowing(colour: Color32, value: f32, largest: f32, glow: Color32) -> Color32 {
-    let rest = 1.0 - (value / largest.max(1e-6)).abs().min(1.0);
-    colour.lerp_to_gamma(glow, GLOW * largest.clamp(0.0, 1.0).sqrt() * rest)
-}
-
 /// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.
 fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
     let palette = theme::palette(ui);
@@ -268,24 +218,5 @@ fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
     for (i, line) in lines.iter().enumerate() {
         let place = pos2(right, rect.center().y + 8.0 + 13.0 * i as f32);
         ui.painter().text(place, Align2::RIGHT_TOP, line, FontId::proportional(10.5), palette.weak);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_wave_glows_between_its_crests_and_the_plate_at_rest_does_not() {
-        for palette in [&theme::LIGHT, &theme::DARK] {
-            let at = |value: f32, largest: f32| {
-                glowing(theme::diverging(value, palette.dark), value, largest, palette.weak)
-            };
-            let rest = theme::diverging(0.0, palette.dark);
-            assert_eq!(at(0.0, 0.0), rest);
-            assert_eq!(at(0.8, 0.8), theme::diverging(0.8, palette.dark), "a crest keeps its colour");
-            let off = |colour: Color32| u32::from(colour.g().abs_diff(rest.g()));
-            assert!(off(at(0.0, 1.0)) > off(at(0.0, 0.3)) && off(at(0.0, 0.3)) > 8, "{}", palette.dark);
-        }
     }
 }

@@ -127,6 +127,25 @@ fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
 }
 
 #[test]
+fn the_plate_in_time_is_not_begun_anew_for_every_move_of_a_drag_and_follows_its_end() {
+    let mut app = TestApp::driving();
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.wait(50);
+    let before = app.time_domain_jobs.get();
+    for step in 1..=24 {
+        app.window.hover_at(line + vec2(2.0 * step as f32, 0.0));
+        app.wait(50);
+    }
+    let in_the_drag = app.time_domain_jobs.get() - before;
+    // The harness counts a 60th of a second a frame: 0.4 s.
+    assert!((1..=2).contains(&in_the_drag), "{in_the_drag} of 24");
+    app.window.drop_at(line + vec2(48.0, 0.0));
+    app.wait(400);
+    assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
+}
+
+#[test]
 fn new_is_undone_by_its_name() {
     let mut app = TestApp::driving();
     let press = |app: &mut TestApp, name: &str| {
@@ -150,7 +169,7 @@ fn the_values_of_the_sliders_end_in_one_line() {
     let boxes: Vec<Rect> = ["Level", "Master", "Glide"]
         .map(|name| app.window.get_by_role_and_label(Role::TextInput, name).rect())
         .to_vec();
-    let panel = app.window.get_by_label("Device").rect().right();
+    let panel = app.window.get_by_label("Play").rect().right();
     for at in &boxes {
         assert!((at.right() - boxes[0].right()).abs() < 0.5 && at.right() <= panel, "{boxes:?}");
     }

@@ -38,6 +38,8 @@ pub(crate) struct TestApp {
     pub(crate) sheet_jobs: Rc<Cell<usize>>,
     /// Whether the simulated plate in time gives no result.
     time_domain_is_held: Rc<Cell<bool>>,
+    /// Jobs that the simulated plate in time was asked for.
+    pub(crate) time_domain_jobs: Rc<Cell<usize>>,
     /// Why the computation in two dimensions is refused; `None` while it is not.
     pub(crate) plane_refusal: Rc<RefCell<Option<String>>>,
     worker: Rc<RefCell<SteppedWorker>>,
@@ -115,14 +117,23 @@ impl TestApp {
             None => plane::work(job, task),
         });
         let time_domain_is_held: Rc<Cell<bool>> = Rc::default();
-        let is_held = Rc::clone(&time_domain_is_held);
-        parts.time_domain = JobQueue::inline(
-            move |job, task: &_| {
-                if is_held.get() { None } else { time_domain::run(&job, task) }
-            },
-        );
+        let time_domain_jobs: Rc<Cell<usize>> = Rc::default();
+        let (is_held, jobs) = (Rc::clone(&time_domain_is_held), Rc::clone(&time_domain_jobs));
+        parts.time_domain = JobQueue::inline(move |job, task: &_| {
+            jobs.set(jobs.get() + 1);
+            if is_held.get() { None } else { time_domain::run(&job, task) }
+        });
         let window = open_window_with(parts, setup, theme, builder);
-        Self { window, files, speaker, sheet_jobs, time_domain_is_held, plane_refusal, worker }
+        Self {
+            window,
+            files,
+            speaker,
+            sheet_jobs,
+            time_domain_is_held,
+            time_domain_jobs,
+            plane_refusal,
+            worker,
+        }
     }
 
     /// Lets this many milliseconds pass, with a frame of the window every 50 ms.

@@ -17,6 +17,9 @@ fn steered(full: Ends, now: Ends, at: f64, factor: f64, by: f64) -> Ends {
     let whole = full.1 - full.0;
     let before = (now.1 - now.0).clamp(whole / MOST, whole);
     let span = (before / factor).clamp(whole / MOST, whole);
+    if span >= whole {
+        return full;
+    }
     // What is under the pointer stays there.
     let start = at - (at - now.0) * (span / before) + by;
     // Not `clamp`: of the whole axis the rounded ends may have changed places.
