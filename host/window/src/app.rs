@@ -12,6 +12,7 @@ mod device;
 mod eframe_log;
 mod event_loop;
 mod finger;
+mod glyphs;
 mod input;
 mod no_display;
 mod notices;
@@ -162,6 +163,7 @@ pub struct App {
     background: background::Work,
     textures: texture::Textures,
     notices: Notices,
+    glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
     /// The pictures of the scenes; empty until their page was opened.
     thumbnails: Vec<Thumbnail>,
@@ -212,6 +214,7 @@ impl App {
             playback: Playback::default(),
             background: background::Work::default(),
             notices: Notices::default(),
+            glyphs: glyphs::Glyphs::default(),
             dialog: None,
             thumbnails: Vec::new(),
             asked: None,
@@ -296,6 +299,7 @@ impl App {
 
     /// Shows the window in all of `ui`, then carries out the intents of its views.
     pub fn show(&mut self, ui: &mut egui::Ui) {
+        self.look_for_glyphs(ui.ctx());
         let limits_m = self.limits_m();
         let mut view = std::mem::take(&mut self.view);
         let scene = Scene {

@@ -201,6 +201,8 @@ pub enum Intent {
     RefreshPorts,
     /// Colour the plate by its largest displacement, or by the present one.
     ShowAmplitude(bool),
+    /// Show the plate in relief, or flat.
+    ShowRelief(bool),
     /// Show the panel at the right, or give its room to the stage.
     ShowPanel(bool),
     /// Show the row of plots, or give its room to the stage.

@@ -59,6 +59,8 @@ pub struct Settings {
     pub wave: SourceChoice,
     /// Whether the plate is coloured by its largest displacement, not by the present one.
     pub show_amplitude: bool,
+    /// Whether the plate is shown in relief.
+    pub show_relief: bool,
     /// The port that was used last, in the form of the command line.
     pub port: Option<String>,
     /// Whether the app reconnects to a lost device by itself.
@@ -98,6 +100,7 @@ impl Default for Settings {
             theme: ThemeChoice::System,
             wave: SourceChoice::Automatic,
             show_amplitude: false,
+            show_relief: false,
             port: None,
             auto_reconnect: true,
             auto_upload: false,
@@ -165,6 +168,7 @@ mod tests {
             show_plots: false,
             in_front: Part::Plots,
             show_amplitude: true,
+            show_relief: true,
             port: Some("unix:/run/it.sock".to_owned()),
             auto_reconnect: false,
             auto_upload: true,

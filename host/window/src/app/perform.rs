@@ -147,6 +147,7 @@ impl App {
                 Intent::DismissNotice(number) => self.notices.dismiss(number),
                 Intent::RefreshPorts => self.ports = (self.parts.ports)(),
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
+                Intent::ShowRelief(show) => self.settings.show_relief = show,
                 Intent::ShowPanel(show) => {
                     self.settings.show_panel = show;
                     self.settings.in_front = if show { Part::Panel } else { Part::Plots };

@@ -33,6 +33,7 @@ mod play_panel;
 mod plots;
 mod polyline;
 mod read_out;
+mod relief;
 mod room;
 mod side_panel;
 mod slider;

@@ -2,9 +2,10 @@
 
 use super::field::UNKNOWN;
 use super::polyline::thinned;
-use super::{Scene, ViewState, displacement, theme, validity};
+use super::{Scene, ViewState, displacement, relief, theme, validity};
 use crate::axis::Axis;
 use crate::intent::{Intent, Intents};
+use crate::settings::Settings;
 use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::slow_factor;
@@ -40,11 +41,12 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         };
         let has_scale = ui.available_width() >= ROOM_FOR_ANY_SCALE;
         let scale = if has_scale { look.size(ui, scene).x + GAP } else { 0.0 };
-        let right = validity::chip_width(ui, scene)
-            + ["Wave", "Amplitude"].iter().map(|name| button_width(ui, name)).sum::<f32>()
-            + scale
-            + 3.0 * GAP
-            + 14.0;
+        let beside = if has_scale {
+            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP
+        } else {
+            button_width(ui, colours(scene)) + GAP
+        };
+        let right = validity::chip_width(ui, scene) + beside + scale + 14.0;
         // The name is shortened in favour of the controls at the right; hovering shows all of it.
         let left = vec2((ui.available_width() - right).max(30.0), ui.available_height());
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
@@ -75,18 +77,46 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         if validity::chip(ui, scene) {
             view.open_validity();
         }
-        let wave = ui.selectable_label(!scene.settings.show_amplitude, "Wave");
-        if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
-            intents.push(Intent::ShowAmplitude(false));
-        }
-        let amplitude = ui.selectable_label(scene.settings.show_amplitude, "Amplitude");
-        if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
-            intents.push(Intent::ShowAmplitude(true));
+        if has_scale {
+            switches(ui, scene, intents);
+        } else {
+            // In a narrow line they share one button.
+            let name = colours(scene);
+            let menu = ui.menu_button(name, |ui| switches(ui, scene, intents));
+            menu.response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("View of the plate: {name}"))
+            });
         }
         if has_scale {
             look.show(ui, scene);
         }
     });
+}
+
+/// The switches of the view: what the colours mean, and whether the plate is shown in relief.
+const SWITCHES: [&str; 3] = ["Wave", "Amplitude", "Relief"];
+
+/// The name of what the colours mean.
+fn colours(scene: &Scene<'_>) -> &'static str {
+    SWITCHES[usize::from(scene.settings.show_amplitude)]
+}
+
+fn switches(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let Settings { show_amplitude, show_relief, .. } = *scene.settings;
+    let [wave, amplitude, relief] = SWITCHES;
+    let wave = ui.selectable_label(!show_amplitude, wave);
+    if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
+        intents.push(Intent::ShowAmplitude(false));
+    }
+    let amplitude = ui.selectable_label(show_amplitude, amplitude);
+    if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
+        intents.push(Intent::ShowAmplitude(true));
+    }
+    let relief = ui.selectable_label(show_relief, relief);
+    let help = "Show the displacement as hills and valleys too, seen from the side and much magnified";
+    if relief.on_hover_text(help).clicked() {
+        intents.push(Intent::ShowRelief(!show_relief));
+    }
 }
 
 fn button_width(ui: &egui::Ui, name: &str) -> f32 {
@@ -185,15 +215,21 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let columns = ((screen.span() / (STRIDE as f32 * COLUMN)).ceil() as usize).max(1) * STRIDE;
     let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
     // A very wide plate is drawn narrower than to scale, so that it does not cover its neighbours.
-    let squeeze = (0.5 * rect.height() - 4.0).min(half_px(0.0)) / half_px(0.0);
+    let is_relief = scene.settings.show_relief;
+    let most = if is_relief { relief::depth(rect) } else { 0.5 * rect.height() - 4.0 };
+    let squeeze = most.min(half_px(0.0)) / half_px(0.0);
     let half = |share: f32| half_px(f64::from(share) * axis.length_m()) * squeeze;
     let outline: Vec<Pos2> = (0..=columns)
         .map(|column| column as f32 / columns as f32)
         .map(|share| pos2(screen.min + share * screen.span(), rect.center().y - half(share)))
         .collect();
     let mirrored = |at: &Pos2| pos2(at.x, 2.0 * rect.center().y - at.y);
-    let strips = outline.iter().step_by(STRIDE).map(|upper| [*upper, mirrored(upper)]);
-    displacement::show(ui, scene, strips, columns);
+    if is_relief {
+        relief::show(ui, scene, rect, &outline);
+    } else {
+        let strips = outline.iter().step_by(STRIDE).map(|upper| [*upper, mirrored(upper)]);
+        displacement::show(ui, scene, strips, columns);
+    }
     let painter = ui.painter();
     let upper = thinned(&outline);
     let lower: Vec<Pos2> = upper.iter().map(mirrored).collect();
@@ -202,13 +238,15 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let (first, last) = (upper[0], upper[upper.len() - 1]);
     let far = (lower[0], lower[lower.len() - 1]);
     painter.line_segment([last, far.1], rim);
-    painter.add(Shape::line(upper, rim));
+    if !is_relief {
+        painter.add(Shape::line(upper, rim));
+    }
     painter.add(Shape::line(lower, rim));
     let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
     painter.rect_filled(bar, 2.0, palette.weak);
     let label = pos2(bar.left() - 6.0, rect.center().y);
     painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
-    width_scale(ui, label.x, rect, squeeze);
+    width_scale(ui, label.x, rect, if is_relief { 0.0 } else { squeeze });
 }
 
 /// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.

@@ -11,6 +11,7 @@ mod finger;
 mod finger_trace;
 mod fixed_link;
 mod focus;
+mod glyphs;
 mod hang;
 mod notices;
 mod painter;

@@ -217,3 +217,12 @@ fn a_small_screen_looks_as_it_was_approved() {
 fn a_dense_screen_looks_as_it_was_approved() {
     compare("dense", &painted(ThemeChoice::Dark, [640, 400], 2.0, TestApp::first_start));
 }
+
+#[test]
+fn the_relief_looks_as_it_was_approved() {
+    let show = |app: &mut TestApp| {
+        app.window.get_by_label("Relief").click();
+        app.wait(200);
+    };
+    compare("relief", &picture(ThemeChoice::Dark, SMALLEST, show));
+}

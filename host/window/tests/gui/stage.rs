@@ -219,3 +219,35 @@ fn the_choice_of_colours_is_one_of_the_settings_that_are_kept() {
     app.wait(100);
     assert!(!app.window.state().settings().show_amplitude);
 }
+
+/// How high on the screen each vertex of the relief is.
+fn heights(app: &TestApp) -> Vec<f32> {
+    let meshes = app.window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        eframe::egui::Shape::Mesh(mesh) if mesh.vertices.len() > 1000 => Some(mesh),
+        _ => None,
+    });
+    meshes.flat_map(|mesh| mesh.vertices.iter().map(|vertex| vertex.pos.y)).collect()
+}
+
+#[test]
+fn the_relief_lifts_the_plate_where_it_moves_and_is_flat_at_rest() {
+    let mut app = TestApp::driving();
+    app.window.get_by_label("Amplitude").click();
+    app.wait(100);
+    assert!(heights(&app).is_empty(), "off, it is not made");
+    app.window.get_by_label("Relief").click();
+    app.wait(100);
+    assert!(app.window.state().settings().show_relief);
+    let driven = heights(&app);
+    app.window.key_press(Key::Space);
+    app.wait(500);
+    let rest = heights(&app);
+    assert!(driven.len() > 1000 && rest.len() == driven.len());
+    let lifts: Vec<f32> = rest.iter().zip(&driven).map(|(rest, driven)| rest - driven).collect();
+    assert!(lifts.iter().all(|lift| *lift >= -0.01), "an amplitude lifts");
+    let highest = lifts.iter().copied().fold(0.0, f32::max);
+    assert!(highest > 30.0, "{highest}");
+    app.window.get_by_label("Relief").click();
+    app.wait(100);
+    assert!(heights(&app).is_empty());
+}

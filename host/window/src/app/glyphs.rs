@@ -1,0 +1,42 @@
+//! Names in scripts that the window's own fonts lack, such as CJK: eframe looks for a font of the system, and what none
+//! has is told, because it is drawn as empty boxes.
+
+use super::App;
+use eframe::egui::{self, FontId};
+
+/// The names that were looked at, and the characters that were told.
+#[derive(Default)]
+pub(super) struct Glyphs {
+    looked_at: String,
+    told: Vec<char>,
+}
+
+impl App {
+    /// Tells the user once which characters of the names on the screen no font has.
+    pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
+        let ports: String = self.ports.iter().map(|port| port.label.as_str()).collect();
+        let names = [self.setup.plate.name(), &ports, &self.background.shown.draft.name].concat();
+        if self.glyphs.looked_at == names {
+            return;
+        }
+        let font = FontId::proportional(14.0);
+        let is_new = |c: &char| !c.is_ascii() && !self.glyphs.told.contains(c);
+        let mut missing: Vec<char> = ctx.fonts_mut(|fonts| {
+            names.chars().filter(is_new).filter(|&c| !fonts.has_glyph(&font, c)).collect()
+        });
+        missing.sort_unstable();
+        missing.dedup();
+        self.glyphs.looked_at = names;
+        if missing.is_empty() {
+            return;
+        }
+        let codes: Vec<String> = missing.iter().take(4).map(|&c| format!("U+{:04X}", u32::from(c))).collect();
+        let more = if missing.len() > codes.len() { " and others" } else { "" };
+        self.glyphs.told.extend(missing);
+        self.fail(format!(
+            "No font of this system has the characters {}{more}: they are shown as boxes. Install a font of their \
+             script, such as Noto Sans CJK, and start Slipline again.",
+            codes.join(", ")
+        ));
+    }
+}
