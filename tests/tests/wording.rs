@@ -10,10 +10,6 @@ const HOMES: [(&str, &[&str]); 2] = [
     ("allowed are", &["shared/src/refusal.rs", "host/link/src/out_of_range.rs"]),
 ];
 
-/// Texts that have the words and refuse nothing that a user gave.
-const NO_REFUSALS: [(&str, &str); 1] =
-    [("host/window/src/view/device_panel.rs", "latch a fault that must be cleared")];
-
 /// The texts in quotes of a source, up to its unit tests; a text over several lines is one.
 fn texts(source: &str) -> Vec<String> {
     let source = source.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -65,17 +61,14 @@ fn quoted(source: &str) -> (String, &str) {
 
 /// The texts of a source that refuse something in words that have their home elsewhere.
 fn strays(file: &str, source: &str) -> Vec<String> {
-    let is_stray = |text: &String| {
-        HOMES.iter().any(|(words, homes)| text.contains(words) && !homes.contains(&file))
-            && !NO_REFUSALS.iter().any(|(of, part)| *of == file && text.contains(part))
-    };
+    let is_stray =
+        |text: &String| HOMES.iter().any(|(words, homes)| text.contains(words) && !homes.contains(&file));
     texts(source).into_iter().filter(is_stray).collect()
 }
 
 #[test]
 fn only_the_home_of_refusals_words_them() {
     let mut unused: Vec<&str> = HOMES.iter().flat_map(|(_, homes)| homes.iter().copied()).collect();
-    unused.extend(NO_REFUSALS.map(|(file, _)| file));
     for folder in PRODUCT {
         for path in rust_files(&root().join(folder)) {
             let source = std::fs::read_to_string(&path).expect("a source");
