@@ -1,5 +1,6 @@
 //! One tone and one block: the products with the folded codes, and the turn to each centre's phase.
 
+use super::dual::Dual;
 use super::fold::{Fold, PARTS, WORDS, pack};
 use crate::bank::ToneBlock;
 use crate::bank::sine::{add_high, doubled, high_rounded, sine_cosine, sub_high, turned};
@@ -50,17 +51,21 @@ impl Basis {
             self.rebuild(middle);
         }
         // n = 15/2: (15/2)^2 / 256 = 225 / 1024.
-        let mut angle = phase.wrapping_add((step << 3).wrapping_sub(step >> 1)).wrapping_add(scaled(225, 10));
-        // From n to n + 16: 16 step + (n/8 + 1) change, and each time 2 change more.
-        let mut gain = (step << 4).wrapping_add(scaled(31, 4));
+        let angle = phase.wrapping_add((step << 3).wrapping_sub(step >> 1)).wrapping_add(scaled(225, 10));
+        // From n to n + 16: 16 step + (n/8 + 1) change, and each time 2 change more. Turning is cheaper than the table.
+        let gain = (step << 4).wrapping_add(scaled(31, 4));
+        let (mut s, mut c) = sine_cosine(upper(angle));
+        let (mut turn_sine, mut turn_cosine) = sine_cosine(upper(gain));
+        let bend = (change != 0).then(|| sine_cosine(upper(scaled(2, 0))));
         let mut sums = Sums::default();
         for centre in centres {
-            let (s, c) = sine_cosine(upper(angle));
             *centre = [s, c];
             sums.in_phase = add_high(sums.in_phase, self.constant, s);
             sums.quadrature = add_high(sums.quadrature, self.constant, c);
-            angle = angle.wrapping_add(gain);
-            gain = gain.wrapping_add(scaled(2, 0));
+            (s, c) = turned(s, c, turn_sine, turn_cosine);
+            if let Some((sine, cosine)) = bend {
+                (turn_sine, turn_cosine) = turned(turn_sine, turn_cosine, sine, cosine);
+            }
         }
         sums
     }
@@ -84,25 +89,21 @@ impl Basis {
 }
 
 /// A tone's sums over a block.
-pub(super) fn correlate(basis: &Basis, centres: &Centres, folds: &[Fold; PARTS]) -> Sums {
+pub(super) fn correlate<D: Dual>(basis: &Basis, centres: &Centres, folds: &[Fold; PARTS]) -> Sums {
     let mut sums = Sums::default();
     for (fold, [s, c]) in folds.iter().zip(centres) {
-        let even = products(&basis.even, &fold.even);
-        let odd = products(&basis.odd, &fold.odd);
+        let even = products::<D>(&basis.even, &fold.even);
+        let odd = products::<D>(&basis.odd, &fold.odd);
         sums.in_phase = add_high(add_high(sums.in_phase, even, *s), odd, *c);
         sums.quadrature = sub_high(add_high(sums.quadrature, even, *c), odd, *s);
     }
     sums
 }
 
-/// Both halves of each word times both halves of the other, summed: one SMLAD each.
+/// Both halves of each word times both halves of the other, summed.
 #[inline(always)]
-fn products(words: &[i32; WORDS], codes: &[i32; WORDS]) -> i32 {
-    let mut sum: i32 = 0;
-    for (word, code) in words.iter().zip(codes) {
-        sum = sum.wrapping_add(lower(*word) * lower(*code)).wrapping_add((*word >> 16) * (*code >> 16));
-    }
-    sum
+fn products<D: Dual>(words: &[i32; WORDS], codes: &[i32; WORDS]) -> i32 {
+    words.iter().zip(codes).fold(0, |sum, (word, code)| D::add(sum, *word, *code))
 }
 
 /// A sine, 31 fractional bits, in the basis's unit, rounded to nearest.
@@ -115,10 +116,4 @@ const fn rounded(sine: i32) -> i32 {
 #[inline(always)]
 const fn upper(phase: u64) -> u32 {
     (phase >> 32) as u32
-}
-
-/// The signed lower half of a packed word.
-#[inline(always)]
-const fn lower(packed: i32) -> i32 {
-    (packed << 16) >> 16
 }

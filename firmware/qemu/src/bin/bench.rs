@@ -7,11 +7,14 @@
 //! - retune: every tone has another frequency than in the block before, so every basis is rebuilt, as after a glide;
 //! - glide: every tone changes its amplitude, and its frequency as fast as it may.
 //!
+//! `bench_lock_in_steady()` and `bench_lock_in_glide()` measure the same tones on one input, a block at a time, without
+//! rendering anything.
+//!
 //! The image itself compares the assembly with the portable kernel and counts instructions:
 //! ```text
 //! qemu-system-arm -M mps2-an386 -nographic -semihosting -icount shift=0 -kernel slipline-bench
 //! ```
-//! It fails (exit code 1) if a single sample or code differs. On the M4 an instruction takes 1.2 cycles here (loads of
+//! It fails (exit code 1) if a single sample, code or lock-in sum differs. On the M4 an instruction takes 1.2 cycles here (loads of
 //! several words, taken branches): steady 3.2, retune 6.5, glide 9.8 cycles per tone and sample by a cycle model.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -28,6 +31,7 @@ mod device {
         AMPLITUDE_ONE, BLOCK, Bank, MAX_STEP_CHANGE, TONES, ToneBlock,
         code::{MID_SCALE, codes, codes_portably, energy, energy_portably},
     };
+    use slipline_app::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
 
     /// The state between the calls.
     struct Bench {
@@ -40,9 +44,36 @@ mod device {
         samples: [i32; BLOCK],
         codes: [u16; BLOCK],
         clipped: u32,
+        lock_in: LockIn,
+        history: History,
+        phases: [u64; TONES],
+        index: u64,
     }
 
     impl Bench {
+        /// Measures one block of the tones, as they were rendered.
+        fn measure(&mut self, glide: Option<bool>) {
+            let Self { lock_in, history, phases, index, codes, .. } = self;
+            let tones = match (glide, &self.glides) {
+                (None, _) => &self.tones,
+                (Some(false), [up, _]) => up,
+                (Some(true), [_, down]) => down,
+            };
+            if lock_in.state() != State::Measuring {
+                let window =
+                    Window { begin: *index, blocks: MAX_WINDOW_BLOCKS, shape: Shape::Hann, slots: u16::MAX };
+                if lock_in.start(window, *index).is_err() {
+                    return;
+                }
+            }
+            history.record(*index, phases, tones);
+            lock_in.take_block(*index, core::slice::from_ref(codes), history.at(*index));
+            *index += BLOCK as u64;
+            for (phase, tone) in phases.iter_mut().zip(tones) {
+                *phase = phase.wrapping_add(tone.step.wrapping_add(tone.step_end) << 6);
+            }
+        }
+
         /// Renders one block: a steady one, or the glide up or down.
         fn render(&mut self, glide: Option<bool>) {
             let tones = match (glide, &self.glides) {
@@ -67,6 +98,10 @@ mod device {
         samples: [0; BLOCK],
         codes: [MID_SCALE; BLOCK],
         clipped: 0,
+        lock_in: LockIn::new(),
+        history: History::new(),
+        phases: [0; TONES],
+        index: 0,
     }));
 
     fn bench() -> &'static mut Bench {
@@ -98,6 +133,7 @@ mod device {
             };
         }
         bench.down = false;
+        bench.lock_in.stop();
         // The first block builds every basis.
         bench.render(None);
     }
@@ -126,6 +162,20 @@ mod device {
         bench.render(Some(!bench.down));
     }
 
+    /// A block of the lock-ins of steady tones.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_lock_in_steady() {
+        bench().measure(None);
+    }
+
+    /// A block of the lock-ins of tones that move, back and forth.
+    #[unsafe(no_mangle)]
+    extern "C" fn bench_lock_in_glide() {
+        let bench = bench();
+        bench.down = !bench.down;
+        bench.measure(Some(!bench.down));
+    }
+
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo) -> ! {
         hprintln!("{}", info);
@@ -152,6 +202,41 @@ mod device {
         }
         let ticks = start.wrapping_sub(SYST::get_current()) & 0x00FF_FFFF;
         ticks * INSTRUCTIONS_PER_TICK / BLOCKS
+    }
+
+    /// Measures pseudo-random codes of two inputs by the assembly and by the portable product; returns the blocks after
+    /// which the sums differ.
+    fn lock_in_differences(draw: &mut impl FnMut() -> u64) -> u32 {
+        let Bench { lock_in, history, phases, codes, .. } = bench();
+        let mut portable = LockIn::new();
+        let window = Window { begin: 0, blocks: 100, shape: Shape::Hann, slots: u16::MAX };
+        if lock_in.start(window, 0).is_err() || portable.start(window, 0).is_err() {
+            return 1;
+        }
+        let (mut different, mut tones) = (0, [ToneBlock::steady(0, AMPLITUDE_ONE); TONES]);
+        for index in (0..100 * BLOCK as u64).step_by(BLOCK) {
+            for tone in &mut tones {
+                tone.step = tone.step_end;
+                // Steady, as fast as a tone may glide, and anything at all.
+                tone.step_end = match draw() % 3 {
+                    0 => tone.step,
+                    1 => tone.step.wrapping_add(draw() >> 10),
+                    _ => draw() / 2,
+                };
+            }
+            history.record(index, phases, &tones);
+            codes.fill_with(|| (draw() >> 52) as u16);
+            let mut ends = *codes;
+            // The other input: nothing but the ends of the range, the largest products.
+            ends.iter_mut().for_each(|code| *code = if *code < 2048 { 0 } else { 4095 });
+            lock_in.take_block(index, &[*codes, ends], history.at(index));
+            portable.take_block_portably(index, &[*codes, ends], history.at(index));
+            different += u32::from(lock_in.reading() != portable.reading());
+            for (phase, tone) in phases.iter_mut().zip(&tones) {
+                *phase = phase.wrapping_add(tone.step.wrapping_add(tone.step_end) << 6);
+            }
+        }
+        different + u32::from(lock_in.reading().followed != u16::MAX)
     }
 
     /// Renders pseudo-random tones by the assembly and by the portable kernel; returns the blocks that differ.
@@ -189,7 +274,9 @@ mod device {
                     || energy(&bench.codes) != energy_portably(&codes_portable),
             );
         }
-        different
+        let different_sums = lock_in_differences(&mut draw);
+        hprintln!("blocks whose lock-in sums differ from the portable product's: {} of 100", different_sums);
+        different + different_sums
     }
 
     #[entry]
@@ -201,12 +288,16 @@ mod device {
         timer.enable_counter();
 
         let different = differences();
-        hprintln!("blocks that differ from the portable kernel: {} of 300", different);
+        hprintln!("blocks that differ, in all: {} of 400", different);
         // Called through an opaque pointer, so that the symbol stays.
         black_box(bench_setup as extern "C" fn(u32))(TONES as u32);
-        for (name, render) in
-            [("steady", bench_steady as extern "C" fn()), ("retune", bench_retune), ("glide", bench_glide)]
-        {
+        for (name, render) in [
+            ("steady", bench_steady as extern "C" fn()),
+            ("retune", bench_retune),
+            ("glide", bench_glide),
+            ("lock-in, steady", bench_lock_in_steady),
+            ("lock-in, glide", bench_lock_in_glide),
+        ] {
             let instructions = count(&mut timer, render);
             let thousandths = instructions * 1000 / (TONES * BLOCK) as u32;
             hprintln!(
