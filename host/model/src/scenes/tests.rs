@@ -43,6 +43,26 @@ fn the_first_scene_needs_no_warning() {
 }
 
 #[test]
+fn the_solid_area_is_even_where_one_tone_alone_has_nodes() {
+    let mut setup = SCENES.iter().find(|scene| scene.name == "Solid area").unwrap().setup().unwrap();
+    let ripple_db = |setup: &Setup| {
+        let table = DriveTable::build(&setup.plate, 400e3, 129).unwrap();
+        let field = SteadyField::solve(&setup.plate, &steady_tones(setup, Some(&table)));
+        let last = field.tones.last().unwrap();
+        // From 10 mm to where the edge begins.
+        let inside = 0.01..last.turning_point_m - 1.3 * last.edge_width_m;
+        let place_m = |i: usize| i as f64 / (field.rms_m.len() - 1) as f64 * field.length_m;
+        let levels = field.rms_m.iter().enumerate().filter(|(i, _)| inside.contains(&place_m(*i)));
+        let (least, most) =
+            levels.fold((f64::INFINITY, 0.0_f64), |(least, most), (_, &rms)| (least.min(rms), most.max(rms)));
+        20.0 * (most / least).log10()
+    };
+    assert!(ripple_db(&setup) < 1.0, "{}", ripple_db(&setup));
+    setup.tones = setup.tones.split_off(3);
+    assert!(ripple_db(&setup) > 6.0, "{}", ripple_db(&setup));
+}
+
+#[test]
 fn every_scene_has_a_picture_and_fits_the_dac() {
     let drawn = thumbnails(&Task::default()).unwrap();
     assert_eq!(drawn.len(), SCENES.len());

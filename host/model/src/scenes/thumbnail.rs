@@ -18,7 +18,7 @@ const SAMPLE_RATE_HZ: f64 = 400e3;
 pub struct Thumbnail {
     /// Half-width of the plate over its largest, 0 to 1.
     pub half_width: Vec<f32>,
-    /// Largest displacement over the largest anywhere, 0 to 1.
+    /// Displacement over the largest anywhere, 0 to 1: of one tone the largest, of several the mean.
     pub height: Vec<f32>,
     /// How each place is felt.
     pub zones: Vec<Zone>,
@@ -44,14 +44,16 @@ fn thumbnail(scene: &super::Scene) -> Option<Thumbnail> {
     let table = DriveTable::build(plate, SAMPLE_RATE_HZ, KNOTS).ok()?;
     let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
     let felt = Felt::of(plate, &setup.feeling, &field);
-    let highest_m = field.highest_m().max(f64::MIN_POSITIVE);
+    // Of several tones the mean: what they could reach together lasts for a moment only.
+    let envelope = if field.tones.len() > 1 { &field.rms_m } else { &field.bound_m };
+    let highest_m = envelope.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let shares = (0..PLACES).map(|place| place as f64 / (PLACES - 1) as f64);
     Some(Thumbnail {
         half_width: shares
             .clone()
             .map(|share| (plate.half_width_m(share * plate.length_m()) / plate.half_width_m(0.0)) as f32)
             .collect(),
-        height: shares.clone().map(|share| (interpolate(&field.bound_m, share) / highest_m) as f32).collect(),
+        height: shares.clone().map(|share| (interpolate(envelope, share) / highest_m) as f32).collect(),
         zones: shares.map(|share| Zone::of(interpolate(&felt.strength, share))).collect(),
     })
 }

@@ -112,6 +112,11 @@ impl Notices {
         self.end(About::Obstacle);
     }
 
+    /// Removes the messages of successes: the user has gone on.
+    pub(super) fn seen(&mut self) {
+        self.standing.retain(|(_, notice)| notice.is_error);
+    }
+
     /// Removes the message with this number.
     pub(super) fn dismiss(&mut self, number: u64) {
         self.standing.retain(|(_, notice)| notice.number != number);

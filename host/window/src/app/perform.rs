@@ -155,6 +155,8 @@ impl App {
                 Intent::ShowPlots(show) => {
                     self.settings.show_plots = show;
                     self.settings.in_front = if show { Part::Plots } else { Part::Panel };
+                    // Where there is room for one part, a message would keep the panel open.
+                    self.notices.seen();
                 }
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),

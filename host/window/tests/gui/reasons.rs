@@ -22,7 +22,7 @@ fn a_bad_place_leaves_the_frequency_where_it_is() {
         (rect(app, Role::TextInput, "Boundary frequency"), below, outside(app))
     };
     let before = beside(&app);
-    let panel = rect(&app, Role::Button, "Device").right();
+    let panel = rect(&app, Role::Button, "Play").right();
     for (text, reason) in [
         ("1e30", "outside"),
         ("1 Hz", "cannot enter"),
