@@ -5,7 +5,7 @@ mod steer;
 
 use super::{Scene, ViewState, aligned, theme};
 use crate::intent::{Intent, Intents};
-use eframe::egui::{self, Align2, FontId, Id, Rangef, RichText, pos2};
+use eframe::egui::{self, Align2, FontId, Id, Rangef, pos2};
 use egui_plot::{AxisHints, GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotResponse, VLine};
 use scale::{GRID, decade_label, decades, magnification, marks};
 use slipline_model::waveform::peaks;
@@ -107,14 +107,14 @@ fn head(
     aligned::headed(ui, name, |ui| {
         pause(ui, scene, name, intents);
         let is_fitted = is_wide && fit(ui, name);
-        let menu = ui.menu_button(RichText::new("…").small(), |ui| {
+        let button = egui::containers::menu::MenuButton::from_button(egui::Button::new("…").small());
+        let (response, menu) = button.ui(ui, |ui| {
             let is_fitted = !is_wide && fit(ui, name);
             more(ui);
             is_fitted
         });
-        menu.response
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
-        is_fitted || menu.inner.unwrap_or(false)
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
+        is_fitted || menu.is_some_and(|menu| menu.inner)
     })
 }
 

@@ -15,8 +15,8 @@ use theme::{HANDLE, Palette};
 const HEIGHT: f32 = 150.0;
 /// Room under it for the places.
 const PLACES: f32 = 18.0;
-/// The top of the axis over the largest wanted amplitude.
-const TOP: f64 = 1.15;
+/// The top of the axis over the largest wanted amplitude: what the tones make may be higher, and a note has room over it.
+const TOP: f64 = 1.45;
 /// The steps of the arrow keys: places in metres, and amplitudes.
 const STEP: (f64, f64) = (1e-3, 0.02);
 
