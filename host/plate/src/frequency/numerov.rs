@@ -32,6 +32,9 @@ pub(crate) use two_solutions::{TwoSolutions, solve_with_both};
 const GRID_POINTS_MAX: usize = 400_000;
 /// Exponents of decay after which the tail is set to zero: e^-60 is negligible.
 const TAIL_EXPONENTS: f64 = 60.0;
+/// Points from one to the next at which the decay is added up. As it grows along the tail, this adds up too little: the
+/// sweep begins a few points further on.
+const TAIL_STRIDE: usize = 8;
 /// Exponents of decay over which the taper is continued beyond the plate's end, so that the condition at the end of the
 /// grid has no effect.
 const BEYOND_EXPONENTS: f64 = 14.0;
@@ -178,10 +181,11 @@ impl Grid {
 }
 
 impl At<'_> {
-    /// Multiplies a field g/sqrt W on the plate by what the power weight of the strip's law adds, 1 at 0.
-    fn weigh(self, field: &mut [Complex64]) {
+    /// Multiplies a field g/sqrt W at each `every`-th point on the plate by what the power weight of the strip's law adds,
+    /// 1 at 0.
+    fn weigh(self, field: &mut [Complex64], every: usize) {
         if let At::Strip(strip, log_wavenumber) = self {
-            strip.weigh(log_wavenumber, field);
+            strip.weigh(log_wavenumber, field, every);
         }
     }
 }
@@ -259,8 +263,8 @@ impl Swept {
         let start = Start::of(end, grid.root_slope(at), self.g[1], self.slope);
         let on_plate = self.g[1..=grid.on_plate].iter().zip(&grid.scale);
         let mut field: Vec<Complex64> = on_plate.map(|(g, scale)| g * start.gain * *scale).collect();
-        at.weigh(&mut field);
-        end.near.add(&mut field, &grid.scale, grid.step_m, start.value, start.slope);
+        at.weigh(&mut field, 1);
+        end.near.add(&mut field, 1, &grid.scale, grid.step_m, start.value, start.slope);
         field
     }
 }
@@ -287,9 +291,10 @@ impl Start {
 fn tail_start(grid: &Grid, at: At<'_>) -> usize {
     let last = grid.barrier.len() - 1;
     let mut exponents = 0.0;
+    let apart_m = TAIL_STRIDE as f64 * grid.step_m;
     // Only the tail needs square roots. Over the whole grid they would take as long as the recursion.
-    for i in grid.turn(at).max(1)..last {
-        exponents += (-grid.q(at, i).re).max(0.0).sqrt() * grid.step_m;
+    for i in (grid.turn(at).max(1)..last).step_by(TAIL_STRIDE) {
+        exponents += (-grid.q(at, i).re).max(0.0).sqrt() * apart_m;
         if exponents > TAIL_EXPONENTS {
             return i;
         }
@@ -305,6 +310,18 @@ pub(crate) fn solve_each(
     grid: &Grid,
     plate: &Plate,
     frequencies_hz: &[f64],
+    visit: impl FnMut(usize, &[Complex64]),
+) {
+    solve_each_apart(grid, plate, frequencies_hz, 1, visit);
+}
+
+/// As [`solve_each`], with the fields at each `every`-th (1 and more) point of the grid alone: what lies between them is
+/// swept, but not scaled, and has no near field.
+pub(crate) fn solve_each_apart(
+    grid: &Grid,
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    every: usize,
     mut visit: impl FnMut(usize, &[Complex64]),
 ) {
     let arch = Arch::new();
@@ -314,7 +331,8 @@ pub(crate) fn solve_each(
     let strip = grid.strip.as_ref().map(|strip| (strip, strip.scaled(&barrier, h2)));
     let mut g_re = vec![[0.0; LANES]; barrier.len()];
     let mut g_im = vec![[0.0; LANES]; barrier.len()];
-    let mut fields = vec![vec![Complex64::ZERO; grid.on_plate]; LANES];
+    let scale: Vec<f64> = grid.scale.iter().step_by(every).copied().collect();
+    let mut fields = vec![vec![Complex64::ZERO; scale.len()]; LANES];
     for (group, frequencies) in frequencies_hz.chunks(LANES).enumerate() {
         #[cfg(test)]
         work::count(|work| work.sweeps += 1);
@@ -353,19 +371,27 @@ pub(crate) fn solve_each(
             let difference = Complex64::new(ends.difference_re[lane], ends.difference_im[lane]);
             Start::of(&driven[lane], grid.root_slope(at[lane]), g, difference / (2.0 * grid.step_m))
         });
+        // What was asked for moves together; the next sweep writes every row anew.
+        if every > 1 {
+            for place in 1..scale.len() {
+                g_re[1 + place] = g_re[1 + place * every];
+                g_im[1 + place] = g_im[1 + place * every];
+            }
+        }
         // A stretch of points at a time, so that all lanes read the same cache lines.
-        for from in (0..grid.on_plate).step_by(STRETCH) {
-            let to = (from + STRETCH).min(grid.on_plate);
+        for from in (0..scale.len()).step_by(STRETCH) {
+            let to = (from + STRETCH).min(scale.len());
             for ((lane, field), start) in fields.iter_mut().enumerate().zip(&starts) {
-                let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&grid.scale[from..to]);
+                let rows = g_re[from + 1..=to].iter().zip(&g_im[from + 1..=to]).zip(&scale[from..to]);
                 for (f, ((re, im), scale)) in field[from..to].iter_mut().zip(rows) {
                     *f = Complex64::new(re[lane], im[lane]) * start.gain * *scale;
                 }
             }
         }
         for (lane, field) in fields.iter_mut().enumerate().take(frequencies.len()) {
-            at[lane].weigh(field);
-            driven[lane].near.add(field, &grid.scale, grid.step_m, starts[lane].value, starts[lane].slope);
+            let start = &starts[lane];
+            at[lane].weigh(field, every);
+            driven[lane].near.add(field, every, &grid.scale, grid.step_m, start.value, start.slope);
             visit(group * LANES + lane, field);
         }
     }
@@ -437,6 +463,29 @@ mod tests {
                 seen += 1;
                 for (a, b) in field.iter().zip(solve(&grid, &plate, frequencies[number])) {
                     assert!((a - b).norm() < 1e-9 * b.norm().max(1e-3), "{} {number}", plate.name());
+                }
+            });
+            assert_eq!(seen, 11);
+        }
+    }
+
+    #[test]
+    fn fields_at_points_apart_are_those_of_all_points() {
+        for plate in plates() {
+            let (low, high) = plate.band_hz();
+            // A multiple of the points between which a near field's logarithm goes linearly where all are asked for.
+            let every = 32;
+            let grid = Grid::new(&plate, 1, Equation::Corrected, 301, every);
+            let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();
+            let mut all = Vec::new();
+            solve_each(&grid, &plate, &frequencies, |_, field| all.push(field.to_vec()));
+            let mut seen = 0;
+            solve_each_apart(&grid, &plate, &frequencies, every, |number, field| {
+                seen += 1;
+                assert_eq!(field.len(), 301);
+                let largest = field.iter().map(|f| f.norm()).fold(0.0, f64::max);
+                for (a, b) in field.iter().zip(all[number].iter().step_by(every)) {
+                    assert!((a - b).norm() < 2e-7 * largest, "{} {number}: {a} for {b}", plate.name());
                 }
             });
             assert_eq!(seen, 11);

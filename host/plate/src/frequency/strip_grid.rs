@@ -60,10 +60,10 @@ impl StripGrid {
         2.0 * self.narrowing * self.law.weight_rise(self.log_square[1] + log_wavenumber)
     }
 
-    /// Multiplies a field at the points from 0 on by (Omega at 0/Omega)^(1/2).
-    pub(crate) fn weigh(&self, log_wavenumber: f64, field: &mut [Complex64]) {
+    /// Multiplies a field at each `every`-th point from 0 on by (Omega at 0/Omega)^(1/2).
+    pub(crate) fn weigh(&self, log_wavenumber: f64, field: &mut [Complex64], every: usize) {
         let at_drive = self.law.spread(self.log_square[1] + log_wavenumber).inv();
-        for (f, log) in field.iter_mut().zip(&self.log_square[1..]) {
+        for (f, log) in field.iter_mut().zip(self.log_square[1..].iter().step_by(every)) {
             *f *= self.law.spread(log + log_wavenumber) * at_drive;
         }
     }

@@ -55,9 +55,9 @@ impl<'a> Palette<'a> {
     pub fn squares(&self, positions_m: &[f64]) -> Result<Columns, TextureError> {
         let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
         let mut columns = Columns::new(PLACES);
-        numerov::solve_each(&self.grid, self.plate, &frequencies, |number, field| {
+        numerov::solve_each_apart(&self.grid, self.plate, &frequencies, self.stride, |number, field| {
             let scale = self.scale(positions_m[number], frequencies[number]);
-            columns.push(field.iter().step_by(self.stride).map(|f| 0.5 * (f * scale).norm_sqr()));
+            columns.push(field.iter().map(|f| 0.5 * (f * scale).norm_sqr()));
         });
         if columns.iter().flatten().all(|value| value.is_finite()) {
             Ok(columns)

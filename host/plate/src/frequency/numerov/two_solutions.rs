@@ -35,7 +35,7 @@ pub(crate) fn solve_with_both(
     let field = swept.field(grid, at, &end);
 
     let mut weight: Vec<Complex64> = grid.scale.iter().map(|scale| Complex64::from(*scale)).collect();
-    at.weigh(&mut weight);
+    at.weigh(&mut weight, 1);
     let weighed = |g: &[Complex64]| g.iter().zip(&weight).map(|(g, weight)| g * weight).collect();
     let right: Vec<Complex64> = weighed(&swept.g[1..=grid.on_plate]);
 
