@@ -52,9 +52,13 @@ fn wrong(line: usize, reason: impl Into<String>) -> CsvError {
 
 fn number(line: usize, field: &str, text: &str) -> Result<f64, CsvError> {
     text.parse().map_err(|_| {
-        let shown: String = text.chars().filter(|letter| !letter.is_control()).take(40).collect();
-        wrong(line, must_be(format_args!("{field} = {shown}"), "a number with a decimal point"))
+        wrong(line, must_be(format_args!("{field} = {}", shown(text)), "a number with a decimal point"))
     })
+}
+
+/// The beginning of a text from a file, as a message can show it.
+fn shown(text: &str) -> String {
+    text.chars().filter(|letter| !letter.is_control()).take(40).collect()
 }
 
 impl Measurement {
@@ -76,8 +80,7 @@ impl Measurement {
                 let Some(at) = FIELDS.iter().position(|field| *field == name) else {
                     let meant =
                         nearest(name, FIELDS).map_or(String::new(), |it| format!(", did you mean {it}?"));
-                    let shown: String = name.chars().filter(|letter| !letter.is_control()).take(40).collect();
-                    return Err(wrong(line, format!("a measurement has no field {shown:?}{meant}")));
+                    return Err(wrong(line, format!("a measurement has no field {:?}{meant}", shown(name))));
                 };
                 if FIELDS[at] == "sensor" {
                     let kind = SensorKind::ALL.into_iter().find(|kind| kind.word() == value);

@@ -36,7 +36,7 @@ pub fn run<'app>(
 ) -> Result<(), eframe::Error> {
     // Waiting for the next refresh of the display would delay each drag's command to the device by up to 17 ms.
     options.glow_options.vsync = false;
-    // Noise under the last bit of a colour is not seen, and costs software graphics a fifth of a picture.
+    // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
     options.dithering = false;
     let mut event_loop = EventLoop::<UserEvent>::with_user_event().build()?;
     let questions = event_loop.create_proxy();

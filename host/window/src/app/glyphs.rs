@@ -14,11 +14,12 @@ pub(super) struct Glyphs {
 impl App {
     /// Tells the user once which characters of the names on the screen no font has.
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
-        let ports: String = self.ports.iter().map(|port| port.label.as_str()).collect();
-        let names = [self.setup.plate.name(), &ports, &self.background.shown.draft.name].concat();
-        if self.glyphs.looked_at == names {
+        let ports = self.ports.iter().map(|port| port.label.as_str());
+        let names = ports.chain([self.setup.plate.name(), &self.background.shown.draft.name]);
+        if names.clone().flat_map(str::chars).eq(self.glyphs.looked_at.chars()) {
             return;
         }
+        let names: String = names.collect();
         let font = FontId::proportional(14.0);
         let is_new = |c: &char| !c.is_ascii() && !self.glyphs.told.contains(c);
         let mut missing: Vec<char> = ctx.fonts_mut(|fonts| {

@@ -285,11 +285,7 @@ impl App {
                 match opened {
                     Ok(Opened::Setup(setup)) => self.edit(&Edit::Replace(setup)),
                     Ok(Opened::Plate(plate)) => self.edit(&Edit::Plate(plate)),
-                    Err(reason) => {
-                        let text = format!("{name} was not opened, nothing has changed. {reason}");
-                        self.note(Severity::Error, text.clone());
-                        return self.fail(text);
-                    }
+                    Err(reason) => return self.not_opened(&name, &reason),
                 }
                 self.settings.used(&path);
                 self.note(Severity::Info, format!("Opened {name}."));
@@ -326,12 +322,15 @@ impl App {
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}: press Play on the page Play"));
             }
-            Err(reason) => {
-                let text = format!("{name} was not opened, nothing has changed. {reason}");
-                self.note(Severity::Error, text.clone());
-                self.fail(text);
-            }
+            Err(reason) => self.not_opened(name, &reason),
         }
+    }
+
+    /// Tells why a file was not opened, on the screen and in the log.
+    pub(super) fn not_opened(&mut self, name: &str, reason: &str) {
+        let text = format!("{name} was not opened, nothing has changed. {reason}");
+        self.note(Severity::Error, text.clone());
+        self.fail(text);
     }
 
     pub(super) fn note(&self, severity: Severity, text: String) {

@@ -143,11 +143,7 @@ impl App {
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}"));
             }
-            Err(reason) => {
-                let text = format!("{name} was not opened, nothing has changed. {reason}");
-                self.note(Severity::Error, text.clone());
-                self.fail(text);
-            }
+            Err(reason) => self.not_opened(name, &reason),
         }
     }
 }

@@ -11,7 +11,7 @@ use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave};
 use slipline_model::field::steady_field::full_colour_m;
 
 /// Rows of the picture across the plate.
-const ROWS: usize = 19;
+pub(super) const ROWS: usize = 19;
 /// The share of the glow's colour where the plate moves most.
 const GLOW: f32 = 0.45;
 
@@ -58,29 +58,52 @@ fn texel(share: f32, count: usize) -> f32 {
     (share * (count - 1) as f32 + 0.5) / count as f32
 }
 
+/// The present displacement of the plate, or the largest, as `is_largest` says.
+pub(super) fn map<'a>(scene: &Scene<'a>, is_largest: bool) -> DisplacementMap<'a> {
+    DisplacementMap::new(Wave {
+        plate: &scene.setup.plate,
+        sounding: scene.sounding,
+        sheet: scene.sheet,
+        is_largest,
+        time_s: scene.wave_time_s,
+    })
+}
+
+/// [`ROWS`] lines along the plate, from edge to edge.
+pub(super) fn rows(map: &DisplacementMap<'_>) -> Vec<Row> {
+    (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect()
+}
+
+/// The colour of a displacement over that of full colour: of the largest by its size, of the present one by its sign, too.
+pub(super) fn colour(value: f32, is_largest: bool, palette: &theme::Palette) -> Color32 {
+    if is_largest {
+        theme::sequential(value.abs(), palette.dark)
+    } else {
+        theme::diverging(value, palette.dark)
+    }
+}
+
 /// The colours of the plate, `columns` + 1 by [`ROWS`] texels.
 fn picture(scene: &Scene<'_>, columns: usize, palette: &theme::Palette) -> ColorImage {
     let show_amplitude = scene.settings.show_amplitude;
     let plate = &scene.setup.plate;
-    let wave = |is_largest: bool, time_s: f64| {
-        DisplacementMap::new(Wave { plate, sounding: scene.sounding, sheet: scene.sheet, is_largest, time_s })
-    };
-    let map = wave(show_amplitude, scene.wave_time_s);
+    let now = map(scene, show_amplitude);
     // Under the present displacement lies a glow of the largest, so that no moment of the wave looks like a plate at rest.
-    let reach = wave(true, 0.0);
-    let across: Vec<Row> = (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
+    let reach = map(scene, true);
+    let across = rows(&now);
     let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
     let mut picture = ColorImage::filled([columns + 1, ROWS], Color32::TRANSPARENT);
     for column in 0..=columns {
         let x_m = column as f64 / columns as f64 * plate.length_m();
-        let (across_here, reach_here) = (map.column(x_m), reach.column(x_m));
+        let (across_here, reach_here) = (now.column(x_m), reach.column(x_m));
         for (i, row) in across.iter().enumerate() {
-            let value = (map.at(&across_here, row) / full_m) as f32;
+            let value = (now.at(&across_here, row) / full_m) as f32;
+            let colour = colour(value, show_amplitude, palette);
             picture[(column, i)] = if show_amplitude {
-                theme::sequential(value.abs(), palette.dark)
+                colour
             } else {
                 let largest = (reach.at(&reach_here, row) / full_m) as f32;
-                glowing(theme::diverging(value, palette.dark), value, largest, palette.weak)
+                glowing(colour, value, largest, palette.weak)
             };
         }
     }

@@ -192,11 +192,8 @@ impl Scale {
         let steps = 45;
         for i in 0..steps {
             let share = (i as f32 + 0.5) / steps as f32;
-            let colour = if self.show_amplitude {
-                theme::sequential(share, palette.dark)
-            } else {
-                theme::diverging(2.0 * share - 1.0, palette.dark)
-            };
+            let value = if self.show_amplitude { share } else { 2.0 * share - 1.0 };
+            let colour = displacement::colour(value, self.show_amplitude, palette);
             let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
             let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
             painter.rect_filled(cell, 0.0, colour);

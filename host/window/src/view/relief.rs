@@ -1,13 +1,11 @@
 //! The wave on the plate as hills and valleys: a mesh of its own, seen from the side and lit by its slope. It is made only
 //! while it is shown.
 
+use super::displacement::{self, ROWS};
 use super::{Scene, theme};
 use eframe::egui::{self, Color32, Mesh, Pos2, Rect, Shape, pos2};
-use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave};
 use slipline_model::field::steady_field::full_colour_m;
 
-/// Rows of the mesh across the plate.
-const ROWS: usize = 19;
 /// Half the plate's width at the driven end, and the height of full colour, as shares of the height of its view.
 const DEPTH: f32 = 0.2;
 const LIFT: f32 = 0.42;
@@ -24,10 +22,9 @@ pub(super) fn depth(rect: Rect) -> f32 {
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, rect: Rect, far_edge: &[Pos2]) {
     let palette = theme::palette(ui);
     let (plate, is_largest) = (&scene.setup.plate, scene.settings.show_amplitude);
-    let (sounding, sheet, time_s) = (scene.sounding, scene.sheet, scene.wave_time_s);
-    let map = DisplacementMap::new(Wave { plate, sounding, sheet, is_largest, time_s });
-    let across: Vec<Row> = (0..ROWS).map(|row| map.row(2.0 * row as f64 / (ROWS - 1) as f64 - 1.0)).collect();
-    let full_m = full_colour_m(sounding, scene.full_peak_m.unwrap_or(0.0));
+    let map = displacement::map(scene, is_largest);
+    let across = displacement::rows(&map);
+    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
     let columns = far_edge.len().saturating_sub(1).max(1);
     let middle = rect.center().y;
     let mut mesh = Mesh::default();
@@ -38,11 +35,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, rect: Rect, far_edge: &[Pos
             let value = (map.at(&here, row) / full_m) as f32;
             let rise = if column == 0 { 0.0 } else { value - *before };
             *before = value;
-            let colour = if is_largest {
-                theme::sequential(value.abs(), palette.dark)
-            } else {
-                theme::diverging(value, palette.dark)
-            };
+            let colour = displacement::colour(value, is_largest, palette);
             let level = middle + row.beta as f32 * (middle - far.y);
             mesh.colored_vertex(pos2(far.x, level - value * LIFT * rect.height()), lit(colour, rise));
         }
