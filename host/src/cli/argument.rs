@@ -63,6 +63,21 @@ pub(super) fn beat(text: &str) -> Result<Beat, String> {
     Ok(Beat { place, frequency })
 }
 
+/// A felt edge on the command line: the boundary that was asked for, and where the finger felt it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TouchArgument {
+    pub(super) boundary: Boundary,
+    pub(super) edge: Typed<f64>,
+}
+
+/// `120mm:118mm`, a boundary and where its edge was felt.
+pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
+    let (asked, felt) = text.rsplit_once(':').ok_or("write BOUNDARY:EDGE, such as 120mm:118mm")?;
+    let boundary = boundary(asked).map_err(|error| format!("its boundary: {error}"))?;
+    let edge = place(felt).map_err(|error| format!("its edge: {error}"))?;
+    Ok(TouchArgument { boundary, edge })
+}
+
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
     typed(text, quantity::frequency_hz, f64::NAN)
 }

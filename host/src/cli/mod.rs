@@ -5,6 +5,7 @@
 //! already are replaced with `--force` only.
 
 mod argument;
+mod calibrate;
 mod check;
 mod design;
 mod design_argument;
@@ -28,6 +29,7 @@ mod table;
 mod texture;
 mod verify;
 
+pub use calibrate::CalibrateArguments;
 pub use design::DesignArguments;
 pub use destination::ForceArgument;
 pub use failure::Failure;
@@ -105,6 +107,8 @@ pub enum Command {
     Texture(TextureArguments),
     /// Tell how sharp, how fast and how many a plate's boundaries are: contrast, ripple, edge, switching, bits per second.
     Merit(MeritArguments),
+    /// Correct a plate file by what a sensor at two places measured, or by where a finger felt two edges.
+    Calibrate(CalibrateArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
 }
@@ -360,6 +364,7 @@ impl Command {
             Self::Design(arguments) => design::run(&arguments, json),
             Self::Texture(arguments) => texture::run(&arguments, json),
             Self::Merit(arguments) => merit::run(&arguments, json),
+            Self::Calibrate(arguments) => calibrate::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
         }
     }

@@ -1,6 +1,7 @@
 //! The command line as other programs use it: JSON fields, exit codes, and messages about bad input.
 
 mod answers;
+mod calibrate;
 mod figures;
 mod files;
 mod held_up;

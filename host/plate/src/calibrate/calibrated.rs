@@ -143,7 +143,7 @@ fn parameters_of_plate(
 }
 
 /// The number that each coordinate moves, with its name in a plate file.
-fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
+pub(super) fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
     let speed = match &spec.model {
         Model::Membrane { wave_speed_m_per_s, .. } => ("model.wave_speed_m_per_s", *wave_speed_m_per_s),
         Model::ShearHorizontal { shear_modulus_pa, .. } => ("model.shear_modulus_pa", *shear_modulus_pa),

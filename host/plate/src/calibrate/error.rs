@@ -93,6 +93,14 @@ pub enum CalibrateError {
         /// The most that is accepted.
         most: f64,
     },
+    /// What a finger felt is no wave of such a plate.
+    #[error("the felt edges do not fit this plate (chi^2 is {} per edge, at most {} is accepted): are two marks exchanged, is the level another one, or does the drive's level swing over the frequency, which needs a sensor?", significant(*.chi2_per_n, 2), significant(*.most, 2))]
+    EdgesUnlike {
+        /// Sum of the squared residuals over their number.
+        chi2_per_n: f64,
+        /// The most that is accepted.
+        most: f64,
+    },
     /// The fit is good, but the plate would be another one.
     #[error("the {what} would be {} times that of the plate file: is it the right file, and are the places right?", significant(*.share, 3))]
     AnotherPlate {

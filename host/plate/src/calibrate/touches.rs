@@ -5,6 +5,7 @@
 //! threshold over the true level: two unknowns, and two marks far apart tell them from each other. This gives places and no
 //! levels.
 
+use super::calibrated::{Parameter, numbers};
 use super::error::CalibrateError;
 use super::least_squares::{self, Problem, slope};
 use super::refusal::{CHI2_PER_N_MAX, SPEED_MAX};
@@ -51,6 +52,8 @@ pub struct Touched {
     pub threshold: [f64; 3],
     /// Sum of the squared residuals over their number.
     pub chi2_per_n: f64,
+    /// Both with their names in the plate file and in the feeling.
+    pub parameters: Vec<Parameter>,
 }
 
 /// Calibrates the places of `plate` by felt edges of single tones whose peak is `peak_m` as the table tells it.
@@ -86,13 +89,19 @@ pub fn from_touches(
     let residuals = touches.len() as f64;
     let chi2_per_n = fit.chi2 / residuals;
     if chi2_per_n > CHI2_PER_N_MAX {
-        return Err(CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX });
+        return Err(CalibrateError::EdgesUnlike { chi2_per_n, most: CHI2_PER_N_MAX });
     }
     if fit.parameters[0].abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: fit.parameters[0].exp() });
     }
     let half = |i: usize| 1.96 * chi2_per_n.max(1.0).sqrt() * fit.covariance[(i, i)].sqrt();
     let interval = |i: usize| [0.0, -half(i), half(i)].map(|way| (fit.parameters[i] + way).exp());
+    let (speed, threshold) = (interval(0), interval(1));
+    let name = numbers(plate.spec())[0].0;
+    let [value, low, high] = speed.map(|speed| numbers(&problem.spec(speed.ln()))[0].1);
+    let of_plate = Parameter { name, value, low, high };
+    let [value, low, high] = threshold.map(|threshold| threshold * feeling.threshold);
+    let of_finger = Parameter { name: "feeling.threshold", value, low, high };
     let mut spec = problem.spec(fit.parameters[0]);
     spec.wave_speed_tolerance = half(0).min(limits::WAVE_SPEED_TOLERANCE.high);
     spec.calibration = Some(Calibration {
@@ -104,9 +113,10 @@ pub fn from_touches(
     Ok(Touched {
         plate: Plate::new(spec)?,
         feeling: with_threshold(&feeling, fit.parameters[1]),
-        speed: interval(0),
-        threshold: interval(1),
+        speed,
+        threshold,
         chi2_per_n,
+        parameters: vec![of_plate, of_finger],
     })
 }
 

@@ -106,7 +106,7 @@ fn touches_that_tell_nothing_are_refused() {
     assert!(matches!(silent, CalibrateError::NoEdge), "{silent}");
     // A higher frequency has its edge farther away.
     let exchanged = refused(&[(0.25, 120.0), (0.12, 150.0)], 5e-6);
-    let is_told = matches!(exchanged, CalibrateError::Unlike { .. } | CalibrateError::NoEdge);
+    let is_told = matches!(exchanged, CalibrateError::EdgesUnlike { .. } | CalibrateError::NoEdge);
     assert!(is_told, "{exchanged}");
     let off = refused(&[(0.5, 120.0), (0.12, 170.0)], 5e-6);
     assert!(off.to_string().starts_with("mark_m = 0.5 m"), "{off}");

@@ -1,0 +1,90 @@
+//! What the table of one plate file does on the plate of another: how wrong the file was before a calibration.
+
+use crate::progress::Progress;
+use crate::spec::Plate;
+use crate::table::level::DriveToPeak;
+use crate::table::{DriveTable, TableError};
+
+/// Knots of the table; more would not change what is judged here.
+const KNOTS: usize = 129;
+/// Boundaries over the span.
+const BOUNDARIES: usize = 33;
+
+/// What a table does on a plate that it was not made for: the largest errors over the table's span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Departure {
+    /// Distance of the asked and the actual boundary, metres.
+    pub boundary_m: f64,
+    /// How far the level of the peak is from the middle of its highest and lowest, dB. One factor for the whole span is left
+    /// out of it: a sensor that nobody calibrated does not tell that.
+    pub level_db: f64,
+}
+
+/// Drives `actual` with the table made for `told`, at a sample rate in hertz. Boundaries whose wave does not enter
+/// `actual` are at its driven end.
+///
+/// ```
+/// use slipline_plate::{calibrate::departure, preset};
+///
+/// let plate = preset("membrane").unwrap();
+/// let actual = plate.with_wave_speed(0.98).unwrap();
+/// let off = departure(&plate, &actual, 400e3).unwrap();
+/// // d ΔV/V is 4 mm on this taper of d = 0.2 m.
+/// assert!((off.boundary_m - 4e-3).abs() < 0.6e-3);
+/// ```
+///
+/// # Errors
+/// [`TableError`]: the table of `told`, or a frequency that does not move `actual`.
+pub fn departure(told: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<Departure, TableError> {
+    let table = DriveTable::build(told, sample_rate_hz, KNOTS)?;
+    let (start_m, end_m) = (table.span_start_m, table.span_end_m);
+    let at = |i: usize| start_m + (end_m - start_m) * i as f64 / (BOUNDARIES - 1) as f64;
+    let places_m: Vec<f64> = (0..BOUNDARIES).map(at).collect();
+    let frequencies_hz: Vec<f64> = places_m.iter().map(|&place_m| table.frequency_hz(place_m)).collect();
+    let levels = DriveToPeak::unchecked(actual, sample_rate_hz)
+        .levels(&frequencies_hz, &mut Progress::new(&mut |_| true))?;
+    let mut boundary_m: f64 = 0.0;
+    let (mut lowest_db, mut highest_db) = (f64::INFINITY, f64::NEG_INFINITY);
+    for ((&place_m, &frequency_hz), level) in places_m.iter().zip(&frequencies_hz).zip(&levels) {
+        let turning_m = actual.turning_point_m(frequency_hz).unwrap_or(0.0);
+        boundary_m = boundary_m.max((turning_m - place_m).abs());
+        let level_db = 20.0 * (level.amplitude * table.gain(place_m)).log10();
+        (lowest_db, highest_db) = (lowest_db.min(level_db), highest_db.max(level_db));
+    }
+    Ok(Departure { boundary_m, level_db: 0.5 * (highest_db - lowest_db) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::{Calibration, PlateSpec, ResponseCurve, preset};
+
+    #[test]
+    fn a_table_on_its_own_plate_is_off_by_its_own_error_alone() {
+        for name in ["membrane", "al-bending"] {
+            let plate = preset(name).expect("a preset");
+            let spec = PlateSpec { wave_speed_tolerance: 0.0, loss_tolerance: None, ..plate.spec().clone() };
+            let exact = Plate::new(spec).expect("valid");
+            let off = departure(&exact, &exact, 400e3).expect("a table");
+            assert!(off.boundary_m < 2e-5 && off.level_db < 0.2, "{name}: {off:?}");
+        }
+    }
+
+    #[test]
+    fn a_measured_gain_that_swings_by_6_db_is_3_db_to_both_sides() {
+        let plate = preset("membrane").expect("a preset");
+        let spec = PlateSpec { wave_speed_tolerance: 0.0, loss_tolerance: None, ..plate.spec().clone() };
+        let told = Plate::new(spec.clone()).expect("valid");
+        let (low, high) = plate.band_hz();
+        let points = vec![[0.9 * low, 0.0, 0.0], [low, 0.0, 0.0], [high, 6.0, 0.0], [1.1 * high, 6.0, 0.0]];
+        let calibration = Calibration {
+            chi2_per_n: 1.0,
+            half_width_tolerance: 0.0,
+            taper_tolerance: 0.0,
+            correction: Some(ResponseCurve { points }),
+        };
+        let actual = Plate::new(PlateSpec { calibration: Some(calibration), ..spec }).expect("valid");
+        let off = departure(&told, &actual, 400e3).expect("a table");
+        assert!((off.level_db - 3.0).abs() < 0.2 && off.boundary_m < 2e-5, "{off:?}");
+    }
+}

@@ -1,0 +1,219 @@
+//! `slipline calibrate` from files of measurements and from felt edges.
+
+use super::{failure, file, json, number, slipline};
+use serde_json::Value;
+use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
+use slipline_plate::feeling::{Feeling, FeltTone};
+use slipline_plate::{Complex64, DriveEnd, Equation, Peak, Plate, PlateSpec, preset, respond_batch};
+use std::path::{Path, PathBuf};
+
+const POINTS: usize = 801;
+
+/// The preset with 3 % less wave speed: a boundary is 6 mm off.
+fn actual() -> Plate {
+    preset("membrane").unwrap().with_wave_speed(0.97).unwrap()
+}
+
+/// What a sensor on `plate` measures, with noise of -40 dB.
+fn measured(plate: &Plate, place_m: f64) -> Measurement {
+    let (low, high) = band_hz(&preset("membrane").unwrap());
+    let frequencies: Vec<f64> = (0..60).map(|i| low * (high / low).powf(f64::from(i) / 59.0)).collect();
+    let fields = respond_batch(plate, &frequencies, POINTS, Equation::Corrected).unwrap();
+    let at = place_m / plate.length_m() * (POINTS - 1) as f64;
+    // A sequence without a period in 60 points stands for noise.
+    let mut phase = place_m;
+    let points = frequencies.iter().zip(&fields).map(|(&frequency_hz, field)| {
+        phase = (phase * 9301.0 + 0.617).fract();
+        let (left, t) = (at as usize, at.fract());
+        let here = field[left] * (1.0 - t) + field[left + 1] * t;
+        let response = here + Complex64::from_polar(0.01, std::f64::consts::TAU * phase);
+        MeasuredPoint { frequency_hz, response, noise: 0.01, headroom_db: Some(20.0) }
+    });
+    Measurement::at(place_m, SensorKind::Displacement, points.collect())
+}
+
+/// A file of a measurement.
+fn data(name: &str, measurement: &Measurement) -> PathBuf {
+    let path = file(name);
+    std::fs::write(&path, measurement.to_csv()).unwrap();
+    path
+}
+
+fn calibrate<'a>(data: &[&'a Path], more: &[&'a str]) -> Vec<&'a str> {
+    let mut arguments = vec!["calibrate", "--plate", "membrane"];
+    arguments.extend(data.iter().flat_map(|path| ["--data", path.to_str().unwrap()]));
+    arguments.extend(more);
+    arguments
+}
+
+#[test]
+fn two_places_correct_a_plate_file_that_every_other_command_takes() {
+    let plate = actual();
+    let near = data("near.csv", &measured(&plate, 0.032));
+    let far = data("far.csv", &measured(&plate, 0.176));
+    let out = file("fitted.toml");
+    let arguments = calibrate(&[&near, &far], &["--out", out.to_str().unwrap()]);
+    let value = json(&arguments);
+    assert_eq!(value["accepted"], true);
+    assert!(number(&value, "chi2_per_n") < 2.0, "{value}");
+    let parameter = |name: &str| {
+        let all = value["parameters"].as_array().unwrap();
+        all.iter().find(|it| it["name"] == name).unwrap_or_else(|| panic!("no {name}: {value}"))
+    };
+    let speed = parameter("model.wave_speed_m_per_s");
+    let slipline_plate::Model::Membrane { wave_speed_m_per_s, .. } = plate.spec().model else { panic!() };
+    assert!((number(speed, "value") / wave_speed_m_per_s - 1.0).abs() < 0.01, "{speed}");
+    assert!(number(speed, "low") < number(speed, "value") && number(speed, "value") < number(speed, "high"));
+    assert!((number(parameter("place_m"), "value") - 0.032).abs() < 1e-3);
+    let before = &value["before"];
+    assert!((number(before, "boundary_error_m") - 6e-3).abs() < 1.5e-3, "{before}");
+    assert!(number(&value, "boundary_tolerance_m") < 1e-3 && number(&value, "level_tolerance_db") < 1.0);
+    assert!(number(before, "level_error_db") > 0.0);
+
+    let fitted = Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).unwrap();
+    let turning = |plate: &Plate| plate.turning_point_m(150.0).unwrap();
+    assert!((turning(&fitted) - turning(&plate)).abs() < 0.5e-3);
+    let table = json(&["table", "--plate", out.to_str().unwrap()]);
+    assert_eq!(table["knots"].as_array().unwrap().len(), 1025);
+
+    let message = failure(&arguments, 2);
+    assert!(message.contains("fitted.toml") && message.contains("--force"), "{message}");
+    let text = slipline(&[&arguments[..], &["--force"]].concat());
+    let text = String::from_utf8(text.stdout).unwrap();
+    for wanted in ["model.wave_speed_m_per_s", "Before", "After", "mm off over the span", "Written to"] {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+}
+
+#[test]
+fn calipers_tell_the_widths_beforehand() {
+    let plate = actual();
+    let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));
+    let (near, far) = (data("caliper-near.csv", &near), data("caliper-far.csv", &far));
+    let lengths = [plate.half_width_m(0.0), plate.half_width_m(plate.length_m()), plate.length_m()]
+        .map(|metres| format!("{:.3}mm", 1e3 * metres));
+    let [half_width, end, length] = lengths.each_ref().map(String::as_str);
+    let calipers = ["--half-width", half_width, "--end-half-width", end, "--length", length];
+    let width = |more: &[&str]| {
+        let value = json(&calibrate(&[&near, &far], more));
+        let all = value["parameters"].as_array().unwrap();
+        let it = all.iter().find(|it| it["name"] == "taper.half_width_m").unwrap();
+        number(it, "high") - number(it, "low")
+    };
+    let fine = [&calipers[..], &["--calipers-tolerance", "5um"]].concat();
+    assert!(width(&fine) < 0.5 * width(&[]), "calipers narrow the interval");
+    let message = failure(&calibrate(&[&near, &far], &calipers[..2]), 2);
+    assert!(message.contains("--end-half-width") && message.contains("--length"), "{message}");
+    let wide = ["--half-width", "30mm", "--end-half-width", "40mm", "--length", length];
+    let message = failure(&calibrate(&[&near, &far], &wide), 2);
+    assert!(message.contains("by calipers: end_half_width_m = 0.04: must be"), "{message}");
+}
+
+/// Where a finger feels the edge of a tone with this peak, metres.
+fn felt_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64) -> f64 {
+    let spec = PlateSpec { drive_end: DriveEnd::Displacement, ..plate.spec().clone() };
+    let plate = Plate::new(spec).unwrap();
+    let field = &respond_batch(&plate, &[frequency_hz], POINTS, Equation::Corrected).unwrap()[0];
+    let scale = peak_m / Peak::of(field, &plate, frequency_hz).unwrap().amplitude;
+    let squares: Vec<f64> = field.iter().map(|f| 0.5 * (f * scale).norm_sqr()).collect();
+    let tone = FeltTone { frequency_hz, squares: &squares };
+    Feeling::edge(&plate, &Feeling::default().strength(&plate, &[tone])).place_m().unwrap()
+}
+
+#[test]
+fn two_touches_give_places_and_no_levels() {
+    let plate = preset("membrane").unwrap();
+    let table = json(&["table", "--plate", "membrane"]);
+    let peak_m = 0.03 * number(&table, "peak_at_full_scale_m");
+    // Where a finger feels the edge on the actual plate, for the frequency of the boundary that was asked for.
+    let touch = |asked_m: f64| {
+        let knots = table["knots"].as_array().unwrap();
+        let knot = knots.iter().find(|knot| number(knot, "position_m") >= asked_m).unwrap();
+        let edge_m = felt_edge_m(&actual(), number(knot, "frequency_hz"), peak_m);
+        format!("{}mm:{:.2}mm", 1e3 * asked_m, 1e3 * edge_m)
+    };
+    let touches = [touch(0.12), touch(0.25)];
+    let out = file("touched.toml");
+    let arguments = [
+        &["calibrate", "--plate", "membrane", "--level", "0.03", "--out", out.to_str().unwrap()][..],
+        &["--touch-tolerance", "0.2mm", "--touch", &touches[0], "--touch", &touches[1]],
+    ]
+    .concat();
+    let value = json(&arguments);
+    assert_eq!((&value["accepted"], &value["level_tolerance_db"]), (&Value::Bool(true), &Value::Null));
+    let speed = number(&value["parameters"][0], "value");
+    let slipline_plate::Model::Membrane { wave_speed_m_per_s, .. } = plate.spec().model else { panic!() };
+    assert!((0.965..0.975).contains(&(speed / wave_speed_m_per_s)), "{value}");
+    // The peak of the edges above is that of the told level.
+    let finger = &value["parameters"][1];
+    assert_eq!(finger["name"], "feeling.threshold");
+    assert!((0.8..1.25).contains(&number(finger, "value")), "{value}");
+    assert!(value["before"]["level_error_db"].is_null());
+    assert!(Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).is_ok());
+    let text = slipline(&[&arguments[..], &["--force"]].concat());
+    assert!(String::from_utf8(text.stdout).unwrap().contains("Levels"));
+}
+
+#[test]
+fn what_the_data_do_not_carry_ends_with_1_and_the_reason() {
+    let plate = actual();
+    let near = data("refused-near.csv", &measured(&plate, 0.032));
+    let far = data("refused-far.csv", &measured(&plate, 0.176));
+    let silent = Measurement {
+        points: measured(&plate, 0.176)
+            .points
+            .into_iter()
+            .map(|mut point| {
+                point.response = Complex64::new(0.005, 0.0);
+                point
+            })
+            .collect(),
+        ..measured(&plate, 0.176)
+    };
+    let silent = data("silent.csv", &silent);
+    let out = file("refused.toml");
+    for (files, reason) in [
+        ([&near, &silent], "nothing but noise"),
+        ([&near, &near], "both measurements are of the place 32.0 mm"),
+    ] {
+        let arguments = calibrate(&files.map(|it| it.as_path()), &["--out", out.to_str().unwrap()]);
+        let message = failure(&arguments, 1);
+        assert!(message.contains(reason), "{message}");
+        let told = slipline(&[&arguments[..], &["--json"]].concat());
+        assert_eq!(told.status.code(), Some(1));
+        let value: Value = serde_json::from_slice(&told.stdout).unwrap();
+        assert_eq!(value["accepted"], false);
+        assert!(value["reason"].as_str().unwrap().contains(reason), "{value}");
+        assert!(!out.exists(), "nothing is written");
+    }
+    let other = calibrate(&[&near, &far], &[]);
+    let other: Vec<&str> =
+        other.iter().map(|word| if *word == "membrane" { "al-bending" } else { word }).collect();
+    assert!(failure(&other, 1).contains("in common"), "of another plate");
+}
+
+#[test]
+fn bad_files_and_options_are_named_with_what_is_allowed() {
+    let bad = file("bad.csv");
+    std::fs::write(&bad, "# place_m = 0.03\n# sensor = speed\n").unwrap();
+    let path = bad.to_str().unwrap();
+    let two = ["--data", path, "--data", path];
+    for (more, told) in [
+        (&two[..], "bad.csv: line 2: sensor: must be one of displacement"),
+        (&["--data", path], "1 files of --data: must be 2"),
+        (&["--data", "no-such.csv", "--data", path], "no-such.csv"),
+        (&[], "--data"),
+        (&["--touch", "120mm"], "BOUNDARY:EDGE"),
+        (&["--touch", "20mm:118mm", "--touch", "200mm:190mm"], "80 to 280 mm"),
+        (&["--touch", "120mm:1m", "--touch", "200mm:190mm"], "0 m to 320 mm, on the plate"),
+        (&["--touch", "120mm:118mm", "--touch-tolerance", "1m"], "10 µm to 50 mm"),
+        (&["--touch", "120mm:118mm", "--data", path], "--data"),
+        (&["--data", path, "--data", path, "--half-width", "0"], "10 µm to 10 m"),
+    ] {
+        let message = failure(&[&["calibrate", "--plate", "membrane"], more].concat(), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+    let message =
+        failure(&["calibrate", "--plate", "membrane", "--touch", "120mm:118mm", "--touch", "125mm:122mm"], 1);
+    assert!(message.contains("felt edges up to"), "{message}");
+}
