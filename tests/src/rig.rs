@@ -205,7 +205,12 @@ impl Rig {
     /// A device just started.
     #[must_use]
     pub fn new(options: Options) -> Self {
-        let device = SimulatedDevice::new(options);
+        Self::of(SimulatedDevice::new(options))
+    }
+
+    /// A client for this device, which has not heard of it yet.
+    #[must_use]
+    pub fn of(device: SimulatedDevice) -> Self {
         Self {
             recording: Recording { first: device.now(), ..Recording::default() },
             device,

@@ -119,6 +119,12 @@ impl Bank {
         self.phases.get(tone).copied().unwrap_or(0)
     }
 
+    /// Every tone's phase at the next block's first sample, 2^64 = one turn.
+    #[must_use]
+    pub const fn phases(&self) -> &[u64; TONES] {
+        &self.phases
+    }
+
     /// Sets the phase of `tone` at the next block's first sample. The tone must be silent: a sounding one would jump.
     /// Does nothing for a slot that does not exist.
     pub fn set_phase(&mut self, tone: usize, phase: u64) {

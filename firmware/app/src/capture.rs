@@ -20,6 +20,7 @@
 use crate::bank::BLOCK;
 use crate::ports::INPUTS;
 use crate::timing::BLOCK_SAMPLES;
+use core::sync::atomic::{AtomicU32, Ordering};
 use slipline_protocol::units::SampleIndex;
 
 /// Values at most.
@@ -77,9 +78,34 @@ pub enum Progress {
     },
 }
 
-/// One capture at a time; 16 KiB.
+/// The memory of a capture's values, 16 KiB, which both sides use: the capture writes a value once, and the thread side reads
+/// those that it has been told of.
+#[derive(Debug)]
+pub struct Values([AtomicU32; MAX_VALUES]);
+
+impl Default for Values {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Values {
+    /// All zero.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self([const { AtomicU32::new(0) }; MAX_VALUES])
+    }
+
+    /// The values from one on: so many, or as many as there is room for.
+    pub fn range(&self, first: usize, count: usize) -> impl Iterator<Item = u32> + '_ {
+        let values = self.0.get(first..).unwrap_or_default();
+        values.iter().take(count).map(|value| value.load(Ordering::Relaxed))
+    }
+}
+
+/// One capture at a time.
 #[derive(Clone, Debug)]
-pub struct Capture {
+pub struct Capture<'a> {
     progress: Progress,
     recipe: Recipe,
     /// The next code.
@@ -88,19 +114,13 @@ pub struct Capture {
     sum: u32,
     summed: u16,
     filled: usize,
-    values: [u32; MAX_VALUES],
+    values: &'a Values,
 }
 
-impl Default for Capture {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Capture {
-    /// No capture.
+impl<'a> Capture<'a> {
+    /// No capture. Its values will be in `values`.
     #[must_use]
-    pub const fn new() -> Self {
+    pub const fn new(values: &'a Values) -> Self {
         Self {
             progress: Progress::Idle,
             recipe: Recipe { begin: 0, input: 0, log2_codes: 0, values: 0 },
@@ -108,7 +128,7 @@ impl Capture {
             sum: 0,
             summed: 0,
             filled: 0,
-            values: [0; MAX_VALUES],
+            values,
         }
     }
 
@@ -156,10 +176,15 @@ impl Capture {
         self.progress
     }
 
-    /// The values so far.
+    /// How many values there are so far.
     #[must_use]
-    pub fn values(&self) -> &[u32] {
-        self.values.get(..self.filled).unwrap_or_default()
+    pub const fn filled(&self) -> usize {
+        self.filled
+    }
+
+    /// The values so far.
+    pub fn values(&self) -> impl Iterator<Item = u32> + '_ {
+        self.values.range(0, self.filled)
     }
 
     /// Takes a block of codes of each input; `index` is its first sample.
@@ -176,7 +201,7 @@ impl Capture {
         };
         self.due = end;
         let codes_each = 1 << self.recipe.log2_codes;
-        let free = self.values.get_mut(..usize::from(self.recipe.values)).unwrap_or_default();
+        let places = self.values.0.get(..usize::from(self.recipe.values)).unwrap_or_default();
         for code in rest {
             // 1024 codes of 16 bits: 26 bits.
             self.sum = self.sum.wrapping_add(u32::from(*code));
@@ -184,8 +209,8 @@ impl Capture {
             if self.summed < codes_each {
                 continue;
             }
-            let Some(value) = free.get_mut(self.filled) else { break };
-            *value = self.sum;
+            let Some(value) = places.get(self.filled) else { break };
+            value.store(self.sum, Ordering::Relaxed);
             self.filled = self.filled.wrapping_add(1);
             (self.sum, self.summed) = (0, 0);
         }

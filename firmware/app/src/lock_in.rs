@@ -230,6 +230,12 @@ impl LockIn {
         self.state
     }
 
+    /// Whether a block that begins at an index, if it is taken next, is correlated with any tone.
+    #[must_use]
+    pub const fn works_at(&self, index: SampleIndex) -> bool {
+        matches!(self.state, State::Measuring) && index >= self.window.begin && self.reading.followed != 0
+    }
+
     /// The sums so far; whole when [`LockIn::state`] is [`State::Finished`].
     #[must_use]
     pub const fn reading(&self) -> &Reading {

@@ -5,6 +5,21 @@
 
 use crate::bank::BLOCK;
 
+/// What the renderer uses of a board.
+#[derive(Clone, Copy, Debug)]
+pub struct RendererPorts<D, M, T, C, S> {
+    /// A [`DacStream`].
+    pub dac: D,
+    /// A [`Mute`].
+    pub mute: M,
+    /// A [`Trigger`].
+    pub trigger: T,
+    /// A [`CycleCounter`].
+    pub cycles: C,
+    /// A [`SenseStream`].
+    pub sense: S,
+}
+
 /// The DAC's stream of codes.
 pub trait DacStream {
     /// Waits until there is room for a block. The block is rendered after that, so that it follows the latest orders.

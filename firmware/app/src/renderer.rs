@@ -26,11 +26,12 @@ use slipline_protocol::units::{Gain, SampleIndex};
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
 use crate::foldback::Foldback;
+use crate::listener::Listener;
 use crate::mailbox::Mailbox;
 use crate::mailbox::{Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
-use crate::ports::{CycleCounter, DacStream, Mute, Trigger};
+use crate::ports::{CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
 use crate::ramp::RampShape;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
@@ -139,14 +140,15 @@ impl Renderer {
     /// A block is rendered when the DAC has room for it and not before: a block kept ready would bear a delay more, but
     /// every command would be heard a block later. It waits in the DAC while the block before it plays; a stop that comes
     /// meanwhile still begins in it, if there is time.
+    ///
+    /// What the inputs have sampled is listened to last, when the DAC has its block and nothing waits.
     pub async fn run<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,
-        mut dac: impl DacStream,
-        mut mute: impl Mute,
-        mut trigger: impl Trigger,
-        mut cycles: impl CycleCounter,
+        ports: RendererPorts<impl DacStream, impl Mute, impl Trigger, impl CycleCounter, impl SenseStream>,
+        listener: &mut Listener<'_>,
     ) -> ! {
+        let RendererPorts { mut dac, mut mute, mut trigger, mut cycles, mut sense } = ports;
         let mut codes = [code::MID_SCALE; BLOCK];
         self.begin(mailbox);
         loop {
@@ -163,8 +165,9 @@ impl Renderer {
             if has_listened {
                 self.has_risen = trigger.has_risen();
             }
-            self.render(mailbox, &mut codes);
-            self.report.max_cycles = self.report.max_cycles.max(cycles.cycles().wrapping_sub(before));
+            self.render_for(mailbox, &mut codes, Some(&mut *listener));
+            let rendered = cycles.cycles().wrapping_sub(before);
+            self.report.max_cycles = self.report.max_cycles.max(rendered);
             mute.set_muted(self.muted);
             if self.listens && !has_listened {
                 // A rise of before counts for nothing.
@@ -180,6 +183,10 @@ impl Renderer {
             if !self.muted && mute.stay_on().is_err() {
                 self.was_muted(mailbox);
             }
+            let before = cycles.cycles();
+            listener.catch_up(&mut sense);
+            let cost = rendered.wrapping_add(cycles.cycles().wrapping_sub(before));
+            self.report.max_cycles = self.report.max_cycles.max(cost);
         }
     }
 
@@ -193,6 +200,16 @@ impl Renderer {
 
     /// Renders the next block.
     pub fn render<M: RawMutex>(&mut self, mailbox: &Mailbox<M>, codes: &mut [u16; BLOCK]) {
+        self.render_for(mailbox, codes, None);
+    }
+
+    /// Renders the next block, and tells a listener of it.
+    fn render_for<M: RawMutex>(
+        &mut self,
+        mailbox: &Mailbox<M>,
+        codes: &mut [u16; BLOCK],
+        listener: Option<&mut Listener<'_>>,
+    ) {
         self.begin(mailbox);
         let index = self.index;
         if self.stop_ends.is_some_and(|end| index >= end) {
@@ -215,6 +232,9 @@ impl Renderer {
 
         let next = index.saturating_add(BLOCK_SAMPLES);
         self.move_tones(next, mailbox);
+        if let Some(listener) = listener {
+            listener.block_is_rendered(index, self.bank.phases(), &self.tones);
+        }
         self.bank.render(&self.tones, &mut self.samples);
         self.clipped = code::codes(&self.samples, codes);
 

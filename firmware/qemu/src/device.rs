@@ -15,8 +15,10 @@ use embassy_sync::pipe::Pipe;
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
+use slipline_app::capture::Values;
 use slipline_app::chord::Candidate;
-use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, System, Underrun};
+use slipline_app::listener::Listener;
+use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, RendererPorts, System, Underrun};
 use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing, release};
 
 use crate::cmsdk::{TIMER0_INTERRUPT, UART0, UART0_RECEIVE, UART1, UART1_RECEIVE, clear_timer, start_timer};
@@ -137,7 +139,11 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[embassy_executor::task]
 async fn run_renderer() {
     let mut renderer = Renderer::new(Timing::at(SAMPLE_RATE_HZ));
-    renderer.run(&MAILBOX, ShownDac { first: 0 }, NoAmplifier, (), ()).await;
+    static CAPTURED: Values = Values::new();
+    let mut listener = Listener::starting_at(0, &CAPTURED);
+    let dac = ShownDac { first: 0 };
+    let ports = RendererPorts { dac, mute: NoAmplifier, trigger: (), cycles: (), sense: () };
+    renderer.run(&MAILBOX, ports, &mut listener).await;
 }
 
 #[embassy_executor::task]

@@ -7,8 +7,10 @@ use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Instant, Timer};
 use slipline_app::boot::{Boot, STABLE_AFTER_MS};
+use slipline_app::capture::Values;
 use slipline_app::chord::Candidate;
-use slipline_app::ports::{CycleCounter, System};
+use slipline_app::listener::Listener;
+use slipline_app::ports::{CycleCounter, RendererPorts, System};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -26,6 +28,12 @@ use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog
 
 /// The state that thread and interrupt share.
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
+
+/// What a capture takes. Where the memory map puts it; it is not cleared at the start, for no value is read that has not been
+/// written.
+// SAFETY: any 32 bits are a value.
+#[unsafe(link_section = ".uninit.captured")]
+static CAPTURED: Values = Values::new();
 
 /// Runs the renderer. UART5 is unused on all three boards: the executor uses its interrupt vector, with its priority.
 static RENDERER_EXECUTOR: InterruptExecutor = InterruptExecutor::new();
@@ -108,15 +116,20 @@ fn start_cycle_counter() {
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
 async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins) {
-    // Built at compile time: built here, it would take 10 KiB of stack for a moment, more than all other code needs.
+    // Built at compile time: built here, they would take 16 KiB of stack for a moment, more than all other code needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
-    RENDERER.take().run(&MAILBOX, dac, mute, trigger, Cycles).await;
+    static LISTENER: ConstStaticCell<Listener<'static>> =
+        ConstStaticCell::new(Listener::starting_at(0, &CAPTURED));
+    let ports = RendererPorts { dac, mute, trigger, cycles: Cycles, sense: () };
+    RENDERER.take().run(&MAILBOX, ports, LISTENER.take()).await;
 }
 
 #[embassy_executor::task]
 async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
-    // In RAM from the start, not on the stack.
+    // In RAM from the start, not on the stack; where the memory map puts it.
+    // SAFETY: what lies there is copied from the flash before the program begins, as other variables are.
+    #[unsafe(link_section = ".data.candidate")]
     static CANDIDATE: ConstStaticCell<Candidate> = ConstStaticCell::new(Candidate::new());
     let mut link = Link::new(identity(), boot, store, Rom, CANDIDATE.take());
     link.run(&MAILBOX, read, write).await;

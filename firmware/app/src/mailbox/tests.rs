@@ -8,8 +8,10 @@ use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
 use crate::bank::BLOCK;
+use crate::capture::Values;
+use crate::listener::Listener;
 use crate::motion::{Motion, Placement};
-use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, Underrun};
+use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, RendererPorts, Underrun};
 use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
@@ -260,21 +262,29 @@ impl Mute for NoPin {
 
 #[test]
 fn the_cost_that_is_told_is_that_of_the_dearest_block() {
-    // the last block's cost says nothing about the deadline. The counter wraps amid the second.
+    // the last block's cost says nothing about the deadline. The counter wraps amid the second. A block costs its
+    // rendering, and then its listening.
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     let start = u32::MAX - 450;
     let costs = [100, 900, 300, 5];
     let readings: std::vec::Vec<u32> = costs
         .iter()
         .scan(start, |now, cost| {
+            let (rendered, listened) = (cost - cost / 3, cost / 3);
             let before = *now;
-            *now = now.wrapping_add(*cost);
-            Some([before, *now])
+            let between = before.wrapping_add(rendered);
+            // What the DAC waits for costs nothing.
+            let after = between.wrapping_add(10_000);
+            *now = after.wrapping_add(listened);
+            Some([before, between, after, *now])
         })
         .flatten()
         .collect();
     let counter = Readings(readings.into_iter());
-    let mut running = core::pin::pin!(renderer.run(&mailbox, Takes(4), NoPin, (), counter));
+    let ports = RendererPorts { dac: Takes(4), mute: NoPin, trigger: (), cycles: counter, sense: () };
+    let values = Values::new();
+    let mut listener = Listener::starting_at(renderer.index(), &values);
+    let mut running = core::pin::pin!(renderer.run(&mailbox, ports, &mut listener));
     let mut context = core::task::Context::from_waker(core::task::Waker::noop());
     assert!(running.as_mut().poll(&mut context).is_pending());
     assert_eq!(mailbox.view().report.max_cycles, 900);

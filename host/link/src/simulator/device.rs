@@ -13,12 +13,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
 
+use super::inputs::{Inputs, SimulatedInputs};
 use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::boot::{self, Boot};
+use slipline_app::capture::Values;
 use slipline_app::chord::Candidate;
+use slipline_app::listener::Listener;
 use slipline_app::mailbox::{Mailbox, Pulses};
+use slipline_app::ports::RendererPorts;
 use slipline_app::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
@@ -128,14 +132,29 @@ impl SimulatedDevice {
     /// A device after power came on. Not a sample has passed.
     #[must_use]
     pub fn new(options: Options) -> Self {
-        let (decided, kept) = boot::decide(ResetCause::PowerOn, None);
-        let boot = Boot { heat: options.heat, ..decided };
-        Self::start(options, boot, kept)
+        Self::power_on(options, None)
     }
 
-    fn start(options: Options, boot: Boot, kept: CrashRecord) -> Self {
-        let peripherals =
-            Peripherals::new(options.flash.clone(), options.brown_out_guarded, options.block_waits);
+    /// The same with inputs.
+    #[must_use]
+    pub fn with_inputs(options: Options, inputs: Box<dyn SimulatedInputs>) -> Self {
+        Self::power_on(options, Some(inputs))
+    }
+
+    fn power_on(options: Options, inputs: Option<Box<dyn SimulatedInputs>>) -> Self {
+        let (decided, kept) = boot::decide(ResetCause::PowerOn, None);
+        let boot = Boot { heat: options.heat, ..decided };
+        Self::start(options, boot, kept, inputs)
+    }
+
+    fn start(
+        options: Options,
+        boot: Boot,
+        kept: CrashRecord,
+        inputs: Option<Box<dyn SimulatedInputs>>,
+    ) -> Self {
+        let (guarded, holds) = (options.brown_out_guarded, options.block_waits);
+        let peripherals = Peripherals::new(options.flash.clone(), guarded, holds, inputs.map(Inputs::new));
         let mailbox = Shared::default();
         let device = Device {
             board: "simulated",
@@ -161,9 +180,16 @@ impl SimulatedDevice {
                 link.run(&link_mailbox, link_peripherals.clone(), link_peripherals).await;
             }),
             renderer: Box::pin(async move {
-                let (dac, mute, trigger) =
-                    (renderer_peripherals.clone(), renderer_peripherals.clone(), renderer_peripherals);
-                renderer.run(&renderer_mailbox, dac, mute, trigger, ()).await;
+                let values = Values::new();
+                let mut listener = Listener::starting_at(renderer.index(), &values);
+                let ports = RendererPorts {
+                    dac: renderer_peripherals.clone(),
+                    mute: renderer_peripherals.clone(),
+                    trigger: renderer_peripherals.clone(),
+                    cycles: (),
+                    sense: renderer_peripherals,
+                };
+                renderer.run(&renderer_mailbox, ports, &mut listener).await;
             }),
             link_frozen: false,
             waker: woken.clone().into(),
@@ -186,7 +212,8 @@ impl SimulatedDevice {
         let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
         let (boot, kept) = boot::decide(cause, kept);
-        *self = Self::start(options, boot, kept);
+        let inputs = self.peripherals.lock().inputs.take().map(Inputs::into_source);
+        *self = Self::start(options, boot, kept, inputs);
     }
 
     /// Lets the firmware panic: its handler leaves a record and resets.
@@ -219,7 +246,12 @@ impl SimulatedDevice {
             let muted = self.is_muted();
             let (sent, begins) = {
                 let mut state = self.peripherals.lock();
-                (state.sent.take(), std::mem::take(&mut state.rises))
+                let sent = state.sent.take();
+                if let (Some(codes), Some(inputs)) = (&sent, &mut state.inputs) {
+                    // The renderer hears of the block when it is over: at its next turn.
+                    inputs.sample(codes, muted);
+                }
+                (sent, std::mem::take(&mut state.rises))
             };
             if let Some(codes) = sent {
                 sink(SentBlock { first: self.now, codes: &codes, muted, begins });
@@ -315,6 +347,13 @@ impl SimulatedDevice {
     /// Lets the next block come too late.
     pub fn inject_underrun(&mut self) {
         self.peripherals.lock().underrun = true;
+    }
+
+    /// Lets so many of the blocks that the inputs sample next be lost, as when the device has not taken them in time.
+    pub fn inject_overrun(&mut self, blocks: u32) {
+        if let Some(inputs) = &mut self.peripherals.lock().inputs {
+            inputs.lose(blocks);
+        }
     }
 
     /// Lets the amplifier's pin go low by itself, as it does some milliseconds after the last block in time.

@@ -1,10 +1,12 @@
 //! The simulated device: the device application itself on this computer.
 
 mod device;
+mod inputs;
 pub mod loopback;
 mod peripherals;
 pub mod realtime;
 
 pub use device::{Options, SentBlock, SimulatedDevice, WATCHDOG_MS};
+pub use inputs::SimulatedInputs;
 pub use peripherals::MemoryFlash;
 pub use slipline_app::thermal::Heat;

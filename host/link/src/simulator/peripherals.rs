@@ -1,5 +1,6 @@
-//! The peripherals of the simulated device, in memory: the bytes of the link, the DAC, the mute pin, the flash.
+//! The peripherals of the simulated device, in memory: the bytes of the link, the DAC, the ADC, the mute pin, the flash.
 
+use super::inputs::Inputs;
 use std::collections::VecDeque;
 use std::future::poll_fn;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,7 +10,8 @@ use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::fade::fade;
 use slipline_app::ports::{
-    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, Mute, System, Trigger, Underrun,
+    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun, SenseStream,
+    System, Trigger, Underrun,
 };
 use slipline_app::store::SLOT_BYTES;
 
@@ -57,6 +59,8 @@ pub(super) struct PeripheralState {
     pub(super) muted: bool,
     /// The amplifier's pin has gone low by itself.
     pub(super) has_muted: bool,
+    /// What the ADC samples, if there is one.
+    pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
     pub(super) in_bootloader: bool,
@@ -77,7 +81,12 @@ pub(super) struct Peripherals(Arc<Mutex<PeripheralState>>);
 
 impl Peripherals {
     /// The state after power came on, over a flash that holds what it held.
-    pub(super) fn new(flash: MemoryFlash, brown_out_guarded: bool, holds: bool) -> Self {
+    pub(super) fn new(
+        flash: MemoryFlash,
+        brown_out_guarded: bool,
+        holds: bool,
+        inputs: Option<Inputs>,
+    ) -> Self {
         Self(Arc::new(Mutex::new(PeripheralState {
             to_device: VecDeque::new(),
             from_device: Vec::new(),
@@ -93,6 +102,7 @@ impl Peripherals {
             fading: false,
             muted: true,
             has_muted: false,
+            inputs,
             flash,
             brown_out_guarded,
             in_bootloader: false,
@@ -204,6 +214,21 @@ impl PeripheralState {
         }
         self.last = *played.last().unwrap_or(&MID_SCALE);
         self.sent = Some(played);
+    }
+}
+
+impl SenseStream for Peripherals {
+    fn inputs(&self) -> usize {
+        self.lock().inputs.as_ref().map_or(0, Inputs::inputs)
+    }
+
+    fn delay_ns(&self) -> i32 {
+        self.lock().inputs.as_ref().map_or(0, Inputs::delay_ns)
+    }
+
+    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+        let taken = self.lock().inputs.as_mut()?.take()?;
+        Some(taken.map(|block| *codes = block))
     }
 }
 

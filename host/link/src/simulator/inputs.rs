@@ -1,0 +1,114 @@
+//! The inputs of the simulated device: what its ADC samples, and the stream of blocks that come of it.
+
+use std::collections::VecDeque;
+
+use slipline_app::bank::BLOCK;
+use slipline_app::ports::{INPUTS, Overrun};
+
+/// Blocks that wait for the device application; when one more is sampled, the oldest is lost.
+const RING_BLOCKS: usize = 4;
+
+/// What the inputs of a simulated device sample.
+///
+/// ```
+/// use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
+///
+/// /// A wire from the DAC's pin to the sensor's.
+/// struct Wire;
+///
+/// impl SimulatedInputs for Wire {
+///     fn inputs(&self) -> usize {
+///         1
+///     }
+///
+///     fn delay_ns(&self) -> i32 {
+///         0
+///     }
+///
+///     fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
+///         sensed[0] = *codes;
+///     }
+/// }
+///
+/// let mut device = SimulatedDevice::with_inputs(Options::default(), Box::new(Wire));
+/// device.advance(10, |_| ());
+/// ```
+pub trait SimulatedInputs: Send {
+    /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
+    /// A constant.
+    fn inputs(&self) -> usize;
+
+    /// How long after DAC code `n` is at its pin ADC code `n` is held, in nanoseconds, as
+    /// [`SenseStream::delay_ns`](slipline_app::ports::SenseStream::delay_ns): what the device states. A constant. What is sampled must have this delay too; filters outside the chip add theirs.
+    fn delay_ns(&self) -> i32;
+
+    /// Samples one block: `codes` are those at the DAC's pin, which a late block makes a ramp to mid-scale; the amplifier is
+    /// `muted` meanwhile or not. Each row of `sensed` gets 12-bit codes, mid-scale 2048; rows of inputs that do not exist
+    /// are not looked at. Called for every block that the DAC plays, in their order.
+    fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; INPUTS]);
+}
+
+/// The inputs, and the blocks that they have sampled.
+pub(super) struct Inputs {
+    source: Box<dyn SimulatedInputs>,
+    sampled: VecDeque<Result<[[u16; BLOCK]; INPUTS], Overrun>>,
+    /// So many of the next blocks are lost.
+    to_lose: u32,
+}
+
+impl Inputs {
+    pub(super) fn new(source: Box<dyn SimulatedInputs>) -> Self {
+        Self { source, sampled: VecDeque::new(), to_lose: 0 }
+    }
+
+    pub(super) fn inputs(&self) -> usize {
+        self.source.inputs().min(INPUTS)
+    }
+
+    pub(super) fn delay_ns(&self) -> i32 {
+        self.source.delay_ns()
+    }
+
+    /// Takes the oldest block that waits.
+    pub(super) fn take(&mut self) -> Option<Result<[[u16; BLOCK]; INPUTS], Overrun>> {
+        self.sampled.pop_front()
+    }
+
+    /// Takes the source out; blocks that wait are gone.
+    pub(super) fn into_source(self) -> Box<dyn SimulatedInputs> {
+        self.source
+    }
+
+    /// Lets so many of the blocks that are sampled from now on be lost.
+    pub(super) fn lose(&mut self, blocks: u32) {
+        self.to_lose = self.to_lose.saturating_add(blocks);
+    }
+
+    /// Samples while these codes are played.
+    pub(super) fn sample(&mut self, codes: &[u16; BLOCK], muted: bool) {
+        let mut block = [[0; BLOCK]; INPUTS];
+        self.source.sample(codes, muted, &mut block);
+        for code in block.as_flattened_mut() {
+            *code = (*code).min(4095);
+        }
+        if self.to_lose > 0 {
+            self.to_lose -= 1;
+            self.note_loss();
+            return;
+        }
+        self.sampled.push_back(Ok(block));
+        // Losses that are noted take no room of the ring.
+        if self.sampled.iter().filter(|sampled| sampled.is_ok()).count() > RING_BLOCKS
+            && let Some(oldest) = self.sampled.iter_mut().find(|sampled| sampled.is_ok())
+        {
+            *oldest = Err(Overrun { blocks: 1 });
+        }
+    }
+
+    fn note_loss(&mut self) {
+        match self.sampled.back_mut() {
+            Some(Err(overrun)) => overrun.blocks += 1,
+            _ => self.sampled.push_back(Err(Overrun { blocks: 1 })),
+        }
+    }
+}
