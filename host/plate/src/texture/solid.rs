@@ -84,7 +84,7 @@ impl Texture {
         if nearest_m >= whole.high || farthest_m <= whole.low {
             return Err(TextureError::NotFelt { edge: first.2 });
         }
-        OutOfRange::check("solid", felt_edge_m, Range::new(nearest_m, farthest_m, "m"))?;
+        OutOfRange::check("felt edge", felt_edge_m, Range::new(nearest_m, farthest_m, "m"))?;
         if felt_edge_m - nearest_m < CLOSE_M {
             return Ok((first.0, first.1));
         }

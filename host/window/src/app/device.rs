@@ -2,11 +2,12 @@
 //! sent. The [`autopilot`] decides when the app sends something without a user action.
 
 use super::{App, TableJob, TableMade, TableState};
+use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
 use slipline_model::autopilot;
 use slipline_model::played::Played;
-use slipline_model::setup::edit;
+use slipline_model::setup::{MAX_TONES, edit};
 use slipline_model::texture::chord_of;
 use std::sync::Arc;
 
@@ -192,12 +193,29 @@ impl App {
         chord.map_or_else(by_sum, Request::Chord)
     }
 
+    /// How many of the tones begin, end, or have another place than in this drive. A drag moves one.
+    fn tones_moved_from(&self, drive: &Drive) -> usize {
+        let Some(made) = self.screen_table() else { return 0 };
+        let place = |slot: u8| {
+            let tone = self.setup.tone(slot)?;
+            made.device_table.position(tone.position_m)
+        };
+        let before = |slot: u8| drive.tones.iter().find(|tone| tone.slot == slot).map(|tone| tone.position);
+        (0..MAX_TONES as u8).filter(|&slot| place(slot) != before(slot)).count()
+    }
+
     pub(super) fn send_drive(&mut self) {
         let request = self.playing();
         let sounding = autopilot::sounding(&self.snapshot).map(|sounding| sounding.played);
-        if matches!(request, Request::Chord(_)) || matches!(sounding, Some(Played::Chord(_))) {
+        let by_rest = match (&request, &sounding) {
             // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
             // of a drive, so these would cross the plate on their way.
+            (Request::Chord(_), _) | (_, Some(Played::Chord(_))) => true,
+            // So would the tones of a texture, or of what is taken back or opened, and be too loud on the way.
+            (_, Some(Played::Drive(drive))) => self.tones_moved_from(drive) > 1,
+            (_, None) => false,
+        };
+        if by_rest {
             self.parts.link.send(Request::Stop);
         }
         let ticket = self.parts.link.send(request);

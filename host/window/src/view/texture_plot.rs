@@ -121,10 +121,12 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
         }
         painter.add(Shape::line(curve(&textured.rms_m), Stroke::new(1.8, ink)));
         if let Some(Lack::Reach(_)) = made.lack(textured.wish.most) {
-            // At once, and where one looks while one draws.
-            let place = plot.rect.right_top() + vec2(-4.0, 2.0);
-            let words = "not all of it can be had";
-            painter.text(place, Align2::RIGHT_TOP, words, FontId::proportional(11.5), palette.warn);
+            // At once, and where one looks while one draws: below the curves, which are high where something is wanted.
+            let words = "not all of it can be had".to_owned();
+            let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.warn);
+            let place = plot.rect.left_bottom() + vec2(4.0, -2.0 - galley.size().y);
+            painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(2.0), 2.0, palette.well);
+            painter.galley(place, galley, palette.warn);
         }
     }
     if texture.draft.kind == WishKind::Profile {

@@ -5,6 +5,7 @@ use crate::type_into;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, accesskit::Role, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_window::settings::ThemeChoice;
 use std::path::PathBuf;
 
 /// The texture page, with its first draft made.
@@ -95,6 +96,24 @@ fn a_profile_is_drawn_played_undone_and_saved() {
 }
 
 #[test]
+fn a_texture_begins_from_rest_and_is_not_refused_for_the_way_to_it() {
+    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut app = TestApp::first_start(ThemeChoice::Dark, size);
+    type_into(&mut app, "Boundary position", "209 mm");
+    app.wait(600);
+    open_textures(&mut app);
+    choose(&mut app, "Profile");
+    app.wait(600);
+    app.window.get_by_label("Play this").click();
+    app.wait(600);
+    assert!(app.window.state().setup().tones.len() > 1 && app.is_driving());
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(600);
+    assert_eq!(app.window.state().setup().tones.len(), 1);
+    assert!(!has(&app, "add up to"), "the device refused the way first");
+}
+
+#[test]
 fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
@@ -145,7 +164,7 @@ fn an_area_stripes_and_a_beat_are_typed_and_what_is_out_of_range_is_told() {
     assert!(has(&app, "Contrast") && has(&app, "Ripple"));
     type_into(&mut app, "Felt to", "20 mm");
     app.wait(300);
-    assert!(has(&app, "solid = 20 mm: must be"), "the reason is under the plot");
+    assert!(has(&app, "felt edge = 20 mm: must be"), "the reason is under the plot");
 
     choose(&mut app, "Stripes");
     type_into(&mut app, "Distance", "50 mm");
