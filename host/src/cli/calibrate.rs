@@ -1,11 +1,11 @@
 //! `slipline calibrate`.
 
 use super::destination::Destination;
+use super::measured_file::{SensorArgument, measurements};
 use super::{Failure, ForceArgument, PlateArgument, argument, output, progress};
 use argument::TouchArgument;
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_model::atomic_file::{read_text, said};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::calibrate::{
     CalibrateError, Calipers, Departure, Measurement, Parameter, Priors, Touch, departure, from_ratio,
@@ -16,10 +16,8 @@ use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Measure, Range, must_be, show_length};
 use slipline_plate::{Plate, limits};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Bytes of a file of a measurement: 10 000 points of five numbers.
-const DATA_BYTES_MAX: usize = 4 << 20;
 /// How well a fingertip meets a mark, metres.
 const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
 /// Standard deviation of what calipers say, metres.
@@ -32,6 +30,8 @@ pub struct CalibrateArguments {
     plate: PlateArgument,
     #[command(flatten)]
     measured: MeasuredArgument,
+    #[command(flatten)]
+    sensor: SensorArgument,
     /// The level at which the touched tones were played, 0 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.8")]
     level: f64,
@@ -51,7 +51,8 @@ pub struct CalibrateArguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct MeasuredArgument {
-    /// What the same sensor measured at one place; name two files, of two places.
+    /// What the same sensor measured at one place; name two files, of two places. A CSV file of PLATES.md tells all; of
+    /// other programs REW's text, .frd, any table of frequency and level, and universal files (58) are read.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
     /// Without a sensor: the boundary that was asked for (or its frequency), and where the finger felt the edge
@@ -106,9 +107,9 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     let file = argument::plate(&arguments.plate.plate)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let (nominal, priors) = arguments.calipers.applied_to(file.clone())?;
-    let found = match &arguments.measured {
-        MeasuredArgument { data, touches } if touches.is_empty() => from_files(&nominal, data, &priors)?,
-        MeasuredArgument { touches, .. } => touched(&nominal, touches, arguments, &priors)?,
+    let found = match &arguments.measured.touches[..] {
+        [] => from_files(&nominal, arguments, &priors)?,
+        touches => touched(&nominal, touches, arguments, &priors)?,
     };
     finish(&file, found, out.as_ref(), as_json)
 }
@@ -142,24 +143,22 @@ fn finish(
 /// The calibration by two files of the same sensor at two places.
 fn from_files(
     nominal: &Plate,
-    data: &[PathBuf],
+    arguments: &CalibrateArguments,
     priors: &Priors,
 ) -> Result<Result<Found, CalibrateError>, Failure> {
-    let [near, far] = data else {
+    let data = &arguments.measured.data;
+    if data.len() != 2 {
         let given = format_args!("{} files of --data", data.len());
         return Err(Failure::Usage(must_be(given, "2, of the same sensor at two places")));
-    };
-    let sensors = [measurement(near)?, measurement(far)?];
-    Ok(by_ratio(nominal, &sensors, priors))
+    }
+    let sensors = measurements(nominal, data, &arguments.sensor)?;
+    let [near, far] = &sensors[..] else { return Err(Failure::Usage("two files are needed".to_owned())) };
+    Ok(by_ratio(nominal, [near, far], priors))
 }
 
 /// The calibration by the ratio of two places.
-fn by_ratio(
-    nominal: &Plate,
-    [near, far]: &[Measurement; 2],
-    priors: &Priors,
-) -> Result<Found, CalibrateError> {
-    let found = from_ratio(nominal, [near, far], priors)?;
+fn by_ratio(nominal: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<Found, CalibrateError> {
+    let found = from_ratio(nominal, sensors, priors)?;
     Ok(Found {
         plate: found.plate,
         parameters: found.parameters,
@@ -167,12 +166,6 @@ fn by_ratio(
         boundary: Some((found.boundary_tolerance_m, found.boundary_per_place)),
         level_tolerance_db: Some(found.level_tolerance_db).filter(|db| db.is_finite()),
     })
-}
-
-fn measurement(path: &Path) -> Result<Measurement, Failure> {
-    let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-    let text = read_text(path, DATA_BYTES_MAX).map_err(|error| refused(said(&error)))?;
-    Measurement::from_csv(&text).map_err(|error| refused(error.to_string()))
 }
 
 /// The calibration by felt edges.

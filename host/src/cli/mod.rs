@@ -17,6 +17,7 @@ mod failure;
 mod figure_file;
 mod figures;
 mod info;
+mod measured_file;
 mod merit;
 mod output;
 mod presets;

@@ -86,6 +86,55 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
 }
 
 #[test]
+fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
+    let plate = actual();
+    let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));
+    let (own_near, own_far) = (data("own-near.csv", &near), data("own-far.csv", &far));
+    let half_widths = |value: &Value| number(&value["parameters"][3], "value");
+    let own = json(&calibrate(&[&own_near, &own_far], &[]));
+    let [uff_near, uff_far, frd_near, frd_far] = ["near.uff", "far.uff", "near.frd", "far.frd"].map(file);
+    std::fs::write(&uff_near, near.to_uff58()).unwrap();
+    std::fs::write(&uff_far, far.to_uff58()).unwrap();
+    std::fs::write(&frd_near, near.to_frd()).unwrap();
+    std::fs::write(&frd_far, far.to_frd()).unwrap();
+    let places = ["--sensor", "32mm", "--sensor", "176mm"];
+    let displacement = [&places[..], &["--kind", "displacement"]].concat();
+    for (files, more) in [([&uff_near, &uff_far], &places[..]), ([&frd_near, &frd_far], &displacement)] {
+        let value = json(&calibrate(&files.map(|it| it.as_path()), more));
+        assert!((half_widths(&value) / half_widths(&own) - 1.0).abs() < 1e-3, "{value} {own}");
+        let noisy = json(&calibrate(&files.map(|it| it.as_path()), &[more, &["--snr", "30dB"]].concat()));
+        let level_db = |value: &Value| number(value, "level_tolerance_db");
+        assert!(level_db(&noisy) > 2.0 * level_db(&value), "{noisy} {value}");
+    }
+    for (files, more, told) in [
+        ([&frd_near, &frd_far], &places[..2], "far.frd: by another program: tell where its sensor stood"),
+        (
+            [&frd_near, &frd_far],
+            &places[..],
+            "near.frd: it does not tell what its sensor shows: write --kind",
+        ),
+        ([&own_near, &own_far], &places[..], "2 --sensor: must be 0"),
+        ([&uff_near, &own_far], &places[..], "2 --sensor: must be 1"),
+        (
+            [&frd_near, &frd_far],
+            &["--sensor", "1m", "--sensor", "2mm"],
+            "'1m' for '--sensor': must be 0 m to 320 mm",
+        ),
+        ([&frd_near, &frd_far], &["--kind", "speed"], "displacement, velocity, acceleration, strain"),
+        ([&frd_near, &frd_far], &["--snr", "200"], "0 to 140 dB"),
+    ] {
+        let message = failure(&calibrate(&files.map(|it| it.as_path()), more), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+    std::fs::write(&frd_near, "100 20\n200 30\n").unwrap();
+    let message = failure(&calibrate(&[&frd_near, &frd_far], &displacement), 2);
+    assert!(
+        message.contains("near.frd: line 1: the line above the first row: must be frequency_hz,level_db"),
+        "{message}"
+    );
+}
+
+#[test]
 fn calipers_tell_the_widths_beforehand() {
     let plate = actual();
     let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));

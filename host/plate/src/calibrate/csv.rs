@@ -57,8 +57,27 @@ fn number(line: usize, field: &str, text: &str) -> Result<f64, CsvError> {
 }
 
 /// The beginning of a text from a file, as a message can show it.
-fn shown(text: &str) -> String {
+pub(super) fn shown(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_control()).take(40).collect()
+}
+
+/// Whether a text is in this form: it has one of the fields that are needed, or the head of the table.
+pub(super) fn is_own(text: &str) -> bool {
+    text.lines().map(str::trim).any(|line| match line.strip_prefix('#') {
+        Some(field) => {
+            field.split_once('=').is_some_and(|(name, _)| ["place_m", "sensor"].contains(&name.trim()))
+        }
+        None => is_head(&cells(line)),
+    })
+}
+
+fn cells(line: &str) -> Vec<&str> {
+    line.split([',', ';', '\t']).map(str::trim).collect()
+}
+
+/// Whether a line names the columns of the table.
+fn is_head(cells: &[&str]) -> bool {
+    cells.len() >= 4 && COLUMNS.starts_with(cells)
 }
 
 impl Measurement {
@@ -91,10 +110,9 @@ impl Measurement {
                     numbers[at] = Some(number(line, name, value)?);
                 }
             } else if !content.is_empty() {
-                let cells: Vec<&str> = content.split([',', ';', '\t']).map(str::trim).collect();
+                let cells = cells(content);
                 if !has_header {
-                    let is_header = cells.len() >= 4 && COLUMNS.starts_with(&cells);
-                    if !is_header {
+                    if !is_head(&cells) {
                         let columns = COLUMNS.join(",");
                         return Err(wrong(line, must_be("the table's first line", columns)));
                     }

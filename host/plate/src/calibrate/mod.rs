@@ -1,6 +1,8 @@
 //! Calibration: a plate file from what sensors on the plate measured. PHYSICS.md, section 9, has the equations.
 //!
 //! ```text
+//! files: own CSV, tables, .frd, universal -> File
+//!        v
 //! Measurement at two places -> pairs -> ratio: scan over wave speed and loss, then least squares -> refusal
 //!       nominal plate, Priors (Calipers) -^                                        |
 //!                    Calibrated: plate file <- gain carried to the peak <----------+
@@ -14,6 +16,7 @@ mod calipers;
 mod csv;
 mod departure;
 mod error;
+mod foreign;
 mod gain;
 mod least_squares;
 mod measurement;
@@ -31,6 +34,7 @@ pub use calipers::Calipers;
 pub use csv::CsvError;
 pub use departure::{Departure, departure};
 pub use error::CalibrateError;
+pub use foreign::{File, FileError, Foreign, SNR, SNR_DB};
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
 pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;

@@ -1,0 +1,191 @@
+use super::*;
+use proptest::prelude::*;
+
+fn foreign(text: &str) -> Foreign {
+    match File::read(text.as_bytes()) {
+        Ok(File::Foreign(foreign)) => foreign,
+        other => panic!("{text}: {other:?}"),
+    }
+}
+
+fn refused(text: &str) -> String {
+    File::read(text.as_bytes()).expect_err(text).to_string()
+}
+
+/// A row of 100 Hz, -20 dB and 90 degrees as every one of these texts has it, and one of 200.5 Hz.
+fn check(text: &str, has_phase: bool) {
+    let found = foreign(text);
+    assert_eq!(found.points.len(), 2, "{text}");
+    assert_eq!((found.points[0].0, found.points[1].0), (100.0, 200.5), "{text}");
+    let wanted = if has_phase { Complex64::new(0.0, -0.1) } else { Complex64::new(0.1, 0.0) };
+    assert!((found.points[0].1 - wanted).norm() < 1e-12, "{text}: {found:?}");
+}
+
+#[test]
+fn tables_of_every_separator_are_read() {
+    for text in [
+        "* Measurement data measured by REW V5.19\n* Format: 256k Log Swept Sine\n*\n* Freq(Hz) SPL(dB) Phase(degrees)\n100.0 -20.0 90.0\n200.5 -3 0\n",
+        "* Freq(Hz), SPL(dB), Phase(degrees)\n100.000, -20.000, 90.0000\n200.5, -3, 0\n",
+        "* Freq(Hz);SPL(dB);Phase(degrees)\n100,0;-20,0;90,0\n200,5;-3;0\n",
+        "Frequency\tLevel\tPhase\r\n100\t-20\t90\r\n200.5\t-3\t0\r\n",
+        "100 -20 90\n200.5 3 0\n",
+        "100,0 -20,0 90,0\n200,5 3,0 0\n",
+        "# by hand\nphase_degrees,frequency_khz,level_db\n90,0.1,-20\n1,0.2005,3\n\n",
+        "\u{feff}\"Frequency [Hz]\",\"Magnitude\",\"Phase\"\n\"100\",0.1,90\n200.5,1e0,0\n",
+    ] {
+        check(text, true);
+    }
+    for text in [
+        "SPL measurements acquired by REW V3.08\nSource: D:\\test.txt\n100.0, -20\n200.5, 65.01\n",
+        "frequency_hz,magnitude\n100,0.1\n200.5,3\n",
+        "Freq(Hz) SPL(dB)\n100 -20\n200.5 60\n# the end\n",
+    ] {
+        check(text, false);
+    }
+}
+
+#[test]
+fn what_is_no_table_is_refused_by_its_line() {
+    for (text, told) in [
+        ("", "no line has a frequency and a level"),
+        ("a\nb\n", "no line has a frequency and a level"),
+        ("RIFF....", "the file is a sound"),
+        (
+            "100 20\n200 30\n",
+            "line 1: the line above the first row: must be frequency_hz,level_db or frequency_hz,magnitude",
+        ),
+        ("freq,db\n100,20\n200,loud\n", "line 3: level = loud: must be a finite number"),
+        ("freq,db\n100,20\n200\n", "line 3: the row has 1 cells: must be at least 2"),
+        ("freq,db\n100,20\n200,inf\n", "line 3: level = inf: must be a finite number"),
+        ("freq,db\n100,9999\n", "line 2: level = 9999: must be -400 to 400 dB"),
+        ("freq,magnitude\n100,-0.5\n", "line 2: magnitude = -0.5: must be 0 to 1e30"),
+        ("# place_m = x\n", "line 1: place_m = x: must be a number"),
+    ] {
+        let found = refused(text);
+        assert!(found.starts_with(told), "{text:?}: {found}");
+    }
+}
+
+/// A frequency response of two lines, evenly spaced, complex in single precision, with touching fields.
+const UFF: &str = "    -1
+    15
+         1         0         0        11  0.00000E+00  0.00000E+00  0.00000E+00
+    -1
+    -1
+    58
+Test
+NONE
+01-Jan-26 00:00:00
+NONE
+NONE
+    4         0    0         0       NONE         1   3       NONE         1   3
+         5         3         1  1.00000E+02  5.00000E-01  0.00000E+00
+        18    0    0    0            Frequency                   Hz
+        12    0    0    0         Acceleration                 NONE
+        13    0    0    0                Force                 NONE
+         0    0    0    0                 NONE                 NONE
+  0.00000E+00  1.00000D-01  2.00000E-01-3.00000E-01  4.00000E+00-5.00000E+00
+    -1
+";
+
+#[test]
+fn a_universal_file_is_read_with_its_kind_of_sensor() {
+    let found = foreign(UFF);
+    assert_eq!(found.sensor, Some(SensorKind::Acceleration));
+    let wanted = [(100.0, 0.0, -0.1), (100.5, 0.2, 0.3), (101.0, 4.0, 5.0)];
+    assert_eq!(found.points, wanted.map(|(hz, re, im)| (hz, Complex64::new(re, im))));
+    let real = UFF.replace("         5         3         1", "         2         3         0");
+    let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
+    assert_eq!(foreign(&real).points, magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
+    for (from, to, told) in [
+        ("    58\n", "    58b\n", "the universal file is a binary one"),
+        ("    58\n", "    55\n", "the universal file holds no dataset 58"),
+        ("    4         0", "    1         0", "line 12: the function's type = 1: must be 0, 4, 5 or 12"),
+        (
+            "         5         3",
+            "         7         3",
+            "line 13: the data's form = 7: must be 2, 4, 5 or 6",
+        ),
+        (
+            "         5         3",
+            "         5         4",
+            "line 13: the dataset of 4 points has 6 numbers: must be 2 for each point",
+        ),
+        ("        18 ", "        17 ", "line 14: the abscissa's type = 17: must be 18"),
+        ("4.00000E+00", "4.0000xE+00", "line 18: the value = 4.0000xE+00: must be a finite number"),
+        ("        12    0", "      what    0", "line 15: the ordinate's type = what: must be a whole number"),
+    ] {
+        assert!(UFF.contains(from));
+        let found = refused(&UFF.replace(from, to));
+        assert!(found.starts_with(told), "{to}: {found}");
+    }
+    let cut: Vec<&str> = UFF.lines().take(13).collect();
+    assert!(refused(&cut.join("\n")).starts_with("line 14: the dataset's head is cut off"));
+    assert_eq!(refused(&UFF.repeat(2)), FileError::ManyFunctions.to_string());
+}
+
+fn measurement() -> Measurement {
+    let points = (0..12).map(|i| MeasuredPoint {
+        frequency_hz: 100.0 + 0.125 * f64::from(i),
+        response: Complex64::from_polar(10_f64.powi(i - 6), 0.5 * f64::from(i) - 3.0),
+        noise: 1e-3,
+        headroom_db: None,
+    });
+    let unit_per_response = Some(2.0);
+    Measurement { unit_per_response, ..Measurement::at(0.03, SensorKind::Velocity, points.collect()) }
+}
+
+#[test]
+fn what_is_exported_is_read_back_in_the_sensors_unit() {
+    let measured = measurement();
+    for (text, sensor, share) in
+        [(measured.to_uff58(), Some(SensorKind::Velocity), 1e-11), (measured.to_frd(), None, 1e-6)]
+    {
+        let found = foreign(&text);
+        assert_eq!((found.sensor, found.points.len()), (sensor, 12), "{text}");
+        for (point, (frequency_hz, response)) in measured.points.iter().zip(&found.points) {
+            assert!((frequency_hz - point.frequency_hz).abs() < 1e-9, "{text}");
+            let wanted = 2.0 * point.response;
+            assert!((response - wanted).norm() < share * wanted.norm(), "{response} {wanted}: {text}");
+        }
+    }
+    let Ok(File::Own(own)) = File::read(measured.to_csv().as_bytes()) else { panic!("the own form") };
+    assert_eq!(own, measured);
+}
+
+#[test]
+fn a_foreign_measurement_is_thinned_within_the_band_and_has_the_told_noise() {
+    let points = (0..5000).map(|i| (f64::from(i), Complex64::new(0.0, 2.0))).collect();
+    let found = Foreign { sensor: None, points };
+    let of = |band_hz: (f64, f64), snr_db: f64| found.measurement(0.03, SensorKind::Strain, snr_db, band_hz);
+    let measured = of((100.0, 1099.0), 20.0).expect("a measurement");
+    assert_eq!((measured.points.len(), measured.points[1].frequency_hz), (334, 103.0));
+    assert!((measured.points[0].noise - 0.2).abs() < 1e-12 && measured.sensor == SensorKind::Strain);
+    assert_eq!(of((100.0, 120.0), 20.0).expect("a measurement").points.len(), 21);
+    let few = of((100.0, 106.0), 20.0).expect_err("few").to_string();
+    assert!(few.starts_with("the measurement has 7 points"), "{few}");
+    let noise = of((100.0, 120.0), f64::NAN).expect_err("NaN").to_string();
+    assert!(noise.starts_with("snr = NaN dB: must be 0 to 140 dB"), "{noise}");
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_a_reader_panic(
+        file in 0..5_usize, at in prop::collection::vec((0.0..1.0_f64, any::<u8>(), 0..3_u8), 1..8),
+    ) {
+        let table = "* Freq(Hz), SPL(dB), Phase(degrees)\n100, -20, 90\n200.5, -3, 0\n".to_owned();
+        let files = [UFF.to_owned(), table, measurement().to_uff58(), measurement().to_frd(), measurement().to_csv()];
+        let mut bytes = files[file].clone().into_bytes();
+        for (share, byte, action) in at {
+            let at = (share * bytes.len() as f64) as usize;
+            match action {
+                0 if at < bytes.len() => bytes[at] = byte,
+                1 => bytes.truncate(at),
+                _ => bytes.insert(at, byte),
+            }
+        }
+        if let Ok(File::Foreign(foreign)) = File::read(&bytes) {
+            let _ = foreign.measurement(0.03, SensorKind::Velocity, 40.0, (1.0, 1e4));
+        }
+    }
+}

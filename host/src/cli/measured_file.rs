@@ -1,0 +1,90 @@
+//! Files of measurements, and what their sensors are: for `calibrate`.
+
+use super::Failure;
+use super::argument::{self, Typed};
+use clap::Args;
+use slipline_model::atomic_file::{read_bytes, said};
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{File, Foreign, Measurement, SNR, SNR_DB, SensorKind, band_hz};
+use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
+use std::path::{Path, PathBuf};
+
+/// Bytes of a file of a measurement: a universal file of half a million points.
+const BYTES_MAX: usize = 32 << 20;
+
+/// What a file of another program does not tell.
+#[derive(Debug, Args)]
+pub(super) struct SensorArgument {
+    /// Where the sensor stood, from the driven end (30mm): once for each file of another program, in their order.
+    #[arg(long = "sensor", value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
+    places: Vec<Typed<f64>>,
+    /// What the sensor shows: displacement, velocity, acceleration or strain. Universal files tell it.
+    #[arg(long, value_name = "KIND", value_parser = kind)]
+    kind: Option<SensorKind>,
+    /// Signal over noise of a file that has no noise, 0 to 140 dB.
+    #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
+    snr: f64,
+}
+
+fn decibel(text: &str) -> Result<f64, QuantityError> {
+    plain(text, "dB")
+}
+
+fn kind(text: &str) -> Result<SensorKind, String> {
+    let words = SensorKind::ALL.map(SensorKind::word);
+    let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == text.trim());
+    found.ok_or_else(|| only(format_args!("one of {}", words.join(", "))))
+}
+
+/// Reads the files of the same sensor at several places of a plate.
+pub(super) fn measurements(
+    plate: &Plate,
+    files: &[PathBuf],
+    sensor: &SensorArgument,
+) -> Result<Vec<Measurement>, Failure> {
+    let mut places = sensor.places.iter();
+    let read = files.iter().map(|path| {
+        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+        let bytes = read_bytes(path, BYTES_MAX).map_err(|error| refused(said(&error)))?;
+        match File::read(&bytes).map_err(|error| refused(error.to_string()))? {
+            File::Own(measurement) => Ok(measurement),
+            File::Foreign(foreign) => {
+                let place = places.next().ok_or_else(|| {
+                    refused("by another program: tell where its sensor stood with --sensor PLACE".to_owned())
+                })?;
+                told(plate, &foreign, place, sensor, path)
+            }
+        }
+    });
+    let read = read.collect::<Result<Vec<_>, Failure>>()?;
+    match places.count() {
+        0 => Ok(read),
+        more => {
+            let given = format_args!("{} --sensor", sensor.places.len());
+            let allowed = sensor.places.len() - more;
+            let why = "one for each file that does not name its place itself";
+            Err(Failure::Usage(must_be(given, format_args!("{allowed}: {why}"))))
+        }
+    }
+}
+
+/// The measurement of a foreign file with what was told of it.
+fn told(
+    plate: &Plate,
+    foreign: &Foreign,
+    place: &Typed<f64>,
+    sensor: &SensorArgument,
+    path: &Path,
+) -> Result<Measurement, Failure> {
+    let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+    let on_plate = Range::new(0.0, plate.length_m(), "m");
+    let place_m = place.within("--sensor", on_plate, Measure::Length, ", on the plate")?;
+    let kind = sensor.kind.or(foreign.sensor).ok_or_else(|| {
+        refused(
+            "it does not tell what its sensor shows: write --kind acceleration, or whichever it is"
+                .to_owned(),
+        )
+    })?;
+    let measured = foreign.measurement(place_m, kind, sensor.snr, band_hz(plate));
+    measured.map_err(|error| refused(error.to_string()))
+}
