@@ -107,7 +107,11 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         assert!(level_db(&noisy) > 2.0 * level_db(&value), "{noisy} {value}");
     }
     for (files, more, told) in [
-        ([&frd_near, &frd_far], &places[..2], "far.frd: by another program: tell where its sensor stood"),
+        (
+            [&frd_near, &frd_far],
+            &["--kind", "displacement", "--sensor", "32mm"][..],
+            "far.frd: by another program: tell where its sensor stood",
+        ),
         (
             [&frd_near, &frd_far],
             &places[..],
