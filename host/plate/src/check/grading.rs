@@ -2,7 +2,8 @@
 
 use super::levels::SiteLevels;
 use super::prepared::Prepared;
-use super::report::{Colour, Light};
+use super::report::{Colour, Light, Limit};
+use super::stretch::Stretch;
 use super::thresholds::Limits;
 use crate::frequency::Response;
 use crate::spec::plate::Plate;
@@ -24,7 +25,33 @@ pub(super) struct Site<'a> {
     pub(super) levels: SiteLevels,
 }
 
+impl Finding {
+    /// Tells what the light's number must be.
+    pub(super) fn limited(mut self, limit: Limit) -> Self {
+        self.light.limit = Some(limit);
+        self
+    }
+
+    /// Tells where on the plate it fails, unless it does not.
+    pub(super) fn over(mut self, stretches: impl FnOnce() -> Vec<Stretch>) -> Self {
+        if self.light.colour > Colour::Green {
+            self.light.stretches = stretches();
+        }
+        self
+    }
+
+    /// Tells the one place where it fails, unless it does not.
+    pub(super) fn at(self, place_m: f64) -> Self {
+        self.over(|| vec![Stretch::at(place_m)])
+    }
+}
+
 impl Site<'_> {
+    /// Where the peak stands, metres; the boundary if there is none.
+    pub(super) fn peak_m(&self) -> f64 {
+        self.response.peak.map_or(self.boundary_m, |peak| peak.position_m)
+    }
+
     /// A light whose colour follows from `value` and `limits`, where larger is worse.
     pub(super) fn graded(
         &self,
@@ -35,7 +62,8 @@ impl Site<'_> {
         sentences: [String; 3],
     ) -> Finding {
         let colour = colour(value, limits);
-        self.judged(name, Some(value), unit, colour, value, pick(colour, sentences))
+        let finding = self.judged(name, Some(value), unit, colour, value, pick(colour, sentences));
+        finding.limited(Limit::AtMost(limits))
     }
 
     /// A light whose colour is known.
@@ -51,7 +79,16 @@ impl Site<'_> {
         // JSON cannot represent an infinite number; the sentence says it in words.
         let value = value.filter(|value| value.is_finite());
         Finding {
-            light: Light { name, value, unit, colour, sentence, boundary_m: self.boundary_m },
+            light: Light {
+                name,
+                value,
+                unit,
+                limit: None,
+                colour,
+                sentence,
+                boundary_m: self.boundary_m,
+                stretches: Vec::new(),
+            },
             severity,
         }
     }

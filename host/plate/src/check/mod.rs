@@ -23,6 +23,7 @@ mod lights;
 mod prepared;
 mod report;
 pub mod sensation;
+mod stretch;
 #[cfg(test)]
 mod tests;
 pub mod thresholds;
@@ -34,4 +35,5 @@ pub use lights::shape::{edge_curvature, edge_slope, wavelengths};
 pub use lights::sound::{a_weighting_db, plane_wave_level_db};
 pub use lights::wave::loss_integral;
 pub use prepared::SPAN_PLACES;
-pub use report::{Colour, Light, Report};
+pub use report::{Colour, Light, Limit, Report};
+pub use stretch::Stretch;

@@ -1,5 +1,8 @@
 //! The report of a check: lights, each with a number, a colour and a sentence.
 
+use super::stretch::Stretch;
+use super::thresholds::Limits;
+use crate::quantity::number_format::typed;
 use serde::{Serialize, Serializer};
 
 /// Colour of a light, in rising order of concern.
@@ -34,6 +37,32 @@ impl Serialize for Colour {
     }
 }
 
+/// The values of a light's number that make it green, amber and red.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Limit {
+    /// Green and amber up to these values; what is above is red.
+    AtMost(Limits),
+    /// Green and amber from these values on; what is below is red.
+    AtLeast(Limits),
+}
+
+impl Limit {
+    /// In words, with the unit of the light's number: `green up to 1 dB, amber up to 6.02 dB`.
+    #[must_use]
+    pub fn words(self, unit: &str) -> String {
+        let told = |value: f64| format!("{} {unit}", typed(value)).trim_end().to_owned();
+        match self {
+            Self::AtMost(Limits { green, amber }) => {
+                format!("green up to {}, amber up to {}", told(green), told(amber))
+            }
+            Self::AtLeast(Limits { green, amber }) => {
+                format!("green from {}, amber from {}", told(green), told(amber))
+            }
+        }
+    }
+}
+
 /// One validity light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Light {
@@ -43,12 +72,17 @@ pub struct Light {
     pub value: Option<f64>,
     /// Unit of `value`; empty for a plain number.
     pub unit: &'static str,
+    /// What `value` must be; `None` where a number does not decide, or not this one alone.
+    pub limit: Option<Limit>,
     /// The result.
     pub colour: Colour,
-    /// One sentence that says what it means here.
+    /// One sentence that says what it means here and, unless it is green, what can be done.
     pub sentence: String,
     /// The boundary of this result, metres; over a span the one with the worst result.
     pub boundary_m: f64,
+    /// Where on the plate it fails; empty for a light that is green or unchecked, and for what has no place on the plate
+    /// (the steps of the DAC, the level of the sound).
+    pub stretches: Vec<Stretch>,
 }
 
 /// All lights of a plate at one boundary or over its span.

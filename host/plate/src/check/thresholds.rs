@@ -1,7 +1,9 @@
 //! The limits of each light between green, amber and red, with the reason for each.
 
+use serde::Serialize;
+
 /// A pair of limits: up to `green` the light is green, up to `amber` it is amber, beyond it is red.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limits {
     /// Last value that is green.
     pub green: f64,

@@ -21,6 +21,7 @@ mod field;
 mod finger;
 mod finger_trace;
 mod handle;
+mod light_marks;
 mod log;
 mod meters;
 mod notices;
@@ -49,7 +50,7 @@ mod validity;
 pub(crate) use stage::arrow_step_m;
 pub(crate) use top_bar::SAFE_MODE;
 
-use crate::intent::Intents;
+use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use eframe::egui;
 
@@ -68,6 +69,11 @@ pub struct ViewState {
     pub(crate) notices: notices::Seen,
     pub(crate) sketched: designer::sketch::Sketched,
     pub(crate) typed_path: Option<dialogs::TypedPath>,
+    /// Where the lights' symbols stand on the stage, in metres: they stay during a drag.
+    pub(crate) marks_m: Vec<f64>,
+    /// The light whose symbol was pressed, and whether the page is still to be scrolled to it.
+    pub(crate) pressed_light: Option<&'static str>,
+    pub(crate) scrolls_to_light: bool,
 }
 
 impl ViewState {
@@ -92,9 +98,19 @@ impl ViewState {
     }
 
     /// Opens the validity lights.
-    fn open_validity(&mut self) {
+    fn open_validity(&mut self, intents: &mut Intents) {
         self.tab = side_panel::Tab::Plate;
         self.plate_page = plate_panel::Page::Validity;
+        self.pressed_light = None;
+        // In a small window the plots may be in the panel's place.
+        intents.push(Intent::ShowPanel(true));
+    }
+
+    /// Opens the validity lights at the row of this one.
+    fn open_light(&mut self, name: &'static str, intents: &mut Intents) {
+        self.open_validity(intents);
+        self.pressed_light = Some(name);
+        self.scrolls_to_light = true;
     }
 
     /// Whether the designer is open.

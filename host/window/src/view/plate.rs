@@ -75,7 +75,7 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             }
         });
         if validity::chip(ui, scene) {
-            view.open_validity();
+            view.open_validity(intents);
         }
         if has_scale {
             switches(ui, scene, intents);

@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         Page::Plate => this_plate(ui, scene, view, intents),
         Page::Validity => {
             plane_check::show(ui, scene, intents);
-            validity::show(ui, scene);
+            validity::show(ui, scene, view);
         }
         Page::Designer => designer::show(ui, scene, view, intents),
     }

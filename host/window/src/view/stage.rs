@@ -1,6 +1,7 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
 use super::designer::sketch;
+use super::light_marks::LightMarks;
 use super::{Scene, ViewState, envelope, felt_strip, finger, handle, plate, read_out, theme};
 use crate::axis::Axis;
 use crate::intent::{Grab, Held, Intent, Intents};
@@ -85,6 +86,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
+    let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
+    let marks =
+        LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
     // The selected tone comes last, so that it is drawn on top and gets the pointer first.
     let mut order: Vec<u8> = scene.setup.tones.iter().map(|tone| tone.slot).collect();
     order.sort_by_key(|&slot| slot == scene.selected);
@@ -98,7 +102,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
     add_by_double_click(ui, scene, &layout, intents);
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
-    read_out::show(ui, scene, &layout.axis, views);
+    // What a symbol says takes the read-out's place.
+    if !marks.interact(ui, view, intents) {
+        read_out::show(ui, scene, &layout.axis, views);
+    }
 }
 
 /// Faint lines at the same places in all views.

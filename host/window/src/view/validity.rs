@@ -1,6 +1,6 @@
 //! The validity lights: a summary that is always visible, and the list with a sentence for each light.
 
-use super::{Scene, theme};
+use super::{Scene, ViewState, theme};
 use eframe::egui::{
     self, Color32, CornerRadius, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, pos2, vec2,
 };
@@ -11,7 +11,7 @@ use theme::Palette;
 /// Half the size of a light's symbol, in points.
 const MARK: f32 = 4.5;
 
-fn ink(colour: Colour, palette: &Palette) -> Color32 {
+pub(super) fn ink(colour: Colour, palette: &Palette) -> Color32 {
     match colour {
         Colour::Unchecked => palette.weak,
         Colour::Green => palette.good,
@@ -22,8 +22,7 @@ fn ink(colour: Colour, palette: &Palette) -> Color32 {
 
 /// The symbol of a colour: a ring, a dot, a triangle or a square. The shape serves users who cannot distinguish
 /// the colours.
-fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, palette: &Palette) {
-    let fill = ink(colour, palette);
+pub(super) fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, fill: Color32) {
     match colour {
         Colour::Unchecked => {
             painter.circle_stroke(centre, MARK - 0.75, Stroke::new(1.5, fill));
@@ -81,7 +80,7 @@ pub(super) fn chip(ui: &mut egui::Ui, scene: &Scene<'_>) -> bool {
     };
     painter.rect(rect, CornerRadius::same(12), faint, rim, egui::StrokeKind::Inside);
     if let Some(worst) = worst {
-        mark(painter, rect.left_center() + vec2(13.0, 0.0), worst, palette);
+        mark(painter, rect.left_center() + vec2(13.0, 0.0), worst, colour);
     }
     painter.galley(pos2(rect.left() + 22.0, rect.center().y - 0.5 * galley.size().y), galley, colour);
     response
@@ -89,8 +88,17 @@ pub(super) fn chip(ui: &mut egui::Ui, scene: &Scene<'_>) -> bool {
         .clicked()
 }
 
+/// The name of a light, as the beginning of a line.
+pub(super) fn title(light: &Light) -> String {
+    let mut name = light.name.to_owned();
+    if let Some(first) = name.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    name
+}
+
 /// The list.
-pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     let palette = theme::palette(ui);
     let Some(checked) = &scene.background.checked else {
         ui.label(RichText::new("Being checked…").color(palette.weak));
@@ -115,7 +123,16 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
             // Problems come first; lights of the same colour keep their order.
             lights.sort_by_key(|light| std::cmp::Reverse(light.colour));
             for shown in lights {
-                light(ui, shown, palette);
+                let behind = ui.painter().add(Shape::Noop);
+                let row = ui.scope(|ui| light(ui, shown, palette)).response.rect;
+                if view.pressed_light == Some(shown.name) && shown.colour > Colour::Green {
+                    let fill = palette.accent.gamma_multiply(0.14);
+                    ui.painter().set(behind, Shape::rect_filled(row.expand(3.0), 4.0, fill));
+                    if std::mem::take(&mut view.scrolls_to_light) {
+                        ui.scroll_to_rect(row, None);
+                    }
+                }
+                ui.add_space(6.0);
             }
         }
     }
@@ -128,12 +145,13 @@ fn light(ui: &mut egui::Ui, light: &Light, palette: &Palette) {
         ui.spacing_mut().interact_size.y = 18.0;
         let (rect, _) =
             ui.allocate_exact_size(vec2(INDENT - ui.spacing().item_spacing.x, 18.0), Sense::hover());
-        mark(ui.painter(), rect.left_center() + vec2(MARK + 1.0, 0.0), light.colour, palette);
-        let mut name = light.name.to_owned();
-        if let Some(first) = name.get_mut(..1) {
-            first.make_ascii_uppercase();
-        }
-        ui.label(name);
+        mark(
+            ui.painter(),
+            rect.left_center() + vec2(MARK + 1.0, 0.0),
+            light.colour,
+            ink(light.colour, palette),
+        );
+        ui.label(title(light));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let text = RichText::new(light.colour.name()).small().color(ink(light.colour, palette));
             let label = ui.label(text);
@@ -146,5 +164,4 @@ fn light(ui: &mut egui::Ui, light: &Light, palette: &Palette) {
         ui.add_space(INDENT);
         ui.add(egui::Label::new(RichText::new(&light.sentence).small().color(palette.weak)).wrap());
     });
-    ui.add_space(6.0);
 }

@@ -13,6 +13,7 @@ mod fixed_link;
 mod focus;
 mod glyphs;
 mod hang;
+mod light_marks;
 mod notices;
 mod painter;
 mod paths;

@@ -137,6 +137,26 @@ fn the_lights_look_as_they_were_approved() {
     compare("validity", &picture(ThemeChoice::Dark, USUAL, |app| open_page(app, "Validity")));
 }
 
+/// Amber and red on the stage, large and small, and what one of them says.
+#[test]
+fn the_lights_on_the_stage_look_as_they_were_approved() {
+    let pointed_at = |app: &mut TestApp| {
+        crate::light_marks::open(app, "al-sh", 0.16);
+        let symbol = crate::light_marks::symbol(app, "Edge slope").rect();
+        app.window.hover_at(symbol.center());
+        app.wait(2500);
+    };
+    compare("lights-light", &picture(ThemeChoice::Light, USUAL, pointed_at));
+    let few = |app: &mut TestApp| crate::light_marks::open(app, "al-sh", 0.16);
+    compare("lights-small", &picture(ThemeChoice::Dark, [640, 480], few));
+    let dense = |theme, builder| {
+        let mut app = TestApp::driving_with(theme, builder);
+        crate::light_marks::open(&mut app, "al-bending-displacement", 0.15);
+        app
+    };
+    compare("lights-dense", &painted(ThemeChoice::Dark, [640, 400], 2.0, dense));
+}
+
 /// A drawn profile, a solid area and what cannot be had, large and small.
 #[test]
 fn the_texture_page_looks_as_it_was_approved() {

@@ -1,8 +1,8 @@
 //! Lights for the actuator's band and travel, and for the steps of the DAC before it.
 
 use crate::check::grading::{Finding, Site, colour, pick};
-use crate::check::report::Colour;
-use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT};
+use crate::check::report::{Colour, Limit};
+use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT, Limits};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::actuator::Actuator;
 
@@ -17,9 +17,8 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     if let Actuator::Measured(curve) = actuator
         && !curve.covers(site.frequency_hz)
     {
-        let sentence =
-            "The actuator's measured curve does not reach this frequency: its nearest end was taken.";
-        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned());
+        let sentence = "The actuator's measured curve does not reach this frequency: its nearest end was taken, measure it here, too.";
+        return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned()).at(0.0);
     }
     let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
     let loss_db = -gain_db;
@@ -37,14 +36,16 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
                     "The actuator answers with {gain_db:+.0} dB at this frequency: it is within its band."
                 ),
                 format!(
-                    "The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left."
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it has little travel left; another boundary or actuator has more."
                 ),
                 format!(
-                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band."
+                    "The actuator answers with {gain_db:+.0} dB at this frequency: it is out of its band, take another boundary or actuator."
                 ),
             ],
         ),
     )
+    .limited(Limit::AtLeast(Limits { green: -ACTUATOR_LOSS_DB.green, amber: -ACTUATOR_LOSS_DB.amber }))
+    .at(0.0)
 }
 
 /// How far a tone at level 1 moves the actuator, before the peak travel lowers the table.
@@ -68,6 +69,7 @@ pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
             format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: what it allows is less than a tenth of the level."),
         ],
     )
+    .at(0.0)
 }
 
 /// How many steps of the DAC the amplitude of a tone at level 1 has.
@@ -91,4 +93,5 @@ pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Finding {
         ],
     );
     site.judged("DAC resolution", Some(steps), "LSB", judged, -steps, sentence)
+        .limited(Limit::AtLeast(DAC_STEPS))
 }

@@ -1,7 +1,7 @@
 //! The light for the driven end: how much of the returning wave it sends back.
 
 use crate::check::grading::{Finding, Site, colour};
-use crate::check::report::Colour;
+use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::DRIVE_REFLECTION;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::spec::drive::DriveEnd;
@@ -44,7 +44,7 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             "The mass and the stiffness of the drive end hide what would absorb the wave: {percent:.0} % of it comes back. Use a softer actuator."
         ),
         (Colour::Amber, _) => format!(
-            "The drive end sends {percent:.0} % of the returning wave back: the plate resonates a little."
+            "The drive end sends {percent:.0} % of the returning wave back: the plate resonates a little; a closer match of its resistance helps."
         ),
         (Colour::Red, DriveEnd::Displacement | DriveEnd::DisplacementAndSlope { .. }) => {
             "The drive end holds its displacement and sends every wave back: the plate is a resonator, and a damper or a lead-in behind it would be hidden. Drive it by a force.".to_owned()
@@ -62,7 +62,9 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             "The drive end sends {percent:.0} % of the returning wave back: give it the wave's resistance, and less mass and stiffness."
         ),
     };
-    site.judged("drive match", value, "", judged, in_equation, sentence)
+    let found = site.judged("drive match", value, "", judged, in_equation, sentence).at(0.0);
+    // What a damper in bending sends back in the equation is not what its light tells.
+    if is_one_mode_bending { found } else { found.limited(Limit::AtMost(DRIVE_REFLECTION)) }
 }
 
 /// Whether the end would match without its own mass and stiffness.

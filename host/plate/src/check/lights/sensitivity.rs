@@ -41,4 +41,5 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
             },
         ],
     )
+    .at(site.peak_m())
 }

@@ -1,7 +1,8 @@
 //! Lights that depend only on the taper and the turning point.
 
-use crate::check::grading::{Finding, Site, pick};
-use crate::check::report::Colour;
+use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::report::{Colour, Limit};
+use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
     EDGE_CURVATURE, EDGE_SLOPE, EDGE_SLOPE_STRICT, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS,
 };
@@ -25,11 +26,14 @@ pub fn edge_slope(plate: &Plate, x: f64) -> f64 {
 /// Largest W |W''| between the driven end and `to_m` metres (clamped to the plate); d^2 W0^2 for the exponential taper.
 pub fn edge_curvature(plate: &Plate, to_m: f64) -> f64 {
     // W'' = ((ln W)'' + (ln W)'^2) W
-    largest(plate, to_m, |x| {
-        let width = plate.width.at(x);
-        let half_width_m = width.value.exp();
-        (half_width_m * half_width_m * (width.curvature + width.slope * width.slope)).abs()
-    })
+    most_curved(plate, to_m).0
+}
+
+/// W |W''| at `x` metres.
+fn curvature_at(plate: &Plate, x: f64) -> f64 {
+    let width = plate.width.at(x);
+    let half_width_m = width.value.exp();
+    (half_width_m * half_width_m * (width.curvature + width.slope * width.slope)).abs()
 }
 
 /// Number of wavelengths from the driven end to the boundary at `boundary_m` metres, at the boundary's frequency.
@@ -37,11 +41,13 @@ pub fn wavelengths(plate: &Plate, boundary_m: f64) -> f64 {
     plate.width_mode(1).phase_to(boundary_m, plate.frequency_for_boundary_hz(boundary_m)) / TAU
 }
 
-fn largest(plate: &Plate, to_m: f64, value: impl Fn(f64) -> f64) -> f64 {
+/// The largest W |W''| up to `to_m` metres, and where it is.
+fn most_curved(plate: &Plate, to_m: f64) -> (f64, f64) {
     let to_m = to_m.clamp(0.0, plate.length_m());
-    (0..TAPER_PLACES)
-        .map(|i| value(to_m * i as f64 / (TAPER_PLACES - 1) as f64))
-        .fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
+    let places = (0..TAPER_PLACES).map(|i| to_m * i as f64 / (TAPER_PLACES - 1) as f64);
+    places
+        .map(|x| (curvature_at(plate, x), x))
+        .fold((0.0, 0.0), |most, found| if found.0 > most.0 || found.0.is_nan() { found } else { most })
 }
 
 pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
@@ -73,14 +79,16 @@ pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
                 "|W'| is {slope:.2} at the boundary, which is not small: the turning width, {measured}, may be off by {off:.0} %, measure before you trust the boundary."
             ),
             format!(
-                "|W'| is {slope:.2} at the boundary: the edges converge too fast for one width mode and the amplitude equation."
+                "|W'| is {slope:.2} at the boundary: the edges converge too fast for one width mode and the amplitude equation, take a gentler taper."
             ),
         ],
     )
+    .at(site.boundary_m)
 }
 
 pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
-    let curvature = edge_curvature(site.plate, site.boundary_m);
+    let (curvature, at_m) = most_curved(site.plate, site.boundary_m);
+    let fails = |x: f64| colour(curvature_at(site.plate, x), EDGE_CURVATURE) > Colour::Green;
     site.graded(
         "edge curvature",
         curvature,
@@ -92,13 +100,14 @@ pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
                 with_decimals(curvature, 3)
             ),
             format!(
-                "W |W''| reaches {curvature:.2}: the edges bend within their own width, so the wave is no longer quite one mode."
+                "W |W''| reaches {curvature:.2}: the edges bend within their own width, so the wave is no longer quite one mode; a gentler taper is safer."
             ),
             format!(
-                "W |W''| reaches {curvature:.2}: the edges bend too much for a wave that follows the local width."
+                "W |W''| reaches {curvature:.2}: the edges bend too much for a wave that follows the local width, take a gentler taper."
             ),
         ],
     )
+    .over(|| vec![Stretch::about(at_m, site.boundary_m, fails)])
 }
 
 pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
@@ -121,11 +130,13 @@ pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
                 "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
             ),
             format!(
-                "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it."
+                "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it; move the boundary away from the drive."
             ),
-            format!("{} wavelengths: the boundary is so near the drive that the peak has no room.", with_decimals(count, 2)),
+            format!("{} wavelengths: the boundary is so near the drive that the peak has no room, move it away from the drive.", with_decimals(count, 2)),
         ]),
     )
+    .limited(Limit::AtLeast(WAVELENGTHS))
+    .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 
 pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
@@ -140,13 +151,19 @@ pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
         [
             format!("From the peak to a tenth of it is {edge_mm:.0} mm: a short stroke crosses the edge."),
             format!(
-                "From the peak to a tenth of it is {edge_mm:.0} mm, {fingers:.0} fingertips: the edge is soft."
+                "From the peak to a tenth of it is {edge_mm:.0} mm, {fingers:.0} fingertips: the edge is soft; a steeper taper or a higher frequency makes it crisper."
             ),
             format!(
-                "From the peak to a tenth of it is {edge_mm:.0} mm, wider than a hand: it fades rather than ends."
+                "From the peak to a tenth of it is {edge_mm:.0} mm, wider than a hand: it fades rather than ends, take a steeper taper or a higher frequency."
             ),
         ],
     )
+    .over(|| {
+        let peak_m = site.peak_m();
+        let reaches_m = if edge_m.is_finite() { peak_m + edge_m } else { site.boundary_m };
+        let to_m = reaches_m.clamp(peak_m, site.plate.length_m().max(peak_m));
+        vec![Stretch { from_m: peak_m, to_m }]
+    })
 }
 
 pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
@@ -183,4 +200,5 @@ pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
             ),
         ]),
     )
+    .over(|| ghosts.iter().map(|ghost| Stretch::at(ghost.1)).collect())
 }

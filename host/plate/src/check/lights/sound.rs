@@ -1,9 +1,10 @@
 //! Lights for sound: the sound level of one tone and the beat of two.
 
 use crate::check::grading::{Finding, Site};
-use crate::check::report::Colour;
+use crate::check::report::{Colour, Limit};
+use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
-    AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
+    AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, Limits, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
     ULTRASOUND_DB,
 };
 use std::f64::consts::{PI, SQRT_2, TAU};
@@ -88,19 +89,20 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
 
 pub(in crate::check) fn beat_light(site: &Site<'_>) -> Finding {
     let others = &site.prepared.conditions.other_boundaries_m;
-    let tones: Vec<f64> = others
+    let tones: Vec<(f64, f64)> = others
         .iter()
-        .map(|&x| site.plate.frequency_for_boundary_hz(x))
-        .chain([site.frequency_hz])
-        .filter(|&frequency_hz| frequency_hz >= ULTRASONIC_HZ)
+        .map(|&x| (site.plate.frequency_for_boundary_hz(x), x))
+        .chain([(site.frequency_hz, site.boundary_m)])
+        .filter(|&(frequency_hz, _)| frequency_hz >= ULTRASONIC_HZ)
         .collect();
-    let mut nearest = f64::INFINITY;
+    // How far two tones are apart, and how far from the drive both of them go.
+    let (mut nearest, mut reach_m) = (f64::INFINITY, 0.0);
     for (i, first) in tones.iter().enumerate() {
         for second in &tones[i + 1..] {
             // Tones of equal frequency do not beat.
-            let difference = (first - second).abs();
-            if difference > 1e-6 {
-                nearest = nearest.min(difference);
+            let difference = (first.0 - second.0).abs();
+            if difference > 1e-6 && difference < nearest {
+                (nearest, reach_m) = (difference, first.1.min(second.1));
             }
         }
     }
@@ -117,4 +119,6 @@ pub(in crate::check) fn beat_light(site: &Site<'_>) -> Finding {
         (Colour::Green, sentence)
     };
     site.judged("beat", Some(nearest), "Hz", colour, -nearest, sentence)
+        .limited(Limit::AtLeast(Limits { green: BEAT_HZ, amber: 0.0 }))
+        .over(|| vec![Stretch { from_m: 0.0, to_m: reach_m }])
 }

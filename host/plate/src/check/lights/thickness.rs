@@ -1,7 +1,8 @@
 //! The light for a plate that is too thick for its wave or for its own width.
 
 use crate::check::grading::{Finding, Site, colour, pick};
-use crate::check::report::Colour;
+use crate::check::report::{Colour, Limit};
+use crate::check::stretch::Stretch;
 use crate::check::thresholds::{THICKNESS_SHARE, THIN_PLATE_PERCENT};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::model::Model;
@@ -24,7 +25,8 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
     thin.thick_plate = false;
     let omega = TAU * site.frequency_hz;
     // The plate is narrowest, and the wave shortest, at the boundary.
-    let share = bending.thickness_m / (2.0 * site.plate.half_width_m(site.boundary_m));
+    let share_at = |x: f64| bending.thickness_m / (2.0 * site.plate.half_width_m(x));
+    let share = share_at(site.boundary_m);
     let percent = 100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
     let by_width = colour(share, THICKNESS_SHARE);
     let by_wave = if bending.thick_plate { Colour::Green } else { colour(percent, THIN_PLATE_PERCENT) };
@@ -40,7 +42,7 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
                 format!(
                     "For any plate theory {shares}, which is much: measure before you trust the boundary."
                 ),
-                format!("No plate theory holds: {shares}."),
+                format!("No plate theory holds: {shares}, take a thinner or a wider plate."),
             ],
         )
     } else if bending.thick_plate {
@@ -61,5 +63,13 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
             ],
         )
     };
-    site.judged(name, Some(missed), "%", by_wave.max(by_width), severity, sentence)
+    let found = site.judged(name, Some(missed), "%", by_wave.max(by_width), severity, sentence);
+    if by_width > by_wave {
+        let fails = |x: f64| colour(share_at(x), THICKNESS_SHARE) > Colour::Green;
+        found.over(|| vec![Stretch::about(site.boundary_m, site.boundary_m, fails)])
+    } else {
+        // The wave is as short against the thickness on its whole way.
+        let whole = || vec![Stretch { from_m: 0.0, to_m: site.boundary_m }];
+        found.limited(Limit::AtMost(THIN_PLATE_PERCENT)).over(whole)
+    }
 }

@@ -1,16 +1,17 @@
 //! Lights for the finger on the plate: whether it finds room between the edges, and whether the peak survives it.
 
 use crate::check::grading::{Finding, Site, colour, pick};
-use crate::check::report::Colour;
+use crate::check::report::{Colour, Limit};
+use crate::check::stretch::Stretch;
 use crate::check::thresholds::{FINGER_DB, FINGER_LOAD, FINGERTIP_M, WIDTH};
 use crate::frequency::Finger;
 use crate::quantity::number_format::with_decimals;
 
 /// Whether a fingertip fits between the edges at the boundary; the value is the plate's width there in fingertips.
 pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
-    let width_m = 2.0 * site.plate.half_width_m(site.boundary_m);
-    let fingers = width_m / FINGERTIP_M;
-    let millimetres = with_decimals(width_m * 1e3, 1);
+    let fingers_at = |x: f64| 2.0 * site.plate.half_width_m(x) / FINGERTIP_M;
+    let fingers = fingers_at(site.boundary_m);
+    let millimetres = with_decimals(fingers * FINGERTIP_M * 1e3, 1);
     let colour = if fingers >= WIDTH.green {
         Colour::Green
     } else if fingers >= WIDTH.amber {
@@ -20,29 +21,39 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     };
     let told = match colour {
         Colour::Green | Colour::Unchecked => "a fingertip rests between the edges",
-        Colour::Amber => "a fingertip also rests on the edges, which do not move",
-        Colour::Red => "most of a fingertip rests on the edges, which do not move",
+        Colour::Amber => {
+            "a fingertip also rests on the edges, which do not move; a boundary nearer the drive is wider"
+        }
+        Colour::Red => {
+            "most of a fingertip rests on the edges, which do not move, take a boundary nearer the drive"
+        }
     };
     let sentence = format!("The plate is {millimetres} mm wide at the boundary: {told}.");
     site.judged("width", Some(fingers), "fingertips", colour, -fingers, sentence)
+        .limited(Limit::AtLeast(WIDTH))
+        .over(|| {
+            let fails = |x: f64| fingers_at(x) < WIDTH.green;
+            vec![Stretch::about(site.boundary_m, site.boundary_m, fails)]
+        })
 }
 
 /// |Z_f|/Z of a light touch, and what it takes from the peak; it has the colour of the worse of the two.
 pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
     let name = "finger load";
-    let place_m = site.response.peak.map_or(site.boundary_m, |peak| peak.position_m);
+    let place_m = site.peak_m();
     let finger = Finger::light(place_m);
     let Ok(load) = finger.load(site.plate, site.frequency_hz) else {
         let sentence = "The plate file tells no tension or thickness: how heavy a finger is for the wave was not checked.";
         return site.judged(name, None, "", Colour::Unchecked, 0.0, sentence.to_owned());
     };
     let by_load = colour(load, FINGER_LOAD);
+    let limit = Limit::AtMost(FINGER_LOAD);
     if site.response.peak.is_none() {
         let sentence = format!(
             "A light touch has {} times the impedance of the wave; there is no peak for it to take.",
             with_decimals(load, 2)
         );
-        return site.judged(name, Some(load), "", by_load, load, sentence);
+        return site.judged(name, Some(load), "", by_load, load, sentence).limited(limit).at(place_m);
     }
     let [light_db, firm_db] = touched_db(site, &finger);
     let judged = by_load.max(colour(light_db, FINGER_DB));
@@ -60,7 +71,8 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
             format!("{costs}: a finger stops the wave that it should feel, take a heavier plate."),
         ],
     );
-    site.judged(name, Some(load), "", judged, severity, sentence)
+    let found = site.judged(name, Some(load), "", judged, severity, sentence).at(place_m);
+    if judged > by_load { found } else { found.limited(limit) }
 }
 
 /// By how many dB a light touch and a firm press at the place of `light` lower the amplitude under them, at most.

@@ -3,6 +3,7 @@
 use super::shape::wavelengths;
 use crate::check::grading::{Finding, Site, pick};
 use crate::check::report::Colour;
+use crate::check::stretch::Stretch;
 use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
 use crate::quantity::number_format::with_decimals;
 use crate::spec::plate::Plate;
@@ -47,11 +48,16 @@ pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
         colour,
         [
             format!("{arrives}: the peak still stands above the rest."),
-            format!("{arrives}: the peak does not stand out."),
-            format!("{arrives}: there is no peak left to feel."),
+            format!(
+                "{arrives}: the peak does not stand out; a boundary nearer the drive or a material of less loss helps."
+            ),
+            format!(
+                "{arrives}: there is no peak left to feel, take a boundary nearer the drive or a material of less loss."
+            ),
         ],
     );
     site.judged(name, Some(loss), "", colour, loss, sentence)
+        .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 
 /// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
@@ -83,11 +89,12 @@ pub(in crate::check) fn peak_light(site: &Site<'_>) -> Finding {
         pick(colour, [
             format!("The peak stands at {at_mm:.0} mm with {times} times the drive, the largest amplitude on the plate."),
             if has_room(site) {
-                format!("The peak at {at_mm:.0} mm has {times} times the drive, but other places on the plate vibrate more.")
+                format!("The peak at {at_mm:.0} mm has {times} times the drive, but other places on the plate vibrate more: see drive match and loss.")
             } else {
-                format!("The peak at {at_mm:.0} mm has {times} times the drive, but stands so near the drive that a real plate may have none.")
+                format!("The peak at {at_mm:.0} mm has {times} times the drive, but stands so near the drive that a real plate may have none: move the boundary away from it.")
             },
-            "There is no peak before this boundary: the amplitude just falls from the drive on.".to_owned(),
+            "There is no peak before this boundary: the amplitude just falls from the drive on, see wavelengths and loss.".to_owned(),
         ]),
     )
+    .at(site.peak_m())
 }

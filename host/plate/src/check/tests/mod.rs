@@ -5,6 +5,7 @@ mod drive;
 mod sensitivity;
 mod shape;
 mod sound;
+mod stretches;
 mod thickness;
 mod touch;
 mod wave;
