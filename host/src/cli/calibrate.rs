@@ -98,7 +98,7 @@ struct Found {
     parameters: Vec<Parameter>,
     chi2_per_n: f64,
     /// Half of the 95 % interval of the boundary, metres, and what a misplaced sensor does to it per metre.
-    boundary: Option<(f64, [f64; 2])>,
+    boundary: Option<(f64, Vec<f64>)>,
     /// Half of the 95 % interval of the level, dB; nothing where no levels were measured.
     level_tolerance_db: Option<f64>,
 }
@@ -225,8 +225,8 @@ fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
             "high": it.high,
         })).collect::<Vec<_>>(),
         "chi2_per_n": found.chi2_per_n,
-        "boundary_tolerance_m": found.boundary.map(|it| it.0),
-        "boundary_per_place": found.boundary.map(|it| it.1),
+        "boundary_tolerance_m": found.boundary.as_ref().map(|it| it.0),
+        "boundary_per_place": found.boundary.as_ref().map(|it| &it.1),
         "level_tolerance_db": found.level_tolerance_db,
         "before": {
             "boundary_error_m": before.boundary_m,
@@ -255,11 +255,15 @@ fn lines<'a>(
     let boundary_m = show_length(before.boundary_m);
     lines.push(("Before", format!("the boundary is up to {boundary_m} off over the span{was}")));
     let is = level.map_or(String::new(), |db| format!(", the level to {}", decibel(db)));
-    match found.boundary {
+    match &found.boundary {
         Some((boundary_m, per_place)) => {
-            lines.push(("After", format!("the boundary is known to {}{is} (95 %)", show_length(boundary_m))));
-            let [near, far] = per_place.map(|share| show_length(1e-3 * share.abs()));
-            let told = format!("moves the boundary by {near} (the first) or {far} (the second)");
+            lines
+                .push(("After", format!("the boundary is known to {}{is} (95 %)", show_length(*boundary_m))));
+            let ways: Vec<String> = per_place.iter().map(|share| show_length(1e-3 * share.abs())).collect();
+            let told = match &ways[..] {
+                [near, far] => format!("moves the boundary by {near} (the first) or {far} (the second)"),
+                ways => format!("moves the boundary by {}", ways.join(", ")),
+            };
             lines.push(("A sensor 1 mm off", told));
         }
         None => lines.push(("Levels", "not measured: those of the file stay".to_owned())),

@@ -2,16 +2,17 @@
 
 use super::band;
 use super::error::CalibrateError;
-use super::gain;
+use super::gain::{self, Carried};
+use super::least_squares::Fit;
 use super::measurement::Measurement;
 use super::ratio::Ratio;
 use super::refusal::{self, CHI2_PER_N_MAX};
 use super::spread::Spread;
 use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, Priors, TAPER, spec_at};
-use crate::spec::{Calibration, Model, Plate, PlateSpec, Taper, limits};
+use crate::spec::{Calibration, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
 
 /// Standard deviations of a 95 % interval.
-const INTERVAL: f64 = 1.96;
+pub(super) const INTERVAL: f64 = 1.96;
 
 /// A number of the plate or of a sensor, as a calibration found it.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +41,7 @@ pub struct Calibrated {
     /// How far the boundary goes, at most over the span, for each metre that a sensor stands farther from the driven end than
     /// it was told to: the measurement itself does not tell a small such mistake from a plate of another width. One number
     /// for each sensor.
-    pub boundary_per_place: [f64; 2],
+    pub boundary_per_place: Vec<f64>,
     /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: what noise leaves of the
     /// measured gain, and what the fit leaves of the way to the peak. Infinite where no levels were measured.
     pub level_tolerance_db: f64,
@@ -85,40 +86,103 @@ pub fn from_ratio(
     }
     refusal::check_coordinates(&fit.parameters, &ratio.deviations, &ratio.places_m)?;
 
-    // Where the model misses more than the noise, the intervals grow with it.
-    let scale = chi2_per_n.max(1.0).sqrt();
-    let deviation = |i: usize| scale * fit.covariance[(i, i)].sqrt();
     let fitted = Plate::new(spec_at(plate.spec(), &fit.parameters))?;
     let peaks = ratio.with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
-    let spread = Spread::of(&ratio, &fitted, &fit, &peaks).ok_or(CalibrateError::NoFit)?;
-    let (correction, noise_db) = gain::correction(&fitted, sensors[0], &ratio.pairs, &peaks)?;
-    let (boundary_m, level_db) = (scale * spread.boundary_m, (scale * spread.level_db).hypot(noise_db));
-    refusal::check_carried(plate, &sensors, boundary_m, level_db)?;
-    let measured_hz = (ratio.pairs[0].frequency_hz, ratio.pairs[ratio.pairs.len() - 1].frequency_hz);
-    band::check(&fitted, measured_hz.0, measured_hz.1)?;
-    let mut spec = fitted.spec().clone();
-    spec.wave_speed_tolerance = (INTERVAL * scale * spread.speed).min(limits::WAVE_SPEED_TOLERANCE.high);
-    spec.loss_tolerance = Some(((INTERVAL * deviation(LOSS)).exp() - 1.0).min(limits::LOSS_TOLERANCE.high));
-    spec.calibration = Some(Calibration {
+    let carried = |coordinates: &[f64]| {
+        let peaks = ratio.with_peak(coordinates)?;
+        Some(ratio.carried(&peaks).map(|carried| carried.peak.ln()).collect())
+    };
+    let spread = Spread::of(&fitted, &fit, &ratio.deviations, 2, &carried).ok_or(CalibrateError::NoFit)?;
+    let measured: Vec<Carried> = ratio.carried(&peaks).filter(|carried| carried.peak > 0.0).collect();
+    let (correction, noise_db) = gain::correction(&fitted, None, sensors[0], &measured)?;
+    let last = ratio.pairs.len() - 1;
+    let found = Found {
+        nominal: plate,
+        fitted,
+        fit: &fit,
         chi2_per_n,
-        half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
-        taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
-        correction: Some(correction),
-    });
-    let mut parameters = parameters_of_plate(plate.spec(), &fit.parameters, &deviation);
-    for (i, place_m) in ratio.places_m.iter().enumerate() {
-        let value = place_m + fit.parameters[OF_PLATE + i];
-        let half = INTERVAL * deviation(OF_PLATE + i);
-        parameters.push(Parameter { name: "place_m", value, low: value - half, high: value + half });
+        spread,
+        places_m: &ratio.places_m,
+        correction,
+        noise_db,
+        measured_hz: (ratio.pairs[0].frequency_hz, ratio.pairs[last].frequency_hz),
+    };
+    refusal::check_carried(plate, &sensors, found.open())?;
+    found.into_calibrated()
+}
+
+/// A fit that is accepted, and what follows from it.
+pub(super) struct Found<'a> {
+    pub(super) nominal: &'a Plate,
+    /// The plate of the fitted numbers, without the record of the calibration.
+    pub(super) fitted: Plate,
+    pub(super) fit: &'a Fit,
+    pub(super) chi2_per_n: f64,
+    pub(super) spread: Spread,
+    /// Where the sensors were told to be, metres.
+    pub(super) places_m: &'a [f64],
+    pub(super) correction: ResponseCurve,
+    /// What noise leaves of the correction, dB.
+    pub(super) noise_db: f64,
+    /// Lowest and highest frequency of the fit, Hz.
+    pub(super) measured_hz: (f64, f64),
+}
+
+impl Found<'_> {
+    /// Where the model misses more than the noise, the intervals grow with it.
+    pub(super) fn scale(&self) -> f64 {
+        self.chi2_per_n.max(1.0).sqrt()
     }
-    Ok(Calibrated {
-        plate: Plate::new(spec)?,
-        parameters,
-        chi2_per_n,
-        boundary_tolerance_m: INTERVAL * boundary_m,
-        boundary_per_place: spread.boundary_per_place,
-        level_tolerance_db: INTERVAL * level_db,
-    })
+
+    /// Standard deviation of a coordinate.
+    pub(super) fn deviation(&self, i: usize) -> f64 {
+        self.scale() * self.fit.covariance[(i, i)].sqrt()
+    }
+
+    /// What the data leave open: standard deviations of the boundary, metres, and of the level, dB.
+    pub(super) fn open(&self) -> (f64, f64) {
+        let level_db = (self.scale() * self.spread.level_db).hypot(self.noise_db);
+        (self.scale() * self.spread.boundary_m, level_db)
+    }
+
+    /// The plate file, its intervals and the parameters.
+    pub(super) fn into_calibrated(self) -> Result<Calibrated, CalibrateError> {
+        band::check(&self.fitted, self.measured_hz.0, self.measured_hz.1)?;
+        let (boundary_m, level_db) = self.open();
+        let deviation = |i: usize| self.deviation(i);
+        let coordinates = &self.fit.parameters;
+        let mut spec = self.fitted.spec().clone();
+        let speed = INTERVAL * self.scale() * self.spread.speed;
+        spec.wave_speed_tolerance = speed.min(limits::WAVE_SPEED_TOLERANCE.high);
+        let loss = (INTERVAL * deviation(LOSS)).exp() - 1.0;
+        spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        spec.calibration = Some(Calibration {
+            chi2_per_n: self.chi2_per_n,
+            half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
+            taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
+            correction: Some(self.correction.clone()),
+        });
+        let mut parameters = parameters_of_plate(self.nominal.spec(), coordinates, &deviation);
+        for (i, place_m) in self.places_m.iter().enumerate() {
+            let value = place_m + coordinates[OF_PLATE + i];
+            parameters.push(Parameter::about("place_m", value, INTERVAL * deviation(OF_PLATE + i)));
+        }
+        Ok(Calibrated {
+            plate: Plate::new(spec)?,
+            parameters,
+            chi2_per_n: self.chi2_per_n,
+            boundary_tolerance_m: INTERVAL * boundary_m,
+            boundary_per_place: self.spread.boundary_per_place.clone(),
+            level_tolerance_db: INTERVAL * level_db,
+        })
+    }
+}
+
+impl Parameter {
+    /// A parameter with half of its interval.
+    pub(super) const fn about(name: &'static str, value: f64, half: f64) -> Self {
+        Self { name, value, low: value - half, high: value + half }
+    }
 }
 
 /// The plate's numbers by their names in the file, each from the ends of its coordinate's interval.

@@ -62,9 +62,9 @@ pub enum CalibrateError {
         /// The place of the first, metres.
         place_m: f64,
     },
-    /// The two measurements have too few frequencies in common.
+    /// Too few frequencies at which a wave enters the plate, or that both of two measurements have.
     #[error(
-        "the measurements have {count} frequencies in common at which a wave enters the plate: at least {least} are needed"
+        "{count} measured frequencies are of use, those at which a wave enters the plate and which every measurement has: at least {least} are needed"
     )]
     FewFrequencies {
         /// How many they have.

@@ -36,11 +36,16 @@ pub(super) struct Fit {
 /// Minimises |r|^2 from `start`, until no parameter moves by more than the share `still` of its standard deviation.
 /// `None` if the start has no residuals, or if a parameter has no effect.
 pub(super) fn fit(problem: &impl Problem, start: &[f64], still: f64) -> Option<Fit> {
+    fit_within(problem, start, still, STEPS_MAX)
+}
+
+/// As [`fit`], in at most this many steps.
+pub(super) fn fit_within(problem: &impl Problem, start: &[f64], still: f64, steps: usize) -> Option<Fit> {
     let mut at = DVector::from_column_slice(start);
     let mut r = DVector::from_vec(problem.residuals(start)?);
     let mut lambda = 1e-3;
     let mut normal = Normal::at(problem, &at, &r)?;
-    for _ in 0..STEPS_MAX {
+    for _ in 0..steps {
         let Some(step) = normal.step(lambda) else {
             lambda *= 10.0;
             continue;

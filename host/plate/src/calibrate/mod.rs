@@ -6,6 +6,7 @@
 //! Measurement at two places -> pairs -> ratio: scan over wave speed and loss, then least squares -> refusal
 //!       nominal plate, Priors (Calipers) -^                                        |
 //!                    Calibrated: plate file <- gain carried to the peak <----------+
+//! Measurement at one place -> joint (plate and source): scan, linear for each plate (sensed), then least squares ---^
 //! ```
 //!
 //! Nothing here plays or records a tone: a [`Measurement`] comes from a device, a file or a solver.
@@ -15,14 +16,20 @@ mod calibrated;
 mod calipers;
 mod csv;
 mod departure;
+mod driven;
 mod error;
 mod foreign;
 mod gain;
+mod joint;
 mod least_squares;
+mod linear;
 mod measurement;
+mod one_sensor;
 mod pairs;
 mod ratio;
 mod refusal;
+mod sensed;
+mod source_file;
 mod spread;
 mod touches;
 mod unknowns;
@@ -36,5 +43,6 @@ pub use departure::{Departure, departure};
 pub use error::CalibrateError;
 pub use foreign::{File, FileError, Foreign, SNR, SNR_DB};
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
+pub use one_sensor::from_one_sensor;
 pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;

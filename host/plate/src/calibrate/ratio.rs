@@ -9,6 +9,7 @@
 //!
 //! with the variances v: the residual of the ratio, which stays finite where one of the two places is a node.
 
+use super::gain::Carried;
 use super::least_squares::{self, Fit, Problem, slope};
 use super::measurement::{Measurement, SensorKind};
 use super::pairs::{MODEL_ERROR, Pair, pairs};
@@ -92,6 +93,15 @@ impl<'a> Ratio<'a> {
     pub(super) fn with_peak(&self, coordinates: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
         let wave = self.wave(coordinates, FINE)?;
         Some(wave.with_peak(self.sensor, &self.places_at(coordinates)?, &self.frequencies_hz))
+    }
+
+    /// The measured gains, carried to the peak by the wave of [`Ratio::with_peak`].
+    pub(super) fn carried(&self, peaks: &[(Vec<f64>, f64)]) -> impl Iterator<Item = Carried> {
+        self.pairs.iter().zip(peaks).map(|(pair, (p, peak))| {
+            let (source, variance) = pair.source(p);
+            let error = variance.sqrt() / source;
+            Carried { frequency_hz: pair.frequency_hz, peak: source * peak, error }
+        })
     }
 
     fn wave(&self, coordinates: &[f64], radians: f64) -> Option<Wave> {

@@ -3,7 +3,7 @@
 use super::error::CalibrateError;
 use super::measurement::{MeasuredPoint, Measurement, SensorKind};
 use super::pairs::Pair;
-use super::unknowns::{HALF_WIDTH, SPEED, TAPER};
+use super::unknowns::{HALF_WIDTH, OF_PLATE, SPEED, TAPER};
 use crate::spec::Plate;
 
 /// An answer below this multiple of its noise shows nothing. Of 10 000 answers of noise alone the largest is 4.3 times
@@ -16,7 +16,8 @@ const FREQUENCIES_MIN: usize = 12;
 pub(super) const CHI2_PER_N_MAX: f64 = 6.0;
 /// Farthest that a wave speed may be from the file's, as a logarithm: no material is less well known.
 pub(super) const SPEED_MAX: f64 = 0.12;
-/// Standard deviations by which a width or a place may differ from what was known beforehand.
+/// Standard deviations by which the widths and the places together may differ from what was known beforehand: the root of
+/// the sum of their squares. A sensor 10 mm from its mark spreads its mistake over all of them.
 const DEVIATIONS_MAX: f64 = 4.5;
 /// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.
 const BOUNDARY_MAX: f64 = 5e-3;
@@ -51,8 +52,13 @@ pub(super) fn check_pair([a, b]: [&Measurement; 2], pairs: &[Pair]) -> Result<()
     if (a.place_m - b.place_m).abs() <= 4.0 * a.place_tolerance_m.hypot(b.place_tolerance_m) {
         return Err(CalibrateError::SamePlace { place_m: a.place_m });
     }
-    if pairs.len() < FREQUENCIES_MIN {
-        return Err(CalibrateError::FewFrequencies { count: pairs.len(), least: FREQUENCIES_MIN });
+    check_count(pairs.len())
+}
+
+/// Refuses too few frequencies.
+pub(super) fn check_count(count: usize) -> Result<(), CalibrateError> {
+    if count < FREQUENCIES_MIN {
+        return Err(CalibrateError::FewFrequencies { count, least: FREQUENCIES_MIN });
     }
     Ok(())
 }
@@ -66,30 +72,31 @@ pub(super) fn check_coordinates(
     if coordinates[SPEED].abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
     }
-    for (at, what, share) in [
-        (HALF_WIDTH, "half-width at the driven end", coordinates[HALF_WIDTH].exp()),
-        (TAPER, "taper", 1.0 + coordinates[TAPER]),
-    ] {
-        if coordinates[at].abs() > DEVIATIONS_MAX * deviations[at] {
-            return Err(CalibrateError::AnotherPlate { what, share });
-        }
+    let in_deviations = |at: usize| coordinates[at] / deviations[at];
+    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..places_m.len()).map(|i| OF_PLATE + i));
+    let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
+    if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
+        return Ok(());
     }
-    let first = deviations.len() - places_m.len();
-    for (i, &place_m) in places_m.iter().enumerate() {
-        let (moved_m, deviation) = (coordinates[first + i], deviations[first + i]);
-        if moved_m.abs() > DEVIATIONS_MAX * deviation {
-            return Err(CalibrateError::Misplaced { place_m, found_m: place_m + moved_m });
+    let farthest = known.max_by(|a, b| in_deviations(*a).abs().total_cmp(&in_deviations(*b).abs()));
+    Err(match farthest {
+        Some(HALF_WIDTH) => CalibrateError::AnotherPlate {
+            what: "half-width at the driven end",
+            share: coordinates[HALF_WIDTH].exp(),
+        },
+        Some(at) if at >= OF_PLATE => {
+            let place_m = places_m[at - OF_PLATE];
+            CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }
         }
-    }
-    Ok(())
+        _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },
+    })
 }
 
-/// Refuses what the data leave open: the boundary's standard deviation in metres, the level's in dB.
+/// Refuses what the sensors' answers leave open: standard deviations of the boundary, metres, and of the level, dB.
 pub(super) fn check_carried(
     plate: &Plate,
     sensors: &[&Measurement],
-    boundary_m: f64,
-    level_db: f64,
+    (boundary_m, level_db): (f64, f64),
 ) -> Result<(), CalibrateError> {
     if boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB {
         return Ok(());

@@ -2,8 +2,6 @@
 
 use super::gain;
 use super::least_squares::Fit;
-use super::pairs::Pair;
-use super::ratio::Ratio;
 use super::unknowns::{OF_PLATE, STEPS, TAPER, spec_at};
 use crate::spec::Plate;
 
@@ -19,15 +17,18 @@ pub(super) struct Spread {
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(super) speed: f64,
     /// Metres that the boundary goes for each metre of a mistake of each sensor's place.
-    pub(super) boundary_per_place: [f64; 2],
+    pub(super) boundary_per_place: Vec<f64>,
 }
 
 impl Spread {
+    /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors' places. `carried`
+    /// is the logarithm of the gain to the peak at each frequency, in any scale, for given coordinates.
     pub(super) fn of(
-        ratio: &Ratio<'_>,
         fitted: &Plate,
         fit: &Fit,
-        peaks: &[(Vec<f64>, f64)],
+        deviations: &[f64],
+        places_of_sensors: usize,
+        carried: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
     ) -> Option<Self> {
         // Logarithm of the frequency that turns at each place, and of the peak over the source at each frequency.
         let (start, end) = fitted.span_m();
@@ -36,11 +37,7 @@ impl Spread {
         let turning = |plate: &Plate| -> Vec<f64> {
             places.iter().map(|&x| plate.frequency_for_boundary_hz(x).ln()).collect()
         };
-        let carried = |peaks: &[(Vec<f64>, f64)]| -> Vec<f64> {
-            let carry = |(pair, (p, peak)): (&Pair, &(Vec<f64>, f64))| (pair.source(p).0 * peak).ln();
-            ratio.pairs.iter().zip(peaks).map(carry).collect()
-        };
-        let (turning_here, carried_here) = (turning(fitted), carried(peaks));
+        let (turning_here, carried_here) = (turning(fitted), carried(&fit.parameters)?);
         let mut of_turning = vec![vec![0.0; fit.parameters.len()]; turning_here.len()];
         let mut of_carried = vec![vec![0.0; fit.parameters.len()]; carried_here.len()];
         for i in 0..fit.parameters.len() {
@@ -51,7 +48,7 @@ impl Spread {
             for (row, (there, here)) in of_turning.iter_mut().zip(turning(&plate).iter().zip(&turning_here)) {
                 row[i] = (there - here) / step;
             }
-            let there = carried(&ratio.with_peak(&beside)?);
+            let there = carried(&beside)?;
             for (row, (there, here)) in of_carried.iter_mut().zip(there.iter().zip(&carried_here)) {
                 row[i] = (there - here) / step;
             }
@@ -77,12 +74,12 @@ impl Spread {
             let moved = |row: &Vec<f64>| -> f64 {
                 row.iter().enumerate().map(|(j, slope)| slope * fit.covariance[(j, OF_PLATE + i)]).sum()
             };
-            let of_prior = ratio.deviations[OF_PLATE + i].powi(2);
+            let of_prior = deviations[OF_PLATE + i].powi(2);
             let of_each =
                 of_turning.iter().enumerate().map(|(k, row)| (moved(row) / per_metre(k) / of_prior).abs());
             of_each.fold(0.0, f64::max)
         };
-        let boundary_per_place = [per_place(0), per_place(1)];
+        let boundary_per_place = (0..places_of_sensors).map(per_place).collect();
         Some(Self { boundary_m, level_db: gain::DECIBELS * level, speed, boundary_per_place })
     }
 }

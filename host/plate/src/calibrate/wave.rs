@@ -5,6 +5,7 @@
 //! does not depend on them at all.
 
 use super::measurement::SensorKind;
+use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::{Equation, POINTS_MAX, respond_range};
 use crate::spec::{DriveEnd, Plate, PlateError, PlateSpec};
@@ -35,6 +36,44 @@ impl Wave {
         let grid = Grid::new(&plate, 1, Equation::Corrected, points, 1);
         let step_m = plate.length_m() / (points - 1) as f64;
         Ok(Self { plate, grid, step_m })
+    }
+
+    /// As [`Wave::new`], with the same slope p'(0) at every frequency, so that the field tells p(0) over p'(0), too.
+    /// A wave of `at_hz` must enter the plate.
+    pub(super) fn with_slope(spec: PlateSpec, points: usize, at_hz: f64) -> Result<Self, PlateError> {
+        let end = DriveEnd::Force { at_frequency_hz: at_hz };
+        let mut wave = Self::new(spec, points)?;
+        wave.plate = Plate::new(PlateSpec { drive_end: end, ..wave.plate.spec().clone() })?;
+        Ok(wave)
+    }
+
+    /// The complex wave of [`Wave::with_slope`] at sensors of one kind at `places_m`, and at the driven end; with its peak if
+    /// that is wanted.
+    pub(super) fn complex(
+        &self,
+        sensor: SensorKind,
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+        with_peak: bool,
+    ) -> Vec<Row> {
+        let mut rows = Vec::with_capacity(frequencies_hz.len());
+        let slope = self.slope();
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
+            let peak = if with_peak {
+                level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0
+            } else {
+                f64::NAN
+            };
+            let seen = places_m.iter().map(|&place_m| seen(field, self.step_m, place_m, sensor)).collect();
+            rows.push(Row { seen, value: field[0], slope, peak });
+        });
+        rows
+    }
+
+    /// p'(0) of a plate with that slope, 1/m.
+    fn slope(&self) -> Complex64 {
+        let end = DrivenEnd::of(&self.plate, f64::NAN);
+        end.drive / end.beta
     }
 
     /// Whether a wave of this frequency enters the plate.
@@ -68,6 +107,18 @@ impl Wave {
         });
         rows
     }
+}
+
+/// The wave at one frequency.
+pub(super) struct Row {
+    /// p, or p'' for strain, at each place.
+    pub(super) seen: Vec<Complex64>,
+    /// p(0).
+    pub(super) value: Complex64,
+    /// p'(0), 1/m.
+    pub(super) slope: Complex64,
+    /// The amplitude of the peak; NaN where nobody asked.
+    pub(super) peak: f64,
 }
 
 /// Positions on a plate for frequencies up to `highest_hz`. A fit keeps their number while it moves the plate's numbers:

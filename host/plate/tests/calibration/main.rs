@@ -2,6 +2,7 @@
 //! it drives the true plate.
 
 mod misuse;
+mod one_sensor;
 mod rig;
 mod touches;
 
@@ -23,6 +24,12 @@ fn measured(name: &str, rig: &Rig, random: &mut Random) -> [Measurement; 2] {
 
 fn calibrated(rig: &Rig, sensors: &[Measurement; 2]) -> Result<Calibrated, CalibrateError> {
     from_ratio(&rig.nominal, [&sensors[0], &sensors[1]], &Priors::default())
+}
+
+/// Whether the told interval of a parameter holds the true value.
+fn within(found: &Calibrated, name: &str, value: f64) -> bool {
+    let told = found.parameters.iter().find(|parameter| parameter.name == name).expect(name);
+    (told.low..=told.high).contains(&value)
 }
 
 /// Calibrates truths of a preset; returns what the tables do before and after.

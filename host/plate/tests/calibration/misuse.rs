@@ -2,7 +2,7 @@
 
 use crate::rig::{Random, Rig, Solver};
 use crate::{PLACES, calibrated, count, measured};
-use slipline_plate::calibrate::{CalibrateError, Measurement};
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement};
 use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
 
 const NAMES: [&str; 2] = ["membrane", "al-bending"];
@@ -20,13 +20,28 @@ fn refused_or_good(
     moved_m: [f64; 2],
     what: &str,
 ) -> Option<CalibrateError> {
-    let found = match calibrated(rig, sensors) {
+    good_or_refused(rig, calibrated(rig, sensors), &moved_m, what)
+}
+
+/// The same of what any way of calibrating found.
+pub(crate) fn good_or_refused(
+    rig: &Rig,
+    found: Result<Calibrated, CalibrateError>,
+    moved_m: &[f64],
+    what: &str,
+) -> Option<CalibrateError> {
+    let found = match found {
         Ok(found) => found,
         Err(error) => return Some(error),
     };
     let untouched = Rig { finger: None, ..rig.clone() };
     let judged = untouched.judge(&found.plate);
-    let by_places: f64 = (0..2).map(|i| found.boundary_per_place[i] * moved_m[i].abs()).sum();
+    let by_places: f64 = found
+        .boundary_per_place
+        .iter()
+        .zip(moved_m)
+        .map(|(per_place, moved_m)| per_place * moved_m.abs())
+        .sum();
     let told_m = 1e-3_f64.max(1.5 * found.boundary_tolerance_m) + by_places;
     assert!(judged.boundary_m < told_m, "{what}: {judged:?}, told {told_m}");
     let told_db = 2_f64.max(1.5 * found.level_tolerance_db);

@@ -1,0 +1,116 @@
+//! One sensor, with the full model of the source.
+
+use crate::misuse::good_or_refused;
+use crate::rig::{Random, Rig, Solver, middle_and_worst};
+use crate::{count, within};
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_one_sensor};
+use slipline_plate::{Complex64, DriveEnd, Finger, Impedance, Model, Plate};
+
+/// Share of the length at which the sensor stands.
+const PLACE: f64 = 0.1;
+
+fn measured(name: &str, rig: &Rig, random: &mut Random) -> Measurement {
+    let [sensor] = rig.measure([PLACE * rig.nominal.length_m()], count(name), random);
+    sensor
+}
+
+fn calibrated(rig: &Rig, sensor: &Measurement) -> Result<Calibrated, CalibrateError> {
+    from_one_sensor(&rig.nominal, sensor, &Priors::default())
+}
+
+fn impedance(plate: &Plate) -> Impedance {
+    match plate.spec().drive_end {
+        DriveEnd::Source(source) => source.impedance,
+        ref other => panic!("no source: {other:?}"),
+    }
+}
+
+#[test]
+fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
+    for (name, boundary_mm, level_db) in
+        [("membrane", [0.6, 1.2], [0.6, 2.0]), ("al-bending", [0.4, 0.8], [0.6, 2.5])]
+    {
+        let (mut judged, mut sources_told) = (Vec::new(), 0);
+        for seed in 0..20 {
+            let mut random = Random(seed);
+            let rig = Rig::new(name, Solver::OneMode, &mut random);
+            let sensor = measured(name, &rig, &mut random);
+            let found = calibrated(&rig, &sensor).unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
+            let plate = Plate::from_toml(&found.plate.to_toml()).expect("an ordinary plate file");
+            assert_eq!(plate, found.plate);
+            let after = rig.judge(&plate);
+            assert!(after.boundary_m < 1.5 * found.boundary_tolerance_m, "{name} {seed}: {after:?}");
+            assert!(after.level_db < 1.5 * found.level_tolerance_db.max(0.5), "{name} {seed}: {after:?}");
+            let truth = impedance(&rig.truth);
+            sources_told += usize::from(
+                within(&found, "drive.resistance_n_s_per_m", truth.resistance_n_s_per_m)
+                    && within(&found, "drive.mass_kg", truth.mass_kg)
+                    && within(&found, "delay_s", rig.delay_s),
+            );
+            judged.push(after);
+        }
+        let boundary = middle_and_worst(judged.iter().map(|it| 1e3 * it.boundary_m).collect());
+        let level = middle_and_worst(judged.iter().map(|it| it.level_db).collect());
+        println!("{name}: {boundary:?} mm, {level:?} dB; the source is told for {sources_told} of 20");
+        assert!(boundary.0 <= boundary_mm[0] && boundary.1 <= boundary_mm[1], "{name}: {boundary:?}");
+        assert!(level.0 <= level_db[0] && level.1 <= level_db[1], "{name}: {level:?}");
+        assert!(sources_told >= 17, "{name}: {sources_told}");
+    }
+}
+
+#[test]
+fn what_goes_wrong_with_one_sensor_is_refused_or_told() {
+    for name in ["membrane", "al-bending"] {
+        let mut random = Random(50);
+        let rig = Rig::new(name, Solver::OneMode, &mut random);
+        let sensor = measured(name, &rig, &mut random);
+        let told = |rig: &Rig, sensor: &Measurement, moved_m: f64, what: &str| {
+            good_or_refused(rig, calibrated(rig, sensor), &[moved_m], &format!("{name} {what}"))
+        };
+        assert_eq!(told(&rig, &sensor, 0.0, "as it should be"), None);
+        for moved_m in [1e-3, -1e-3, 1e-2, -1e-2] {
+            let [mut moved] = rig.measure([sensor.place_m + moved_m], count(name), &mut random);
+            moved.place_m = sensor.place_m;
+            let error = told(&rig, &moved, moved_m, "moved");
+            assert_eq!(error.is_some(), f64::abs(moved_m) > 5e-3, "{name} {moved_m}: {error:?}");
+        }
+        let mut unplugged = sensor.clone();
+        for point in &mut unplugged.points {
+            point.response = Complex64::new(random.normal(), random.normal()) * point.noise;
+        }
+        let error = calibrated(&rig, &unplugged).expect_err("unplugged");
+        assert!(matches!(error, CalibrateError::NoSignal { .. }), "{error}");
+        let largest = sensor.points.iter().map(|point| point.response.norm()).fold(0.0, f64::max);
+        let mut clipped = sensor.clone();
+        for point in &mut clipped.points {
+            let over = point.response.norm() / (0.4 * largest);
+            point.response /= over.max(1.0);
+            point.headroom_db = None;
+        }
+        let error = calibrated(&rig, &clipped).expect_err("clipped");
+        assert!(matches!(error, CalibrateError::Unlike { .. } | CalibrateError::NoFit), "{error}");
+        let mut another = rig.clone();
+        another.nominal = rig.nominal.with_wave_speed(1.2).expect("valid");
+        let error = calibrated(&another, &sensor).expect_err("another plate");
+        assert!(matches!(error, CalibrateError::AnotherPlate { .. }), "{error}");
+        let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(0.12) };
+        let touched = Rig { finger: Some(firm), ..rig.clone() };
+        let [under_finger] = touched.measure([sensor.place_m], 60, &mut random);
+        let error = told(&touched, &under_finger, 0.0, "finger");
+        assert!(error.is_some() || name == "al-bending", "a finger goes unnoticed on {name}");
+    }
+}
+
+#[test]
+fn a_membrane_without_a_tension_has_no_source_that_could_be_fitted() {
+    let mut random = Random(1);
+    let mut rig = Rig::new("membrane", Solver::OneMode, &mut random);
+    let sensor = measured("membrane", &rig, &mut random);
+    let mut spec = rig.nominal.spec().clone();
+    if let Model::Membrane { tension_n_per_m, .. } = &mut spec.model {
+        *tension_n_per_m = None;
+    }
+    rig.nominal = Plate::new(spec).expect("valid");
+    let error = calibrated(&rig, &sensor).expect_err("no tension").to_string();
+    assert!(error.contains("model.tension_n_per_m"), "{error}");
+}
