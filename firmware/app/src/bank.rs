@@ -11,7 +11,7 @@
 //! ```
 //! (Cycles of a Cortex-M4 without wait states, all included, by a cycle model of the image `slipline-bench`. A block
 //! that re-tunes all tones at once costs 6.5. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
-//! 12 % of that, a re-tuned one 25 %, the worst, gliding one 38 %.)
+//! 12 % of that, a re-tuned one 25 %, the worst, gliding one 37 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola
 //! [`ToneBlock::phase_gain`], in integers; over a whole block that is `64 (step + step_end)` exactly. Only this 64-bit
@@ -60,8 +60,8 @@ pub mod code;
 #[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
 // The formatter would put each operand of an instruction on a line of its own.
 #[rustfmt::skip]
-mod cortex_m4;
-mod glide;
+pub(crate) mod cortex_m4;
+pub(crate) mod glide;
 mod kernel;
 mod layout;
 mod native;

@@ -1,9 +1,9 @@
 //! The lock-in: how strongly, and with what phase, the inputs answer each tone that sounds.
 //!
 //! ```text
-//! SenseStream -> block of codes -> fold ---------------------------+
-//!                                                                  v
-//! renderer -> History (phases and ToneBlocks as rendered) -> basis -> correlate -> I, Q of the block -> weight -> sums
+//! SenseStream -> block of codes -> fold twice ---------------------+
+//!                                                                 v
+//! renderer -> History (phases and ToneBlocks as rendered) -> basis -> X, D -> I, Q of the block -> weight -> sums
 //! ```
 //! With `x[n]` an input's code less mid-scale and `phi[n]` the phase at which the bank renders a tone (`a sin phi[n]`),
 //! ```text
@@ -21,35 +21,47 @@
 //! ADC code `n` belongs to DAC code `n`; what lies between them ([`SenseStream::delay_ns`](crate::ports::SenseStream))
 //! is left in `psi`, for the host to take out: `psi` falls by `2 pi f delay`.
 //!
-//! **Computation.** As the bank, in sub-blocks of 16 samples about a centre with phase `p`; `x` at `tau` and `-tau` is
-//! folded first, once for all tones:
+//! **Computation.** With `t = n - 127/2`, `p` a tone's mean phase over the block, `w` its step in the middle and `theta` what
+//! its step changes by over the block, all in radians, the parabola that the bank renders is
 //! ```text
-//! C = sum (x[tau] + x[-tau]) cos(w tau)      S = sum (x[tau] - x[-tau]) sin(w tau)      tau = 1/2 .. 15/2
-//! I = C sin p + S cos p                      Q = C cos p - S sin p
+//! phi = p + w t + theta (t^2 - 16383/12) / 256
 //! ```
-//! Every block starts from the exact 64-bit phase at its first sample. From its first centre, seven turns lead along the
-//! parabola that the bank follows, 1e-8 off at the last: no error grows, and a block's sums depend on nothing but its
-//! codes, phases and steps. `w` is the tone's
-//! frequency in the middle of the block. In a glide as fast as the bank takes
-//! ([`MAX_STEP_CHANGE`](crate::bank::MAX_STEP_CHANGE)) the phase at a sub-block's outermost samples is off by up to
-//! 0.020 rad, odd about the centre, and by 0.0013 rad, even. Summed up this costs 3.3e-5 of the amplitude and 0.029
-//! degrees, which a test holds: far below what is asked of a measurement (0.05 dB and 0.3 degrees).
+//! A block has four pairs of sub-blocks of 16 samples, with centres at `t = +-16 (j + 1/2)`. The codes are folded about each
+//! centre, `x[tau] +- x[-tau]`, and then about the block's: the sum and the difference of what each pair has of them. That is
+//! done once for all tones. With `a_j = 16 w (j + 1/2)` and `tau = 1/2 .. 15/2`
+//! ```text
+//! E+- = sum (of even codes, sum or difference) cos(w tau)      O+- = sum (of odd ones) sin(w tau)
+//! Y_j = cos a_j E+ - sin a_j O-  +  i (cos a_j O+ + sin a_j E-)
+//! Q + iI = exp(ip) sum exp(i phi_j) Y_j      phi_j = theta (j (j + 1) - 5), the mean over the pair
+//!        = exp(ip) (X + i theta D) (1 - 21/2 theta^2)      X = sum Y_j      D = sum (j (j + 1) - 5) Y_j
+//! ```
+//! where 21 is the mean of the squares of -5, -3, 1 and 7. So a block takes 64 dual products and four turns of each tone,
+//! whether it glides or not. What depends on `w` alone, the basis, is kept until `w` changes. Every block starts from the exact
+//! 64-bit phase: no error grows, and a block's sums depend on nothing but its codes, phases and steps.
+//!
+//! In a glide as fast as the bank takes ([`MAX_STEP_CHANGE`](crate::bank::MAX_STEP_CHANGE), `theta` = 0.0061) the phase at a
+//! sub-block's outermost samples is off by up to 0.020 rad, odd about its centre, and by 0.0009 rad, even, with no mean. A test
+//! holds what this costs: 3.3e-5 of the amplitude and less than 0.001 degrees, far below what is asked of a measurement (0.05 dB
+//! and 0.3 degrees). The weight of a pair is off by up to `14 theta^2`, 5.3e-4, and by nothing on average.
 //!
 //! **Word lengths.** The basis has 14 fractional bits, times [`BASIS_ONE`]` / 2^14`. Its rounding is at most 2^-15 a
-//! sample: 4e-5 of a tone's own amplitude, and another tone of full scale shows at less than -100 dBFS.
+//! sample: 4e-5 of a tone's own amplitude, and another tone of full scale shows at less than -100 dBFS. The cosines are a
+//! chain, `cos(n + 1) = 2 cos(1) cos(n) - cos(n - 1)`, 4e-7 off at the eighth. `cos a_j` and `sin a_j` are 1.4e-7 off at most
+//! and have 29 bits, as `Y`, `X` and `D` are eighths of `G`'s unit, and `I` and `Q` of a block too, by the last product.
 //! No sum can overflow, whatever the codes:
 //! ```text
-//! |x[tau] +- x[-tau]| <= 2^12, so C and S: 8 * 2^12 * 16383 < 2^29                                     i32
-//! one block: |x| <= 2^11, |sin|, |cos| <= 1; 128 * 2^11 * 16383 / 2 = 2^31 - 2^17                       i32
-//!     + rounding of the basis: 128 * 2^11 * (1/2 + 1/2) / sqrt(2) / 2 < 2^16.6, of the products: 16
-//! window: weights <= 2^15, at most 2^16 - 1 blocks: 2^31 * 2^15 * 2^16 = 2^62                           i64
+//! folded twice: |sum of four x| <= 2^13                                                                 i16
+//! E, O: 8 * 2^13 * 16384 = 2^30                                                                         i32
+//! Y_j: |x| <= 2^11, |exp| <= 1; 32 * 2^11 * 16383 / 8 = 2^27 - 2^13; D: 16 times that: 2^31 - 2^17      i32
+//!     + rounding of the basis: 16 * 32 * 2^11 * (1/2 + 1/2) / sqrt(2) / 8 = 2^16.5, of the products: 2^9
+//! one block: X / 2, 2^28; its weight, eight times at most 2^15; at most 2^16 - 1 blocks: 2^62           i64
 //! offset: M: 128 * 2^11 * 2^31 = 2^49; M I0: 2^49 * 2^62                                                i128
 //! ```
 //!
 //! **Cost** on a Cortex-M4 without wait states, sixteen tones on one input, all included, by a cycle model of the image
-//! `slipline-bench`: 9.2 cycles per tone and sample while every tone is steady (35 % of a block's time at 168 MHz and
-//! 400 kS/s), 11.7 while every tone glides (45 %). The goal is 5. The products and their turn are 2.9 of these, the phases
-//! of the centres 1.8 (steady) or 2.7 (gliding), a new basis 1.4. All but the dual product is compiled Rust.
+//! `slipline-bench`: 3.86 cycles per tone and sample while every tone is steady (15 % of a block's time at 168 MHz and
+//! 400 kS/s), 4.93 while every tone glides (19 %). The goal is 5. Of these, the products and their turns are 1.5, a new
+//! basis 1.1, folding 0.3, and remembering how the block was rendered 0.2.
 //!
 //! **Messages.** What a protocol has to carry: *start*: a [`Window`] (first index, length in blocks, shape, slots);
 //! refused with [`StartError`]. *Read*: [`LockIn::state`], and when it is [`State::Finished`] the [`Reading`]: the
@@ -58,18 +70,27 @@
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
-mod correlate;
-mod dual;
+mod basis;
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
+// The formatter would put each operand of an instruction on a line of its own.
+#[rustfmt::skip]
+mod cortex_m4;
 mod fold;
 mod history;
+mod kernel;
+mod portable;
+mod reading;
 mod window;
 
-pub use self::correlate::{BASIS_ONE, CONSTANT};
-use self::correlate::{Basis, Centres, Sums, correlate};
-use self::dual::{Dual, Native, Portable};
+use self::basis::Follower;
+pub use self::basis::{BASIS_ONE, CONSTANT};
+use self::fold::Folds;
 pub use self::fold::Span;
-use self::fold::{Fold, PARTS, fold};
-pub use self::history::{History, Played};
+pub use self::history::{History, Played, PlayedTone};
+use self::kernel::{Block, Kernel, Native};
+use self::portable::Portable;
+pub use self::reading::{InPhaseQuadrature, Reading};
 use self::window::Weights;
 pub use self::window::{MAX_WINDOW_BLOCKS, Shape, StartError, Window};
 use crate::bank::{BLOCK, TONES};
@@ -93,82 +114,6 @@ pub enum State {
     },
 }
 
-/// The sums of one tone and one input; their unit is in the [module's](self) equations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InPhaseQuadrature {
-    /// `I`: along the tone's sine.
-    pub in_phase: i64,
-    /// `Q`: along its cosine, a quarter of a turn ahead.
-    pub quadrature: i64,
-}
-
-impl InPhaseQuadrature {
-    const NONE: Self = Self { in_phase: 0, quadrature: 0 };
-
-    /// Adds a block's sums. The [module](self) shows that 63 bits hold the longest window.
-    fn add(&mut self, sums: Sums, weight: u32) {
-        let times = |sum: i32| i64::from(sum).wrapping_mul(weight.into());
-        self.in_phase = self.in_phase.wrapping_add(times(sums.in_phase));
-        self.quadrature = self.quadrature.wrapping_add(times(sums.quadrature));
-    }
-}
-
-/// What a window has measured so far.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reading {
-    /// The sums of each input's tones, the input's offset not taken away.
-    pub sums: [[InPhaseQuadrature; TONES]; INPUTS],
-    /// The sums of the constant, [`CONSTANT`] codes.
-    pub constant: [InPhaseQuadrature; TONES],
-    /// Each input's codes less mid-scale, summed up by the same weights.
-    pub codes: [i64; INPUTS],
-    /// The sum of the weights of the blocks that have been taken.
-    pub weight: u32,
-    /// Blocks that have been taken.
-    pub blocks: u16,
-    /// Bit `n`: slot `n` was asked for, sounded in every block, and its phase ran on without a jump. The sums of other
-    /// slots mean nothing.
-    pub followed: u16,
-    /// The lowest and the highest code of each input: an input is clipped where one of them is at an end of the range,
-    /// and dead or stuck where they are equal. `None` for an input that the board has not.
-    pub spans: [Option<Span>; INPUTS],
-}
-
-impl Reading {
-    const NONE: Self = Self {
-        sums: [[InPhaseQuadrature::NONE; TONES]; INPUTS],
-        constant: [InPhaseQuadrature::NONE; TONES],
-        codes: [0; INPUTS],
-        weight: 0,
-        blocks: 0,
-        followed: 0,
-        spans: [None; INPUTS],
-    };
-
-    /// `I` and `Q` of a tone and an input, with the input's offset taken away. `None` for a slot that was not followed, an
-    /// input that does not exist, or an empty window.
-    ///
-    /// For the thread side: it divides numbers of 128 bits.
-    #[must_use]
-    pub fn answer(&self, input: usize, slot: usize) -> Option<InPhaseQuadrature> {
-        self.spans.get(input).copied().flatten()?;
-        if self.followed & 1_u16.checked_shl(u32::try_from(slot).ok()?)? == 0 {
-            return None;
-        }
-        let sum = self.sums.get(input)?.get(slot)?;
-        let (constant, codes) = (self.constant.get(slot)?, i128::from(*self.codes.get(input)?));
-        let scale = i128::from(self.weight) * (BLOCK as i128 * i128::from(CONSTANT));
-        let less = |sum: i64, constant: i64| {
-            let share = codes.wrapping_mul(constant.into()).checked_div(scale)?;
-            i64::try_from(i128::from(sum) - share).ok()
-        };
-        Some(InPhaseQuadrature {
-            in_phase: less(sum.in_phase, constant.in_phase)?,
-            quadrature: less(sum.quadrature, constant.quadrature)?,
-        })
-    }
-}
-
 /// The lock-ins of all tones, over one window at a time.
 #[derive(Clone, Debug)]
 pub struct LockIn {
@@ -176,11 +121,8 @@ pub struct LockIn {
     window: Window,
     weights: Weights,
     reading: Reading,
-    bases: [Basis; TONES],
-    /// Each tone's phase where the last block ended.
-    ends: [u64; TONES],
-    centres: Centres,
-    folds: [[Fold; PARTS]; INPUTS],
+    followers: [Follower; TONES],
+    folds: [Folds; INPUTS],
 }
 
 impl Default for LockIn {
@@ -198,10 +140,8 @@ impl LockIn {
             window: Window::NONE,
             weights: Weights::NONE,
             reading: Reading::NONE,
-            bases: [Basis::NONE; TONES],
-            ends: [0; TONES],
-            centres: [[0; 2]; PARTS],
-            folds: [[Fold::NONE; PARTS]; INPUTS],
+            followers: [Follower::NONE; TONES],
+            folds: [Folds::NONE; INPUTS],
         }
     }
 
@@ -261,7 +201,7 @@ impl LockIn {
         self.take_by::<Portable>(index, inputs, played);
     }
 
-    fn take_by<D: Dual>(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
+    fn take_by<K: Kernel>(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
         if self.state != State::Measuring || index < self.window.begin {
             return;
         }
@@ -271,8 +211,8 @@ impl LockIn {
             return;
         };
         let weight = self.weights.at(self.reading.blocks);
-        self.fold(inputs, weight);
-        self.follow::<D>(played, inputs.len(), weight);
+        self.fold::<K>(inputs, weight);
+        self.follow::<K>(played, inputs.len(), weight);
         // At most 2^16 - 1 times 2^15.
         self.reading.weight = self.reading.weight.wrapping_add(weight);
         self.reading.blocks = self.reading.blocks.saturating_add(1);
@@ -282,11 +222,11 @@ impl LockIn {
     }
 
     /// Folds each input's block, and adds its codes up.
-    fn fold(&mut self, inputs: &[[u16; BLOCK]], weight: u32) {
+    fn fold<K: Kernel>(&mut self, inputs: &[[u16; BLOCK]], weight: u32) {
         let Reading { spans, codes: sums, .. } = &mut self.reading;
         let totals = spans.iter_mut().zip(sums);
         for ((codes, folds), (all, total)) in inputs.iter().zip(&mut self.folds).zip(totals) {
-            let (span, sum) = fold(codes, folds);
+            let (span, sum) = K::fold(codes, folds);
             *all = Some(all.map_or(span, |all| all.with(span)));
             // The module's proof: 49 bits.
             *total = total.wrapping_add(i64::from(sum).wrapping_mul(weight.into()));
@@ -294,28 +234,23 @@ impl LockIn {
     }
 
     /// Adds the block to every tone's sums; gives up the tones that are silent or jump.
-    fn follow<D: Dual>(&mut self, played: &Played, inputs: usize, weight: u32) {
-        let is_first = self.reading.blocks == 0;
-        let own = self.bases.iter_mut().zip(&mut self.ends).zip(&mut self.reading.constant);
-        let tones = played.phases.iter().zip(&played.tones);
-        for (slot, ((phase, tone), ((basis, end), constant))) in tones.zip(own).enumerate() {
-            let bit = 1 << slot;
-            if self.reading.followed & bit == 0 {
-                continue;
-            }
-            let is_silent = tone.amplitude == 0 && tone.amplitude_end == 0;
-            if is_silent || !is_first && *end != *phase {
-                self.reading.followed &= !bit;
-                continue;
-            }
-            *end = phase.wrapping_add(tone.block_gain());
-            constant.add(basis.prepare(*phase, tone, &mut self.centres), weight);
-            for (sums, folds) in self.reading.sums.iter_mut().zip(&self.folds).take(inputs) {
-                if let Some(sum) = sums.get_mut(slot) {
-                    sum.add(correlate::<D>(basis, &self.centres, folds), weight);
-                }
-            }
-        }
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "sixteen slots, and no more inputs than there are places"
+    )]
+    fn follow<K: Kernel>(&mut self, played: &Played, inputs: usize, weight: u32) {
+        let Reading { sums, constant, followed, blocks, .. } = &mut self.reading;
+        *followed = K::follow(Block {
+            tones: &played.tones,
+            followers: &mut self.followers,
+            constant,
+            sums,
+            folds: &self.folds,
+            inputs: inputs.min(INPUTS) as u32,
+            weight: (weight << 3).cast_signed(),
+            slots: u32::from(*followed),
+            jumps: if *blocks == 0 { 0 } else { u32::MAX },
+        }) as u16;
     }
 }
 

@@ -464,6 +464,8 @@ macro_rules! sine_cosine {
     };
 }
 
+pub(crate) use sine_cosine;
+
 /// 2 if a tone moves, else 1 if a step is new, else 0; about 25 cycles a tone, and none after the first that moves.
 #[unsafe(naked)]
 unsafe extern "C" fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> u32 {
@@ -656,7 +658,14 @@ macro_rules! sub_block {
             "pkhtb r12, lr, r12, asr #16\npkhtb r9, r10, r9, asr #16\n",
             "str r12, [r0, #", $at, "]\n",
             "str r9, [r0, #1024 + ", $at, "]\n",
-            // On to the next sub-block.
+        )
+    };
+}
+
+/// On to the next sub-block.
+macro_rules! onward {
+    () => {
+        concat!(
             "vmov r10, s2\nvmov r11, s3\nvmov r12, s4\nvmov lr, s5\n",
             "add r2, r2, r3\n",
             "add r3, r3, r10\nadd r4, r4, r11\nadd r5, r5, r12\nadd r6, r6, lr\n",
@@ -793,13 +802,19 @@ unsafe extern "C" fn seed_glide(
         // Four sub-blocks, and once more.
         "3:",
         sub_block!("0"),
+        onward!(),
         sub_block!("4"),
+        onward!(),
         sub_block!("128"),
+        onward!(),
         sub_block!("132"),
         "vmov r8, s15",
         "add r0, r0, #256",
         "cmp r0, r8",
-        "beq 3b",
+        "bne 4f",
+        onward!(),
+        "b 3b",
+        "4:",
         // The basis.
         "vmov r2, s14",
         "vmov r0, s11",

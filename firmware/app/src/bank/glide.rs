@@ -41,7 +41,7 @@ pub(super) const HALF_UNIT: i32 = 1 << 15;
 pub(super) const THETA: i32 = 1_686_629_713;
 
 /// One tone's change over the block in units of 2^-40 turns per sample, kept within 2^-10 turns.
-fn change(block: &ToneBlock) -> i32 {
+pub(crate) fn change(block: &ToneBlock) -> i32 {
     const LIMIT: i32 = 1 << 22;
     let change = block.step_end.wrapping_sub(block.step);
     let whole = upper(change).cast_signed().clamp(-LIMIT, LIMIT - 1);

@@ -18,10 +18,10 @@ pub const ONE: i32 = i32::MAX - 7;
 const BINS: usize = 1024;
 
 /// `2 pi 2^-10 2^32 k`: turns a residual phase (2^-42 turns) into radians with 32 fractional bits.
-pub(super) const RADIANS: i32 = 26_353_564;
+pub(crate) const RADIANS: i32 = 26_353_564;
 
 /// Sine and cosine at the centre of each bin, in units of 2^-31.
-pub(super) static TABLE: [[i32; 2]; BINS] = table();
+pub(crate) static TABLE: [[i32; 2]; BINS] = table();
 
 /// Sine and cosine of `phase` (2^32 is one turn), scaled by [`ONE`]. Worst error 3.5e-9, that is -169 dB.
 #[inline(always)]

@@ -1,29 +1,43 @@
-//! A block of codes, folded about the centres of its sub-blocks.
+//! A block of codes, folded twice: about the centres of its sub-blocks, and about its own.
 
 use crate::bank::BLOCK;
 
 /// Half a sub-block: 8 samples on either side of its centre.
 pub(super) const HALF: usize = 8;
-/// Sub-blocks of a block.
-pub(super) const PARTS: usize = BLOCK / HALF / 2;
+/// Pairs of sub-blocks, one on either side of the block's centre.
+pub(super) const PAIRS: usize = BLOCK / HALF / 4;
 /// Packed words of a half: two samples in each, the one nearer to the centre in the lower half.
 pub(super) const WORDS: usize = HALF / 2;
 
-/// Twice mid-scale.
-const TWICE_MID: i32 = 4096;
+/// Four times mid-scale.
+pub(super) const FOUR_MID: i32 = 8192;
 /// The bits of a code. Others are cut off, so that no port can make the sums overflow.
-const CODE: u16 = 0x0FFF;
+pub(super) const CODE: u16 = 0x0FFF;
 
-/// One sub-block: `x[tau] + x[-tau]` and `x[tau] - x[-tau]`, 13 bits and a sign each, two in a word.
+/// What a pair of sub-blocks has in common, and by how much the later one is more: 13 bits and a sign each, two in a word.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub(super) struct Fold {
-    pub(super) even: [i32; WORDS],
-    pub(super) odd: [i32; WORDS],
+pub(super) struct Pair {
+    pub(super) sums: [i32; WORDS],
+    pub(super) differences: [i32; WORDS],
 }
 
-impl Fold {
-    pub(super) const NONE: Self = Self { even: [0; WORDS], odd: [0; WORDS] };
+impl Pair {
+    const NONE: Self = Self { sums: [0; WORDS], differences: [0; WORDS] };
+}
+
+/// A block, in the order in which the products are made.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(super) struct Folds {
+    /// Of `x[tau] + x[-tau]`, from the outermost pair to the innermost.
+    pub(super) even: [Pair; PAIRS],
+    /// Of `x[tau] - x[-tau]`, from the innermost pair to the outermost.
+    pub(super) odd: [Pair; PAIRS],
+}
+
+impl Folds {
+    pub(super) const NONE: Self = Self { even: [Pair::NONE; PAIRS], odd: [Pair::NONE; PAIRS] };
 }
 
 /// The lowest and the highest of some codes.
@@ -41,28 +55,6 @@ impl Span {
     pub fn with(self, other: Self) -> Self {
         Self { lowest: self.lowest.min(other.lowest), highest: self.highest.max(other.highest) }
     }
-}
-
-/// Folds a block; returns the span of its codes, and their sum less mid-scale.
-pub(super) fn fold(codes: &[u16; BLOCK], folds: &mut [Fold; PARTS]) -> (Span, i32) {
-    let (mut lowest, mut highest) = (CODE, 0);
-    let mut sum = 0;
-    for (codes, fold) in codes.as_chunks::<{ 2 * HALF }>().0.iter().zip(folds) {
-        let (below, above) = codes.split_at(HALF);
-        let pairs = above.as_chunks::<2>().0.iter().zip(below.as_rchunks::<2>().1.iter().rev());
-        for ((even, odd), ([a0, a1], [b1, b0])) in fold.even.iter_mut().zip(&mut fold.odd).zip(pairs) {
-            let [a0, a1, b0, b1] = [a0, a1, b0, b1].map(|code| code & CODE);
-            lowest = lowest.min(a0).min(a1).min(b0).min(b1);
-            highest = highest.max(a0).max(a1).max(b0).max(b1);
-            let [a0, a1, b0, b1] = [a0, a1, b0, b1].map(i32::from);
-            let (near, far) = (a0 + b0 - TWICE_MID, a1 + b1 - TWICE_MID);
-            // 128 numbers of 11 bits and a sign.
-            sum += near + far;
-            *even = pack(near, far);
-            *odd = pack(a0 - b0, a1 - b1);
-        }
-    }
-    (Span { lowest, highest }, sum)
 }
 
 /// Two numbers of 16 bits in one word.

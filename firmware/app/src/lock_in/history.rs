@@ -6,21 +6,31 @@ use slipline_protocol::units::SampleIndex;
 /// Blocks that are remembered: one is rendered while one waits, one plays, and one has just been played.
 const BLOCKS: usize = 4;
 
+/// How one tone of a block was rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct PlayedTone {
+    /// Its phase at the block's first sample, 2^64 = one turn.
+    pub phase: u64,
+    /// The tone.
+    pub tone: ToneBlock,
+}
+
 /// How one block was rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Played {
     /// Its first sample.
     pub index: SampleIndex,
-    /// Every tone's phase there, 2^64 = one turn.
-    pub phases: [u64; TONES],
     /// The tones.
-    pub tones: [ToneBlock; TONES],
+    pub tones: [PlayedTone; TONES],
 }
 
 impl Played {
     /// Stands for no block: no block has this index, which is not a multiple of a block's length.
-    const NONE: Self =
-        Self { index: SampleIndex::MAX, phases: [0; TONES], tones: [ToneBlock::steady(0, 0); TONES] };
+    const NONE: Self = Self {
+        index: SampleIndex::MAX,
+        tones: [PlayedTone { phase: 0, tone: ToneBlock::steady(0, 0) }; TONES],
+    };
 }
 
 /// The last blocks that were rendered. A stop that revises a block changes amplitudes, not phases: it needs no word here.
@@ -44,11 +54,14 @@ impl History {
     }
 
     /// Remembers a block, and forgets the oldest.
+    // A call: a renderer that nothing listens to does not pay for its registers.
+    #[inline(never)]
     pub fn record(&mut self, index: SampleIndex, phases: &[u64; TONES], tones: &[ToneBlock; TONES]) {
         if let Some(place) = self.blocks.get_mut(self.next) {
             place.index = index;
-            place.phases = *phases;
-            place.tones = *tones;
+            for (played, (phase, tone)) in place.tones.iter_mut().zip(phases.iter().zip(tones)) {
+                *played = PlayedTone { phase: *phase, tone: *tone };
+            }
         }
         self.next = (self.next + 1) % BLOCKS;
     }

@@ -2,6 +2,7 @@
 extern crate std;
 
 mod accuracy;
+mod basis;
 mod edges;
 
 use super::{BASIS_ONE, History, LockIn, Reading, Shape, State, Window};

@@ -97,7 +97,7 @@ fn gliding_tones_are_measured_as_well_as_steady_ones() {
 }
 
 #[test]
-fn the_fastest_glide_costs_3e_5_of_the_amplitude_and_0_03_degrees() {
+fn the_fastest_glide_costs_3e_5_of_the_amplitude_and_no_phase() {
     let mut all = answers(1, 2_000.0);
     all[0].turns = 0.0;
     let mut input = Input::quiet(all);
@@ -108,9 +108,9 @@ fn the_fastest_glide_costs_3e_5_of_the_amplitude_and_0_03_degrees() {
     });
     let is = answer(&reading, 0);
     let (short, degrees) = (1.0 - is.codes / 2_000.0, 360.0 * is.turns);
-    std::println!("the fastest glide: {short:.2e} of the amplitude, {degrees:.4} degrees");
+    std::println!("the fastest glide: {short:.2e} of the amplitude, {degrees:.5} degrees");
     assert!((3e-5..3.6e-5).contains(&short), "{short:e} of the amplitude");
-    assert!((0.028..0.031).contains(&degrees), "{degrees} degrees");
+    assert!(degrees.abs() < 0.001, "{degrees} degrees");
 }
 
 #[test]
