@@ -41,8 +41,3 @@ pub(super) trait Kernel {
     /// the tones that are silent or jump.
     fn follow(block: Block<'_>) -> u32;
 }
-
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-pub(super) use super::cortex_m4::CortexM4 as Native;
-#[cfg(not(all(target_arch = "arm", target_os = "none")))]
-pub(super) use super::portable::Portable as Native;
