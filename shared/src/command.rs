@@ -1,9 +1,10 @@
 //! What a host tells a device.
 
 use crate::limits::{
-    CHORD_PERIOD_LOG2, CHUNK_KNOTS, MAX_DIGEST_SAMPLES, MAX_HARMONIC, MAX_KNOTS, MAX_TONES, MIN_KNOTS,
-    MIN_MASTER_CDB, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
+    CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, MAX_DIGEST_SAMPLES, MAX_HARMONIC, MAX_KNOTS,
+    MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
 };
+use crate::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow};
 use crate::message::messages;
 use crate::schema::{body, choices};
 use crate::table::Knot;
@@ -51,6 +52,9 @@ messages! {
         /// Sounds tones that are multiples of one base frequency, from silence on. Needs an armed device with a table. It may
         /// take some milliseconds: the device renders a period of them before it answers.
         0x19 since 2 Chord(Chord) -> Accepted,
+        /// Sounds tones that are multiples of one low base frequency, from silence on, within the table's frequencies or beyond
+        /// them. Needs an armed device with a table.
+        0x1a since 3 Comb(Comb) -> Accepted,
         /// Begins to upload a turning-point table. What sounds goes on by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -77,9 +81,26 @@ messages! {
         /// Second step into the ROM bootloader: shows the token. Only while disarmed; the device answers and then
         /// restarts.
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
+        /// Asks what the device's inputs can do, and how many of their blocks were lost.
+        0x60 since 3 Inputs -> Inputs,
+        /// Begins to measure how the inputs answer each tone, over a window that lies ahead; forgets the last measurement. The
+        /// answer names the window's first sample. Needs a device with inputs; what the hello of a new session finds under way
+        /// is dropped.
+        0x61 since 3 Listen(ListenWindow) -> Accepted,
+        /// Asks for the measurement.
+        0x62 since 3 ListenRead(ListenPart) -> Listened,
+        /// Drops the measurement; accepted when there is none, too.
+        0x63 since 3 ListenStop -> Accepted,
+        /// Begins to capture the codes of an input, from an index on; forgets the last capture. The answer names the index. As
+        /// for a measurement, a new session drops it.
+        0x64 since 3 Capture(CaptureWindow) -> Accepted,
+        /// Asks for values of the capture.
+        0x65 since 3 CaptureRead(CapturePart) -> Captured,
+        /// Ends the capture; what has been captured can still be read. Accepted when there is none, too.
+        0x66 since 3 CaptureStop -> Accepted,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: asks for the coil's resistance.
-        0x7f since 3 MeasureCoil(CoilTest) -> CoilMeasured,
+        0x7f since 4 MeasureCoil(CoilTest) -> CoilMeasured,
     }
 }
 
@@ -184,6 +205,38 @@ body! {
         pub period_log2: u8 ["", CHORD_PERIOD_LOG2.0, CHORD_PERIOD_LOG2.1],
         /// The tones, at least one.
         pub tones: Vec<ChordTone, MAX_TONES> [""],
+        /// Scales all tones.
+        pub master: CentiDecibel ["1/100 dB", MIN_MASTER_CDB, 0],
+        /// How long all of them together rise from silence; from `min_glide` to `max_glide` of the device's hello.
+        pub glide: u32 ["samples"],
+        /// When it begins.
+        pub apply: Apply [""],
+    }
+}
+
+body! {
+    /// One tone of a comb; it sounds in the slot of its place in the list.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct CombTone {
+        /// Which multiple of the base frequency it is. The multiples rise strictly from tone to tone, up to 0.45 of the sample
+        /// rate.
+        pub harmonic: u16 ["", 1, u16::MAX],
+        /// Its peak on the plate relative to the table's full scale, where the table has its frequency. A frequency beyond the
+        /// table's ends has the gain of that end.
+        pub level: Level ["1/65535"],
+        /// Its phase at the start.
+        pub phase: Phase ["1/65536 turn"],
+    }
+}
+
+body! {
+    /// The body of [`Command::Comb`].
+    #[derive(Clone, Debug, PartialEq, Eq)]
+    pub struct Comb {
+        /// The period in blocks of 128 samples. The base frequency is the sample rate divided by the period.
+        pub period_blocks: u16 ["blocks", COMB_PERIOD_BLOCKS.0, COMB_PERIOD_BLOCKS.1],
+        /// The tones, at least one.
+        pub tones: Vec<CombTone, MAX_TONES> [""],
         /// Scales all tones.
         pub master: CentiDecibel ["1/100 dB", MIN_MASTER_CDB, 0],
         /// How long all of them together rise from silence; from `min_glide` to `max_glide` of the device's hello.

@@ -3,6 +3,7 @@
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
+use crate::listen::{Captured, InputsReport, Listened};
 use crate::message::messages;
 use crate::refusal::Refusal;
 use crate::schema::{body, choices};
@@ -35,9 +36,15 @@ messages! {
         0xb1 since 0 Digest(Digest),
         /// The token that lets the next command enter the bootloader.
         0xd0 since 0 BootloaderToken(u32),
+        /// What the inputs can do.
+        0xe0 since 3 Inputs(InputsReport),
+        /// How the inputs answered each tone.
+        0xe2 since 3 Listened(Listened),
+        /// Values of a capture.
+        0xe5 since 3 Captured(Captured),
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: the coil's resistance.
-        0xff since 3 CoilMeasured(CoilReport),
+        0xff since 4 CoilMeasured(CoilReport),
     }
 }
 

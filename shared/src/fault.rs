@@ -30,7 +30,7 @@ choices! {
         9 since 1 StoreFellBack or Self::StoreDamaged,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        10 since 3 CoilOpen or Self::Overheat,
+        10 since 4 CoilOpen or Self::Overheat,
     }
 }
 

@@ -26,6 +26,7 @@ pub mod event;
 pub mod fault;
 pub mod frame;
 pub mod limits;
+pub mod listen;
 mod message;
 mod minor;
 pub mod refusal;

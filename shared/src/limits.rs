@@ -34,6 +34,18 @@ pub const MIN_MASTER_CDB: i16 = -9600;
 pub const CHORD_PERIOD_LOG2: (u8, u8) = (7, 14);
 /// The highest multiple of a chord's base frequency: 0.45 of the sample rate at the longest period.
 pub const MAX_HARMONIC: u16 = ((1u32 << CHORD_PERIOD_LOG2.1) * MAX_FREQUENCY_PER_MILLE / 1000) as u16;
+/// A comb's period in blocks of 128 samples: 128 to 8 388 480 samples.
+pub const COMB_PERIOD_BLOCKS: (u16, u16) = (1, u16::MAX);
+/// Samples in the block in which a comb's period is counted: the device's block.
+pub const COMB_BLOCK: u32 = 128;
+/// Tones of one `Listened`: eight of up to 20 bytes and the rest fit into [`MAX_BODY`].
+pub const LISTENED_TONES: usize = 8;
+/// Values of a capture, at most.
+pub const MAX_CAPTURE_VALUES: u16 = 4096;
+/// The binary logarithm of the codes that a captured value sums up, at most: 1024 codes.
+pub const MAX_CAPTURE_LOG2: u8 = 10;
+/// Values of one `Captured`: 40 of up to 5 bytes and the rest fit into [`MAX_BODY`].
+pub const CAPTURED_VALUES: usize = 40;
 /// The largest sum of a chord's amplitudes, in per mille of full scale: `4 sqrt(2)`. Beyond it the RMS of sixteen tones, and so
 /// their peak, exceeds full scale with any phases.
 pub const MAX_CHORD_SUM_PER_MILLE: u32 = 5657;

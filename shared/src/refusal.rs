@@ -40,6 +40,18 @@ choices! {
         15 since 2 ChordPeriod or Self::Glide,
         /// A tone's multiple of a chord's base frequency.
         16 since 2 Harmonic or Self::ToneSlot,
+        /// A comb's period in blocks.
+        17 since 3 CombPeriod or Self::Glide,
+        /// The number of blocks that an input is measured over.
+        18 since 3 WindowBlocks or Self::DigestCount,
+        /// How many tones are to be measured at once.
+        19 since 3 LockIns or Self::ToneCount,
+        /// The number of an input.
+        20 since 3 Input or Self::ToneSlot,
+        /// The binary logarithm of the codes that a captured value sums up.
+        21 since 3 CaptureCodes or Self::DigestCount,
+        /// The number of values of a capture.
+        22 since 3 CaptureValues or Self::DigestCount,
     }
 }
 
@@ -64,7 +76,13 @@ impl Field {
             Self::Quality => "actuator quality (1/1000)",
             Self::StaticTravel => "static travel (1e-6 of the peak travel)",
             Self::ChordPeriod => "chord period (log2 of samples)",
-            Self::Harmonic => "multiple of the chord's base frequency",
+            Self::Harmonic => "multiple of the base frequency",
+            Self::CombPeriod => "comb's period (blocks)",
+            Self::WindowBlocks => "window (blocks)",
+            Self::LockIns => "tones to be measured",
+            Self::Input => "input",
+            Self::CaptureCodes => "codes in a value (log2)",
+            Self::CaptureValues => "captured values",
         }
     }
 }
@@ -159,7 +177,7 @@ choices! {
         },
         /// The token is wrong or too old: ask for a new one.
         17 since 0 BadToken,
-        /// This device cannot do that (no flash store, no bootloader, no trigger input).
+        /// This device cannot do that (no flash store, no bootloader, no trigger input, no inputs that are measured).
         18 since 0 NotSupported,
         /// The flash reported an error, or what was written reads back wrong.
         19 since 0 StoreFailed,
@@ -190,7 +208,7 @@ choices! {
         } or Self::Headroom { sum_per_mille: *peak_per_mille },
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        26 since 3 CoilOpen or Self::NotSupported,
+        26 since 4 CoilOpen or Self::NotSupported,
     }
 }
 

@@ -11,6 +11,7 @@ use examples::{SEQUENCE, SESSION, VERSION, commands_of, events_of};
 use slipline_protocol::command::Hello;
 use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::frame::CRC;
+use slipline_protocol::refusal::Field;
 use slipline_protocol::schema::MessageRow;
 use slipline_protocol::version::{MINOR, Minor, SCHEMA, Version};
 use slipline_protocol::{Command, Decoder, Event, Refusal};
@@ -200,6 +201,28 @@ fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
     assert_eq!(seen, expected);
     for (label, command) in commands_of(2) {
         assert!(command.frame_for(minor(1), SESSION, SEQUENCE).is_err(), "{label} goes to no device of 1.1");
+    }
+}
+
+/// What a side of 1.2 gets in the place of each addition of 1.3.
+#[test]
+fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
+    let seen: Vec<Option<Event>> = events_of(3).iter().map(|(_, event)| told(event, minor(2))).collect();
+    // No host of 1.2 sends what these refuse; so none ever gets these.
+    let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
+    let mut expected = vec![None; 8];
+    let stand_ins = [
+        Field::Glide,
+        Field::DigestCount,
+        Field::ToneCount,
+        Field::ToneSlot,
+        Field::DigestCount,
+        Field::DigestCount,
+    ];
+    expected.extend(stand_ins.map(refused));
+    assert_eq!(seen, expected);
+    for (label, command) in commands_of(3) {
+        assert!(command.frame_for(minor(2), SESSION, SEQUENCE).is_err(), "{label} goes to no device of 1.2");
     }
 }
 

@@ -304,6 +304,8 @@ fn page() -> String {
         ("max_apply_ahead_ms", limits::MAX_APPLY_AHEAD_MS.to_string()),
         ("chord_longest", (1u32 << limits::CHORD_PERIOD_LOG2.1).to_string()),
         ("chord_sum", limits::MAX_CHORD_SUM_PER_MILLE.to_string()),
+        ("max_capture_values", limits::MAX_CAPTURE_VALUES.to_string()),
+        ("captured_values", limits::CAPTURED_VALUES.to_string()),
         ("foldback_period_ms", limits::FOLDBACK_PERIOD_MS.to_string()),
         ("foldback_periods", limits::FOLDBACK_PERIODS.to_string()),
         ("schema", hex(&SCHEMA.to_le_bytes())),

@@ -28,16 +28,16 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, VERSION_1_2, Accepted, Chord, ChordTone, DigestStart, Drive, Hello,
-    HelloEvent, KeepAlive, MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent,
-    Version, at, fault_names,
+    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, Capture, CaptureRead, Chord, ChordTone,
+    Comb, CombTone, DigestStart, Drive, Hello, HelloEvent, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent,
+    SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
 from stream import Stream
 from table import Table
 
-__all__ = ["AT_TRIGGER", "ChordTone", "Client", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
+__all__ = ["AT_TRIGGER", "ChordTone", "Client", "CombTone", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
 
 KEEP_ALIVE_S = 0.2
 _FIRST_SESSION = 0
@@ -84,7 +84,7 @@ class Client:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def hello(self, version: Version = VERSION_1_2, nonce: Optional[bytes] = None) -> HelloEvent:
+    def hello(self, version: Version = VERSION_1_3, nonce: Optional[bytes] = None) -> HelloEvent:
         """Begins a new session, which ends the one before, and returns who the device is.
 
         From then on both speak the lower of the two minors: `minor`.
@@ -148,11 +148,55 @@ class Client:
         exceed full scale; else it refuses with `Peak`. The other arguments are those of `drive`. Raises `FieldError`, and
         `SliplineError` with a device older than 1.2.
         """
-        glide = self.device.min_glide if glide is None else glide
-        check_integer(glide, self.device.min_glide, self.device.max_glide, "Chord.glide")
-        chord = Chord(period_log2, tuple(tones), master, glide, apply)
-        ready = lambda: self._patiently("CommitPending", 0.001, lambda: self._accepted("Chord", chord))
-        return self._patiently("DriveActive", 0.01, ready)
+        return self._risen("Chord", Chord(period_log2, tuple(tones), master, self._glide("Chord", glide), apply))
+
+    def comb(
+        self,
+        period_blocks: int,
+        tones: Sequence[CombTone],
+        *,
+        master: int = 0,
+        glide: Optional[int] = None,
+        apply: Choice = NEXT_BLOCK,
+    ) -> int:
+        """Sounds multiples of `sample_rate_hz / (128 * period_blocks)` from an index on, once nothing else sounds: within
+        the table's frequencies or beyond them. The other arguments are those of `drive`. Raises `FieldError`, and
+        `SliplineError` with a device older than 1.3.
+        """
+        return self._risen("Comb", Comb(period_blocks, tuple(tones), master, self._glide("Comb", glide), apply))
+
+    def inputs(self) -> InputsEvent:
+        """What the inputs can do. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Inputs", "Inputs")[1]
+
+    def listen(
+        self, blocks: int, *, slots: int = 0xFFFF, input: int = 0, shape: Choice = RECTANGULAR, start: Optional[int] = None
+    ) -> list[Optional[complex]]:
+        """How an input answers each slot's tone over so many blocks from the index `start` on: as a complex amplitude in
+        codes against the tone's sine, None for a tone that did not sound on. Waits until the window is over. Raises
+        `SliplineError` with a device older than 1.3, and if a block was lost.
+        """
+        begin = self._accepted("Listen", Listen(start, blocks, shape, slots))
+        self._wait_for_index(begin + 128 * blocks)
+        answers: list[Optional[complex]] = []
+        for first in (0, 8):
+            told = self._until_over(lambda: self._request("ListenRead", "Listened", ListenRead(input, first))[1])
+            scale = 4 / (16383 * 128 * told.weight)
+            for slot, sums in enumerate(told.answers, first):
+                heard = complex(sums.in_phase, sums.quadrature) * scale
+                answers.append(heard if told.followed >> slot & 1 else None)
+        return answers
+
+    def capture(self, values: int, *, input: int = 0, log2_codes: int = 0, start: Optional[int] = None) -> list[float]:
+        """So many means of `2**log2_codes` codes of an input from the index `start` on; 2048 is mid-scale. Waits until they
+        are there. Raises `SliplineError` with a device older than 1.3, and if a block was lost."""
+        begin = self._accepted("Capture", Capture(start, input, log2_codes, values))
+        self._wait_for_index(begin + (values << log2_codes))
+        sums: list[int] = []
+        while len(sums) < values:
+            told = self._until_over(lambda: self._request("CaptureRead", "Captured", CaptureRead(len(sums)))[1])
+            sums.extend(told.values)
+        return [value / 2**log2_codes for value in sums]
 
     def stop(self) -> int:
         """Ramps to silence; the device stays armed."""
@@ -237,6 +281,32 @@ class Client:
         if frame.id != EVENTS[answer].id:
             raise SliplineError(f"{command} was answered by the message {frame.id:#04x}, not by {answer}")
         return frame, event
+
+    def _glide(self, command: str, glide: Optional[int]) -> int:
+        glide = self.device.min_glide if glide is None else glide
+        check_integer(glide, self.device.min_glide, self.device.max_glide, f"{command}.glide")
+        return glide
+
+    def _risen(self, command: str, value: Any) -> int:
+        """Has something rise from silence, once what sounds has faded."""
+        ready = lambda: self._patiently("CommitPending", 0.001, lambda: self._accepted(command, value))
+        return self._patiently("DriveActive", 0.01, ready)
+
+    def _wait_for_index(self, index: int) -> None:
+        """Waits until the device's clock has passed an index."""
+        while (left := index - self.status().now) > 0:
+            time.sleep(left / self.device.sample_rate_hz + 0.001)
+
+    def _until_over(self, read: Callable[[], Any]) -> Any:
+        """Reads a measurement that should be over until it is; the device takes its last block a moment later."""
+        until = time.monotonic() + 5
+        while (told := read()).progress.name == "Running":
+            if time.monotonic() > until:
+                raise NoAnswer("the measurement is not over in time")
+            time.sleep(0.01)
+        if told.progress.name != "Finished":
+            raise SliplineError(f"the measurement has ended early: {told.progress}")
+        return told
 
     def _accepted(self, command: str, value: Any = None) -> int:
         accepted: Accepted = self._request(command, "Accepted", value)[1]

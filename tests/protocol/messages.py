@@ -1,6 +1,6 @@
-"""The messages of protocol 1.2, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges.
+"""The messages of protocol 1.3, as PROTOCOL.md lists them: fields in the order of the wire, types and ranges.
 
-What stands since 1.1 or 1.2 is named so: it goes to no device that is older, and none sends it.
+What stands since 1.1 or later is named so: it goes to no device that is older, and none sends it.
 """
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ FIELD = Enumeration(
     "ChunkFirst", "SampleRate", "Span", "DigestCount",
     "Resonance", "Quality", "StaticTravel",  # since 1.1
     "ChordPeriod", "Harmonic",  # since 1.2
+    "CombPeriod", "WindowBlocks", "LockIns", "Input", "CaptureCodes", "CaptureValues",  # since 1.3
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -64,9 +65,13 @@ STATE = Enumeration(
     "Waiting",  # since 1.1
 )  # fmt: skip
 STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged", "FellBack")
+PROGRESS = Enumeration("Progress", "Idle", "Running", "Finished", ("Broken", {"at": U64}))
+WINDOW_SHAPE = Enumeration("WindowShape", "Rectangular", "Hann")
 
 NEXT_BLOCK = Choice("Next")
 AT_TRIGGER = Choice("AtTrigger")
+RECTANGULAR = Choice("Rectangular")
+HANN = Choice("Hann")
 
 
 def at(index: int) -> Choice:
@@ -94,6 +99,7 @@ class Version(Record):
 VERSION_1_0 = Version(1, 0, bytes.fromhex("e7457e07"))
 VERSION_1_1 = Version(1, 1, VERSION_1_0.schema)
 VERSION_1_2 = Version(1, 2, VERSION_1_0.schema)
+VERSION_1_3 = Version(1, 3, VERSION_1_0.schema)
 
 
 @dataclass(frozen=True)
@@ -113,6 +119,23 @@ class ChordTone(Record):
     harmonic: int = field(U16, 1, 7372)
     level: int = field(U16)
     phase: int = field(U16)
+
+
+@dataclass(frozen=True)
+class CombTone(Record):
+    """A tone of a comb: `harmonic` counts the base frequency, `level` in 1/65535, `phase` in 1/65536 turn. Since 1.3."""
+
+    harmonic: int = field(U16, 1, 65535)
+    level: int = field(U16)
+    phase: int = field(U16)
+
+
+@dataclass(frozen=True)
+class InPhaseQuadrature(Record):
+    """How an input answers one tone: along its sine and along its cosine. Since 1.3."""
+
+    in_phase: int = field(I64)
+    quadrature: int = field(I64)
 
 
 @dataclass(frozen=True)
@@ -197,6 +220,17 @@ class Chord(Record):
 
 
 @dataclass(frozen=True)
+class Comb(Record):
+    """Sounds multiples of the sample rate over `128 * period_blocks`: `master` in 1/100 dB, `glide` in samples. Since 1.3."""
+
+    period_blocks: int = field(U16, 1, 65535)
+    tones: tuple[CombTone, ...] = field(List(16, Fields(CombTone)))
+    master: int = field(I16, -9600, 0)
+    glide: int = field(U32)
+    apply: Choice = field(APPLY)
+
+
+@dataclass(frozen=True)
 class TableChunk(Record):
     """The next knots of the upload."""
 
@@ -217,6 +251,41 @@ class DigestStart(Record):
 
     from_: int = field(U64)
     count: int = field(U32, 1, 1 << 20)
+
+
+@dataclass(frozen=True)
+class Listen(Record):
+    """Measures how the inputs answer the tones of these slots (bits), over so many blocks from an index on. Since 1.3."""
+
+    from_: Optional[int] = field(Option(U64))
+    blocks: int = field(U16, 1, 65535)
+    shape: Choice = field(WINDOW_SHAPE)
+    slots: int = field(U16)
+
+
+@dataclass(frozen=True)
+class ListenRead(Record):
+    """Asks for eight slots of an input's answers. Since 1.3."""
+
+    input: int = field(U8)
+    first_slot: int = field(U8, 0, 15)
+
+
+@dataclass(frozen=True)
+class Capture(Record):
+    """Captures sums of `1 << log2_codes` codes of an input from an index on. Since 1.3."""
+
+    from_: Optional[int] = field(Option(U64))
+    input: int = field(U8)
+    log2_codes: int = field(U8, 0, 10)
+    values: int = field(U16, 1, 4096)
+
+
+@dataclass(frozen=True)
+class CaptureRead(Record):
+    """Asks for captured values from one on. Since 1.3."""
+
+    first: int = field(U16)
 
 
 @dataclass(frozen=True)
@@ -308,6 +377,42 @@ class DigestEvent(Record):
     crc: Optional[int] = field(Option(U32))
 
 
+@dataclass(frozen=True)
+class InputsEvent(Record):
+    """What the inputs can do, and how many of their blocks were lost. Since 1.3."""
+
+    inputs: int = field(U8)
+    lock_ins: int = field(U8)
+    delay_ns: int = field(I64)
+    lost_blocks: int = field(U32)
+    now: int = field(U64)
+
+
+@dataclass(frozen=True)
+class ListenedEvent(Record):
+    """A measurement: how far it has come, and when it is over the answers of eight slots. Since 1.3."""
+
+    progress: Choice = field(PROGRESS)
+    begin: int = field(U64)
+    blocks: int = field(U16)
+    weight: int = field(U32)
+    followed: int = field(U16)
+    lowest: int = field(U16)
+    highest: int = field(U16)
+    answers: tuple[InPhaseQuadrature, ...] = field(List(8, Fields(InPhaseQuadrature)))
+
+
+@dataclass(frozen=True)
+class CapturedEvent(Record):
+    """Values of a capture. Since 1.3."""
+
+    progress: Choice = field(PROGRESS)
+    from_: int = field(U64)
+    captured: int = field(U16)
+    first: int = field(U16)
+    values: tuple[int, ...] = field(List(40, U32))
+
+
 # ------------------------------------------------------------------------------------------ messages
 
 
@@ -359,6 +464,7 @@ COMMANDS = {
         Kind(0x17, "TravelLimit", since=1),
         Kind(0x18, "Trigger", since=1),
         Kind(0x19, "Chord", Fields(Chord), since=2),
+        Kind(0x1A, "Comb", Fields(Comb), since=3),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -370,6 +476,13 @@ COMMANDS = {
         Kind(0x41, "Forget"),
         Kind(0x50, "BootloaderToken"),
         Kind(0x51, "BootloaderEnter", U32),
+        Kind(0x60, "Inputs", since=3),
+        Kind(0x61, "Listen", Fields(Listen), since=3),
+        Kind(0x62, "ListenRead", Fields(ListenRead), since=3),
+        Kind(0x63, "ListenStop", since=3),
+        Kind(0x64, "Capture", Fields(Capture), since=3),
+        Kind(0x65, "CaptureRead", Fields(CaptureRead), since=3),
+        Kind(0x66, "CaptureStop", since=3),
     )
 }
 
@@ -387,6 +500,9 @@ EVENTS = {
         Kind(0xA4, "Table", Fields(TableEvent)),
         Kind(0xB1, "Digest", Fields(DigestEvent)),
         Kind(0xD0, "BootloaderToken", U32),
+        Kind(0xE0, "Inputs", Fields(InputsEvent), since=3),
+        Kind(0xE2, "Listened", Fields(ListenedEvent), since=3),
+        Kind(0xE5, "Captured", Fields(CapturedEvent), since=3),
     )
 }
 
@@ -394,7 +510,7 @@ _BY_ID = {kind.id: kind for kind in (*COMMANDS.values(), *EVENTS.values())}
 
 
 def kind_of(id: int) -> Kind:
-    """The kind with this id. Raises `DecodeError` if protocol 1.2 has none."""
+    """The kind with this id. Raises `DecodeError` if protocol 1.3 has none."""
     if id not in _BY_ID:
-        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.2")
+        raise DecodeError(f"no message has the id {id:#04x} in protocol 1.3")
     return _BY_ID[id]

@@ -67,7 +67,7 @@ def examples() -> Iterator[Example]:
 
 def frozen_frames(minor: Optional[int] = None) -> Iterator[tuple[str, bytes]]:
     """The label and the bytes of every frame that a minor version has brought; without a minor, that any has."""
-    for number, name in enumerate(("v1.snap", "v1_1.snap", "v1_2.snap")):
+    for number, name in enumerate(("v1.snap", "v1_1.snap", "v1_2.snap", "v1_3.snap")):
         if minor not in (None, number):
             continue
         for line in (SHARED / "wire" / name).read_text(encoding="utf-8").splitlines():

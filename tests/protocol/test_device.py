@@ -13,7 +13,8 @@ from pathlib import Path
 from device_case import DeviceCase
 from errors import Closed, FieldError, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, ChordTone, Drive, Tone, TravelLimit, at, fault_names,
+    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ChordTone, CombTone, Drive, Tone, TravelLimit, at,
+    fault_names,
 )  # fmt: skip
 from records import Choice
 from server import Server
@@ -194,6 +195,37 @@ class AtSocket(DriveCase):
         client.hello(VERSION_1_1)
         with self.assertRaisesRegex(SliplineError, "Chord needs protocol 1.2, the device has 1.1"):
             client.chord(14, tones(0, 0, 0, 0))
+
+    def test_a_comb_within_the_table_and_beyond_it(self) -> None:
+        client = self.client
+        self.make_ready()
+        # 40 blocks: 78.125 Hz at 400 kS/s. The table ends at 500 and at 2000 Hz; its gain is 0.5.
+        tones = [CombTone(harmonic, 20000, 5000 * harmonic % 65536) for harmonic in (2, 9, 400)]
+        start = client.comb(40, tones)
+        status = self.wait_for(lambda status: status.now > start + 2 * client.device.min_glide)
+        self.assertEqual(status.state.name, "Driving")
+        self.assertAlmostEqual(status.sum_per_mille, 3 * 20000 / 65535 * 500, delta=2)
+        period = 40 * 128
+        first = client.status().now + client.device.sample_rate_hz // 10
+        self.assertEqual(client.digest(first, period), client.digest(first + 40 * period, period))
+        client.stop()
+        self.wait_for(lambda status: status.state.name == "Armed")
+        for harmonics in ((9, 9), (2305,)):
+            with self.assertRaises(Refused) as caught:
+                client.comb(40, [CombTone(harmonic, 1, 0) for harmonic in harmonics])
+            self.assertEqual(caught.exception.refusal.field.name, "Harmonic")
+        with self.assertRaises(Refused) as caught:
+            client.comb(40, [CombTone(9, 65535, 0), CombTone(10, 65535, 16384), CombTone(11, 1000, 0)])
+        self.assertEqual(caught.exception.refusal.name, "Headroom")
+        client.hello(VERSION_1_2)
+        with self.assertRaisesRegex(SliplineError, "Comb needs protocol 1.3, the device has 1.2"):
+            client.comb(40, tones)
+
+    def test_a_device_without_inputs_says_so(self) -> None:
+        told = self.client.inputs()
+        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (0, 0, 0))
+        self.assert_refused(Choice("NotSupported"), lambda: self.client.listen(10))
+        self.assert_refused(Choice("NotSupported"), lambda: self.client.capture(10))
 
     def test_the_kept_table(self) -> None:
         client = self.client

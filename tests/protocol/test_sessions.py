@@ -6,7 +6,9 @@ import unittest
 
 from device_case import DeviceCase
 from frame import TO_DEVICE, Frame
-from messages import COMMANDS, VERSION_1_0, VERSION_1_1, VERSION_1_2, Hello, KeepAlive, Kind, Tone, Version, fault_names
+from messages import (
+    COMMANDS, VERSION_1_0, VERSION_1_1, VERSION_1_2, VERSION_1_3, Hello, KeepAlive, Kind, Tone, Version, fault_names,
+)  # fmt: skip
 from postcard import U8
 from records import Choice
 
@@ -111,6 +113,7 @@ class Sessions(DeviceCase):
             (VERSION_1_0, True),
             (VERSION_1_1, True),
             (VERSION_1_2, True),
+            (VERSION_1_3, True),
             (Version(1, 9, VERSION_1_0.schema), True),
             (Version(2, 0, VERSION_1_0.schema), False),
             (Version(1, 0, bytes(4)), False),

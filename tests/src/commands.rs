@@ -1,10 +1,11 @@
 //! One of every command.
 
 use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk, TravelLimit, TravelSetting};
+use slipline_protocol::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow, WindowShape};
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder};
 
-use crate::rig::{Table, chord, drive};
+use crate::rig::{Table, chord, comb, drive};
 
 /// One of every command, in the order of their ids.
 ///
@@ -34,6 +35,8 @@ pub fn every_command() -> Vec<Command> {
         Command::Trigger,
         // 29.3 and 39.1 kHz.
         Command::Chord(chord(12, &[(300, 0.5, 0.0), (400, 0.6, 0.25)])),
+        // 3 to 6.2 kHz.
+        Command::Comb(comb(128, &[(123, 0.1, 0.0), (254, 0.2, 0.25)])),
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,
@@ -45,6 +48,13 @@ pub fn every_command() -> Vec<Command> {
         Command::Forget,
         Command::BootloaderToken,
         Command::BootloaderEnter(0),
+        Command::Inputs,
+        Command::Listen(ListenWindow { from: None, blocks: 10, shape: WindowShape::Hann, slots: 3 }),
+        Command::ListenRead(ListenPart { input: 0, first_slot: 0 }),
+        Command::ListenStop,
+        Command::Capture(CaptureWindow { from: None, input: 0, log2_codes: 2, values: 100 }),
+        Command::CaptureRead(CapturePart { first: 0 }),
+        Command::CaptureStop,
     ];
     let ids: Vec<u8> = commands.iter().map(Command::id).collect();
     let all: Vec<u8> = Command::TABLE.iter().map(|row| row.id).collect();

@@ -2,7 +2,7 @@
 
 use slipline_link::simulator::{Options, SentBlock, SimulatedDevice};
 use slipline_protocol::command::{
-    Apply, Chord, ChordTone, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone,
+    Apply, Chord, ChordTone, Comb, CombTone, Command, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone,
 };
 use slipline_protocol::event::Event;
 use slipline_protocol::limits::{CHUNK_KNOTS, KEEP_ALIVE_PERIOD_MS};
@@ -124,6 +124,23 @@ pub fn chord(period_log2: u8, tones: &[(u16, f64, f64)]) -> Chord {
     };
     Chord {
         period_log2,
+        tones: tones.iter().map(tone).collect(),
+        master: CentiDecibel(0),
+        glide: 2000,
+        apply: Apply::Next,
+    }
+}
+
+/// A comb of these tones: multiple of the base frequency `rate / (128 period_blocks)`, level 0..=1, phase in turns.
+#[must_use]
+pub fn comb(period_blocks: u16, tones: &[(u16, f64, f64)]) -> Comb {
+    let tone = |&(harmonic, level, turns): &(u16, f64, f64)| CombTone {
+        harmonic,
+        level: Level((level * 65_535.0).round() as u16),
+        phase: Phase((turns.rem_euclid(1.0) * 65_536.0) as u16),
+    };
+    Comb {
+        period_blocks,
         tones: tones.iter().map(tone).collect(),
         master: CentiDecibel(0),
         glide: 2000,

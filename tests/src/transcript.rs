@@ -17,7 +17,9 @@ use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::table::DeviceTable;
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
-use slipline_link::{DriveRequest, LinkError, Outcome, Port, PortInfo, Request, Ticket};
+use slipline_link::{
+    ChordRequest, ChordToneRequest, DriveRequest, LinkError, Outcome, Port, PortInfo, Request, Ticket,
+};
 use slipline_protocol::Decoder;
 use slipline_protocol::command::{Apply, DigestWindow};
 
@@ -109,6 +111,22 @@ pub fn requests(minor: u8) -> Vec<(Request, u64)> {
             // It drops the drive that waits.
             (Request::Stop, 50),
             (drive(&[(0.12, 0.3)]), 100),
+            (Request::Disarm, 50),
+        ]);
+    }
+    if minor >= 2 {
+        // In phase their sum clips: refused by the device, which has rendered a period of it.
+        let chord = |turns: [f64; 3]| {
+            let tone = |(harmonic, phase_turns)| ChordToneRequest { harmonic, level: 0.5, phase_turns };
+            let tones = [400, 450, 500].into_iter().zip(turns).map(tone);
+            Request::Chord(ChordRequest::of(12, tones.collect()))
+        };
+        requests.extend([
+            (Request::Upload(Arc::new(table())), 100),
+            (Request::Arm, 50),
+            (chord([0.0; 3]), 50),
+            (chord([0.0, 0.3, 0.1]), 100),
+            (Request::Stop, 50),
             (Request::Disarm, 50),
         ]);
     }

@@ -343,7 +343,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
         let faults = Faults::NONE.with(Fault::EmergencyStop);
         let event = rig.send(&command);
         let expected = match command {
-            Command::Arm | Command::Drive(_) | Command::Chord(_) => {
+            Command::Arm | Command::Drive(_) | Command::Chord(_) | Command::Comb(_) => {
                 event == Event::Refused(Refusal::Faulted { faults })
             }
             Command::KeepAlive(_) | Command::Status => {
@@ -363,10 +363,17 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             | Command::TableBegin(_)
             | Command::TableAbort
             | Command::DigestStart(_)
+            | Command::ListenStop
+            | Command::CaptureStop
             | Command::Store
             | Command::Forget => matches!(event, Event::Accepted(_) | Event::Unchanged(_)),
             Command::Maintenance => matches!(event, Event::Maintenance(_)),
             Command::Trigger => matches!(event, Event::Trigger(_)),
+            Command::Inputs => matches!(event, Event::Inputs(_)),
+            // It has none.
+            Command::Listen(_) | Command::ListenRead(_) | Command::Capture(_) | Command::CaptureRead(_) => {
+                event == Event::Refused(Refusal::NotSupported)
+            }
         };
         assert!(expected, "{command:?}: {event:?}");
         rig.live_ms(20);

@@ -1,12 +1,20 @@
-//! What the device hears: the simulated device's inputs.
+//! What the device hears: its inputs, measured through the protocol.
 
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
-use slipline_protocol::Command;
-use slipline_protocol::event::ResetCause;
+use slipline_protocol::command::Comb;
+use slipline_protocol::event::{Event, ResetCause};
+use slipline_protocol::listen::{
+    CapturePart, CaptureWindow, Captured, InputsReport, ListenPart, ListenWindow, Listened, Progress,
+    WindowShape,
+};
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::{Command, units::SampleIndex};
 use slipline_tests::client::Client;
-use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+use slipline_tests::rig::{BLOCK, MID, Rig, Table, comb, drive};
 
 /// Notes every block that it samples: its codes, and whether the amplifier was muted.
 #[derive(Clone, Default)]
@@ -50,4 +58,280 @@ fn the_inputs_sample_what_is_at_the_pin_whenever_a_block_is_played() {
         rig.device.advance(5, |_| ());
         assert_eq!(notes.0.lock().unwrap().len(), 5);
     }
+}
+
+/// The sensor sees what is at the pin 5 samples later, at half its size and 100 codes above mid-scale. The shunt is stuck.
+struct Wire(VecDeque<u16>);
+
+const LAG: usize = 5;
+const OFFSET: u16 = 100;
+const STUCK: u16 = 1234;
+
+impl SimulatedInputs for Wire {
+    fn inputs(&self) -> usize {
+        2
+    }
+
+    fn delay_ns(&self) -> i32 {
+        -250
+    }
+
+    fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
+        for (code, sensor) in codes.iter().zip(&mut sensed[0]) {
+            self.0.push_back(*code);
+            *sensor = heard(self.0.pop_front().unwrap());
+        }
+        sensed[1] = [STUCK; BLOCK as usize];
+    }
+}
+
+fn heard(code: u16) -> u16 {
+    (code + MID) / 2 + OFFSET
+}
+
+/// An armed device with the wire and a table of gain 1.
+fn wired(options: Options) -> Rig {
+    let wire = Wire(VecDeque::from([MID; LAG]));
+    let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(wire)));
+    rig.hello();
+    rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 1.0));
+    rig.arm();
+    rig
+}
+
+fn listened(rig: &mut Rig, input: u8, first_slot: u8) -> Listened {
+    match rig.send(&Command::ListenRead(ListenPart { input, first_slot })) {
+        Event::Listened(listened) => listened,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn captured(rig: &mut Rig, first: u16) -> Captured {
+    match rig.send(&Command::CaptureRead(CapturePart { first })) {
+        Event::Captured(captured) => captured,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn inputs(rig: &mut Rig) -> InputsReport {
+    match rig.send(&Command::Inputs) {
+        Event::Inputs(report) => report,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Sixteen tones over a period of 40 blocks, from 234 Hz to 179 kHz, each of 0.05 of full scale.
+fn sixteen() -> Comb {
+    let tones: Vec<(u16, f64, f64)> =
+        (0..16u16).map(|i| (3 + 150 * i + i % 3, 0.05, f64::from(i) * 0.37)).collect();
+    comb(40, &tones)
+}
+
+fn window(from: Option<SampleIndex>, blocks: u16) -> ListenWindow {
+    ListenWindow { from, blocks, shape: WindowShape::Rectangular, slots: u16::MAX }
+}
+
+#[test]
+fn every_tone_of_a_comb_is_answered_by_what_the_wire_does_to_it() {
+    for block_waits in [false, true] {
+        let mut rig = wired(Options { block_waits, ..Options::default() });
+        let at = rig.accepted(&Command::Comb(sixteen()));
+        let begin = at + 20 * BLOCK;
+        assert_eq!(rig.accepted(&Command::Listen(window(Some(begin - 127), 80))), begin);
+        rig.live_blocks(30);
+        let running = listened(&mut rig, 0, 0);
+        assert_eq!((running.progress, running.begin), (Progress::Running, begin));
+        assert!((1..80).contains(&running.blocks) && running.answers.is_empty(), "{running:?}");
+        rig.live_blocks(80);
+        let lower = listened(&mut rig, 0, 0);
+        let upper = listened(&mut rig, 0, 8);
+        assert_eq!((lower.progress, lower.begin, lower.blocks), (Progress::Finished, begin, 80));
+        assert_eq!((lower.weight, lower.followed), (80 << 15, u16::MAX));
+        assert_eq!(Listened { answers: lower.answers.clone(), ..upper.clone() }, lower);
+        let scale = 4.0 / (16_383.0 * 128.0 * f64::from(lower.weight));
+        let answers: Vec<_> = lower.answers.iter().chain(&upper.answers).collect();
+        assert_eq!(answers.len(), 16);
+        for (tone, answer) in sixteen().tones.iter().zip(answers) {
+            let (re, im) = (answer.in_phase as f64 * scale, answer.quadrature as f64 * scale);
+            let turns = -f64::from(tone.harmonic) / 5120.0 * LAG as f64;
+            let amplitude = 2047.0 * 0.05 / 2.0;
+            let off = (re - amplitude * (TAU * turns).cos()).hypot(im - amplitude * (TAU * turns).sin());
+            assert!(off < 0.05, "{}: {re} {im}, {off} codes off", tone.harmonic);
+        }
+        assert!(lower.lowest < MID && lower.highest > MID + 2 * OFFSET, "{lower:?}");
+        let stuck = listened(&mut rig, 1, 0);
+        assert_eq!((stuck.lowest, stuck.highest), (STUCK, STUCK));
+        let most = stuck.answers.iter().map(|it| it.in_phase.abs().max(it.quadrature.abs())).max().unwrap();
+        assert!(most as f64 * scale < 0.01, "a constant answers nothing");
+    }
+}
+
+#[test]
+fn a_capture_has_the_codes_from_the_index_asked_for() {
+    let mut rig = wired(Options::default());
+    rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.8)], 2000)));
+    rig.record();
+    let from = rig.device.now() + 300;
+    let window = CaptureWindow { from: Some(from), input: 0, log2_codes: 2, values: 100 };
+    assert_eq!(rig.accepted(&Command::Capture(window)), from);
+    rig.live_blocks(4);
+    let running = captured(&mut rig, 0);
+    assert_eq!((running.progress, running.from, running.first), (Progress::Running, from, 0));
+    assert!((1..60).contains(&running.captured), "{running:?}");
+    rig.live_blocks(8);
+    let mut values = Vec::new();
+    while values.len() < 100 {
+        let part = captured(&mut rig, values.len() as u16);
+        assert_eq!((part.progress, part.captured), (Progress::Finished, 100));
+        assert_eq!(part.values.len(), (100 - values.len()).min(40));
+        values.extend_from_slice(&part.values);
+    }
+    assert_eq!(values[..running.values.len()], running.values);
+    assert!(captured(&mut rig, 100).values.is_empty() && captured(&mut rig, u16::MAX).values.is_empty());
+    let codes = &rig.recording.from(from)[..];
+    let before = rig.recording.from(from - LAG as u64);
+    assert_eq!(codes.len() + LAG, before.len());
+    let sums: Vec<u32> =
+        before[..400].chunks(4).map(|four| four.iter().map(|it| u32::from(heard(*it))).sum()).collect();
+    assert_eq!(values, sums);
+}
+
+#[test]
+fn a_lost_block_ends_what_is_measured_and_is_counted() {
+    //
+    let mut rig = wired(Options::default());
+    rig.accepted(&Command::Comb(sixteen()));
+    rig.live_blocks(20);
+    let begin = rig.accepted(&Command::Listen(window(None, 40)));
+    let capture = CaptureWindow { from: None, input: 0, log2_codes: 0, values: 4096 };
+    assert_eq!(rig.accepted(&Command::Capture(capture)), begin);
+    rig.live_blocks(10);
+    rig.device.inject_overrun(3);
+    rig.live_blocks(20);
+    let at = begin + 10 * BLOCK;
+    let broken = listened(&mut rig, 0, 0);
+    assert_eq!((broken.progress, broken.blocks), (Progress::Broken { at }, 10));
+    assert_eq!(broken.answers.len(), 8, "the sums up to there");
+    let part = captured(&mut rig, 1240);
+    assert_eq!((part.progress, part.captured, part.values.len()), (Progress::Broken { at }, 1280, 40));
+    assert_eq!(inputs(&mut rig).lost_blocks, 3);
+    // The next measurement is whole, and as exact.
+    rig.accepted(&Command::Listen(window(None, 40)));
+    rig.live_blocks(50);
+    let whole = listened(&mut rig, 0, 0);
+    assert_eq!((whole.progress, whole.followed), (Progress::Finished, u16::MAX));
+    let scale = 4.0 / (16_383.0 * 128.0 * f64::from(whole.weight));
+    let size = (whole.answers[0].in_phase as f64).hypot(whole.answers[0].quadrature as f64) * scale;
+    assert!((size - 2047.0 * 0.025).abs() < 0.05, "{size}");
+}
+
+#[test]
+fn what_the_inputs_are_is_told_and_what_they_cannot_do_is_refused() {
+    let mut rig = wired(Options::default());
+    let now = rig.device.now();
+    assert_eq!(
+        inputs(&mut rig),
+        InputsReport { inputs: 2, lock_ins: 16, delay_ns: -250, lost_blocks: 0, now }
+    );
+    let (earliest, latest) = (now as i64, now as i64 + 24_000_000);
+    let out = |field, min, max, got| Refusal::OutOfRange { field, min, max, got };
+    let capture = CaptureWindow { from: None, input: 0, log2_codes: 0, values: 1 };
+    for (command, refusal) in [
+        (Command::Listen(window(None, 0)), out(Field::WindowBlocks, 1, 65_535, 0)),
+        (Command::Listen(window(Some(now - 1), 1)), out(Field::ApplyAt, earliest, latest, earliest - 1)),
+        (Command::Listen(window(Some(u64::MAX), 1)), out(Field::ApplyAt, earliest, latest, i64::MAX)),
+        (Command::ListenRead(ListenPart { input: 2, first_slot: 0 }), out(Field::Input, 0, 1, 2)),
+        (Command::ListenRead(ListenPart { input: 0, first_slot: 16 }), out(Field::ToneSlot, 0, 15, 16)),
+        (Command::Capture(CaptureWindow { input: 2, ..capture }), out(Field::Input, 0, 1, 2)),
+        (Command::Capture(CaptureWindow { log2_codes: 11, ..capture }), out(Field::CaptureCodes, 0, 10, 11)),
+        (
+            Command::Capture(CaptureWindow { values: 4097, ..capture }),
+            out(Field::CaptureValues, 1, 4096, 4097),
+        ),
+        (Command::Capture(CaptureWindow { values: 0, ..capture }), out(Field::CaptureValues, 1, 4096, 0)),
+        (
+            Command::Capture(CaptureWindow { from: Some(now - 1), ..capture }),
+            out(Field::ApplyAt, earliest, latest, earliest - 1),
+        ),
+    ] {
+        assert_eq!(rig.refused(&command), refusal, "{command:?}");
+    }
+    // Nothing of that has begun.
+    assert_eq!(listened(&mut rig, 0, 0), Listened::default());
+    assert_eq!(captured(&mut rig, 0), Captured::default());
+
+    let mut deaf = Rig::armed();
+    let report = inputs(&mut deaf);
+    assert_eq!((report.inputs, report.lock_ins), (0, 0));
+    let read = Command::ListenRead(ListenPart { input: 0, first_slot: 0 });
+    for command in [
+        Command::Listen(window(None, 1)),
+        read.clone(),
+        Command::Capture(capture),
+        Command::CaptureRead(CapturePart { first: 0 }),
+    ] {
+        assert_eq!(deaf.refused(&command), Refusal::NotSupported);
+    }
+    rig.hello_of_minor(2);
+    assert_eq!(rig.refused(&read), Refusal::UnknownMessage { id: 0x62 });
+}
+
+#[test]
+fn a_stop_or_a_session_drops_what_is_measured_and_a_new_order_takes_its_place() {
+    let mut rig = wired(Options::default());
+    let capture = |values| Command::Capture(CaptureWindow { from: None, input: 0, log2_codes: 0, values });
+    for _ in 0..2 {
+        rig.accepted(&Command::Listen(window(None, 40)));
+        rig.accepted(&capture(4096));
+        rig.live_blocks(5);
+        rig.accepted(&Command::ListenStop);
+        rig.accepted(&Command::CaptureStop);
+        assert_eq!(listened(&mut rig, 0, 0).progress, Progress::Idle);
+        rig.live_blocks(1);
+        assert_eq!(listened(&mut rig, 0, 0), Listened::default());
+        let stopped = captured(&mut rig, 0);
+        // The fifth block was over with the stop.
+        assert_eq!((stopped.progress, stopped.captured), (Progress::Broken { at: stopped.from + 512 }, 512));
+    }
+    // Started and stopped before the next block.
+    rig.accepted(&capture(9));
+    rig.accepted(&Command::CaptureStop);
+    rig.live_blocks(2);
+    assert_eq!(captured(&mut rig, 0), Captured::default());
+
+    rig.accepted(&Command::Listen(window(None, 3)));
+    rig.accepted(&capture(200));
+    rig.live_blocks(10);
+    assert_eq!(listened(&mut rig, 0, 0).progress, Progress::Finished);
+    assert_eq!(captured(&mut rig, 0).captured, 200);
+    // The last results are forgotten at once, not when the next block comes.
+    let begin = rig.accepted(&Command::Listen(window(None, 2)));
+    rig.accepted(&capture(100));
+    assert_eq!(
+        (listened(&mut rig, 0, 0).progress, listened(&mut rig, 0, 0).begin),
+        (Progress::Running, begin)
+    );
+    assert_eq!(captured(&mut rig, 0).captured, 0);
+    rig.live_blocks(10);
+    assert_eq!(listened(&mut rig, 0, 0).blocks, 2);
+    rig.hello();
+    assert_eq!(listened(&mut rig, 0, 0), Listened::default());
+    rig.live_blocks(2);
+    assert_eq!(listened(&mut rig, 0, 0), Listened::default());
+    assert_eq!(captured(&mut rig, 0), Captured::default());
+}
+
+#[test]
+fn a_tone_that_is_stopped_within_the_window_is_not_followed() {
+    let mut rig = wired(Options::default());
+    rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.4), (5, 0.6, 0.4)], 2000)));
+    rig.live_ms(10);
+    rig.accepted(&Command::Listen(window(None, 400)));
+    rig.live_blocks(10);
+    rig.accepted(&Command::Drive(drive(&[(5, 0.6, 0.4)], 2000)));
+    rig.live_blocks(400);
+    let listened = listened(&mut rig, 0, 0);
+    assert_eq!((listened.progress, listened.followed), (Progress::Finished, 1 << 5));
+    assert_eq!((listened.answers[0].in_phase, listened.answers[0].quadrature), (0, 0));
+    assert_ne!(listened.answers[5].in_phase, 0);
 }

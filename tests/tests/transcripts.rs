@@ -10,7 +10,11 @@ use slipline_protocol::{Command, Header, Refusal};
 use slipline_tests::transcript::{Line, Parts, Scripted, device, parse, parts, play, requests, split};
 
 /// A host of each released minor with a device of the same.
-const MINORS: [&str; 2] = [include_str!("../transcripts/v1_0.txt"), include_str!("../transcripts/v1_1.txt")];
+const MINORS: [&str; 3] = [
+    include_str!("../transcripts/v1_0.txt"),
+    include_str!("../transcripts/v1_1.txt"),
+    include_str!("../transcripts/v1_2.txt"),
+];
 
 /// The ids of the commands that a minor knows.
 fn ids_of(minor: u8) -> Vec<u8> {
@@ -27,7 +31,9 @@ fn the_transcripts_hold_every_kind_of_exchange() {
     let since_1 = [4, 0x16, 0x18, 0x84, 0x92, 0x97, 0x98];
     let first: Vec<u8> = commands.into_iter().chain(events).collect();
     let second: Vec<u8> = first.iter().copied().chain(since_1).collect();
-    for (transcript, wanted) in MINORS.iter().zip([first, second]) {
+    // The chord.
+    let third: Vec<u8> = second.iter().copied().chain([0x19]).collect();
+    for (transcript, wanted) in MINORS.iter().zip([first, second, third]) {
         let ids = ids_in(transcript);
         for id in wanted {
             assert!(ids.contains(&id), "{id:#04x}");
@@ -65,7 +71,7 @@ fn is_refused_since_1_1(asked: u8, then: &Parts, now: &Parts) -> bool {
 fn this_builds_device_answers_hosts_of_older_minors_as_their_devices_did() {
     // The device of 1.0's recording rendered a block ahead, so its indices are a block later; and one Store of that
     // transcript came while the device was armed.
-    for (transcript, blocks_ahead, refusals) in [(MINORS[0], 1, 1), (MINORS[1], 0, 0)] {
+    for (transcript, blocks_ahead, refusals) in [(MINORS[0], 1, 1), (MINORS[1], 0, 0), (MINORS[2], 0, 0)] {
         let refused = answers_as_recorded(transcript, blocks_ahead);
         assert_eq!(refused, refusals);
     }

@@ -41,6 +41,31 @@ pub struct Recipe {
     pub values: u16,
 }
 
+impl Recipe {
+    /// Whether it can be made if the block that begins at `next` is the first to be taken.
+    pub(crate) fn check(&self, next: SampleIndex, inputs: usize) -> Result<(), CaptureError> {
+        let inputs = u8::try_from(inputs.min(INPUTS)).unwrap_or(u8::MAX);
+        if self.begin < next {
+            return Err(CaptureError::Past { earliest: next });
+        }
+        if self.input >= inputs {
+            return Err(CaptureError::NoSuchInput { inputs });
+        }
+        if self.log2_codes > MAX_LOG2_CODES {
+            return Err(CaptureError::TooManyCodes);
+        }
+        if self.values == 0 || usize::from(self.values) > MAX_VALUES {
+            return Err(CaptureError::Values);
+        }
+        let codes = u64::from(self.values) << self.log2_codes;
+        // The last block must begin and end before the end of time, too.
+        if self.begin.checked_add(codes).and_then(|end| end.checked_add(BLOCK_SAMPLES)).is_none() {
+            return Err(CaptureError::BeyondTime);
+        }
+        Ok(())
+    }
+}
+
 /// Why a capture cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptureError {
@@ -138,24 +163,7 @@ impl<'a> Capture<'a> {
     /// # Errors
     /// [`CaptureError`] if it cannot be made; the last capture stays as it is.
     pub fn start(&mut self, recipe: Recipe, next: SampleIndex, inputs: usize) -> Result<(), CaptureError> {
-        let inputs = u8::try_from(inputs.min(INPUTS)).unwrap_or(u8::MAX);
-        if recipe.begin < next {
-            return Err(CaptureError::Past { earliest: next });
-        }
-        if recipe.input >= inputs {
-            return Err(CaptureError::NoSuchInput { inputs });
-        }
-        if recipe.log2_codes > MAX_LOG2_CODES {
-            return Err(CaptureError::TooManyCodes);
-        }
-        if recipe.values == 0 || usize::from(recipe.values) > MAX_VALUES {
-            return Err(CaptureError::Values);
-        }
-        let codes = u64::from(recipe.values) << recipe.log2_codes;
-        // The last block must begin and end before the end of time, too.
-        if recipe.begin.checked_add(codes).and_then(|end| end.checked_add(BLOCK_SAMPLES)).is_none() {
-            return Err(CaptureError::BeyondTime);
-        }
+        recipe.check(next, inputs)?;
         self.recipe = recipe;
         self.due = recipe.begin;
         (self.sum, self.summed, self.filled) = (0, 0, 0);
@@ -168,6 +176,18 @@ impl<'a> Capture<'a> {
         if self.progress == Progress::Capturing {
             self.progress = if self.filled == 0 { Progress::Idle } else { Progress::Broken { at: self.due } };
         }
+    }
+
+    /// Ends a capture and forgets its values.
+    pub const fn forget(&mut self) {
+        self.progress = Progress::Idle;
+        self.filled = 0;
+    }
+
+    /// The index of its first code.
+    #[must_use]
+    pub const fn begin(&self) -> SampleIndex {
+        self.recipe.begin
     }
 
     /// How far it has come.

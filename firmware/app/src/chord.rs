@@ -20,16 +20,23 @@
 //!
 //! **No tone is louder than in a drive.** Its gain is the table's at the place that has its frequency, and a frequency beyond
 //! the table's ends is refused.
+//!
+//! **Combs** are placed like chords. Their period is `P = 128 B` samples, and the phase step `m 2^64 / P` is rounded down, so
+//! that after a period a phase is off by less than 2^-41 turns. A frequency beyond the table's ends takes the gain of that end.
+//! There is no proof: their amplitudes must add up to full scale at most.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
 mod proof;
 
-use slipline_protocol::command::Chord;
-use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_CHORD_SUM_PER_MILLE, MAX_TONES};
+use slipline_protocol::command::{Chord, Comb};
+use slipline_protocol::limits::{
+    CHORD_PERIOD_LOG2, COMB_BLOCK, COMB_PERIOD_BLOCKS, MAX_CHORD_SUM_PER_MILLE, MAX_FREQUENCY_PER_MILLE,
+    MAX_TONES,
+};
 use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::table::{self, Knot, Setting};
-use slipline_protocol::units::{Gain, PhaseStep, per_mille};
+use slipline_protocol::units::{FinePosition, Gain, Level, Phase, PhaseStep, per_mille};
 
 pub use self::proof::{Candidate, Extent, Proof};
 use crate::level::master_gain;
@@ -39,13 +46,13 @@ use crate::program::Target;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChordTones {
     targets: [Option<Target>; MAX_TONES],
-    /// The period is `2^period_log2` samples.
-    period_log2: u8,
+    /// Samples in a period.
+    period: u32,
 }
 
 impl ChordTones {
     /// No tones, at the shortest period.
-    pub const NONE: Self = Self { targets: [None; MAX_TONES], period_log2: CHORD_PERIOD_LOG2.0 };
+    pub const NONE: Self = Self { targets: [None; MAX_TONES], period: 1 << CHORD_PERIOD_LOG2.0 };
 
     /// A chord's tones by a table of so many knots, which `knot` returns by index.
     ///
@@ -87,24 +94,85 @@ impl ChordTones {
         // The base frequency's phase step, Q0.32; the shifts are in range by the check above.
         let base = 1u32 << (32 - u32::from(period_log2));
         let (first, last) = (knot(0).step, knot(knots - 1).step);
-        let (mut lowest, highest) = (first.min(last).div_ceil(base), first.max(last) / base);
-        let master = master_gain(chord.master);
-        *self = Self { period_log2, ..Self::NONE };
-        for (tone, target) in chord.tones.iter().zip(&mut self.targets) {
-            let harmonic = u32::from(tone.harmonic);
-            let outside =
-                || Refusal::out_of_range(Field::Harmonic, lowest.into(), highest.into(), harmonic.into());
+        let harmonics = (first.min(last).div_ceil(base), first.max(last) / base);
+        *self = Self { period: 1 << period_log2, ..Self::NONE };
+        let tones = chord.tones.iter().map(|tone| (tone.harmonic, tone.level, tone.phase));
+        self.place(tones, harmonics, master_gain(chord.master), knots, knot)
+    }
+
+    /// A comb's tones in place, as [`ChordTones::of`] a chord's.
+    ///
+    /// # Errors
+    /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the number of tones, the period, and a multiple that is not above the
+    /// one before it or above 0.45 of the sample rate.
+    pub(crate) fn set_comb(
+        &mut self,
+        comb: &Comb,
+        knots: u16,
+        knot: impl Fn(u16) -> Knot,
+    ) -> Result<(), Refusal> {
+        if knots < 2 {
+            return Err(Refusal::NoTable);
+        }
+        let (shortest, longest) = COMB_PERIOD_BLOCKS;
+        let blocks = comb.period_blocks;
+        if !(shortest..=longest).contains(&blocks) {
+            return Err(Refusal::out_of_range(
+                Field::CombPeriod,
+                shortest.into(),
+                longest.into(),
+                blocks.into(),
+            ));
+        }
+        if comb.tones.is_empty() {
+            return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
+        }
+        let period = COMB_BLOCK * u32::from(blocks);
+        let highest = u64::from(period) * u64::from(MAX_FREQUENCY_PER_MILLE) / 1000;
+        let highest = u32::try_from(highest).unwrap_or(u32::MAX).min(u16::MAX.into());
+        *self = Self { period, ..Self::NONE };
+        let tones = comb.tones.iter().map(|tone| (tone.harmonic, tone.level, tone.phase));
+        self.place(tones, (1, highest), master_gain(comb.master), knots, knot)
+    }
+
+    /// Places tones (multiple, level, phase) whose multiples rise within a range. A frequency beyond the table's takes the
+    /// place and the gain of its end.
+    fn place(
+        &mut self,
+        tones: impl Iterator<Item = (u16, Level, Phase)>,
+        (mut lowest, highest): (u32, u32),
+        master: Gain,
+        knots: u16,
+        knot: impl Fn(u16) -> Knot,
+    ) -> Result<(), Refusal> {
+        let last = knots - 1;
+        let first_is_lower = knot(0).step < knot(last).step;
+        for ((harmonic, level, phase), target) in tones.zip(&mut self.targets) {
+            let harmonic = u32::from(harmonic);
             if !(lowest..=highest).contains(&harmonic) {
-                return Err(outside());
+                return Err(Refusal::out_of_range(
+                    Field::Harmonic,
+                    lowest.into(),
+                    highest.into(),
+                    harmonic.into(),
+                ));
             }
-            let step = harmonic * base;
-            let (index, fraction) = table::place_of_step(knots, step, &knot).ok_or_else(outside)?;
-            let gain = table::between(knot(index), knot(index + 1), fraction).gain;
+            #[expect(clippy::cast_possible_truncation, reason = "at most 0.45 of a turn")]
+            let step = PhaseStep(((u128::from(harmonic) << 64) / u128::from(self.period)) as u64);
+            let upper = (step.0 >> 32) as u32;
+            let (position, gain) = match table::place_of_step(knots, upper, &knot) {
+                Some((index, fraction)) => (
+                    table::position_between(knots, index, fraction),
+                    table::between(knot(index), knot(index + 1), fraction).gain,
+                ),
+                None if (upper < knot(0).step) == first_is_lower => (FinePosition::default(), knot(0).gain),
+                None => (FinePosition::END, knot(last).gain),
+            };
             *target = Some(Target {
-                position: table::position_between(knots, index, fraction),
-                level: master.scaled(tone.level),
-                phase: u64::from(tone.phase.0) << 48,
-                setting: Some(Setting { step: PhaseStep(u64::from(step) << 32), gain }),
+                position,
+                level: master.scaled(level),
+                phase: u64::from(phase.0) << 48,
+                setting: Some(Setting { step, gain }),
             });
             lowest = harmonic + 1;
         }
@@ -120,13 +188,25 @@ impl ChordTones {
     /// Samples in a period.
     #[must_use]
     pub const fn period(&self) -> u32 {
-        1 << self.period_log2
+        self.period
     }
 
     /// The sum of the amplitudes, Q1.31.
     #[must_use]
     pub fn sum(&self) -> u64 {
         self.sounding().map(|(_, _, _, amplitude)| u64::from(amplitude.0)).sum()
+    }
+
+    /// Checks that the amplitudes fit whatever the phases.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`].
+    pub(crate) fn check_amplitudes(&self) -> Result<(), Refusal> {
+        let sum = self.sum();
+        if sum > u64::from(Gain::FULL.0) {
+            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
+        }
+        Ok(())
     }
 
     /// Checks that phases may exist with which the tones fit. It also keeps every sample within 32 bits.

@@ -13,6 +13,7 @@
 
 mod drive;
 mod excursion;
+mod listening;
 mod range;
 mod status;
 mod tables;
@@ -31,6 +32,7 @@ use slipline_protocol::units::SampleIndex;
 use self::range::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderEntry;
+use crate::capture::Values;
 use crate::chord::Candidate;
 use crate::digest::DigestState;
 use crate::excursion::Excursion;
@@ -78,6 +80,7 @@ pub struct Controller<'a, F, S> {
     upload: Option<Upload>,
     excursion: Excursion,
     candidate: &'a mut Candidate,
+    captured: &'a Values,
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
@@ -87,9 +90,16 @@ pub struct Controller<'a, F, S> {
 
 impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
     /// A controller that has not read the store yet. `candidate` lies elsewhere, because a firmware has no room for it on the
-    /// stack on which it makes the controller.
+    /// stack on which it makes the controller. `captured` is where the listener puts what it captures.
     #[must_use]
-    pub fn new(device: Device, boot: Boot, flash: F, system: S, candidate: &'a mut Candidate) -> Self {
+    pub fn new(
+        device: Device,
+        boot: Boot,
+        flash: F,
+        system: S,
+        candidate: &'a mut Candidate,
+        captured: &'a Values,
+    ) -> Self {
         Self {
             timing: Timing::at(device.sample_rate_hz),
             thermal: Thermal::new(boot.heat),
@@ -105,6 +115,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             upload: None,
             excursion: Excursion::unlimited(device.sample_rate_hz),
             candidate,
+            captured,
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
@@ -136,6 +147,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
     pub fn begin_session<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         mailbox.disarm(Stop::Normal);
         mailbox.drop_digest();
+        mailbox.drop_listening();
         self.upload = None;
         self.excursion.clear();
         self.bootloader.close();
@@ -166,6 +178,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
             Command::Drive(drive) => self.drive(drive, is_stopped, mailbox).map(accepted),
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
+            Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
                 let standing =
                     if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };
@@ -235,6 +248,19 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let now = mailbox.now();
                 self.bootloader.show_token(*token, now, &self.timing)?;
                 Ok(accepted(now))
+            }
+            Command::Inputs => Ok(listening::inputs(mailbox)),
+            Command::Listen(window) => self.listen(window, mailbox).map(accepted),
+            Command::ListenRead(part) => listening::listened(*part, mailbox),
+            Command::ListenStop => {
+                mailbox.drop_measurement();
+                Ok(accepted(mailbox.now()))
+            }
+            Command::Capture(window) => self.capture(window, mailbox).map(accepted),
+            Command::CaptureRead(part) => self.captured(*part, mailbox),
+            Command::CaptureStop => {
+                mailbox.stop_capture();
+                Ok(accepted(mailbox.now()))
             }
             #[cfg(slipline_next)]
             Command::MeasureCoil(_) => {

@@ -151,7 +151,11 @@ impl Excursion {
     fn on_the_way(&self, tone: &ToneTrajectory, table: TableRef, law: &Law, slots: &TableSlots) -> f32 {
         let at = |setting: Setting| amplitude(setting.gain) * law.share(upper_half(setting));
         match tone.setting {
-            SettingTrajectory::Hold { step, gain } => at(Setting { step, gain }),
+            SettingTrajectory::Hold { step, gain } => {
+                // A comb's step may lie between two that the law takes, and far below the table's.
+                let upper = upper_half(Setting { step, gain });
+                amplitude(gain) * law.largest(upper, upper.saturating_add(1))
+            }
             SettingTrajectory::Along if tone.from == tone.to => at(slots.evaluate(table, tone.to)),
             SettingTrajectory::Along => {
                 let groups = match table.slot {

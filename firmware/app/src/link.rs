@@ -12,6 +12,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 
 use crate::boot::Boot;
+use crate::capture::Values;
 use crate::chord::Candidate;
 use crate::controller::{Controller, Device};
 use crate::inbox::Inbox;
@@ -30,13 +31,20 @@ pub struct Link<'a, F, S> {
 }
 
 impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
-    /// A link before the first byte. `candidate` is the memory in which chords are proven.
+    /// A link before the first byte. `candidate` is the memory in which chords are proven, `captured` that of the listener.
     #[must_use]
-    pub fn new(device: Device, boot: Boot, flash: F, system: S, candidate: &'a mut Candidate) -> Self {
+    pub fn new(
+        device: Device,
+        boot: Boot,
+        flash: F,
+        system: S,
+        candidate: &'a mut Candidate,
+        captured: &'a Values,
+    ) -> Self {
         Self {
             inbox: Inbox::new(),
             session: Session::new(),
-            controller: Controller::new(device, boot, flash, system, candidate),
+            controller: Controller::new(device, boot, flash, system, candidate, captured),
         }
     }
 

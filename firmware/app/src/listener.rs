@@ -4,14 +4,19 @@
 //! renderer --block_is_rendered--> History --+
 //!                                           v
 //! SenseStream --catch_up--> block ------> lock-ins, capture
+//!                                           |  ^
+//!                       progress, reading   v  |  orders
+//!                                          Mailbox
 //! ```
 //! A listener that measures nothing takes the blocks and drops them, which costs next to nothing.
 
 use crate::bank::{BLOCK, TONES, ToneBlock};
-use crate::capture::{Capture, Values};
+use crate::capture::{Capture, Progress, Values};
 use crate::lock_in::{History, LockIn, State};
+use crate::mailbox::{Captured, ListenOrders, Mailbox, Order};
 use crate::ports::{INPUTS, Overrun, SenseStream};
 use crate::timing::BLOCK_SAMPLES;
+use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::units::SampleIndex;
 
 /// What listens to the inputs.
@@ -25,6 +30,9 @@ pub struct Listener<'a> {
     pub capture: Capture<'a>,
     next: SampleIndex,
     lost_blocks: u32,
+    /// What the thread side has not been told.
+    owes_reading: bool,
+    owes_capture: bool,
     codes: [[u16; BLOCK]; INPUTS],
 }
 
@@ -39,6 +47,8 @@ impl<'a> Listener<'a> {
             capture: Capture::new(values),
             next: index,
             lost_blocks: 0,
+            owes_reading: false,
+            owes_capture: false,
             codes: [[0; BLOCK]; INPUTS],
         }
     }
@@ -55,14 +65,18 @@ impl<'a> Listener<'a> {
         self.lost_blocks
     }
 
-    /// Remembers how a block is rendered, while a lock-in may need it: its first sample, every tone's phase there, and the
-    /// tones. For every block, before the DAC plays it.
-    pub fn block_is_rendered(
+    /// Takes the thread side's orders, and remembers how a block is rendered, while a lock-in may need it: its first sample,
+    /// every tone's phase there, and the tones. For every block, before the DAC plays it.
+    pub fn block_is_rendered<M: RawMutex>(
         &mut self,
         index: SampleIndex,
         phases: &[u64; TONES],
         tones: &[ToneBlock; TONES],
+        mailbox: &Mailbox<M>,
     ) {
+        if let Some(orders) = mailbox.take_listen_orders() {
+            self.obey(orders);
+        }
         if self.lock_in.state() == State::Measuring {
             self.history.record(index, phases, tones);
         }
@@ -70,12 +84,74 @@ impl<'a> Listener<'a> {
 
     /// Takes the blocks that have been sampled, but at most one that the lock-ins work on: two would cost more time than
     /// a block has. One that waits is taken at the next turn.
-    pub fn catch_up(&mut self, stream: &mut impl SenseStream) {
+    ///
+    /// Tells the thread side how far measurement and capture have come.
+    pub fn catch_up<M: RawMutex>(&mut self, stream: &mut impl SenseStream, mailbox: &Mailbox<M>) {
+        let lost_blocks = self.lost_blocks;
         loop {
             let is_dear = self.lock_in.works_at(self.next);
             if !self.listen(stream) || is_dear {
-                return;
+                break;
             }
+        }
+        if self.lost_blocks != lost_blocks {
+            mailbox.set_lost_blocks(self.lost_blocks);
+        }
+        if self.owes_reading {
+            self.tell_reading(mailbox);
+        }
+        if self.owes_capture {
+            let progress = self.capture.progress();
+            self.owes_capture = progress == Progress::Capturing;
+            let (begin, filled) = (self.capture.begin(), self.capture.filled());
+            mailbox.set_captured(Captured { progress, begin, filled });
+        }
+    }
+
+    fn tell_reading<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        let (state, reading) = (self.lock_in.state(), self.lock_in.reading());
+        if state == State::Measuring {
+            mailbox.set_measured_blocks(reading.blocks);
+            return;
+        }
+        self.owes_reading = false;
+        mailbox.set_reading(state, self.lock_in.begin(), reading);
+    }
+
+    /// The orders have been checked where they were given, for an index that was not rendered yet.
+    // Rare: it takes no room among what every block runs.
+    #[cold]
+    #[inline(never)]
+    fn obey(&mut self, orders: ListenOrders) {
+        match orders.measurement {
+            Some(Order::Start(window)) => {
+                if self.lock_in.start(window, self.next).is_err() {
+                    self.lock_in.stop();
+                }
+                self.owes_reading = true;
+            }
+            Some(Order::Stop | Order::Drop) => {
+                self.lock_in.stop();
+                self.owes_reading = false;
+            }
+            None => {}
+        }
+        match orders.capture {
+            Some(Order::Start(recipe)) => {
+                if self.capture.start(recipe, self.next, INPUTS).is_err() {
+                    self.capture.forget();
+                }
+                self.owes_capture = true;
+            }
+            Some(Order::Stop) => {
+                self.capture.stop();
+                self.owes_capture = true;
+            }
+            Some(Order::Drop) => {
+                self.capture.forget();
+                self.owes_capture = false;
+            }
+            None => {}
         }
     }
 

@@ -92,6 +92,7 @@ pub use self::history::{History, Played, PlayedTone};
 use self::kernel::{Block, Kernel};
 use self::native::Native;
 use self::portable::Portable;
+pub(crate) use self::reading::without_offset;
 pub use self::reading::{InPhaseQuadrature, Reading};
 use self::window::Weights;
 pub use self::window::{MAX_WINDOW_BLOCKS, Shape, StartError, Window};
@@ -176,6 +177,12 @@ impl LockIn {
     #[must_use]
     pub const fn works_at(&self, index: SampleIndex) -> bool {
         matches!(self.state, State::Measuring) && index >= self.window.begin && self.reading.followed != 0
+    }
+
+    /// The first sample of the window.
+    #[must_use]
+    pub const fn begin(&self) -> SampleIndex {
+        self.window.begin
     }
 
     /// The sums so far; whole when [`LockIn::state`] is [`State::Finished`].

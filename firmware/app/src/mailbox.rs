@@ -8,6 +8,7 @@
 //!   stop_at_once(kind)       -->  wakes it                ---->  revised(), stop_in_last_block()
 //!   view(), pulses()         <---  motion, report, faults  <----  end_block(Report), fade(), disarm_now()
 //!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
+//!   start_measurement() ...  --->  listening               <--->  take_listen_orders(), set_reading() ...
 //! ```
 //! What must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
 //! guards copies of a few words. The renderer's index moves on under that lock, so what is published for the next block
@@ -29,6 +30,7 @@
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 mod interrupt_side;
+mod listening;
 mod orders;
 mod pending;
 mod publish;
@@ -49,6 +51,8 @@ use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
+pub use self::listening::{Captured, Inputs, Measurement};
+pub(crate) use self::listening::{ListenOrders, Order};
 pub use self::orders::Orders;
 pub use self::pending::Pending;
 pub use self::publish::NotPublished;

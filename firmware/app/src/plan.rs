@@ -4,7 +4,7 @@
 //! nothing else. The controller plans before it accepts a command. The host's mirror plans with the index that the device
 //! has answered and gets the same motion.
 
-use slipline_protocol::command::{Chord, Drive};
+use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, SampleIndex};
@@ -78,8 +78,22 @@ impl Planner<'_> {
         tones.set(chord, table.knots, |index| self.slots.knot(table.slot, index))
     }
 
-    /// Makes the motion of a chord that rises from silence at `at`. Whether its sum fits is not checked here: that is
-    /// [`Proof::check`](crate::chord::Proof::check)'s work.
+    /// Checks a comb's fields and the sum of its amplitudes, and places its tones by a table.
+    ///
+    /// # Errors
+    /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the master level, the glide, the period, the number of tones and a
+    /// multiple, [`Refusal::Headroom`].
+    pub fn place_comb(&self, comb: &Comb, table: TableRef, tones: &mut ChordTones) -> Result<(), Refusal> {
+        if table.knots == 0 {
+            return Err(Refusal::NoTable);
+        }
+        self.check_ranges(comb.master, comb.glide)?;
+        tones.set_comb(comb, table.knots, |index| self.slots.knot(table.slot, index))?;
+        tones.check_amplitudes()
+    }
+
+    /// Makes the motion of a chord or a comb that rises from silence at `at`. Whether a chord's sum fits is not checked here:
+    /// that is [`Proof::check`](crate::chord::Proof::check)'s work.
     ///
     /// # Errors
     /// [`Busy::DriveActive`] if anything sounds at `at`, or if a stop has come.

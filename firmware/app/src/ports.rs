@@ -3,7 +3,7 @@
 //! The link is `embedded-io-async`'s `Read` and `Write`; all others are here. An implementation knows no command and
 //! takes no decision.
 
-use crate::bank::BLOCK;
+use crate::bank::{BLOCK, TONES};
 
 /// What the renderer uses of a board.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +58,11 @@ pub trait SenseStream {
     /// board. Negative where the ADC holds before the DAC's output has changed. Delays of filters outside the chip are not
     /// in it.
     fn delay_ns(&self) -> i32;
+
+    /// Tones that the processor has time to measure at once, on all inputs together with everything else that a block costs.
+    fn lock_ins(&self) -> usize {
+        TONES
+    }
 
     /// Takes the oldest block that has been sampled whole, a row for each input; rows of inputs that do not exist stay as
     /// they are. `None` if there is none yet.

@@ -28,7 +28,7 @@ use crate::digest::Digester;
 use crate::foldback::Foldback;
 use crate::listener::Listener;
 use crate::mailbox::Mailbox;
-use crate::mailbox::{Orders, Report, Stop};
+use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
 use crate::ports::{CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
@@ -151,6 +151,12 @@ impl Renderer {
         let RendererPorts { mut dac, mut mute, mut trigger, mut cycles, mut sense } = ports;
         let mut codes = [code::MID_SCALE; BLOCK];
         self.begin(mailbox);
+        mailbox.set_inputs(Inputs {
+            count: sense.inputs(),
+            lock_ins: sense.lock_ins(),
+            delay_ns: sense.delay_ns(),
+            lost_blocks: 0,
+        });
         loop {
             if let Either::Second(()) = select(dac.room(), mailbox.stopped()).await {
                 if dac.is_revisable()
@@ -184,7 +190,7 @@ impl Renderer {
                 self.was_muted(mailbox);
             }
             let before = cycles.cycles();
-            listener.catch_up(&mut sense);
+            listener.catch_up(&mut sense, mailbox);
             let cost = rendered.wrapping_add(cycles.cycles().wrapping_sub(before));
             self.report.max_cycles = self.report.max_cycles.max(cost);
         }
@@ -233,7 +239,7 @@ impl Renderer {
         let next = index.saturating_add(BLOCK_SAMPLES);
         self.move_tones(next, mailbox);
         if let Some(listener) = listener {
-            listener.block_is_rendered(index, self.bank.phases(), &self.tones);
+            listener.block_is_rendered(index, self.bank.phases(), &self.tones, mailbox);
         }
         self.bank.render(&self.tones, &mut self.samples);
         self.clipped = code::codes(&self.samples, codes);

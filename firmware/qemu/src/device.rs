@@ -31,6 +31,8 @@ const BOARD_HZ: u32 = 25_000_000;
 const TICKS_PER_BLOCK: u32 = BOARD_HZ / (SAMPLE_RATE_HZ / BLOCK as u32);
 
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
+/// What a capture takes.
+static CAPTURED: Values = Values::new();
 
 /// Interrupts of this board that no peripheral uses; the executors run in them, at their priorities.
 #[derive(Clone, Copy)]
@@ -139,7 +141,6 @@ unsafe fn DefaultHandler(interrupt: i16) {
 #[embassy_executor::task]
 async fn run_renderer() {
     let mut renderer = Renderer::new(Timing::at(SAMPLE_RATE_HZ));
-    static CAPTURED: Values = Values::new();
     let mut listener = Listener::starting_at(0, &CAPTURED);
     let dac = ShownDac { first: 0 };
     let ports = RendererPorts { dac, mute: NoAmplifier, trigger: (), cycles: (), sense: () };
@@ -157,7 +158,7 @@ async fn run_link() {
         sample_rate_hz: SAMPLE_RATE_HZ,
     };
     let mut candidate = Candidate::new();
-    let mut link = Link::new(device, Boot::cold(), NoFlash, NoBootloader, &mut candidate);
+    let mut link = Link::new(device, Boot::cold(), NoFlash, NoBootloader, &mut candidate, &CAPTURED);
     link.run(&MAILBOX, UartRead, UartWrite).await;
 }
 

@@ -131,7 +131,7 @@ async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
     // SAFETY: what lies there is copied from the flash before the program begins, as other variables are.
     #[unsafe(link_section = ".data.candidate")]
     static CANDIDATE: ConstStaticCell<Candidate> = ConstStaticCell::new(Candidate::new());
-    let mut link = Link::new(identity(), boot, store, Rom, CANDIDATE.take());
+    let mut link = Link::new(identity(), boot, store, Rom, CANDIDATE.take(), &CAPTURED);
     link.run(&MAILBOX, read, write).await;
 }
 

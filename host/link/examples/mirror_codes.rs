@@ -36,6 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     Command::TableCommit => mirror.acknowledge_table(Arc::from(knots.as_slice()), at)?,
                     Command::Drive(drive) => mirror.acknowledge_drive(&drive, at)?,
                     Command::Chord(chord) => mirror.acknowledge_chord(&chord, at)?,
+                    Command::Comb(comb) => mirror.acknowledge_comb(&comb, at)?,
                     Command::Stop | Command::Disarm => mirror.acknowledge_stop(Stop::Normal, at)?,
                     Command::EmergencyStop => mirror.acknowledge_stop(Stop::Emergency, at)?,
                     _ => {}

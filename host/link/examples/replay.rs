@@ -34,6 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Change::Disarmed => "disarmed",
             Change::Drive(_) => "drive",
             Change::Chord(_) => "chord",
+            Change::Comb(_) => "comb",
             Change::Stop => "stop",
             Change::EmergencyStop => "emergency stop",
             Change::Table(_) => "table",

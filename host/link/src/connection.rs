@@ -178,7 +178,16 @@ impl<O: Opener> Connection<O> {
     /// Takes a request. What cannot be done now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
         self.recorder.set_time(now);
-        if !matches!(request, Request::Drive(_) | Request::Chord(_) | Request::Refresh | Request::Note(..)) {
+        let is_of_many = matches!(
+            request,
+            Request::Drive(_)
+                | Request::Chord(_)
+                | Request::Comb(_)
+                | Request::Listen(_)
+                | Request::Refresh
+                | Request::Note(..)
+        );
+        if !is_of_many {
             self.recorder.log(Severity::Detail, format!("Request: {}.", request.name()));
         }
         match request {

@@ -1,7 +1,7 @@
 //! The journal: what the device has agreed to, in order; what the mirror replays.
 
 use crate::table::DeviceTable;
-use slipline_protocol::command::{Chord, Drive};
+use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -34,6 +34,8 @@ pub enum Change {
     Drive(Arc<Drive>),
     /// A chord, in the device's own units.
     Chord(Arc<Chord>),
+    /// A comb, in the device's own units.
+    Comb(Arc<Comb>),
     /// A stop: a ramp to silence.
     Stop,
     /// An emergency stop: a fast ramp to silence.

@@ -19,6 +19,7 @@
 
 mod channel;
 pub mod chord;
+mod comb;
 mod commands;
 pub mod connection;
 mod drive;
@@ -26,6 +27,7 @@ mod driver_watch;
 mod error;
 pub mod foldback;
 mod journal;
+mod listen;
 mod log;
 pub mod mirror;
 #[cfg(feature = "native")]
@@ -49,10 +51,12 @@ mod undecided;
 pub mod upkeep;
 
 pub use chord::{ChordRequest, ChordToneRequest};
+pub use comb::{CombRequest, CombToneRequest};
 pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
 pub use error::LinkError;
 pub use journal::{Acknowledged, Change, JOURNAL_ENTRIES};
+pub use listen::{CaptureRequest, Captured, ListenRequest, Listened, WindowShape};
 pub use log::{LOG_LINES, LogEntry, Severity};
 pub use out_of_range::OutOfRange;
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};

@@ -20,7 +20,7 @@ use slipline_app::plan::Planner;
 use slipline_app::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
-use slipline_protocol::command::{Chord, Drive};
+use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
@@ -29,6 +29,7 @@ use slipline_protocol::units::SampleIndex;
 enum Scheduled {
     Drive(Drive),
     Chord(Chord),
+    Comb(Comb),
     Table(Arc<[Knot]>),
     Stop(Stop),
 }
@@ -146,6 +147,14 @@ impl Mirror {
         self.acknowledge(at, Scheduled::Chord(chord.clone()))
     }
 
+    /// A comb was accepted and begins at `at`.
+    ///
+    /// # Errors
+    /// [`TooLate`]; the mirror is not true from then on.
+    pub fn acknowledge_comb(&mut self, comb: &Comb, at: SampleIndex) -> Result<(), TooLate> {
+        self.acknowledge(at, Scheduled::Comb(comb.clone()))
+    }
+
     /// A table was swapped in at `at`, by a commit or because the device held it already.
     ///
     /// # Errors
@@ -162,7 +171,7 @@ impl Mirror {
     pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
         // A drive that was accepted but had not begun is dropped, as in the device; a table is in force all the same.
         self.changes.retain(|(begins, change)| {
-            *begins < at || !matches!(change, Scheduled::Drive(_) | Scheduled::Chord(_))
+            *begins < at || !matches!(change, Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Comb(_))
         });
         self.acknowledge(at, Scheduled::Stop(stop))
     }
@@ -205,7 +214,7 @@ impl Mirror {
             match change {
                 Scheduled::Table(knots) if at <= index => table = Some(knots),
                 Scheduled::Table(_) => later.push_back((at, change)),
-                Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Stop(_) => {}
+                Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Comb(_) | Scheduled::Stop(_) => {}
             }
         }
         let limit = self.latest_limit;
@@ -272,6 +281,12 @@ impl Mirror {
                 planner
                     .place_chord(&chord, self.table, &mut tones)
                     .and_then(|()| planner.chord(&tones, at, chord.glide, self.table, &view.motion))
+            }
+            Scheduled::Comb(comb) => {
+                let mut tones = ChordTones::NONE;
+                planner
+                    .place_comb(&comb, self.table, &mut tones)
+                    .and_then(|()| planner.chord(&tones, at, comb.glide, self.table, &view.motion))
             }
             Scheduled::Table(knots) => {
                 let slot = self.table.slot.other();

@@ -108,7 +108,7 @@ impl Recorder {
             return;
         }
         let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
-            Change::Drive(_) | Change::Chord(_) => Some(true),
+            Change::Drive(_) | Change::Chord(_) | Change::Comb(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
             Change::Armed | Change::Table(_) | Change::Limit(_) => None,
         });
@@ -289,6 +289,7 @@ impl Recorder {
         let view = &mut self.view;
         view.identity = None;
         view.maintenance = None;
+        view.inputs = None;
         view.compatibility = None;
         view.status = None;
         view.settled = None;

@@ -24,6 +24,12 @@ pub enum Refusal {
     /// The table that was read back is not the one that was sent.
     #[error("the table on the device is not the one that was sent")]
     TableDiffers,
+    /// The device could not take a block of its inputs in time, so the measurement ended early.
+    #[error("the device lost codes of its inputs at sample {at}; measure again")]
+    InputLost {
+        /// The first sample that is missing.
+        at: u64,
+    },
     /// The device answered with an event that does not belong to the command.
     #[error("the device gave an answer that does not fit the question")]
     UnexpectedReply,

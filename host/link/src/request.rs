@@ -1,7 +1,9 @@
 //! What a program asks of the link, and how it ended.
 
 use crate::chord::ChordRequest;
+use crate::comb::CombRequest;
 use crate::drive::DriveRequest;
+use crate::listen::{CaptureRequest, Captured, ListenRequest, Listened};
 use crate::log::Severity;
 use crate::port::Port;
 use crate::refusal::Refusal;
@@ -11,8 +13,8 @@ use slipline_protocol::event::Digest;
 use std::sync::Arc;
 
 /// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all
-/// others, and a newer [`Request::Drive`], [`Request::Chord`] or a [`Request::Disarm`] replaces a drive or a chord that the
-/// device has not taken yet.
+/// others, and a newer [`Request::Drive`], [`Request::Chord`], [`Request::Comb`] or a [`Request::Disarm`] replaces one of the
+/// three that the device has not taken yet.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
@@ -28,6 +30,12 @@ pub enum Request {
     Drive(DriveRequest),
     /// Sound these multiples of one base frequency, from silence on.
     Chord(ChordRequest),
+    /// Sound these multiples of one low base frequency, from silence on.
+    Comb(CombRequest),
+    /// Measure how an input answers each tone.
+    Listen(ListenRequest),
+    /// Capture the codes of an input.
+    Capture(CaptureRequest),
     /// Ramp to silence; stay armed.
     Stop,
     /// Ramp to silence at once, mute, latch a fault.
@@ -70,6 +78,9 @@ impl Request {
             Self::Disarm => "disarm",
             Self::Drive(_) => "drive",
             Self::Chord(_) => "chord",
+            Self::Comb(_) => "comb",
+            Self::Listen(_) => "listen",
+            Self::Capture(_) => "capture",
             Self::Stop => "stop",
             Self::EmergencyStop => "emergency stop",
             Self::ClearFaults => "clear faults",
@@ -103,6 +114,10 @@ pub enum Outcome {
     },
     /// The digest that was asked for.
     Digest(Digest),
+    /// How the input answered.
+    Listened(Arc<Listened>),
+    /// The codes that were captured.
+    Captured(Arc<Captured>),
     /// Not done, and why.
     Refused(Refusal),
     /// Not done: the device's firmware is older than this program and does not know the command.

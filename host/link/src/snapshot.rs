@@ -12,6 +12,7 @@ use slipline_protocol::Command;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Identity, Maintenance, Status, TableReport, TriggerReport};
 use slipline_protocol::frame::DecoderCounters;
+use slipline_protocol::listen::InputsReport;
 use slipline_protocol::version::{Compatibility, Version};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -120,6 +121,8 @@ pub struct Snapshot {
     /// The wear of its flash and how its supply is guarded, while connected; `None` with a device of protocol 1.0, which
     /// does not tell it. Told at the start, and anew after each write to the flash.
     pub maintenance: Option<Maintenance>,
+    /// What its inputs can do, while connected; `None` with a device of an older protocol than 1.3. Told at the start.
+    pub inputs: Option<InputsReport>,
     /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
     pub status_time: Duration,
     /// The device's table, as it was last read back.
@@ -184,6 +187,12 @@ impl Snapshot {
     pub fn can_play_chords(&self) -> bool {
         let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
         self.identity.as_ref().is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+    }
+
+    /// Whether the device has inputs that it can measure; older firmware and a board without them have none.
+    #[must_use]
+    pub fn can_listen(&self) -> bool {
+        self.inputs.is_some_and(|inputs| inputs.inputs > 0)
     }
 
     /// Whether the device limits the actuator's travel as a table asks for, or cannot.

@@ -228,7 +228,7 @@ pub struct SoundingDrive {
     pub tones: Vec<SteadyTone>,
 }
 
-/// The drive or chord that sounds; `None` when the device is silent or uses a table that this program does not know.
+/// The drive, chord or comb that sounds; `None` when the device is silent or uses a table that this program does not know.
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let is_sounding = snapshot
@@ -240,6 +240,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
         match &entry.change {
             Change::Drive(drive) => latest = Some((entry.number, Played::Drive(Arc::clone(drive)))),
             Change::Chord(chord) => latest = Some((entry.number, Played::Chord(Arc::clone(chord)))),
+            Change::Comb(comb) => latest = Some((entry.number, Played::Comb(Arc::clone(comb)))),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }

@@ -1,8 +1,10 @@
-//! What the device plays, in its own units: a drive by places of its table, or a chord by multiples of a base frequency.
+//! What the device plays, in its own units: a drive by places of its table, or a chord or a comb by multiples of a base
+//! frequency.
 
 use slipline_link::DeviceTable;
 use slipline_link::mirror::{Mirror, TooLate};
-use slipline_link::protocol::command::{Chord, Drive};
+use slipline_link::protocol::command::{Chord, Comb, Drive};
+use slipline_link::protocol::limits::COMB_BLOCK;
 use slipline_link::protocol::units::{CentiDecibel, FinePosition, Gain, Level};
 use std::sync::Arc;
 
@@ -13,6 +15,8 @@ pub enum Played {
     Drive(Arc<Drive>),
     /// Tones that are multiples of one base frequency.
     Chord(Arc<Chord>),
+    /// Tones that are multiples of one low base frequency, beyond the table's frequencies, too.
+    Comb(Arc<Comb>),
 }
 
 /// One tone of it, in physical units.
@@ -31,6 +35,23 @@ pub struct PlayedTone {
 /// A level of the wire with a master level, 0..=1.
 fn share(level: Level, master: CentiDecibel) -> f64 {
     f64::from(level.0) / f64::from(Level::FULL.0) * 10f64.powf(f64::from(master.0) / 2000.0)
+}
+
+/// The tones that a table has of these multiples (and shares) of the rate over a period in samples, each by slot, frequency,
+/// place and share.
+fn multiples(
+    table: &DeviceTable,
+    period: u32,
+    tones: impl Iterator<Item = (u16, f64)>,
+    tone: impl Fn(u8, f64, FinePosition, f64) -> PlayedTone,
+) -> Vec<PlayedTone> {
+    let turns = f64::from(period).recip();
+    let base_hz = f64::from(table.header().sample_rate_hz) * turns;
+    let tones = (0..).zip(tones).filter_map(|(slot, (harmonic, share))| {
+        let place = table.place_of_turns(f64::from(harmonic) * turns)?;
+        Some(tone(slot, f64::from(harmonic) * base_hz, place, share))
+    });
+    tones.collect()
 }
 
 impl Played {
@@ -53,14 +74,14 @@ impl Played {
                 tones.map(played).collect()
             }
             Self::Chord(chord) => {
-                let turns = f64::from(1_u32 << chord.period_log2).recip();
-                let base_hz = f64::from(table.header().sample_rate_hz) * turns;
-                let tones = (0..).zip(&chord.tones).filter_map(|(slot, of)| {
-                    let place = table.place_of_turns(f64::from(of.harmonic) * turns)?;
-                    let hertz = f64::from(of.harmonic) * base_hz;
-                    Some(tone(slot, hertz, place, share(of.level, chord.master)))
-                });
-                tones.collect()
+                let period = 1_u32 << chord.period_log2;
+                let tones = chord.tones.iter().map(|of| (of.harmonic, share(of.level, chord.master)));
+                multiples(table, period, tones, tone)
+            }
+            Self::Comb(comb) => {
+                let period = COMB_BLOCK * u32::from(comb.period_blocks);
+                let tones = comb.tones.iter().map(|of| (of.harmonic, share(of.level, comb.master)));
+                multiples(table, period, tones, tone)
             }
         }
     }
@@ -71,6 +92,7 @@ impl Played {
         match self {
             Self::Drive(drive) => drive.glide,
             Self::Chord(chord) => chord.glide,
+            Self::Comb(comb) => comb.glide,
         }
     }
 
@@ -80,6 +102,7 @@ impl Played {
         match self {
             Self::Drive(drive) => drive.tones.len(),
             Self::Chord(chord) => chord.tones.len(),
+            Self::Comb(comb) => comb.tones.len(),
         }
     }
 
@@ -91,6 +114,7 @@ impl Played {
         match self {
             Self::Drive(drive) => mirror.acknowledge_drive(drive, at),
             Self::Chord(chord) => mirror.acknowledge_chord(chord, at),
+            Self::Comb(comb) => mirror.acknowledge_comb(comb, at),
         }
     }
 }

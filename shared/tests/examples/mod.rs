@@ -5,6 +5,7 @@
 
 mod v1_1;
 mod v1_2;
+mod v1_3;
 
 use heapless::{String, Vec};
 use slipline_protocol::command::*;
@@ -36,6 +37,7 @@ pub(crate) fn commands_of(minor: u8) -> std::vec::Vec<Example<Command>> {
         0 => commands(),
         1 => v1_1::commands(),
         2 => v1_2::commands(),
+        3 => v1_3::commands(),
         _ => panic!("minor {minor} needs a file of examples here"),
     }
 }
@@ -49,6 +51,7 @@ pub(crate) fn events_of(minor: u8) -> std::vec::Vec<Example<Event>> {
         0 => events(),
         1 => v1_1::events(),
         2 => v1_2::events(),
+        3 => v1_3::events(),
         _ => panic!("minor {minor} needs a file of examples here"),
     }
 }

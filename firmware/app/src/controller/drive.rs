@@ -3,7 +3,7 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::command::{Apply, Chord, Drive};
+use slipline_protocol::command::{Apply, Chord, Comb, Drive};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
@@ -93,20 +93,45 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let planner =
             Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
         planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
-        if !ends_silent(mailbox) {
-            return Err(Refusal::Busy(Busy::DriveActive));
-        }
+        refuse_unless_fading(mailbox)?;
         self.candidate.check(is_stopped)?;
-        let at = publish(mailbox, &self.is_outrun, hand_over(chord.apply), |view, lead| {
+        self.rise(chord.glide, chord.apply, is_stopped, mailbox)
+    }
+
+    /// Never inlined, as [`Controller::chord`].
+    #[inline(never)]
+    pub(super) fn comb<M: RawMutex>(
+        &mut self,
+        comb: &Comb,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        self.refuse_unless_drivable(comb.glide, comb.apply, mailbox)?;
+        let planner =
+            Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
+        planner.place_comb(comb, self.active, &mut self.candidate.tones)?;
+        refuse_unless_fading(mailbox)?;
+        self.rise(comb.glide, comb.apply, is_stopped, mailbox)
+    }
+
+    /// Lets the candidate's tones rise from silence.
+    fn rise<M: RawMutex>(
+        &mut self,
+        glide: u32,
+        apply: Apply,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let at = publish(mailbox, &self.is_outrun, hand_over(apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let mut earliest = view.next.max(view.ready_at);
             if view.motion.ends_silent() && !view.motion.is_silent_from(earliest) {
-                // What sounds fades already: the chord begins where that ends.
+                // What sounds fades already: they begin where that ends.
                 earliest = block_at_or_after(view.motion.end());
             }
-            let at = self.begin(chord.apply, earliest, view, lead)?;
+            let at = self.begin(apply, earliest, view, lead)?;
             let mut planner = self.planner(mailbox, is_stopped);
-            let motion = planner.chord(&self.candidate.tones, at, chord.glide, self.active, &view.motion)?;
+            let motion = planner.chord(&self.candidate.tones, at, glide, self.active, &view.motion)?;
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
@@ -152,10 +177,10 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 }
 
-/// Whether what sounds fades, or nothing sounds. Never inlined: the copy would stay on the stack.
+/// Refuses unless what sounds fades, or nothing sounds. Never inlined: the copy would stay on the stack.
 #[inline(never)]
-fn ends_silent<M: RawMutex>(mailbox: &Mailbox<M>) -> bool {
-    mailbox.view().motion.ends_silent()
+fn refuse_unless_fading<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+    if mailbox.view().motion.ends_silent() { Ok(()) } else { Err(Refusal::Busy(Busy::DriveActive)) }
 }
 
 /// How a motion is handed over.

@@ -106,6 +106,7 @@ impl Rig {
                 NoFlash,
                 rom.clone(),
                 Box::leak(Box::default()),
+                Box::leak(Box::default()),
             ),
             mailbox: Rc::new(Mailbox::new()),
             renderer: Rc::new(RefCell::new(Renderer::new(Timing::at(RATE)))),
@@ -310,7 +311,8 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let boot = Boot { safe_mode: true, ..Boot::cold() };
     let mailbox = Mailbox::<Interrupted>::new();
     let mut candidate = Candidate::new();
-    let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default(), &mut candidate);
+    let captured = crate::capture::Values::new();
+    let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default(), &mut candidate, &captured);
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
     let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox)

@@ -127,7 +127,10 @@ impl Write for End<'_> {
 fn play(wire: &RefCell<Wire>, script: impl FnOnce(&mut dyn FnMut(u64))) {
     let mailbox = Box::new(Mailbox::<NoopRawMutex>::new());
     let mut candidate = Candidate::new();
-    let mut link = Link::new(Device::of_a_test(RATE), Boot::cold(), NoFlash, Nothing, &mut candidate);
+    let captured = crate::capture::Values::new();
+    let mut link =
+        Link::new(Device::of_a_test(RATE), Boot::cold(), NoFlash, Nothing, &mut candidate, &captured);
+
     let mut renderer = Renderer::new(Timing::at(RATE));
     let mut codes = [0; BLOCK];
     let mut running = pin!(link.run(&mailbox, End(wire), End(wire)));

@@ -182,24 +182,25 @@ fn what_the_renderer_plays_is_measured_against_its_own_phase() {
 
 #[test]
 fn a_listener_that_measures_nothing_remembers_nothing_and_is_never_behind() {
+    let mailbox = Mailbox::<NoopRawMutex>::new();
     let values = Values::new();
     let mut listener = Listener::starting_at(0, &values);
     let tones = [ToneBlock::steady(1 << 60, 1); TONES];
-    listener.block_is_rendered(0, &[0; TONES], &tones);
+    listener.block_is_rendered(0, &[0; TONES], &tones, &mailbox);
     assert_eq!(listener.history.at(0), None);
     // Three blocks at once, as after a turn that was late.
     let mut stream = Stream([Ok(100), Ok(100), Ok(100)].into());
-    listener.catch_up(&mut stream);
+    listener.catch_up(&mut stream, &mailbox);
     assert_eq!(listener.next(), 3 * 128);
     // While tones are measured, a turn has time for one.
     let window = Window { begin: 3 * 128, blocks: 9, shape: Shape::Rectangular, slots: 1 };
     listener.lock_in.start(window, listener.next()).expect("it can be measured");
     for index in [3, 4, 5] {
-        listener.block_is_rendered(index * 128, &[(index * 128) << 60; TONES], &tones);
+        listener.block_is_rendered(index * 128, &[(index * 128) << 60; TONES], &tones, &mailbox);
     }
     let mut stream = Stream([Ok(100), Ok(100), Ok(100)].into());
     for turn in 4..=6 {
-        listener.catch_up(&mut stream);
+        listener.catch_up(&mut stream, &mailbox);
         assert_eq!(listener.next(), turn * 128);
     }
     assert_eq!(listener.lock_in.reading().blocks, 3);

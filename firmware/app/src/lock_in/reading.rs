@@ -69,16 +69,26 @@ impl Reading {
         if self.followed & 1_u16.checked_shl(u32::try_from(slot).ok()?)? == 0 {
             return None;
         }
-        let sum = self.sums.get(input)?.get(slot)?;
-        let (constant, codes) = (self.constant.get(slot)?, i128::from(*self.codes.get(input)?));
-        let scale = i128::from(self.weight) * (BLOCK as i128 * i128::from(CONSTANT));
-        let less = |sum: i64, constant: i64| {
-            let share = codes.wrapping_mul(constant.into()).checked_div(scale)?;
-            i64::try_from(i128::from(sum) - share).ok()
-        };
-        Some(InPhaseQuadrature {
-            in_phase: less(sum.in_phase, constant.in_phase)?,
-            quadrature: less(sum.quadrature, constant.quadrature)?,
-        })
+        let sum = *self.sums.get(input)?.get(slot)?;
+        without_offset(sum, *self.constant.get(slot)?, *self.codes.get(input)?, self.weight)
     }
+}
+
+/// A tone's sums less what the input's offset has added to them: `constant` are the tone's sums of a constant input of
+/// [`CONSTANT`] codes, `codes` the sum of the input's codes, `weight` that of the blocks' weights. `None` for an empty window.
+pub(crate) fn without_offset(
+    sum: InPhaseQuadrature,
+    constant: InPhaseQuadrature,
+    codes: i64,
+    weight: u32,
+) -> Option<InPhaseQuadrature> {
+    let scale = i128::from(weight) * (BLOCK as i128 * i128::from(CONSTANT));
+    let less = |sum: i64, constant: i64| {
+        let share = i128::from(codes).wrapping_mul(constant.into()).checked_div(scale)?;
+        i64::try_from(i128::from(sum) - share).ok()
+    };
+    Some(InPhaseQuadrature {
+        in_phase: less(sum.in_phase, constant.in_phase)?,
+        quadrature: less(sum.quadrature, constant.quadrature)?,
+    })
 }

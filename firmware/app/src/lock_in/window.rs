@@ -39,7 +39,7 @@ impl Window {
     pub(super) const NONE: Self = Self { begin: 0, blocks: 0, shape: Shape::Rectangular, slots: 0 };
 
     /// Whether it can be measured if the block that begins at `next` is the first to be taken.
-    pub(super) const fn check(&self, next: SampleIndex) -> Result<(), StartError> {
+    pub(crate) const fn check(&self, next: SampleIndex) -> Result<(), StartError> {
         if !self.begin.is_multiple_of(BLOCK_SAMPLES) {
             return Err(StartError::WithinBlock);
         }

@@ -5,6 +5,7 @@ use core::cell::Cell;
 use slipline_protocol::event::Fault;
 use slipline_protocol::units::SampleIndex;
 
+use super::listening::Listening;
 use super::{Pending, Report, Stop};
 use crate::digest::DigestState;
 use crate::faults::FaultLatch;
@@ -39,6 +40,7 @@ pub(super) struct Shared {
     pub(super) report: Cell<Report>,
     pub(super) faults: Cell<FaultLatch>,
     pub(super) digest: Cell<DigestState>,
+    pub(super) listening: Listening,
 }
 
 /// One of the two motions.
@@ -87,6 +89,7 @@ impl Shared {
             report: Cell::new(Report::SILENT),
             faults: Cell::new(FaultLatch::new()),
             digest: Cell::new(DigestState::None),
+            listening: Listening::new(),
         }
     }
 

@@ -125,6 +125,12 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at: report.began.unwrap_or(0) });
             }
             Event::Digest(digest) => self.digested(task, digest, recorder, now),
+            Event::Inputs(told) => {
+                recorder.view.inputs = Some(told);
+                recorder.finish(task.ticket, Outcome::Done { at: told.now });
+            }
+            Event::Listened(told) => self.listened(task, &told, recorder, now),
+            Event::Captured(told) => self.captured(task, &told, recorder, now),
             #[cfg(slipline_next)]
             Event::CoilMeasured(report) => {
                 recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
@@ -185,6 +191,18 @@ impl CommandQueue {
                 let apply = chord.apply;
                 self.sounds(&task, apply, at, Change::Chord(Arc::new(chord)), recorder);
             }
+            Command::Comb(comb) => {
+                let apply = comb.apply;
+                self.sounds(&task, apply, at, Change::Comb(Arc::new(comb)), recorder);
+            }
+            Command::Listen(_) => {
+                self.listens(&task, at, recorder, now);
+                return Next::Continue;
+            }
+            Command::Capture(_) => {
+                self.captures(&task, at, recorder, now);
+                return Next::Continue;
+            }
             Command::ClearFaults => self.arm_unasked(recorder),
             Command::DigestStart(_) => {
                 let mut read = Task::new(task.ticket, Job::DigestRead);
@@ -213,6 +231,11 @@ impl CommandQueue {
             | Command::TableAbort
             | Command::TableDigest
             | Command::DigestRead
+            | Command::Inputs
+            | Command::ListenRead(_)
+            | Command::ListenStop
+            | Command::CaptureRead(_)
+            | Command::CaptureStop
             | Command::BootloaderToken
             | Command::Hello(_)
             | Command::KeepAlive(_)
@@ -229,7 +252,7 @@ impl CommandQueue {
         Next::Continue
     }
 
-    /// Notes a drive or a chord that the device has accepted.
+    /// Notes a drive, a chord or a comb that the device has accepted.
     fn sounds(
         &mut self,
         task: &Task,

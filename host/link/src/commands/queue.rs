@@ -134,6 +134,12 @@ impl CommandQueue {
                 self.drop_tasks(recorder, Job::sounds);
                 Job::Chord(chord)
             }
+            Request::Comb(comb) => {
+                self.drop_tasks(recorder, Job::sounds);
+                Job::Comb(comb)
+            }
+            Request::Listen(listen) => Job::Listen(listen),
+            Request::Capture(capture) => Job::Capture(capture),
             // The connection deals with these itself.
             Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
                 return;
@@ -166,7 +172,7 @@ impl CommandQueue {
         }
     }
 
-    fn drop_tasks(&mut self, recorder: &mut Recorder, which: impl Fn(&Job) -> bool) {
+    pub(super) fn drop_tasks(&mut self, recorder: &mut Recorder, which: impl Fn(&Job) -> bool) {
         self.tasks.retain(|task| {
             let drop = which(&task.job);
             if drop {
@@ -267,10 +273,10 @@ impl CommandQueue {
         deadline
     }
 
-    /// The tasks of which the next one is chosen: the first, and before it the digests, which let the others pass
-    /// until they are ready. None passes one that waits for a stop's answer.
+    /// The tasks of which the next one is chosen: the first, and before it those that ask for a result, which let the others
+    /// pass until it may be there. None passes one that waits for a stop's answer.
     fn candidates(&self) -> impl Iterator<Item = (usize, &Task)> {
-        let first = self.tasks.iter().position(|task| !matches!(task.job, Job::DigestRead));
+        let first = self.tasks.iter().position(|task| !task.job.asks_for_result());
         let is_held = |task: &Task| self.channel.pending_stop().is_some_and(|stop| task.job.yields_to(stop));
         let count = first.map_or(self.tasks.len(), |first| first + 1);
         self.tasks.iter().enumerate().take(count).filter(move |(_, task)| !is_held(task))
@@ -296,6 +302,10 @@ impl CommandQueue {
             Job::ArmUnasked => Command::Arm,
             Job::FirstReadBack => Command::TableDigest,
             Job::DigestRead => Command::DigestRead,
+            Job::Listen(request) => Command::Listen(request.window()),
+            Job::Capture(request) => Command::Capture(request.window()),
+            Job::ListenRead(reading) => Command::ListenRead(reading.part()),
+            Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
             Job::BeginUpload(upload) => {
                 self.uploads.begin(upload, recorder);
                 return true;
@@ -319,6 +329,13 @@ impl CommandQueue {
                 let Some(identity) = recorder.view.identity.clone() else { return true };
                 match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
                     Ok(chord) => Command::Chord(chord),
+                    Err(error) => return refuse(&task, error, recorder),
+                }
+            }
+            Job::Comb(request) => {
+                let Some(identity) = recorder.view.identity.clone() else { return true };
+                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
+                    Ok(comb) => Command::Comb(comb),
                     Err(error) => return refuse(&task, error, recorder),
                 }
             }

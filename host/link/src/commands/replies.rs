@@ -87,8 +87,10 @@ impl CommandQueue {
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
             self.tasks.push_front(Task::new(None, Job::FirstReadBack));
-            if self.channel.is_known(&Command::Maintenance) {
-                self.tasks.push_front(Task::new(None, Job::Send(Command::Maintenance)));
+            for command in [Command::Inputs, Command::Maintenance] {
+                if self.channel.is_known(&command) {
+                    self.tasks.push_front(Task::new(None, Job::Send(command)));
+                }
             }
         } else {
             self.stage = Stage::Limited;
@@ -140,6 +142,9 @@ impl CommandQueue {
             | Event::Trigger(_)
             | Event::Table(_)
             | Event::Digest(_)
+            | Event::Inputs(_)
+            | Event::Listened(_)
+            | Event::Captured(_)
             | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
             #[cfg(slipline_next)]
             Event::CoilMeasured(_) => Outcome::Refused(Refusal::UnexpectedReply),
@@ -168,6 +173,9 @@ impl CommandQueue {
             | Event::Trigger(_)
             | Event::Table(_)
             | Event::Digest(_)
+            | Event::Inputs(_)
+            | Event::Listened(_)
+            | Event::Captured(_)
             | Event::BootloaderToken(_) => {}
             #[cfg(slipline_next)]
             Event::CoilMeasured(_) => {}

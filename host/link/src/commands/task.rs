@@ -1,8 +1,11 @@
 //! What is to be sent to a device: one task for each request, in order.
 
+use super::reading::{CaptureReading, ListenReading};
 use super::upload::Upload;
 use crate::chord::ChordRequest;
+use crate::comb::CombRequest;
 use crate::drive::DriveRequest;
+use crate::listen::{CaptureRequest, ListenRequest};
 use crate::request::Ticket;
 use slipline_protocol::Command;
 use std::time::Duration;
@@ -16,9 +19,14 @@ pub(super) enum Job {
     ArmUnasked,
     Drive(DriveRequest),
     Chord(ChordRequest),
+    Comb(CombRequest),
+    Listen(ListenRequest),
+    Capture(CaptureRequest),
     BeginUpload(Upload),
     CancelUpload,
     DigestRead,
+    ListenRead(Box<ListenReading>),
+    CaptureRead(Box<CaptureReading>),
     /// Read the table's digest to complete the handshake.
     FirstReadBack,
 }
@@ -26,13 +34,18 @@ pub(super) enum Job {
 impl Job {
     /// Whether it makes the device sound: a newer such job takes its place.
     pub(super) const fn sounds(&self) -> bool {
-        matches!(self, Self::Drive(_) | Self::Chord(_))
+        matches!(self, Self::Drive(_) | Self::Chord(_) | Self::Comb(_))
+    }
+
+    /// Whether it asks for a result that may not be there yet: others go before it.
+    pub(super) const fn asks_for_result(&self) -> bool {
+        matches!(self, Self::DigestRead | Self::ListenRead(_) | Self::CaptureRead(_))
     }
 
     /// Whether this stop, emergency stop or disarm undoes it.
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
-            Self::Drive(_) | Self::Chord(_) => true,
+            Self::Drive(_) | Self::Chord(_) | Self::Comb(_) => true,
             Self::ArmUnasked | Self::Send(Command::Arm | Command::ClearFaults) => {
                 matches!(stop, Command::EmergencyStop)
             }

@@ -203,6 +203,9 @@ impl Uploads {
                 | Event::Unchanged(_)
                 | Event::Trigger(_)
                 | Event::Digest(_)
+                | Event::Inputs(_)
+                | Event::Listened(_)
+                | Event::Captured(_)
                 | Event::BootloaderToken(_),
                 _,
             ) => {

@@ -195,9 +195,12 @@ impl Replay {
     }
 
     fn take(&mut self, entry: &Acknowledged) {
-        let has_skipped = matches!(entry.change, Change::Drive(_) | Change::Chord(_) | Change::Table(_))
-            && self.skip_silence(entry.at);
+        let sounds = matches!(entry.change, Change::Drive(_) | Change::Chord(_) | Change::Comb(_));
+        let has_skipped = (sounds || matches!(entry.change, Change::Table(_))) && self.skip_silence(entry.at);
         let Some(mirror) = &mut self.mirror else { return };
+        if sounds && self.silent_since.take().is_some_and(|_| has_skipped) {
+            self.drive_began = entry.at;
+        }
         // A change that comes too late, or that the renderer cannot take, shows in `Mirror::is_true`.
         let _ = match &entry.change {
             Change::Session => {
@@ -210,18 +213,9 @@ impl Replay {
                 Ok(())
             }
             Change::Armed => Ok(()),
-            Change::Drive(drive) => {
-                if self.silent_since.take().is_some_and(|_| has_skipped) {
-                    self.drive_began = entry.at;
-                }
-                mirror.acknowledge_drive(drive, entry.at)
-            }
-            Change::Chord(chord) => {
-                if self.silent_since.take().is_some_and(|_| has_skipped) {
-                    self.drive_began = entry.at;
-                }
-                mirror.acknowledge_chord(chord, entry.at)
-            }
+            Change::Drive(drive) => mirror.acknowledge_drive(drive, entry.at),
+            Change::Chord(chord) => mirror.acknowledge_chord(chord, entry.at),
+            Change::Comb(comb) => mirror.acknowledge_comb(comb, entry.at),
             Change::Table(table) => mirror.acknowledge_table(table.knots().into(), entry.at),
             Change::Stop | Change::Disarmed => {
                 self.silent_since.get_or_insert(entry.at);

@@ -168,6 +168,8 @@ impl SimulatedDevice {
         let now = renderer.index();
         let (link_mailbox, link_peripherals) = (mailbox.clone(), peripherals.clone());
         let (renderer_mailbox, renderer_peripherals) = (mailbox.clone(), peripherals.clone());
+        let link_values = Arc::new(Values::new());
+        let listener_values = link_values.clone();
         let woken = Arc::new(Woken::default());
         let mut device = Self {
             options,
@@ -176,12 +178,11 @@ impl SimulatedDevice {
             link: Box::pin(async move {
                 let (flash, system) = (link_peripherals.clone(), link_peripherals.clone());
                 let mut candidate = Candidate::new();
-                let mut link = Link::new(device, boot, flash, system, &mut candidate);
+                let mut link = Link::new(device, boot, flash, system, &mut candidate, &link_values);
                 link.run(&link_mailbox, link_peripherals.clone(), link_peripherals).await;
             }),
             renderer: Box::pin(async move {
-                let values = Values::new();
-                let mut listener = Listener::starting_at(renderer.index(), &values);
+                let mut listener = Listener::starting_at(renderer.index(), &listener_values);
                 let ports = RendererPorts {
                     dac: renderer_peripherals.clone(),
                     mute: renderer_peripherals.clone(),

@@ -105,10 +105,7 @@ impl Loopback {
     /// # Errors
     /// [`LoopbackError`] if it is refused or does not end.
     pub fn perform(&mut self, request: Request, mut sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
-        self.tickets += 1;
-        let ticket = Ticket(self.tickets);
-        let now = self.now();
-        self.connection.request(ticket, request, now);
+        let ticket = self.hand_over(request);
         for _ in 0..PATIENCE_BLOCKS {
             self.pass_block(&mut sink);
             match self.connection.view().outcome(ticket) {
@@ -116,12 +113,28 @@ impl Loopback {
                 Some(Outcome::Done { at }) => return Ok(*at),
                 Some(Outcome::Refused(refusal)) => return Err(refusal.clone().into()),
                 Some(Outcome::Digest(digest)) => return Ok(digest.from),
+                Some(Outcome::Listened(listened)) => return Ok(listened.begin),
+                Some(Outcome::Captured(captured)) => return Ok(captured.from),
                 Some(Outcome::DeviceTooOld | Outcome::Superseded | Outcome::NotConnected) => {
                     return Err(LoopbackError::NoAnswer);
                 }
             }
         }
         Err(LoopbackError::NoAnswer)
+    }
+
+    /// Hands a request over; [`Loopback::pass`] lets the time pass in which it is done, and the view tells how it ends.
+    pub fn hand_over(&mut self, request: Request) -> Ticket {
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        let now = self.now();
+        self.connection.request(ticket, request, now);
+        ticket
+    }
+
+    /// Lets so many of the blocks that the device's inputs sample next be lost.
+    pub fn inject_overrun(&mut self, blocks: u32) {
+        lock(&self.device).inject_overrun(blocks);
     }
 
     /// Raises the device's trigger input for a moment.

@@ -210,7 +210,7 @@ impl App {
         let by_rest = match (&request, &sounding) {
             // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
             // of a drive, so these would cross the plate on their way.
-            (Request::Chord(_), _) | (_, Some(Played::Chord(_))) => true,
+            (Request::Chord(_), _) | (_, Some(Played::Chord(_) | Played::Comb(_))) => true,
             // So would the tones of a texture, or of what is taken back or opened, and be too loud on the way.
             (_, Some(Played::Drive(drive))) => self.tones_moved_from(drive) > 1,
             (_, None) => false,

@@ -1,0 +1,159 @@
+//! Measuring the inputs: what is ordered of the listener, and what it has told.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use heapless::Vec;
+use slipline_protocol::Event;
+use slipline_protocol::limits::{
+    CAPTURED_VALUES, LISTENED_TONES, MAX_CAPTURE_LOG2, MAX_CAPTURE_VALUES, MAX_TONES,
+};
+use slipline_protocol::listen::{
+    CapturePart, CaptureWindow, Captured, InPhaseQuadrature, InputsReport, ListenPart, ListenWindow,
+    Listened, Progress, WindowShape,
+};
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::units::SampleIndex;
+
+use super::Controller;
+use super::range::in_range;
+use crate::capture::{self, Recipe};
+use crate::lock_in::{Shape, Span, State, Window};
+use crate::mailbox::{Inputs, Mailbox};
+use crate::ports::{FlashPages, System};
+use crate::timing::block_at_or_after;
+
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
+    /// Begins a measurement; returns its first sample.
+    pub(super) fn listen<M: RawMutex>(
+        &self,
+        asked: &ListenWindow,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let inputs = existing(mailbox)?;
+        in_range(Field::WindowBlocks, 1, u16::MAX.into(), asked.blocks.into())?;
+        in_range(Field::LockIns, 0, inputs.lock_ins as u64, asked.slots.count_ones().into())?;
+        let shape = match asked.shape {
+            WindowShape::Rectangular => Shape::Rectangular,
+            WindowShape::Hann => Shape::Hann,
+        };
+        mailbox.start_measurement(|next| {
+            let begin = block_at_or_after(self.ahead(asked.from, next)?);
+            let window = Window { begin, blocks: asked.blocks, shape, slots: asked.slots };
+            window.check(next).map_err(|_| beyond_time(next, begin))?;
+            Ok(window)
+        })
+    }
+
+    /// Begins a capture; returns the index of its first code.
+    pub(super) fn capture<M: RawMutex>(
+        &self,
+        asked: &CaptureWindow,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let inputs = existing(mailbox)?;
+        check_input(asked.input, inputs)?;
+        in_range(Field::CaptureCodes, 0, MAX_CAPTURE_LOG2.into(), asked.log2_codes.into())?;
+        in_range(Field::CaptureValues, 1, MAX_CAPTURE_VALUES.into(), asked.values.into())?;
+        mailbox.start_capture(|next| {
+            let begin = self.ahead(asked.from, next)?;
+            let CaptureWindow { input, log2_codes, values, .. } = *asked;
+            let recipe = Recipe { begin, input, log2_codes, values };
+            recipe.check(next, inputs.count).map_err(|_| beyond_time(next, begin))?;
+            Ok(recipe)
+        })
+    }
+
+    /// Tells values of the capture.
+    pub(super) fn captured<M: RawMutex>(
+        &self,
+        part: CapturePart,
+        mailbox: &Mailbox<M>,
+    ) -> Result<Event, Refusal> {
+        existing(mailbox)?;
+        let told = mailbox.captured();
+        let first = usize::from(part.first);
+        let count = told.filled.saturating_sub(first).min(CAPTURED_VALUES);
+        Ok(Event::Captured(Captured {
+            progress: match told.progress {
+                capture::Progress::Idle => Progress::Idle,
+                capture::Progress::Capturing => Progress::Running,
+                capture::Progress::Finished => Progress::Finished,
+                capture::Progress::Broken { at } => Progress::Broken { at },
+            },
+            from: told.begin,
+            captured: u16::try_from(told.filled).unwrap_or(u16::MAX),
+            first: part.first,
+            values: self.captured.range(first, count).collect(),
+        }))
+    }
+
+    /// The index that is asked for, which must not lie too far ahead, or the next one.
+    fn ahead(&self, from: Option<SampleIndex>, next: SampleIndex) -> Result<SampleIndex, Refusal> {
+        let Some(from) = from else { return Ok(next) };
+        in_range(Field::ApplyAt, next, next.saturating_add(self.timing.max_apply_ahead), from)?;
+        Ok(from)
+    }
+}
+
+/// What the inputs can do.
+pub(super) fn inputs<M: RawMutex>(mailbox: &Mailbox<M>) -> Event {
+    let Inputs { count, lock_ins, delay_ns, lost_blocks } = mailbox.inputs();
+    let lock_ins = if count == 0 { 0 } else { lock_ins };
+    Event::Inputs(InputsReport {
+        inputs: u8::try_from(count).unwrap_or(u8::MAX),
+        lock_ins: u8::try_from(lock_ins).unwrap_or(u8::MAX),
+        delay_ns: delay_ns.into(),
+        lost_blocks,
+        now: mailbox.now(),
+    })
+}
+
+/// Tells a part of the measurement.
+pub(super) fn listened<M: RawMutex>(part: ListenPart, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
+    check_input(part.input, existing(mailbox)?)?;
+    in_range(Field::ToneSlot, 0, (MAX_TONES as u64).saturating_sub(1), part.first_slot.into())?;
+    let told = mailbox.measurement();
+    let input = usize::from(part.input);
+    let progress = match told.state {
+        State::Idle => Progress::Idle,
+        State::Measuring => Progress::Running,
+        State::Finished => Progress::Finished,
+        State::Broken { at } => Progress::Broken { at },
+    };
+    let mut answers = Vec::new();
+    if matches!(progress, Progress::Finished | Progress::Broken { .. }) {
+        for slot in (usize::from(part.first_slot)..MAX_TONES).take(LISTENED_TONES) {
+            let answer =
+                mailbox.answer(&told, input, slot).map_or_else(InPhaseQuadrature::default, |answer| {
+                    InPhaseQuadrature { in_phase: answer.in_phase, quadrature: answer.quadrature }
+                });
+            // There is room: just as many are taken.
+            let _ = answers.push(answer);
+        }
+    }
+    let span = told.spans.get(input).copied().flatten().unwrap_or(Span { lowest: 0, highest: 0 });
+    Ok(Event::Listened(Listened {
+        progress,
+        begin: told.begin,
+        blocks: told.blocks,
+        weight: told.weight,
+        followed: told.followed,
+        lowest: span.lowest,
+        highest: span.highest,
+        answers,
+    }))
+}
+
+/// The inputs of a device that has any.
+fn existing<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<Inputs, Refusal> {
+    Some(mailbox.inputs()).filter(|inputs| inputs.count > 0).ok_or(Refusal::NotSupported)
+}
+
+fn check_input(input: u8, inputs: Inputs) -> Result<(), Refusal> {
+    in_range(Field::Input, 0, (inputs.count as u64).saturating_sub(1), input.into())
+}
+
+/// The end would lie beyond the last sample index.
+fn beyond_time(next: SampleIndex, begin: SampleIndex) -> Refusal {
+    let signed = |index| i64::try_from(index).unwrap_or(i64::MAX);
+    Refusal::out_of_range(Field::ApplyAt, signed(next), i64::MAX, signed(begin))
+}

@@ -1,0 +1,299 @@
+//! What the thread side orders of the listener, and what the listener tells it.
+//!
+//! ```text
+//! start, stop  --> order, "running"   ---->  taken with the next block; until then nothing is told
+//! told, answer <-- progress, reading  <----  progress every block, the reading once, when the window is over
+//! ```
+//! A reading is told once and then stays as it is until the thread side orders anew. So it may be written and read in parts,
+//! each under the lock for some hundred bytes at most.
+
+use core::cell::Cell;
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_protocol::units::SampleIndex;
+
+use super::Mailbox;
+use crate::bank::TONES;
+use crate::capture::{self, Recipe};
+use crate::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
+use crate::ports::INPUTS;
+
+/// What is to become of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order<T> {
+    /// A new one begins.
+    Start(T),
+    /// It ends, and keeps what it has.
+    Stop,
+    /// It ends and is forgotten.
+    Drop,
+}
+
+/// What the listener is to do from now on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ListenOrders {
+    pub(crate) measurement: Option<Order<Window>>,
+    pub(crate) capture: Option<Order<Recipe>>,
+}
+
+/// What the board's inputs are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// How many there are.
+    pub count: usize,
+    /// Tones that can be measured at once.
+    pub lock_ins: usize,
+    /// How long after a DAC code an input's code is held.
+    pub delay_ns: i32,
+    /// Blocks that were lost since the start.
+    pub lost_blocks: u32,
+}
+
+/// A measurement without its sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measurement {
+    /// How far it has come.
+    pub state: State,
+    /// Its first sample.
+    pub begin: SampleIndex,
+    /// Blocks that have been taken.
+    pub blocks: u16,
+    /// The sum of their weights; 0 while it is under way, as all that follows.
+    pub weight: u32,
+    /// As [`Reading::followed`].
+    pub followed: u16,
+    /// As [`Reading::spans`].
+    pub spans: [Option<Span>; INPUTS],
+    codes: [i64; INPUTS],
+}
+
+impl Measurement {
+    const NONE: Self = Self::begun(0, State::Idle);
+
+    const fn begun(begin: SampleIndex, state: State) -> Self {
+        Self { state, begin, blocks: 0, weight: 0, followed: 0, spans: [None; INPUTS], codes: [0; INPUTS] }
+    }
+}
+
+/// A capture without its values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Captured {
+    /// How far it has come.
+    pub progress: capture::Progress,
+    /// The index of its first code.
+    pub begin: SampleIndex,
+    /// How many values there are.
+    pub filled: usize,
+}
+
+impl Captured {
+    const NONE: Self = Self { progress: capture::Progress::Idle, begin: 0, filled: 0 };
+}
+
+/// The sums of all slots.
+type Sums = [InPhaseQuadrature; TONES];
+
+/// What lies under the lock.
+pub(super) struct Listening {
+    /// Whether there is an order.
+    is_ordered: Cell<bool>,
+    measurement_order: Cell<Option<Order<Window>>>,
+    capture_order: Cell<Option<Order<Recipe>>>,
+    inputs: Cell<Inputs>,
+    measurement: Cell<Measurement>,
+    sums: [Cell<Sums>; INPUTS],
+    constant: Cell<Sums>,
+    captured: Cell<Captured>,
+}
+
+impl Listening {
+    pub(super) const fn new() -> Self {
+        const NOTHING: Sums = [InPhaseQuadrature { in_phase: 0, quadrature: 0 }; TONES];
+        Self {
+            is_ordered: Cell::new(false),
+            measurement_order: Cell::new(None),
+            capture_order: Cell::new(None),
+            inputs: Cell::new(Inputs { count: 0, lock_ins: 0, delay_ns: 0, lost_blocks: 0 }),
+            measurement: Cell::new(Measurement::NONE),
+            sums: [const { Cell::new(NOTHING) }; INPUTS],
+            constant: Cell::new(NOTHING),
+            captured: Cell::new(Captured::NONE),
+        }
+    }
+
+    fn order_measurement(&self, order: Order<Window>, told: Measurement) {
+        self.measurement_order.set(Some(order));
+        self.measurement.set(told);
+        self.is_ordered.set(true);
+    }
+
+    fn order_capture(&self, order: Order<Recipe>, told: Captured) {
+        self.capture_order.set(Some(order));
+        self.captured.set(told);
+        self.is_ordered.set(true);
+    }
+}
+
+/// The thread side.
+impl<M: RawMutex> Mailbox<M> {
+    /// What the inputs are.
+    pub fn inputs(&self) -> Inputs {
+        self.shared.lock(|shared| shared.listening.inputs.get())
+    }
+
+    /// Begins the measurement that `window` makes for the first index that is not rendered yet, and forgets the last one. One
+    /// step, so that the window has not begun when the renderer hears of it. Returns the window's first sample.
+    ///
+    /// # Errors
+    /// What `window` says.
+    pub fn start_measurement<E>(
+        &self,
+        window: impl FnOnce(SampleIndex) -> Result<Window, E>,
+    ) -> Result<SampleIndex, E> {
+        self.shared.lock(|shared| {
+            let window = window(shared.next.get())?;
+            let told = Measurement::begun(window.begin, State::Measuring);
+            shared.listening.order_measurement(Order::Start(window), told);
+            Ok(window.begin)
+        })
+    }
+
+    /// Drops the measurement.
+    pub fn drop_measurement(&self) {
+        self.shared.lock(|shared| shared.listening.order_measurement(Order::Drop, Measurement::NONE));
+    }
+
+    /// How the measurement stands.
+    pub fn measurement(&self) -> Measurement {
+        self.shared.lock(|shared| shared.listening.measurement.get())
+    }
+
+    /// As [`Reading::answer`], of a `measurement` that is over.
+    pub fn answer(&self, measurement: &Measurement, input: usize, slot: usize) -> Option<InPhaseQuadrature> {
+        measurement.spans.get(input).copied().flatten()?;
+        if measurement.followed & 1_u16.checked_shl(u32::try_from(slot).ok()?)? == 0 {
+            return None;
+        }
+        let codes = *measurement.codes.get(input)?;
+        let (sum, constant) = self.shared.lock(|shared| {
+            let sums = shared.listening.sums.get(input)?.get();
+            let constants = shared.listening.constant.get();
+            Some((*sums.get(slot)?, *constants.get(slot)?))
+        })?;
+        lock_in::without_offset(sum, constant, codes, measurement.weight)
+    }
+
+    /// Begins the capture that `recipe` makes for the first index that is not rendered yet, as
+    /// [`Mailbox::start_measurement`] a measurement.
+    ///
+    /// # Errors
+    /// What `recipe` says.
+    pub fn start_capture<E>(
+        &self,
+        recipe: impl FnOnce(SampleIndex) -> Result<Recipe, E>,
+    ) -> Result<SampleIndex, E> {
+        self.shared.lock(|shared| {
+            let recipe = recipe(shared.next.get())?;
+            let progress = capture::Progress::Capturing;
+            let told = Captured { progress, begin: recipe.begin, filled: 0 };
+            shared.listening.order_capture(Order::Start(recipe), told);
+            Ok(recipe.begin)
+        })
+    }
+
+    /// Ends the capture. Until the listener has heard of it, it is told as it was.
+    pub fn stop_capture(&self) {
+        self.shared.lock(|shared| {
+            let listening = &shared.listening;
+            match listening.capture_order.get() {
+                // It has not begun.
+                Some(Order::Start(_) | Order::Drop) => listening.order_capture(Order::Drop, Captured::NONE),
+                _ => listening.order_capture(Order::Stop, listening.captured.get()),
+            }
+        });
+    }
+
+    /// How the capture stands.
+    pub fn captured(&self) -> Captured {
+        self.shared.lock(|shared| shared.listening.captured.get())
+    }
+
+    /// Drops measurement and capture.
+    pub fn drop_listening(&self) {
+        self.drop_measurement();
+        self.shared.lock(|shared| shared.listening.order_capture(Order::Drop, Captured::NONE));
+    }
+}
+
+/// The interrupt side.
+impl<M: RawMutex> Mailbox<M> {
+    /// Says what the inputs are.
+    pub(crate) fn set_inputs(&self, inputs: Inputs) {
+        self.shared.lock(|shared| shared.listening.inputs.set(inputs));
+    }
+
+    /// Takes what the listener is to do. After [`Mailbox::begin_block`]: a window that begins with this block has been ordered
+    /// before that.
+    pub(crate) fn take_listen_orders(&self) -> Option<ListenOrders> {
+        self.shared.lock(|shared| {
+            let listening = &shared.listening;
+            listening.is_ordered.take().then(|| ListenOrders {
+                measurement: listening.measurement_order.take(),
+                capture: listening.capture_order.take(),
+            })
+        })
+    }
+
+    /// Counts lost blocks.
+    pub(crate) fn set_lost_blocks(&self, lost_blocks: u32) {
+        self.shared.lock(|shared| {
+            let inputs = &shared.listening.inputs;
+            inputs.set(Inputs { lost_blocks, ..inputs.get() });
+        });
+    }
+
+    /// Tells how many blocks of a measurement have been taken.
+    pub(crate) fn set_measured_blocks(&self, blocks: u16) {
+        self.shared.lock(|shared| {
+            let listening = &shared.listening;
+            if listening.measurement_order.get().is_none() {
+                let told = listening.measurement.get();
+                listening.measurement.set(Measurement { blocks, ..told });
+            }
+        });
+    }
+
+    /// Tells the reading of a measurement that is over, unless something else has been ordered meanwhile.
+    pub(crate) fn set_reading(&self, state: State, begin: SampleIndex, reading: &Reading) {
+        for (cell, sums) in (0..INPUTS).zip(&reading.sums) {
+            self.shared.lock(|shared| {
+                if let Some(cell) = shared.listening.sums.get(cell) {
+                    cell.set(*sums);
+                }
+            });
+        }
+        self.shared.lock(|shared| shared.listening.constant.set(reading.constant));
+        self.shared.lock(|shared| {
+            if shared.listening.measurement_order.get().is_none() {
+                shared.listening.measurement.set(Measurement {
+                    state,
+                    begin,
+                    blocks: reading.blocks,
+                    weight: reading.weight,
+                    followed: reading.followed,
+                    spans: reading.spans,
+                    codes: reading.codes,
+                });
+            }
+        });
+    }
+
+    /// Tells how the capture stands, unless something else has been ordered meanwhile.
+    pub(crate) fn set_captured(&self, captured: Captured) {
+        self.shared.lock(|shared| {
+            if shared.listening.capture_order.get().is_none() {
+                shared.listening.captured.set(captured);
+            }
+        });
+    }
+}

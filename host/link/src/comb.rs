@@ -1,0 +1,80 @@
+//! A comb in shares and seconds, and its form in the device's units.
+
+use crate::drive::{self, DriveError};
+use crate::out_of_range::OutOfRange;
+use slipline_protocol::command::{Apply, Comb, CombTone, TravelLimit};
+use slipline_protocol::event::Identity;
+use slipline_protocol::limits::{COMB_BLOCK, COMB_PERIOD_BLOCKS, MAX_FREQUENCY_PER_MILLE};
+
+/// One tone of a comb.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CombToneRequest {
+    /// Which multiple of the base frequency it is; the multiples rise from tone to tone.
+    pub harmonic: u16,
+    /// Its peak relative to the table's full scale, 0..=1. Beyond an end of the table it is relative to that end's gain.
+    pub level: f64,
+    /// Phase at its start, in turns.
+    pub phase_turns: f64,
+}
+
+/// Tones that are multiples of the base frequency `rate / (128 period_blocks)`, within the table's frequencies or beyond them.
+/// They begin in silence; their amplitudes add up to full scale at most. A window of whole periods tells them apart exactly
+/// ([`ListenRequest`](crate::ListenRequest)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CombRequest {
+    /// The period in blocks of 128 samples, at least 1.
+    pub period_blocks: u16,
+    /// The tones, 1 to 16; tone i sounds in slot i.
+    pub tones: Vec<CombToneRequest>,
+    /// Scales all tones, in dB, -96..=0.
+    pub master_db: f64,
+    /// How long they rise from silence, in seconds; taken to the nearest time the device can.
+    pub glide_s: f64,
+    /// When it begins.
+    pub apply: Apply,
+}
+
+impl CombRequest {
+    /// A comb at full master level that begins at once and rises in 20 ms.
+    #[must_use]
+    pub const fn of(period_blocks: u16, tones: Vec<CombToneRequest>) -> Self {
+        Self { period_blocks, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
+    }
+
+    /// The comb in a device's own units. A limit of the travel makes the rise as long as the actuator needs to follow.
+    ///
+    /// # Errors
+    /// [`DriveError`], naming the value and its range. Whether the multiples rise, and whether the amplitudes fit, is for the
+    /// device to say.
+    pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Comb, DriveError> {
+        let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
+        if self.tones.len() > usize::from(identity.tones) {
+            return Err(too_many());
+        }
+        let (shortest, longest) = COMB_PERIOD_BLOCKS;
+        OutOfRange::check(
+            "comb's period (blocks)",
+            self.period_blocks.into(),
+            shortest.into(),
+            longest.into(),
+        )?;
+        let period = f64::from(COMB_BLOCK) * f64::from(self.period_blocks);
+        let highest = (period * f64::from(MAX_FREQUENCY_PER_MILLE) / 1000.0).floor().min(65_535.0);
+        let mut tones = heapless::Vec::new();
+        for (slot, tone) in (0..).zip(&self.tones) {
+            let refuse = |value| DriveError::Tone { slot, value };
+            let harmonic = f64::from(tone.harmonic);
+            OutOfRange::check("multiple of the base frequency", harmonic, 1.0, highest).map_err(refuse)?;
+            let level = drive::level(tone.level).map_err(refuse)?;
+            let phase = drive::phase(tone.phase_turns).map_err(refuse)?;
+            tones.push(CombTone { harmonic: tone.harmonic, level, phase }).map_err(|_| too_many())?;
+        }
+        Ok(Comb {
+            period_blocks: self.period_blocks,
+            tones,
+            master: drive::master(self.master_db)?,
+            glide: drive::glide(self.glide_s, identity, travel)?,
+            apply: self.apply,
+        })
+    }
+}

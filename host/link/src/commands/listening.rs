@@ -1,0 +1,117 @@
+//! Measurements and captures: what is read of the device until the request is done.
+
+use super::queue::CommandQueue;
+use super::reading::{CaptureReading, ListenReading};
+use super::task::{Job, Task};
+use crate::listen::{Captured, Listened};
+use crate::recorder::Recorder;
+use crate::refusal::Refusal;
+use crate::request::Outcome;
+use slipline_protocol::limits::LISTENED_TONES;
+use slipline_protocol::listen::{self, Progress};
+use slipline_protocol::units::SampleIndex;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A result that is not there when it should be is asked for again after so long.
+const PAUSE: Duration = Duration::from_millis(5);
+/// Samples in a block.
+const BLOCK: u64 = 128;
+
+impl CommandQueue {
+    /// The device measures from an index on: asks for the answer when the window is over.
+    pub(super) fn listens(&mut self, task: &Task, at: SampleIndex, recorder: &mut Recorder, now: Duration) {
+        let Job::Listen(request) = task.job else { return };
+        // The device has forgotten the last measurement.
+        self.drop_tasks(recorder, |job| matches!(job, Job::ListenRead(_)));
+        let end = at.saturating_add(BLOCK * u64::from(request.blocks));
+        let listened = Listened::begun(at, request.blocks);
+        let reading = ListenReading { request, first_slot: 0, listened };
+        self.read_after(end, Task::new(task.ticket, Job::ListenRead(Box::new(reading))), recorder, now);
+    }
+
+    /// The device captures from an index on: asks for the values when they should all be there.
+    pub(super) fn captures(&mut self, task: &Task, at: SampleIndex, recorder: &mut Recorder, now: Duration) {
+        let Job::Capture(request) = task.job else { return };
+        self.drop_tasks(recorder, |job| matches!(job, Job::CaptureRead(_)));
+        let end = at.saturating_add(u64::from(request.values) << request.log2_codes.min(32));
+        let captured = Captured { from: at, log2_codes: request.log2_codes, values: Vec::new() };
+        let reading = CaptureReading { request, captured };
+        self.read_after(end, Task::new(task.ticket, Job::CaptureRead(Box::new(reading))), recorder, now);
+    }
+
+    /// Asks when the device's clock is beyond an index, by the latest status.
+    fn read_after(&mut self, end: SampleIndex, mut task: Task, recorder: &Recorder, now: Duration) {
+        let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let told = recorder.view.status.map_or(end, |status| status.now);
+        let left = end.saturating_sub(told) as f64 / f64::from(rate.max(1));
+        // No measurement lasts for hours; a number that is too large waits for ever, and the session's end drops it.
+        let over = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
+        task.not_before = recorder.view.status_time.saturating_add(over).max(now);
+        self.tasks.push_back(task);
+    }
+
+    /// Takes a part of a measurement.
+    pub(super) fn listened(
+        &mut self,
+        mut task: Task,
+        told: &listen::Listened,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) {
+        let Job::ListenRead(reading) = &mut task.job else {
+            return recorder.finish(task.ticket, Outcome::Refused(Refusal::UnexpectedReply));
+        };
+        match told.progress {
+            Progress::Running => {
+                task.not_before = now + PAUSE;
+                return self.tasks.push_back(task);
+            }
+            Progress::Broken { at } => {
+                return recorder.finish(task.ticket, Outcome::Refused(Refusal::InputLost { at }));
+            }
+            Progress::Idle => return recorder.finish(task.ticket, Outcome::Superseded),
+            Progress::Finished => {}
+        }
+        reading.listened.take(reading.first_slot, told);
+        let next = reading.first_slot.saturating_add(LISTENED_TONES as u8);
+        if reading.request.slots.checked_shr(next.into()).is_some_and(|rest| rest != 0) {
+            reading.first_slot = next;
+            return self.tasks.push_front(task);
+        }
+        let listened = Arc::new(reading.listened.clone());
+        recorder.finish(task.ticket, Outcome::Listened(listened));
+    }
+
+    /// Takes values of a capture.
+    pub(super) fn captured(
+        &mut self,
+        mut task: Task,
+        told: &listen::Captured,
+        recorder: &mut Recorder,
+        now: Duration,
+    ) {
+        let Job::CaptureRead(reading) = &mut task.job else {
+            return recorder.finish(task.ticket, Outcome::Refused(Refusal::UnexpectedReply));
+        };
+        match told.progress {
+            Progress::Broken { at } => {
+                return recorder.finish(task.ticket, Outcome::Refused(Refusal::InputLost { at }));
+            }
+            Progress::Idle => return recorder.finish(task.ticket, Outcome::Superseded),
+            Progress::Running | Progress::Finished => {}
+        }
+        let values = &mut reading.captured.values;
+        let wanted = usize::from(reading.request.values);
+        values.extend(told.values.iter().take(wanted.saturating_sub(values.len())));
+        if values.len() >= wanted {
+            return recorder.finish(task.ticket, Outcome::Captured(Arc::new(reading.captured.clone())));
+        }
+        if told.values.is_empty() {
+            task.not_before = now + PAUSE;
+            self.tasks.push_back(task);
+        } else {
+            self.tasks.push_front(task);
+        }
+    }
+}

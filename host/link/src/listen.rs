@@ -1,0 +1,111 @@
+//! What the device's inputs are asked to measure, and what they have measured.
+
+use slipline_protocol::limits::MAX_TONES;
+pub use slipline_protocol::listen::WindowShape;
+use slipline_protocol::listen::{self, CaptureWindow, ListenWindow};
+use slipline_protocol::units::SampleIndex;
+
+/// Codes of an input on each side of mid-scale.
+const MID_SCALE: f64 = 2048.0;
+/// What the device counts a sine of 1 as, and samples in a block: see
+/// [`InPhaseQuadrature`](slipline_protocol::listen::InPhaseQuadrature).
+const BASIS_ONE: f64 = 16_383.0;
+const BLOCK: f64 = 128.0;
+
+/// Measure how an input answers each tone, over a window. Done when the window is over, with
+/// [`Outcome::Listened`](crate::Outcome::Listened). A newer one takes the place of one under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ListenRequest {
+    /// The window's first sample, rounded up to a block boundary; `None`: the next block.
+    pub from: Option<SampleIndex>,
+    /// Its length in blocks of 128 samples, at least 1.
+    pub blocks: u16,
+    /// The weights of its blocks.
+    pub shape: WindowShape,
+    /// Bit n: slot n is measured.
+    pub slots: u16,
+    /// The input, from 0.
+    pub input: u8,
+}
+
+impl ListenRequest {
+    pub(crate) const fn window(&self) -> ListenWindow {
+        ListenWindow { from: self.from, blocks: self.blocks, shape: self.shape, slots: self.slots }
+    }
+}
+
+/// How an input answered each tone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listened {
+    /// The window's first sample.
+    pub begin: SampleIndex,
+    /// Its length in blocks.
+    pub blocks: u16,
+    /// For each slot `(re, im)` of `b exp(i s)`, where the input's code is `b sin(p + s)` about its mean and the tone's code
+    /// is `a sin p`: `b` in codes. `None` for a slot that was not asked for, or that did not sound on without a jump. The
+    /// device's delay ([`InputsReport::delay_ns`](slipline_protocol::listen::InputsReport)) is in `s`.
+    pub answers: [Option<(f64, f64)>; MAX_TONES],
+    /// The input's lowest code: clipped where it is 0.
+    pub lowest: u16,
+    /// Its highest code: clipped where it is 4095, dead or stuck where it is the lowest.
+    pub highest: u16,
+}
+
+impl Listened {
+    pub(crate) const fn begun(begin: SampleIndex, blocks: u16) -> Self {
+        Self { begin, blocks, answers: [None; MAX_TONES], lowest: 0, highest: 0 }
+    }
+
+    /// Takes the answers of the slots from one on.
+    pub(crate) fn take(&mut self, first_slot: u8, told: &listen::Listened) {
+        (self.lowest, self.highest) = (told.lowest, told.highest);
+        let scale = 4.0 / (BASIS_ONE * BLOCK * f64::from(told.weight.max(1)));
+        let slots = self.answers.iter_mut().enumerate().skip(first_slot.into());
+        for ((slot, answer), sums) in slots.zip(&told.answers) {
+            let is_followed = told.followed >> slot & 1 == 1;
+            // Beyond 2^53 the rounding is 2^-53 of the sum: nothing.
+            let part = |sum: i64| sum as f64 * scale;
+            *answer = is_followed.then(|| (part(sums.in_phase), part(sums.quadrature)));
+        }
+    }
+}
+
+/// Capture the codes of an input. Done when all values are here, with [`Outcome::Captured`](crate::Outcome::Captured). A newer
+/// one takes the place of one under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CaptureRequest {
+    /// The first code's index; `None`: the next block's first.
+    pub from: Option<SampleIndex>,
+    /// The input, from 0.
+    pub input: u8,
+    /// The binary logarithm of how many codes a value sums up, 0..=10.
+    pub log2_codes: u8,
+    /// How many values, 1..=4096.
+    pub values: u16,
+}
+
+impl CaptureRequest {
+    pub(crate) const fn window(&self) -> CaptureWindow {
+        let Self { from, input, log2_codes, values } = *self;
+        CaptureWindow { from, input, log2_codes, values }
+    }
+}
+
+/// Captured codes of an input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Captured {
+    /// The first code's index.
+    pub from: SampleIndex,
+    /// The binary logarithm of how many codes a value sums up.
+    pub log2_codes: u8,
+    /// The sums.
+    pub values: Vec<u32>,
+}
+
+impl Captured {
+    /// The mean of each value's codes, as its distance from mid-scale, in codes.
+    pub fn codes(&self) -> impl Iterator<Item = f64> + '_ {
+        let codes = 2_f64.powi(self.log2_codes.into());
+        self.values.iter().map(move |sum| f64::from(*sum) / codes - MID_SCALE)
+    }
+}

@@ -1,0 +1,157 @@
+//! What the inputs measure: the bodies of the commands that order it and of the events that tell it.
+
+use crate::limits::{CAPTURED_VALUES, LISTENED_TONES, MAX_CAPTURE_LOG2, MAX_CAPTURE_VALUES};
+use crate::schema::{body, choices};
+use crate::units::SampleIndex;
+use heapless::Vec;
+
+body! {
+    /// The body of [`Event::Inputs`](crate::Event::Inputs).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct InputsReport {
+        /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
+        pub inputs: u8 [""],
+        /// Tones that can be measured at once.
+        pub lock_ins: u8 [""],
+        /// How long after DAC code n is at its pin an input is held for its code n; negative if before. Filters outside the chip
+        /// add to it.
+        pub delay_ns: i64 ["ns"],
+        /// Blocks of codes that were lost since the reset; stops at its largest value.
+        pub lost_blocks: u32 ["blocks"],
+        /// The index of the next block to be rendered.
+        pub now: SampleIndex ["samples"],
+    }
+}
+
+choices! {
+    /// How much the blocks of a window count.
+    pub enum WindowShape {
+        /// All the same.
+        0 since 0 Rectangular,
+        /// Hann: `1/2 - 1/2 cos(2 pi (b + 1/2) / blocks)` for block b.
+        1 since 0 Hann,
+    }
+}
+
+body! {
+    /// The body of [`Command::Listen`](crate::Command::Listen).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct ListenWindow {
+        /// The first sample, rounded up to a block boundary; none: the next block.
+        pub from: Option<SampleIndex> ["samples"],
+        /// The length.
+        pub blocks: u16 ["blocks", 1, u16::MAX],
+        /// The weights of its blocks.
+        pub shape: WindowShape [""],
+        /// Bit n: slot n is measured. At most as many as the device can measure at once.
+        pub slots: u16 ["bits"],
+    }
+}
+
+body! {
+    /// The body of [`Command::ListenRead`](crate::Command::ListenRead).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct ListenPart {
+        /// The input, from 0.
+        pub input: u8 [""],
+        /// The first slot to be told; eight are.
+        pub first_slot: u8 ["", 0, crate::limits::MAX_TONES - 1],
+    }
+}
+
+choices! {
+    /// How far a measurement or a capture has come.
+    #[derive(Default)]
+    pub enum Progress {
+        /// None has been started, or it was dropped.
+        #[default]
+        0 since 0 Idle,
+        /// It waits for its first sample, or is under way.
+        1 since 0 Running,
+        /// It is complete.
+        2 since 0 Finished,
+        /// It ended early: a block was lost, or it was stopped. What came before can be read.
+        3 since 0 Broken {
+            /// The first sample that is missing.
+            at: SampleIndex ["samples"],
+        },
+    }
+}
+
+body! {
+    /// How an input answers one tone. With the code x[n] at sample n, its distance from mid-scale and from the mean, and the phase p[n]
+    /// at which the device renders the tone, `I = G sum w x sin p` and `Q = G sum w x cos p`. An answer `b sin(p + s)`, b in
+    /// codes, is `b exp(i s) = 4 (I + i Q) / (16383 * 128 * weight)`.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct InPhaseQuadrature {
+        /// I: along the tone's sine.
+        pub in_phase: i64 [""],
+        /// Q: along its cosine, a quarter of a turn ahead.
+        pub quadrature: i64 [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Listened`](crate::Event::Listened).
+    #[derive(Clone, Debug, Default, PartialEq, Eq)]
+    pub struct Listened {
+        /// How far the measurement has come.
+        pub progress: Progress [""],
+        /// The window's first sample.
+        pub begin: SampleIndex ["samples"],
+        /// The blocks that have been taken.
+        pub blocks: u16 ["blocks"],
+        /// The sum of their weights, each 32768 at most.
+        pub weight: u32 [""],
+        /// Bit n: slot n was asked for, sounded in every block, and its phase ran on without a jump. The answers of other slots
+        /// are 0.
+        pub followed: u16 ["bits"],
+        /// The input's lowest code: clipped where it is 0.
+        pub lowest: u16 ["codes"],
+        /// Its highest code: clipped where it is 4095, dead or stuck where it is the lowest.
+        pub highest: u16 ["codes"],
+        /// The answers of up to eight slots, from the one asked for on. None while the measurement is under way.
+        pub answers: Vec<InPhaseQuadrature, LISTENED_TONES> [""],
+    }
+}
+
+body! {
+    /// The body of [`Command::Capture`](crate::Command::Capture).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct CaptureWindow {
+        /// The first code's index; none: the next block's first.
+        pub from: Option<SampleIndex> ["samples"],
+        /// The input, from 0.
+        pub input: u8 [""],
+        /// The binary logarithm of how many codes a value sums up.
+        pub log2_codes: u8 ["", 0, MAX_CAPTURE_LOG2],
+        /// How many values.
+        pub values: u16 ["", 1, MAX_CAPTURE_VALUES],
+    }
+}
+
+body! {
+    /// The body of [`Command::CaptureRead`](crate::Command::CaptureRead).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct CapturePart {
+        /// The first value to be told.
+        pub first: u16 [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Captured`](crate::Event::Captured).
+    #[derive(Clone, Debug, Default, PartialEq, Eq)]
+    pub struct Captured {
+        /// How far the capture has come.
+        pub progress: Progress [""],
+        /// The index of the first code of value 0.
+        pub from: SampleIndex ["samples"],
+        /// How many values there are.
+        pub captured: u16 [""],
+        /// Which value the first one here is.
+        pub first: u16 [""],
+        /// The values, as many as there are and fit: sums of codes.
+        pub values: Vec<u32, CAPTURED_VALUES> [""],
+    }
+}
