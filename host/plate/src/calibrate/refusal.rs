@@ -23,8 +23,8 @@ const DEVIATIONS_MAX: f64 = 4.5;
 const BOUNDARY_MAX: f64 = 5e-3;
 const LEVEL_MAX_DB: f64 = 1.5;
 
-/// Refuses a measurement that has nothing to show: no signal, clipped, beyond the plate.
-pub(super) fn check_sensor(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
+/// Refuses a measurement that is none of this plate: beyond it, or of a strain that it does not have.
+pub(super) fn check_place(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
     sensor.check()?;
     let place_m = sensor.place_m;
     if place_m > plate.length_m() {
@@ -33,6 +33,13 @@ pub(super) fn check_sensor(plate: &Plate, sensor: &Measurement) -> Result<(), Ca
     if sensor.sensor == SensorKind::Strain && plate.spec().model.bending().is_none() {
         return Err(CalibrateError::NoStrain);
     }
+    Ok(())
+}
+
+/// Refuses a measurement that has nothing to show, too: no signal, clipped.
+pub(super) fn check_sensor(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
+    check_place(plate, sensor)?;
+    let place_m = sensor.place_m;
     let clipped =
         sensor.points.iter().filter(|point| point.headroom_db.is_some_and(|headroom| headroom <= 0.0));
     match clipped.count() {

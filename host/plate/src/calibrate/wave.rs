@@ -136,7 +136,7 @@ const POINTS_MIN: usize = 64;
 const NEAR: usize = 6;
 
 /// The field or its second derivative at a place, from the polynomial through the six points about it.
-fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: SensorKind) -> Complex64 {
+pub(crate) fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: SensorKind) -> Complex64 {
     let at = place_m / step_m;
     let first = (at - 0.5 * (NEAR - 1) as f64).round().max(0.0) as usize;
     let first = first.min(field.len() - NEAR);
