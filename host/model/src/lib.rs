@@ -16,12 +16,14 @@
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod atomic_file;
 pub mod autopilot;
+pub mod calibration;
 pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
 pub mod played;
 pub mod recording;
+pub mod response;
 pub mod scenes;
 pub mod setup;
 pub mod sound;

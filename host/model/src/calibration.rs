@@ -1,0 +1,142 @@
+//! The steps of a calibration, one page each: the plate file and calipers, the first place of the sensor, its answer there,
+//! the second place, the result.
+
+pub(crate) mod remedy;
+mod step;
+
+pub use remedy::Remedy;
+pub use step::Step;
+
+use crate::jobs::calibrate::CalibrateJob;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{Calipers, Measurement};
+use std::sync::Arc;
+
+/// Shares of the length at which the sensor stands: beyond the near field of the driven end, and where most of the span's
+/// waves still are.
+pub const PLACES: [f64; 2] = [0.1, 0.55];
+/// Standard deviation of a half-width by calipers, metres: a tenth of a millimetre of the whole width.
+pub const CALIPERS_TOLERANCE_M: f64 = 5e-5;
+
+/// The answer of the sensor at one place.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    /// The name of its file, or of the run.
+    pub name: String,
+    /// The measurement.
+    pub measurement: Arc<Measurement>,
+}
+
+/// A calibration under way.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    plate: Arc<Plate>,
+    /// The page that is open.
+    pub step: Step,
+    calipers: Option<Calipers>,
+    answers: [Option<Answer>; 2],
+}
+
+impl Calibration {
+    /// A calibration of the plate of this file.
+    #[must_use]
+    pub fn of(plate: &Arc<Plate>) -> Self {
+        Self { plate: Arc::clone(plate), step: Step::Plate, calipers: None, answers: [None, None] }
+    }
+
+    /// The plate as its file tells it.
+    #[must_use]
+    pub fn plate(&self) -> &Arc<Plate> {
+        &self.plate
+    }
+
+    /// What calipers say; `None` while the file's numbers are taken.
+    #[must_use]
+    pub fn calipers(&self) -> Option<Calipers> {
+        self.calipers
+    }
+
+    /// What calipers would say of the plate of the file.
+    #[must_use]
+    pub fn calipers_of_file(&self) -> Calipers {
+        let length_m = self.plate.length_m();
+        Calipers {
+            half_width_m: self.plate.half_width_m(0.0),
+            end_half_width_m: self.plate.half_width_m(length_m),
+            length_m,
+            tolerance_m: CALIPERS_TOLERANCE_M,
+        }
+    }
+
+    /// Takes what calipers say, or the file's numbers again.
+    ///
+    /// # Errors
+    /// Which length is out of its range, or makes a plate that is none. What was known before stays.
+    pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), String> {
+        if let Some(calipers) = calipers {
+            calipers.applied_to(&self.plate).map_err(|error| error.to_string())?;
+        }
+        self.calipers = calipers;
+        Ok(())
+    }
+
+    /// Where the sensor is to stand, metres from the driven end.
+    #[must_use]
+    pub fn places_m(&self) -> [f64; 2] {
+        let length_m = self.calipers.map_or(self.plate.length_m(), |calipers| calipers.length_m);
+        PLACES.map(|share| share * length_m)
+    }
+
+    /// The answer of the sensor at the first (0) or second (1) place.
+    #[must_use]
+    pub fn answer(&self, sensor: usize) -> Option<&Answer> {
+        self.answers.get(sensor)?.as_ref()
+    }
+
+    /// Takes the answer at the first (0) or second (1) place.
+    pub fn take_answer(&mut self, sensor: usize, answer: Answer) {
+        if let Some(place) = self.answers.get_mut(sensor) {
+            *place = Some(answer);
+        }
+    }
+
+    /// Takes the first answer for the second, and the other way round.
+    pub fn exchange(&mut self) {
+        self.answers.swap(0, 1);
+    }
+
+    /// The same answers and calipers for the file of another plate, from the first page on.
+    #[must_use]
+    pub fn with_plate(self, plate: &Arc<Plate>) -> Self {
+        let mut next = Self { answers: self.answers, ..Self::of(plate) };
+        if let Some(calipers) = self.calipers {
+            // What does not suit the other plate is forgotten.
+            next.take_calipers(Some(calipers)).unwrap_or_default();
+        }
+        next
+    }
+
+    /// Why the next page cannot be opened yet; `None` if it can.
+    #[must_use]
+    pub fn obstacle(&self) -> Option<&'static str> {
+        let sensor = self.step.sensor()?;
+        self.answer(sensor)
+            .is_none()
+            .then_some("Measure the sensor's answer here, or open a file of it, first.")
+    }
+
+    /// The work that the result needs, once both answers are there.
+    #[must_use]
+    pub fn job(&self, sample_rate_hz: f64) -> Option<CalibrateJob> {
+        let [Some(first), Some(second)] = &self.answers else { return None };
+        Some(CalibrateJob {
+            plate: Arc::clone(&self.plate),
+            calipers: self.calipers,
+            sensors: [Arc::clone(&first.measurement), Arc::clone(&second.measurement)],
+            sample_rate_hz,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

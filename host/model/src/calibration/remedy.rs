@@ -1,0 +1,60 @@
+//! What helps when a calibration was refused.
+
+use super::step::Step;
+use slipline_plate::calibrate::{CalibrateError, Measurement};
+
+/// Where the cause of a refusal is put right, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Remedy {
+    /// On this page.
+    Page(Step),
+    /// By exchanging the two answers.
+    Exchange,
+}
+
+impl Remedy {
+    /// The remedy for a calibration of these measurements that was refused.
+    #[must_use]
+    pub fn of(error: &CalibrateError, sensors: [&Measurement; 2]) -> Self {
+        let at = |place_m: f64| {
+            if place_m == sensors[1].place_m && place_m != sensors[0].place_m {
+                Self::Page(Step::SecondPlace)
+            } else {
+                Self::Page(Step::FirstAnswer)
+            }
+        };
+        match *error {
+            CalibrateError::Swapped { .. } => Self::Exchange,
+            CalibrateError::BeyondPlate { place_m, .. }
+            | CalibrateError::Clipped { place_m, .. }
+            | CalibrateError::NoSignal { place_m }
+            | CalibrateError::Misplaced { place_m, .. }
+            | CalibrateError::NotCarried { place_m, .. } => at(place_m),
+            CalibrateError::NoStrain
+            | CalibrateError::FewFrequencies { .. }
+            | CalibrateError::NotCovered { .. } => Self::Page(Step::FirstAnswer),
+            CalibrateError::DifferentSensors | CalibrateError::SamePlace { .. } => {
+                Self::Page(Step::SecondPlace)
+            }
+            _ => Self::Page(Step::Plate),
+        }
+    }
+
+    /// What to do, in a sentence.
+    #[must_use]
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            Self::Exchange => "Take the first answer for the second, and the second for the first.",
+            Self::Page(Step::FirstPlace | Step::FirstAnswer) => {
+                "Put the sensor at the first place again, see that its light is green, and measure there once more."
+            }
+            Self::Page(Step::SecondPlace | Step::Result) => {
+                "Put the same sensor at the second place again, see that its light is green, and measure there once more."
+            }
+            Self::Page(Step::Plate) => {
+                "Take everything off the plate, check that it is the plate of this file, and measure its widths and \
+                 its length by calipers and a rule."
+            }
+        }
+    }
+}

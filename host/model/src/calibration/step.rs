@@ -1,0 +1,63 @@
+//! The pages of a calibration.
+
+/// A page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Step {
+    /// The plate file, and what calipers say of the plate.
+    #[default]
+    Plate,
+    /// Where to put the sensor first.
+    FirstPlace,
+    /// What it answers there.
+    FirstAnswer,
+    /// Where to put it then, and what it answers there.
+    SecondPlace,
+    /// The plate that comes of it, or why there is none.
+    Result,
+}
+
+impl Step {
+    /// All pages in their order.
+    pub const ALL: [Self; 5] =
+        [Self::Plate, Self::FirstPlace, Self::FirstAnswer, Self::SecondPlace, Self::Result];
+
+    /// The title of the page.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Plate => "The plate as it is known",
+            Self::FirstPlace => "The sensor's first place",
+            Self::FirstAnswer => "What it answers there",
+            Self::SecondPlace => "The sensor's second place",
+            Self::Result => "The plate as it was measured",
+        }
+    }
+
+    /// Its number, from 1.
+    #[must_use]
+    pub fn number(self) -> usize {
+        Self::ALL.iter().position(|step| *step == self).map_or(1, |at| at + 1)
+    }
+
+    /// The page after this one.
+    #[must_use]
+    pub fn next(self) -> Option<Self> {
+        Self::ALL.get(self.number()).copied()
+    }
+
+    /// The page before this one.
+    #[must_use]
+    pub fn back(self) -> Option<Self> {
+        Self::ALL.get(self.number().checked_sub(2)?).copied()
+    }
+
+    /// The sensor whose answer this page asks for: 0 or 1.
+    #[must_use]
+    pub const fn sensor(self) -> Option<usize> {
+        match self {
+            Self::FirstAnswer => Some(0),
+            Self::SecondPlace => Some(1),
+            Self::Plate | Self::FirstPlace | Self::Result => None,
+        }
+    }
+}

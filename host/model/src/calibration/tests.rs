@@ -1,0 +1,83 @@
+use super::*;
+use slipline_plate::Complex64;
+use slipline_plate::calibrate::{CalibrateError, MeasuredPoint, SensorKind};
+
+fn measurement(place_m: f64) -> Measurement {
+    let point = |i: u32| MeasuredPoint {
+        frequency_hz: 100.0 + f64::from(i),
+        response: Complex64::ONE,
+        noise: 0.01,
+        headroom_db: None,
+    };
+    Measurement::at(place_m, SensorKind::Velocity, (0..10).map(point).collect())
+}
+
+fn answer(place_m: f64) -> Answer {
+    Answer { name: "run".to_owned(), measurement: Arc::new(measurement(place_m)) }
+}
+
+fn calibration() -> Calibration {
+    Calibration::of(&Arc::new(slipline_plate::preset("membrane").unwrap()))
+}
+
+#[test]
+fn the_pages_follow_each_other_and_wait_for_the_answers() {
+    let mut calibration = calibration();
+    let mut visited = vec![calibration.step];
+    while let Some(next) = calibration.step.next() {
+        if let Some(sensor) = calibration.step.sensor() {
+            assert!(calibration.obstacle().is_some() && calibration.job(400e3).is_none());
+            calibration.take_answer(sensor, answer(0.1 * (1.0 + sensor as f64)));
+        }
+        assert_eq!(calibration.obstacle(), None);
+        calibration.step = next;
+        assert_eq!(next.back(), visited.last().copied());
+        visited.push(next);
+    }
+    assert_eq!(visited, Step::ALL);
+    assert_eq!((Step::Plate.back(), Step::Plate.number(), Step::Result.number()), (None, 1, 5));
+    let places = |calibration: &Calibration| {
+        calibration.job(400e3).unwrap().sensors.map(|measurement| measurement.place_m)
+    };
+    assert_eq!(places(&calibration), [0.1, 0.2]);
+    calibration.exchange();
+    assert_eq!(places(&calibration), [0.2, 0.1]);
+    let other = Arc::new(slipline_plate::preset("al-bending").unwrap());
+    let other = calibration.with_plate(&other);
+    assert_eq!((other.step, places(&other)), (Step::Plate, [0.2, 0.1]));
+}
+
+#[test]
+fn calipers_move_the_places_and_impossible_ones_are_refused() {
+    let mut calibration = calibration();
+    let [near, far] = calibration.places_m();
+    assert!((near - 0.032).abs() < 1e-12 && (far - 0.176).abs() < 1e-12);
+    let of_file = calibration.calipers_of_file();
+    let longer = Calipers { length_m: 0.33, ..of_file };
+    calibration.take_calipers(Some(longer)).unwrap();
+    assert!((calibration.places_m()[0] - 0.033).abs() < 1e-12);
+    let refused = calibration.take_calipers(Some(Calipers { end_half_width_m: 0.5, ..of_file })).unwrap_err();
+    assert!(refused.contains("end_half_width_m"), "{refused}");
+    assert_eq!(calibration.calipers(), Some(longer), "what was known stays");
+    calibration.take_calipers(None).unwrap();
+    assert!((calibration.places_m()[0] - 0.032).abs() < 1e-12);
+}
+
+#[test]
+fn a_refusal_leads_to_the_page_of_its_cause() {
+    let (first, second) = (measurement(0.03), measurement(0.17));
+    let remedy = |error: CalibrateError| Remedy::of(&error, [&first, &second]);
+    for (error, page) in [
+        (CalibrateError::NoSignal { place_m: 0.03 }, Step::FirstAnswer),
+        (CalibrateError::NoSignal { place_m: 0.17 }, Step::SecondPlace),
+        (CalibrateError::Clipped { place_m: 0.17, count: 1, of: 9 }, Step::SecondPlace),
+        (CalibrateError::Misplaced { place_m: 0.03, found_m: 0.04 }, Step::FirstAnswer),
+        (CalibrateError::DifferentSensors, Step::SecondPlace),
+        (CalibrateError::NoFit, Step::Plate),
+        (CalibrateError::Unlike { chi2_per_n: 20.0, most: 6.0 }, Step::Plate),
+    ] {
+        assert_eq!(remedy(error.clone()), Remedy::Page(page), "{error}");
+    }
+    let swapped = CalibrateError::Swapped { first_m: 0.03, second_m: 0.17 };
+    assert_eq!(remedy(swapped), Remedy::Exchange);
+}

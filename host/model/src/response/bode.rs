@@ -1,0 +1,116 @@
+//! The curves of a response: its level in dB and its phase, unwrapped.
+
+use slipline_plate::Complex64;
+use slipline_plate::calibrate::Measurement;
+use std::f64::consts::{PI, TAU};
+
+/// Answers below this multiple of their noise have no phase.
+pub const SHOWN_OVER_NOISE: f64 = 2.0;
+/// Standard deviations of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+
+/// The curves of a measurement; each list has a value for each of its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bode {
+    /// Frequencies, Hz, rising.
+    pub frequency_hz: Vec<f64>,
+    /// Magnitude, dB of the response's unit.
+    pub level_db: Vec<f64>,
+    /// Standard deviation of the noise, dB of the same unit.
+    pub noise_db: Vec<f64>,
+    /// Half of the magnitude's 95 % interval, dB, as far as noise makes it.
+    pub spread_db: Vec<f64>,
+    /// Phase by which the sensor lags the drive, degrees, unwrapped; `None` where the answer is noise.
+    pub phase_deg: Vec<Option<f64>>,
+}
+
+impl Bode {
+    /// The curves of a measurement.
+    #[must_use]
+    pub fn of(measurement: &Measurement) -> Self {
+        let points = &measurement.points;
+        let answers: Vec<Option<Complex64>> = points.iter().map(|point| Some(point.response)).collect();
+        let told = points.iter().map(|point| {
+            Some(point.response).filter(|response| response.norm() >= SHOWN_OVER_NOISE * point.noise)
+        });
+        let told: Vec<Option<Complex64>> = told.collect();
+        let spread = |point: &slipline_plate::calibrate::MeasuredPoint| {
+            decibel(1.0 + INTERVAL * point.noise / point.response.norm().max(point.noise))
+        };
+        Self {
+            frequency_hz: points.iter().map(|point| point.frequency_hz).collect(),
+            level_db: levels_db(&answers).into_iter().flatten().collect(),
+            noise_db: points.iter().map(|point| decibel(point.noise)).collect(),
+            spread_db: points.iter().map(spread).collect(),
+            phase_deg: unwrapped_deg(&told),
+        }
+    }
+}
+
+/// A ratio in dB; one of 0 is the smallest number.
+fn decibel(ratio: f64) -> f64 {
+    20.0 * ratio.max(f64::MIN_POSITIVE).log10()
+}
+
+/// Magnitudes in dB.
+#[must_use]
+pub fn levels_db(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
+    responses.iter().map(|response| response.map(|response| decibel(response.norm()))).collect()
+}
+
+/// Arguments in degrees, each within half a turn of the one before it; one that is absent is passed over.
+#[must_use]
+pub fn unwrapped_deg(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
+    let mut last: Option<f64> = None;
+    let unwrap = |response: &Option<Complex64>| {
+        let argument = response.as_ref()?.arg();
+        let next = last.map_or(argument, |last| argument + TAU * ((last - argument) / TAU).round());
+        last = Some(next);
+        Some(next * 180.0 / PI)
+    };
+    responses.iter().map(unwrap).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
+
+    /// A delay of 3 ms and a level of 0.5, with noise of 0.05, and one answer that is noise.
+    fn delayed() -> Measurement {
+        let point = |i: u32| {
+            let frequency_hz = 100.0 + 20.0 * f64::from(i);
+            let magnitude = if i == 4 { 0.06 } else { 0.5 };
+            let response = Complex64::from_polar(magnitude, TAU * frequency_hz * 3e-3);
+            MeasuredPoint { frequency_hz, response, noise: 0.05, headroom_db: None }
+        };
+        Measurement::at(0.03, SensorKind::Velocity, (0..40).map(point).collect())
+    }
+
+    #[test]
+    fn a_delay_is_a_straight_line_of_phase_and_noise_has_none() {
+        let bode = Bode::of(&delayed());
+        let first = bode.phase_deg[0].unwrap();
+        for (i, phase) in bode.phase_deg.iter().enumerate() {
+            match phase {
+                Some(phase) => assert!((phase - first - 21.6 * i as f64).abs() < 1e-9, "{i}: {phase}"),
+                None => assert_eq!(i, 4),
+            }
+        }
+        assert!(bode.phase_deg[39].unwrap() > 720.0);
+        let half_db = 20.0 * 0.5_f64.log10();
+        assert!((bode.level_db[0] - half_db).abs() < 1e-12);
+        assert!((bode.noise_db[0] - half_db + 20.0).abs() < 1e-9);
+        // 1.96 standard deviations of a tenth.
+        assert!((bode.spread_db[0] - 20.0 * 1.196_f64.log10()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_answer_of_zero_has_a_finite_level() {
+        let mut silent = delayed();
+        silent.points[0].response = Complex64::ZERO;
+        let bode = Bode::of(&silent);
+        assert!(bode.level_db[0].is_finite() && bode.spread_db[0].is_finite());
+        assert_eq!(bode.phase_deg[0], None);
+    }
+}

@@ -1,0 +1,86 @@
+//! The headroom light: how full an input was.
+
+use slipline_plate::calibrate::Measurement;
+use slipline_plate::check::Colour;
+use slipline_plate::quantity::{show_frequency, ticks};
+
+/// Free amplitude below full scale at which the light turns: below the first an input is close to clipping, above the second
+/// its loudest answer uses less than a hundredth of it. dB.
+pub const LIGHT_DB: (f64, f64) = (6.0, 40.0);
+
+/// How full the input of a measurement was, at the frequency that filled it most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Headroom {
+    /// Free amplitude below full scale, dB, and the frequency; `None` if the measurement does not tell it.
+    pub least: Option<(f64, f64)>,
+}
+
+impl Headroom {
+    /// That of a measurement.
+    #[must_use]
+    pub fn of(measurement: &Measurement) -> Self {
+        let told =
+            measurement.points.iter().filter_map(|point| Some((point.headroom_db?, point.frequency_hz)));
+        Self { least: told.min_by(|a, b| a.0.total_cmp(&b.0)) }
+    }
+
+    /// Red below 6 dB, green to 40 dB, amber above.
+    #[must_use]
+    pub fn colour(&self) -> Colour {
+        match self.least {
+            None => Colour::Unchecked,
+            Some((db, _)) if db < LIGHT_DB.0 => Colour::Red,
+            Some((db, _)) if db <= LIGHT_DB.1 => Colour::Green,
+            Some(_) => Colour::Amber,
+        }
+    }
+
+    /// What the light says, and what to do.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Some((db, frequency_hz)) = self.least else {
+            return "The file does not tell how full the input was.".to_owned();
+        };
+        let (room, at) = (ticks::label(db, 0.1), show_frequency(frequency_hz));
+        match self.colour() {
+            Colour::Red if db <= 0.0 => {
+                format!("The input was clipped at {at}: lower the level or the input's gain.")
+            }
+            Colour::Red => format!("{room} dB left at {at}: lower the level or the input's gain."),
+            Colour::Amber => format!("{room} dB left: raise the level or the input's gain."),
+            Colour::Green | Colour::Unchecked => format!("{room} dB left at {at}."),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::Complex64;
+    use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
+
+    #[test]
+    fn the_fullest_answer_sets_the_light() {
+        let of = |least: Option<f64>| {
+            let point = |i: u32| MeasuredPoint {
+                frequency_hz: 100.0 + f64::from(i),
+                response: Complex64::ONE,
+                noise: 0.01,
+                headroom_db: if i == 5 { least } else { least.map(|db| db + 1.0) },
+            };
+            let points = (0..10).map(point).collect();
+            Headroom::of(&Measurement::at(0.03, SensorKind::Velocity, points))
+        };
+        for (db, colour, words) in [
+            (-0.1, Colour::Red, "clipped at 105.0 Hz"),
+            (5.9, Colour::Red, "5.9 dB left at 105.0 Hz: lower"),
+            (6.0, Colour::Green, "6.0 dB left at 105.0 Hz."),
+            (40.0, Colour::Green, "40.0 dB left"),
+            (40.1, Colour::Amber, "40.1 dB left: raise"),
+        ] {
+            let light = of(Some(db));
+            assert!(light.colour() == colour && light.sentence().contains(words), "{db}: {light:?}");
+        }
+        assert_eq!(of(None).colour(), Colour::Unchecked);
+    }
+}

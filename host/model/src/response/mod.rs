@@ -1,0 +1,17 @@
+//! Measured responses, as a page shows them: the list of them, their curves over the frequency, how full the input was, and
+//! whether they are those of the plate on the screen.
+//!
+//! ```text
+//! file, device --Measurement--> Shelf --> Bode (level, phase, noise) --> plots
+//!                                 \----> jobs::compare (plate file) --> Comparison --> sentence, residual
+//! ```
+
+mod bode;
+mod headroom;
+mod shelf;
+mod words;
+
+pub use bode::{Bode, SHOWN_OVER_NOISE, levels_db, unwrapped_deg};
+pub use headroom::{Headroom, LIGHT_DB};
+pub use shelf::{Entry, MEASUREMENTS_MAX, Shelf};
+pub use words::{differs, is_measurement};
