@@ -8,12 +8,14 @@
 //! Nothing here blocks: work that takes longer than a frame runs in the link worker, a [`JobQueue`] or [`Files`].
 
 mod background;
+mod calibrate;
 mod device;
 mod eframe_log;
 mod event_loop;
 mod finger;
 mod glyphs;
 mod input;
+mod measure;
 mod no_display;
 mod notices;
 mod pace;
@@ -52,7 +54,9 @@ use slipline_model::field::sheet::{self, SheetJob};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::{Measured, TimeDomainJob};
 use slipline_model::jobs::JobQueue;
+use slipline_model::jobs::calibrate::{CalibrateDone, CalibrateJob};
 use slipline_model::jobs::check::{CheckJob, Checked};
+use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
@@ -99,6 +103,10 @@ pub struct Parts {
     pub designs: JobQueue<Draft, Designed>,
     /// Makes textures.
     pub textures: JobQueue<TextureJob, Textured>,
+    /// Compares measurements with the plate's model.
+    pub comparisons: JobQueue<CompareJob, Compared>,
+    /// Fits plates to measurements.
+    pub calibrations: JobQueue<CalibrateJob, CalibrateDone>,
     /// Runs the 2-D sheet.
     pub sheets: JobQueue<SheetJob, sheet::Frame>,
     /// Replays the device's codes with the mirror.
@@ -162,9 +170,13 @@ pub struct App {
     playback: Playback,
     background: background::Work,
     textures: texture::Textures,
+    measures: measure::Measures,
+    calibrating: calibrate::Calibrating,
     notices: Notices,
     glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
+    /// The page that comes back when the one for typing a path is closed.
+    behind: Option<Dialog>,
     /// The pictures of the scenes; empty until their page was opened.
     thumbnails: Vec<Thumbnail>,
     /// The file job that waits until the user types a path.
@@ -213,9 +225,12 @@ impl App {
             hearing: sound::Hearing::default(),
             playback: Playback::default(),
             background: background::Work::default(),
+            measures: measure::Measures::default(),
+            calibrating: calibrate::Calibrating::default(),
             notices: Notices::default(),
             glyphs: glyphs::Glyphs::default(),
             dialog: None,
+            behind: None,
             thumbnails: Vec::new(),
             asked: None,
             view: ViewState::default(),
@@ -328,6 +343,8 @@ impl App {
             measured: self.shown_measured(),
             background: &self.background.shown,
             texture: self.textures.scene(),
+            measure: self.measures.scene(),
+            calibration: self.calibrating.scene(self.parts.calibrations.progress()),
             plane_job: self.plane_job(),
             sheet: self.shown_sheet(),
             waiting: self.background.waiting(&self.parts),

@@ -130,7 +130,7 @@ fn perform(job: FileJob) -> Option<FileEvent> {
     match job {
         FileJob::Choose => {
             let path = rfd::FileDialog::new()
-                .add_filter("Setup, plate or recorded drag", &["toml", "csv"])
+                .add_filter("Setup, plate, measurement or recorded drag", &["toml", "csv"])
                 .pick_file()?;
             let text = read_text(&path);
             Some(FileEvent::Opened(path, text))

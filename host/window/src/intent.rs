@@ -1,6 +1,12 @@
 //! The requests of the views. Views send nothing and change nothing on the device; the app carries out their
 //! intents.
 
+mod calibrate;
+mod measure;
+
+pub use calibrate::CalibrateIntent;
+pub use measure::MeasureIntent;
+
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
 use crate::sound::SoundChoice;
@@ -65,6 +71,8 @@ pub enum Dialog {
     About,
     /// Versions, counters, setup and log, for the user to read before sending them.
     Diagnostics,
+    /// The calibration.
+    Calibrate,
     /// A path to be typed, on a system without a file dialog.
     Path(PathQuestion),
     /// An action with a real effect must be confirmed.
@@ -175,6 +183,10 @@ pub enum Intent {
     SaveTexture,
     /// Choose a profile and draw the texture by it.
     OpenProfile,
+    /// Something on the page of measurements.
+    Measure(MeasureIntent),
+    /// Something on the calibration's pages.
+    Calibrate(CalibrateIntent),
     /// Compute the plate on the screen in two dimensions.
     CheckPlane,
     /// Cancel the work in progress.

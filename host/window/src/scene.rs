@@ -5,22 +5,27 @@ use crate::intent::{Dialog, Grab};
 use crate::settings::Settings;
 use crate::sound::{SoundChoice, SpeakerState};
 use slipline_link::{PortInfo, Snapshot, upkeep};
+use slipline_model::calibration::Calibration;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::Line;
 use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
 use slipline_model::field::touch::{Touch, Trace};
+use slipline_model::jobs::calibrate::{Found, Refused};
 use slipline_model::jobs::check::{CheckJob, Checked};
+use slipline_model::jobs::compare::Compared;
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::jobs::texture::Textured;
+use slipline_model::response::Shelf;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
 use slipline_model::texture::WishDraft;
 use slipline_model::waveform::Waveform;
+use slipline_plate::calibrate::Comparison;
 use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
 
@@ -68,6 +73,10 @@ pub struct Scene<'a> {
     pub background: &'a Background,
     /// The texture page.
     pub texture: TextureScene<'a>,
+    /// The page of measurements.
+    pub measure: MeasureScene<'a>,
+    /// The calibration under way.
+    pub calibration: Option<CalibrateScene<'a>>,
     /// The plate and boundary that would be computed in two dimensions.
     pub plane_job: Option<PlaneJob>,
     /// The sheet, if the wave is drawn from it.
@@ -173,6 +182,40 @@ pub struct TextureScene<'a> {
     pub is_current: bool,
     /// Whether the user has given the draft up.
     pub is_given_up: bool,
+}
+
+/// The page of measurements.
+#[derive(Clone, Copy)]
+pub struct MeasureScene<'a> {
+    /// The measurements.
+    pub shelf: &'a Shelf,
+    /// The chosen one beside the model of the plate on the screen; `None` until that is computed.
+    pub compared: Option<&'a Compared>,
+}
+
+impl<'a> MeasureScene<'a> {
+    /// How the chosen measurement differs from the plate's model, or why that cannot be said; `None` until it is computed.
+    pub(crate) fn result(&self) -> Option<Result<&'a Comparison, &'a str>> {
+        let chosen = self.shelf.chosen()?;
+        let compared = self.compared.filter(|it| Arc::ptr_eq(&it.job.measurement, &chosen.measurement))?;
+        Some(compared.result.as_ref().map_err(String::as_str))
+    }
+
+    /// How the chosen measurement differs from the plate's model, where that is known.
+    pub(crate) fn comparison(&self) -> Option<&'a Comparison> {
+        self.result()?.ok()
+    }
+}
+
+/// The calibration under way.
+#[derive(Clone, Copy)]
+pub struct CalibrateScene<'a> {
+    /// What is known so far, and the open page.
+    pub calibration: &'a Calibration,
+    /// The plate that comes of it, or why there is none; `None` until that is known.
+    pub result: Option<Result<&'a Found, &'a Refused>>,
+    /// The share of the fit that is done, 0..=1, while it is under way.
+    pub progress: Option<f32>,
 }
 
 /// The state of the designer.

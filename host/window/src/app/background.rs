@@ -79,6 +79,7 @@ impl App {
             self.check();
         }
         self.update_texture(ctx);
+        self.update_measures();
         let now = ctx.input(|input| input.time);
         let Some(Waiting { what, .. }) = under_way(&self.parts) else {
             self.background.since = None;
@@ -94,7 +95,7 @@ impl App {
         ctx.request_repaint_after(BAR);
     }
 
-    fn sample_rate_hz(&self) -> f64 {
+    pub(super) fn sample_rate_hz(&self) -> f64 {
         self.snapshot.identity.as_ref().map_or(USUAL_RATE_HZ, |identity| f64::from(identity.sample_rate_hz))
     }
 
@@ -206,6 +207,12 @@ impl App {
         }
         if let Some(checked) = self.parts.planes.take() {
             self.background.shown.plane = Some(checked);
+        }
+        if let Some(done) = self.parts.calibrations.take() {
+            self.calibrating.take(done);
+        }
+        if let Some(compared) = self.parts.comparisons.take() {
+            self.measures.take(compared);
         }
         if let Some(textured) = self.parts.textures.take() {
             self.textures.take(textured);

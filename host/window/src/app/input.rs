@@ -85,7 +85,7 @@ impl App {
                 if step_m != 0.0 {
                     asked.push(Intent::MoveFinger(self.finger.place_m + step_m));
                 }
-            } else if focused.is_none() || self.view.is_handle(focused) {
+            } else if (focused.is_none() && !self.view.is_measuring()) || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
                     && let Some(line) = self.line(self.selected)

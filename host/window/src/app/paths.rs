@@ -9,7 +9,7 @@ impl App {
     /// Asks for the path of a job; `existing` is a path that was typed and names a file that exists.
     pub(super) fn ask_for_path(&mut self, job: FileJob, existing: Option<&Path>) {
         let (title, verb, name) = match &job {
-            FileJob::Choose => ("Open a setup or a plate", "Open", ""),
+            FileJob::Choose => ("Open a setup, a plate or a measurement", "Open", ""),
             FileJob::ChooseProfile => ("Open a profile (CSV or PNG)", "Open", ""),
             FileJob::Save(save) => ("Save as", "Save", save.name.as_str()),
             FileJob::SaveFolder(_) => ("A folder for the files", "Save", ""),
@@ -21,13 +21,16 @@ impl App {
         let existing = existing.map(|path| path.display().to_string());
         let offered =
             existing.clone().unwrap_or_else(|| self.usual_folder().join(name).display().to_string());
+        // The pages of a calibration come back after it.
+        let before = self.dialog.take();
+        self.behind = before.filter(|dialog| *dialog == Dialog::Calibrate).or(self.behind.take());
         self.dialog = Some(Dialog::Path(PathQuestion { title, verb, offered, existing }));
         self.asked = Some(job);
     }
 
     /// Runs the job that waited for this path.
     pub(super) fn take_path(&mut self, text: &str, may_replace: bool) {
-        self.dialog = None;
+        self.dialog = self.behind.take();
         let path = self.typed_path(text);
         let job = match self.asked.take() {
             Some(FileJob::Choose) => FileJob::Open(path),

@@ -13,6 +13,7 @@ use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::recording::Recording;
+use slipline_model::response::is_measurement;
 use slipline_model::scenes::{SCENES, Scene};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
@@ -116,6 +117,8 @@ impl App {
                 Intent::PlayTexture => self.play_texture(),
                 Intent::SaveTexture => self.save_texture(),
                 Intent::OpenProfile => self.parts.files.begin(FileJob::ChooseProfile),
+                Intent::Measure(intent) => self.perform_measure(intent),
+                Intent::Calibrate(intent) => self.perform_calibrate(intent),
                 Intent::CheckPlane => self.check_plane(),
                 Intent::CancelWork => self.cancel_work(),
                 Intent::MakeTable => {
@@ -137,7 +140,7 @@ impl App {
                     if dialog == Some(Dialog::Scenes) && self.thumbnails.is_empty() {
                         self.parts.scenes.ask(());
                     }
-                    self.dialog = dialog;
+                    self.dialog = dialog.or(self.behind.take());
                 }
                 Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
                 Intent::Confirmed(confirm) => {
@@ -277,9 +280,8 @@ impl App {
         match event {
             FileEvent::Opened(path, text) => {
                 let name = name_of(&path);
-                if let Some(recording) = text.as_ref().ok().filter(|text| Recording::is_one(text)) {
-                    let recording = Recording::from_csv(recording).map_err(|error| error.to_string());
-                    return self.open_recording(&name, recording);
+                if text.as_ref().is_ok_and(|text| self.opened_table(&name, text)) {
+                    return;
                 }
                 let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
                 match opened {
@@ -293,9 +295,8 @@ impl App {
             }
             FileEvent::Profile(path, bytes) => {
                 let text = bytes.as_ref().ok().and_then(|bytes| str::from_utf8(bytes).ok());
-                if let Some(text) = text.filter(|text| Recording::is_one(text)) {
-                    let recording = Recording::from_csv(text).map_err(|error| error.to_string());
-                    return self.open_recording(&name_of(&path), recording);
+                if text.is_some_and(|text| self.opened_table(&name_of(&path), text)) {
+                    return;
                 }
                 self.take_profile(&name_of(&path), bytes);
             }
@@ -313,6 +314,18 @@ impl App {
             FileEvent::NoDialog(job) => self.ask_for_path(job, None),
             FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),
         }
+    }
+
+    /// Takes a recorded drag or a measurement; whether the text is one of them.
+    fn opened_table(&mut self, name: &str, text: &str) -> bool {
+        if Recording::is_one(text) {
+            self.open_recording(name, Recording::from_csv(text).map_err(|error| error.to_string()));
+        } else if is_measurement(text) {
+            self.open_measurement(name, text);
+        } else {
+            return false;
+        }
+        true
     }
 
     fn open_recording(&mut self, name: &str, recording: Result<Recording, String>) {

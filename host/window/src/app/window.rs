@@ -100,6 +100,16 @@ impl Parts {
             planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
             designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
             textures: JobQueue::threaded("slipline-texture", slipline_model::jobs::texture::work, wake(ctx))?,
+            calibrations: JobQueue::threaded(
+                "slipline-calibrate",
+                slipline_model::jobs::calibrate::work,
+                wake(ctx),
+            )?,
+            comparisons: JobQueue::threaded(
+                "slipline-compare",
+                slipline_model::jobs::compare::work,
+                wake(ctx),
+            )?,
             sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
             waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
             time_domain: JobQueue::threaded(

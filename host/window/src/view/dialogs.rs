@@ -1,5 +1,7 @@
-//! Pages in front of the window: scenes, shortcuts, port help, about, diagnostics, a path to be typed, confirmations.
+//! Pages in front of the window: scenes, the calibration, shortcuts, port help, about, diagnostics, a path to be typed,
+//! confirmations.
 
+mod calibrate;
 mod path;
 mod scenes;
 
@@ -54,8 +56,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     };
     let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
     let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
-    let width =
-        if matches!(dialog, Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes) { WIDE } else { USUAL };
+    let width = if is_wide(dialog) { WIDE } else { USUAL };
     // The page is low enough to stay clear of STOP, which is drawn above every page.
     let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
@@ -73,6 +74,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Dialog::PortHelp => port_help(ui, intents),
                 Dialog::About => about(ui),
                 Dialog::Diagnostics => diagnostics(ui, scene, intents),
+                Dialog::Calibrate => calibrate::show(ui, scene, view, intents),
                 Dialog::Path(question) => return path::show(ui, question, view, intents),
                 Dialog::Confirm(confirm) => return confirmation(ui, *confirm, scene, intents),
             }
@@ -82,6 +84,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             return is_ended.inner;
         }
         ui.add_space(GAP);
+        if matches!(dialog, Dialog::Calibrate) {
+            return calibrate::steps(ui, scene, intents);
+        }
         ui.horizontal(|ui| {
             let is_closed = ui.button("Close").clicked();
             ui.label(RichText::new(ESC).small().color(theme::palette(ui).weak));
@@ -92,6 +97,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if response.inner || response.should_close() {
         intents.push(Intent::Dialog(None));
     }
+}
+
+/// Whether a page has much text, or a picture.
+const fn is_wide(dialog: &Dialog) -> bool {
+    matches!(dialog, Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes)
 }
 
 /// Width of the column of keys, in points.

@@ -4,6 +4,7 @@
 //! ```text
 //! top_bar ................................ STOP
 //! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device, play
+//!    or response: level, phase, residual, Nyquist
 //! bottom_row: plots (waveform or finger_trace, spectrum), meters, log
 //! ```
 
@@ -23,6 +24,7 @@ mod finger_trace;
 mod handle;
 mod light_marks;
 mod log;
+mod measure_panel;
 mod meters;
 mod notices;
 mod offers;
@@ -35,6 +37,7 @@ mod plots;
 mod polyline;
 mod read_out;
 mod relief;
+mod response;
 mod room;
 mod side_panel;
 mod slider;
@@ -67,6 +70,7 @@ pub struct ViewState {
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
     pub(crate) notices: notices::Seen,
+    pub(crate) response: response::ResponseView,
     pub(crate) sketched: designer::sketch::Sketched,
     pub(crate) typed_path: Option<dialogs::TypedPath>,
     /// Where the lights' symbols stand on the stage, in metres: they stay during a drag.
@@ -113,6 +117,17 @@ impl ViewState {
         self.scrolls_to_light = true;
     }
 
+    /// Opens the page of measurements.
+    pub(crate) fn open_measure(&mut self) {
+        self.tab = side_panel::Tab::Plate;
+        self.plate_page = plate_panel::Page::Measure;
+    }
+
+    /// Whether the page of measurements is open: its plots are in the place of the stage.
+    pub(crate) fn is_measuring(&self) -> bool {
+        self.tab == side_panel::Tab::Plate && self.plate_page == plate_panel::Page::Measure
+    }
+
     /// Whether the designer is open.
     fn is_designing(&self) -> bool {
         self.tab == side_panel::Tab::Plate && self.plate_page == plate_panel::Page::Designer
@@ -156,7 +171,13 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
             .show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
     }
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
-    egui::CentralPanel::no_frame().frame(page).show(ui, |ui| stage::show(ui, scene, view, &mut intents));
+    egui::CentralPanel::no_frame().frame(page).show(ui, |ui| {
+        if view.is_measuring() {
+            response::show(ui, scene, view);
+        } else {
+            stage::show(ui, scene, view, &mut intents);
+        }
+    });
     dialogs::show(ui, scene, view, &mut intents);
     intents
 }

@@ -3,7 +3,7 @@
 mod numbers;
 
 use super::field::row;
-use super::{Scene, ViewState, designer, plane_check, theme, validity};
+use super::{Scene, ViewState, designer, measure_panel, plane_check, theme, validity};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
@@ -18,19 +18,23 @@ pub(crate) enum Page {
     Plate,
     Validity,
     Designer,
+    Measure,
 }
 
-const PAGES: [(Page, &str, &str); 3] = [
+const PAGES: [(Page, &str, &str); 4] = [
     (Page::Plate, "This plate", "Which plate it is, and its numbers"),
     (Page::Validity, "Validity", "How far plate and boundary can be relied on"),
     (Page::Designer, "Designer", "A plate for a band: taper, damper, cut files"),
+    (Page::Measure, "Measure", "What a sensor on the plate answered, beside its model"),
 ];
 
 /// The buttons of the pages, which stay while a page is scrolled.
 pub(super) fn pages(ui: &mut egui::Ui, view: &mut ViewState) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        let width = ((ui.available_width() - 8.0) / 3.0).floor();
+        ui.spacing_mut().button_padding.x = 4.0;
+        let gaps = 4.0 * (PAGES.len() - 1) as f32;
+        let width = ((ui.available_width() - gaps) / PAGES.len() as f32).floor();
         for (page, name, help) in PAGES {
             let text = RichText::new(name).size(12.5);
             let button = egui::Button::selectable(view.plate_page == page, text);
@@ -50,6 +54,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             validity::show(ui, scene, view);
         }
         Page::Designer => designer::show(ui, scene, view, intents),
+        Page::Measure => measure_panel::show(ui, scene, view, intents),
     }
 }
 

@@ -1,17 +1,18 @@
 //! The plots of waveform and spectrum, from the codes of the mirror.
 
+pub(super) mod frame;
 mod scale;
-mod steer;
+pub(super) mod steer;
 
 use super::{Scene, ViewState, aligned, theme};
 use crate::intent::{Intent, Intents};
-use eframe::egui::{self, Align2, FontId, Id, Rangef, pos2};
-use egui_plot::{AxisHints, GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotResponse, VLine};
-use scale::{GRID, decade_label, decades, magnification, marks};
+use eframe::egui::{self, Align2, FontId, pos2};
+use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
+use frame::{Frame, fit, plot};
+use scale::magnification;
 use slipline_model::waveform::peaks;
-use slipline_plate::quantity::{show_frequency, ticks};
-use std::ops::RangeInclusive;
-use steer::{Ends, steer};
+use slipline_plate::quantity::show_frequency;
+use steer::steer;
 
 /// The state of the plots.
 #[derive(Default)]
@@ -118,15 +119,6 @@ fn head(
     })
 }
 
-fn fit(ui: &mut egui::Ui, name: &str) -> bool {
-    let fit = ui.small_button("Fit");
-    fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
-    fit.on_hover_text(
-        "Show all again (or double-click). The wheel zooms, with Shift the values; drag to move",
-    )
-    .clicked()
-}
-
 /// The switch that holds the present curve behind the later ones.
 fn hold(ui: &mut egui::Ui, held: &mut Option<Vec<[f64; 2]>>, now: impl FnOnce() -> Option<Vec<[f64; 2]>>) {
     let mut is_held = held.is_some();
@@ -164,70 +156,6 @@ pub(super) fn empty(ui: &mut egui::Ui, text: &str) {
     ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak);
 }
 
-/// The least distance of labels, in points: of the x axis, of the y axis.
-const SPACING: (f64, f64) = (56.0, 26.0);
-/// Space that a label of the x axis needs right of its tick mark, in points.
-const HALF_LABEL: f64 = 16.0;
-
-/// The axes of a plot.
-struct Frame {
-    name: &'static str,
-    x: Ends,
-    y: Ends,
-    unit: &'static str,
-    /// From the values on the x axis to the unit; `None` for an axis that has the unit already. Then x is the decimal
-    /// logarithm.
-    logarithmic: Option<f64>,
-}
-
-/// A plot in this frame. Each has its own zoom memory, because a zoom makes no sense on other axes.
-fn plot<'a>(frame: &Frame, palette: &theme::Palette, values: impl Fn(PlotPoint) -> String + 'a) -> Plot<'a> {
-    let Frame { name, x, y, unit, logarithmic } = *frame;
-    let font = FontId::proportional(11.5);
-    let x_axis = AxisHints::new_x()
-        .label_spacing(Rangef::new(8.0, 9.0))
-        .tick_label_color(palette.weak)
-        .tick_label_font(font.clone())
-        .formatter(move |mark, range| match logarithmic {
-            Some(scale) => decade_label(mark, unit, scale),
-            None => x_label(mark, range, unit),
-        });
-    let y_axis = AxisHints::new_y()
-        .label_spacing(Rangef::new(8.0, 9.0))
-        .tick_label_color(palette.weak)
-        .tick_label_font(font)
-        .min_thickness(34.0)
-        .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
-    Plot::new(name)
-        .id(Id::unique((name, x.1.to_bits(), y.1.to_bits(), logarithmic.is_some())))
-        .default_x_bounds(x.0, x.1)
-        .default_y_bounds(y.0, y.1)
-        .custom_x_axes(vec![x_axis])
-        .custom_y_axes(vec![y_axis])
-        .x_grid_spacer(move |input| match logarithmic {
-            Some(_) => decades(&input, SPACING.0, HALF_LABEL),
-            None => marks(&input, SPACING.0, HALF_LABEL),
-        })
-        .y_grid_spacer(|input| marks(&input, SPACING.1, 0.0))
-        .label_formatter(move |at| {
-            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) = at;
-            Some(values(*position))
-        })
-        .grid_color(palette.grid)
-        .grid_fade(0.0)
-        .grid_spacing(Rangef::new(GRID, 120.0))
-        .cursor_color(palette.weak)
-        .show_background(true)
-        .allow_double_click_reset(true)
-        // Wheel and pointer are followed here, within the axes.
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_axis_zoom_drag(false)
-        .allow_boxed_zoom(false)
-        .show_grid(true)
-}
-
 /// A note at the top of a plot: that a curve is held, and how much is magnified.
 fn note(ui: &egui::Ui, shown: &PlotResponse<()>, is_held: bool, factor: f64) {
     let palette = theme::palette(ui);
@@ -247,16 +175,6 @@ fn note(ui: &egui::Ui, shown: &PlotResponse<()>, is_held: bool, factor: f64) {
 /// A curve that is held, drawn thin.
 fn held_line(points: Vec<[f64; 2]>, palette: &theme::Palette) -> Line<'static> {
     Line::new("held", PlotPoints::from(points)).color(palette.weak).width(1.0).allow_hover(false)
-}
-
-/// A label of the x axis; the first one has the unit.
-fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
-    let label = ticks::label(mark.value, mark.step_size);
-    if mark.value - mark.step_size < range.start() - 1e-6 * mark.step_size {
-        format!("{label} {unit}")
-    } else {
-        label
-    }
 }
 
 pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {

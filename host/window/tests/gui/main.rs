@@ -1,6 +1,7 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
 mod background;
+mod calibrate;
 mod chords;
 mod drive_time;
 mod exports;
@@ -14,6 +15,7 @@ mod focus;
 mod glyphs;
 mod hang;
 mod light_marks;
+mod measure;
 mod notices;
 mod painter;
 mod paths;

@@ -16,7 +16,7 @@ fn no_window_is_too_small_to_be_shown() {
             app.wait(100);
         }
     }
-    for page in ["Validity", "Designer"] {
+    for page in ["Validity", "Designer", "Measure"] {
         app.window.set_size(vec2(1280.0, 800.0));
         app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num4);
         app.wait(100);

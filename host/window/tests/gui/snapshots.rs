@@ -182,6 +182,37 @@ fn the_texture_page_looks_as_it_was_approved() {
     compare("texture-small-dark", &picture(ThemeChoice::Dark, [640, 480], solid));
 }
 
+/// Two measurements, of which the chosen one differs from the plate's model, large and small.
+#[test]
+fn the_page_of_measurements_looks_as_it_was_approved() {
+    use crate::measure::{measured, membrane, open};
+    let two = |app: &mut TestApp| {
+        open(app, "before.csv", &measured(&membrane(1.0), 0.032, 12.0));
+        open(app, "after the holidays.csv", &measured(&membrane(1.04), 0.032, 4.0));
+        app.window.get_by_label("Dismiss").click();
+        app.wait(200);
+        app.window.hover_at(eframe::egui::pos2(300.0, 240.0));
+        app.wait(100);
+    };
+    compare("measure-light", &picture(ThemeChoice::Light, USUAL, two));
+    compare("measure-dark", &picture(ThemeChoice::Dark, USUAL, two));
+    compare("measure-small", &picture(ThemeChoice::Dark, SMALL_SCREEN, two));
+}
+
+#[test]
+fn the_calibration_looks_as_it_was_approved() {
+    use crate::calibrate::{answers, go_through, open_calibration};
+    let result = |app: &mut TestApp| go_through(app, &answers(1.04));
+    compare("calibrate-light", &picture(ThemeChoice::Light, USUAL, result));
+    let place = |app: &mut TestApp| {
+        open_calibration(app);
+        app.window.get_by_label("Next").click();
+        app.wait(200);
+    };
+    compare("calibrate-dark", &picture(ThemeChoice::Dark, USUAL, place));
+    compare("calibrate-small", &picture(ThemeChoice::Light, SMALL_SCREEN, result));
+}
+
 /// A firm finger that is dragged on an ultrasonic plate in a small window: amplitude, friction and speed.
 #[test]
 fn the_trace_of_a_finger_looks_as_it_was_approved() {

@@ -94,7 +94,7 @@ fn tab_reaches_every_control_once() {
         app.wait(100);
         walk(&mut app, tab);
     }
-    for page in ["Validity", "Designer"] {
+    for page in ["Validity", "Measure", "Designer"] {
         app.window.get_by_role_and_label(Role::Button, "Plate").click();
         app.wait(100);
         app.window.get_by_role_and_label(Role::Button, page).click();

@@ -257,6 +257,8 @@ fn parts(
         planes: JobQueue::inline(plane::work),
         designs: JobQueue::inline(design::work),
         textures: JobQueue::inline(slipline_model::jobs::texture::work),
+        calibrations: JobQueue::inline(slipline_model::jobs::calibrate::work),
+        comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)

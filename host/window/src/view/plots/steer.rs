@@ -10,7 +10,7 @@ const WHEEL: f64 = 200.0;
 const MOST: f64 = 1000.0;
 
 /// The ends of an axis, or the part of it that is shown.
-pub(super) type Ends = (f64, f64);
+pub(in crate::view) type Ends = (f64, f64);
 
 /// The part of `full` that is shown after a zoom by `factor` about `at` and a motion by `by`.
 fn steered(full: Ends, now: Ends, at: f64, factor: f64, by: f64) -> Ends {
@@ -28,13 +28,22 @@ fn steered(full: Ends, now: Ends, at: f64, factor: f64, by: f64) -> Ends {
 }
 
 /// Zooms and moves the plot as wheel and pointer say, in the ranges `full` of x and y.
-pub(super) fn steer(plot: &mut PlotUi<'_>, full: [Ends; 2]) {
+pub(in crate::view) fn steer(plot: &mut PlotUi<'_>, full: [Ends; 2]) {
+    steer_by(plot, full, |along, across| [along, across]);
+}
+
+/// As [`steer`], for axes of one scale: both are zoomed alike.
+pub(in crate::view) fn steer_evenly(plot: &mut PlotUi<'_>, full: [Ends; 2]) {
+    steer_by(plot, full, |along, across| [along * across; 2]);
+}
+
+fn steer_by(plot: &mut PlotUi<'_>, full: [Ends; 2], factors: fn(f64, f64) -> [f64; 2]) {
     let bounds = plot.plot_bounds();
     let now = [(bounds.min()[0], bounds.max()[0]), (bounds.min()[1], bounds.max()[1])];
     let is_over = plot.response().contains_pointer();
     let (wheel, pinch) = plot.ctx().input(|input| (input.smooth_scroll_delta, input.zoom_delta()));
     let factors = if is_over {
-        [(f64::from(wheel.y) / WHEEL).exp() * f64::from(pinch), (f64::from(wheel.x) / WHEEL).exp()]
+        factors((f64::from(wheel.y) / WHEEL).exp() * f64::from(pinch), (f64::from(wheel.x) / WHEEL).exp())
     } else {
         [1.0; 2]
     };

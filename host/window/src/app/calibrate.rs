@@ -1,0 +1,123 @@
+//! The calibration's pages: what is known, the answers, the fit in the background, the plate that comes of it.
+
+use super::App;
+use crate::files::FileJob;
+use crate::intent::{CalibrateIntent, Dialog};
+use crate::scene::CalibrateScene;
+use slipline_model::calibration::{Answer, Calibration, Step};
+use slipline_model::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
+use slipline_model::setup::edit::Edit;
+use std::sync::Arc;
+
+/// The state of the pages.
+#[derive(Default)]
+pub(super) struct Calibrating {
+    /// The calibration under way; it stays while its pages are closed, and until it is given up or used.
+    calibration: Option<Calibration>,
+    asked: Option<CalibrateJob>,
+    latest: Option<CalibrateDone>,
+}
+
+impl Calibrating {
+    pub(super) fn take(&mut self, done: CalibrateDone) {
+        self.latest = Some(done);
+    }
+
+    /// The result of what was asked last.
+    fn current(&self) -> Option<&CalibrateDone> {
+        self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref())
+    }
+
+    fn found(&self) -> Option<&Arc<Found>> {
+        self.current()?.result.as_ref().ok()
+    }
+
+    pub(super) fn scene(&self, progress: Option<f32>) -> Option<CalibrateScene<'_>> {
+        let result = self.current().map(|done| done.result.as_deref());
+        Some(CalibrateScene { calibration: self.calibration.as_ref()?, result, progress })
+    }
+}
+
+impl App {
+    pub(super) fn perform_calibrate(&mut self, intent: CalibrateIntent) {
+        if intent == CalibrateIntent::Open {
+            return self.open_calibration();
+        }
+        let Some(calibration) = &mut self.calibrating.calibration else { return };
+        match intent {
+            CalibrateIntent::Open => {}
+            CalibrateIntent::Cancel => self.end_calibration(),
+            CalibrateIntent::Page(step) => calibration.step = step,
+            CalibrateIntent::Calipers(calipers) => {
+                if let Err(reason) = calibration.take_calipers(calipers) {
+                    self.fail(reason);
+                }
+            }
+            CalibrateIntent::OpenAnswer => self.parts.files.begin(FileJob::Choose),
+            CalibrateIntent::TakeAnswer(sensor, number) => self.take_answer(sensor, number),
+            CalibrateIntent::Exchange => calibration.exchange(),
+            CalibrateIntent::Use => {
+                if let Some(found) = self.calibrating.found().cloned() {
+                    self.end_calibration();
+                    self.edit(&Edit::Plate(Arc::clone(&found.plate)));
+                    self.notices.tell("The calibrated plate is in use. Undo takes it back.".to_owned());
+                }
+            }
+            CalibrateIntent::Save => {
+                if let Some(found) = self.calibrating.found() {
+                    let text = found.plate.to_toml();
+                    self.save("plate.toml", "Plate", "toml", text.into_bytes());
+                }
+            }
+        }
+        self.update_calibration();
+    }
+
+    /// Opens the pages: those that were closed, or new ones. Of another plate they begin with the first.
+    fn open_calibration(&mut self) {
+        let plate = &self.setup.plate;
+        let next = match self.calibrating.calibration.take() {
+            Some(begun) if Arc::ptr_eq(begun.plate(), plate) => begun,
+            Some(begun) => begun.with_plate(plate),
+            None => Calibration::of(plate),
+        };
+        self.calibrating.calibration = Some(next);
+        self.dialog = Some(Dialog::Calibrate);
+    }
+
+    fn end_calibration(&mut self) {
+        self.parts.calibrations.cancel();
+        self.calibrating = Calibrating::default();
+        self.dialog = None;
+    }
+
+    fn take_answer(&mut self, sensor: usize, number: u64) {
+        let Some(entry) = self.measures.entry(number) else { return };
+        let answer = Answer { name: entry.name.clone(), measurement: Arc::clone(&entry.measurement) };
+        if let Some(calibration) = &mut self.calibrating.calibration {
+            calibration.take_answer(sensor, answer);
+        }
+    }
+
+    /// Takes a measurement that was opened for the answer that the open page asks for; whether it asks for one.
+    pub(super) fn answered(&mut self, number: u64) -> bool {
+        let step = self.calibrating.calibration.as_ref().map(|calibration| calibration.step);
+        let sensor = step.filter(|_| self.dialog == Some(Dialog::Calibrate)).and_then(Step::sensor);
+        if let Some(sensor) = sensor {
+            self.take_answer(sensor, number);
+        }
+        sensor.is_some()
+    }
+
+    /// Asks for the fit while the result's page is open.
+    fn update_calibration(&mut self) {
+        let rate_hz = self.sample_rate_hz();
+        let calibrating = &mut self.calibrating;
+        let job = calibrating.calibration.as_ref().filter(|it| it.step == Step::Result);
+        let Some(job) = job.and_then(|calibration| calibration.job(rate_hz)) else { return };
+        if calibrating.asked.as_ref() != Some(&job) {
+            calibrating.asked = Some(job.clone());
+            self.parts.calibrations.ask(job);
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The pages of a calibration: one step a page, back and cancel at each.
+
+mod drawing;
+mod known;
+mod result;
+
+use crate::intent::{CalibrateIntent, Intent, Intents};
+use crate::scene::Scene;
+use crate::view::response::inks::ink;
+use crate::view::{ViewState, theme, validity};
+use eframe::egui::{self, Label, RichText, Sense, vec2};
+use slipline_model::calibration::{Calibration, Step};
+use slipline_model::response::Headroom;
+use slipline_plate::quantity::show_place;
+
+/// Shows the open page, without its buttons.
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let Some(shown) = &scene.calibration else { return };
+    let palette = theme::palette(ui);
+    let calibration = shown.calibration;
+    let step = calibration.step;
+    ui.horizontal(|ui| {
+        ui.heading(format!("Calibrate: {}", lower(step.title())));
+        ui.label(RichText::new(format!("{} of {}", step.number(), Step::ALL.len())).color(palette.weak));
+    });
+    ui.add_space(6.0);
+    match step {
+        Step::Plate => known::show(ui, calibration, view, intents),
+        Step::FirstPlace => place(ui, calibration, 0),
+        Step::FirstAnswer => answer(ui, scene, calibration, 0, intents),
+        Step::SecondPlace => {
+            place(ui, calibration, 1);
+            ui.add_space(6.0);
+            answer(ui, scene, calibration, 1, intents);
+        }
+        Step::Result => result::show(ui, shown, intents),
+    }
+}
+
+fn lower(title: &str) -> String {
+    let mut letters = title.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+fn wrapped(ui: &mut egui::Ui, text: impl Into<RichText>) {
+    ui.add(Label::new(text.into()).wrap());
+}
+
+/// Where to put the sensor: a drawing and a sentence.
+fn place(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
+    let place_m = calibration.places_m()[sensor];
+    let there = show_place(place_m);
+    let text = if sensor == 0 {
+        format!(
+            "Put the sensor on the centre line, {there} from the driven end. Measure its place: the boundary will be no \
+             better than it."
+        )
+    } else {
+        format!("Move the same sensor to {there}, and change nothing else: neither its gain nor the level.")
+    };
+    wrapped(ui, text);
+    ui.add_space(4.0);
+    drawing::show(ui, calibration, sensor);
+}
+
+/// What the sensor answered at a place: taken from the list, or from a file.
+fn answer(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    calibration: &Calibration,
+    sensor: usize,
+    intents: &mut Intents,
+) {
+    let palette = theme::palette(ui);
+    let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
+    if sensor == 0 {
+        let there = show_place(calibration.places_m()[0]);
+        wrapped(
+            ui,
+            format!("What the sensor answered at about {there}: open its file, or choose it from the list."),
+        );
+    }
+    if ui.button("Open file…").on_hover_text("A measurement as the page Measure reads it").clicked() {
+        ask(CalibrateIntent::OpenAnswer);
+    }
+    let taken = calibration.answer(sensor);
+    for entry in scene.measure.shelf.entries() {
+        let is_taken =
+            taken.is_some_and(|taken| std::sync::Arc::ptr_eq(&taken.measurement, &entry.measurement));
+        ui.horizontal(|ui| {
+            let (swatch, _) = ui.allocate_exact_size(vec2(12.0, 18.0), Sense::hover());
+            let line = egui::Rect::from_center_size(swatch.center(), vec2(12.0, 3.0));
+            ui.painter().rect_filled(line, 0.0, ink(entry.number, palette));
+            let place = show_place(entry.measurement.place_m);
+            if ui.selectable_label(is_taken, format!("{} at {place}", entry.name)).clicked() {
+                ask(CalibrateIntent::TakeAnswer(sensor, entry.number));
+            }
+        });
+    }
+    if let Some(taken) = taken {
+        let headroom = Headroom::of(&taken.measurement);
+        ui.add_space(2.0);
+        let colour = validity::ink(headroom.colour(), palette);
+        wrapped(ui, RichText::new(format!("Headroom: {}", headroom.sentence())).color(colour));
+    }
+}
+
+/// The buttons that lead on, back and out, which stay while the page is scrolled; returns whether the calibration was closed.
+pub(super) fn steps(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) -> bool {
+    let Some(shown) = &scene.calibration else { return true };
+    let step = shown.calibration.step;
+    let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
+    ui.horizontal(|ui| {
+        let cancel = ui.button("Cancel").on_hover_text("Give the calibration up; the plate stays as it is");
+        let is_cancelled = cancel.clicked();
+        if is_cancelled {
+            ask(CalibrateIntent::Cancel);
+        }
+        let back = ui.add_enabled(step.back().is_some(), egui::Button::new("Back"));
+        if let Some(back) = step.back().filter(|_| back.clicked()) {
+            ask(CalibrateIntent::Page(back));
+        }
+        if let Some(next) = step.next() {
+            let obstacle = shown.calibration.obstacle();
+            let button = egui::Button::new(RichText::new("Next").strong());
+            let button = ui.add_enabled(obstacle.is_none(), button);
+            if button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
+                ask(CalibrateIntent::Page(next));
+            }
+        } else if matches!(shown.result, Some(Ok(_))) {
+            result::actions(ui, ask);
+        }
+        is_cancelled
+    })
+    .inner
+}

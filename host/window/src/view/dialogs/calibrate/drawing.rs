@@ -1,0 +1,61 @@
+//! The plate from above, to scale along its length, with the places of the sensor.
+
+use crate::view::theme;
+use eframe::egui::{self, Align2, FontId, Pos2, Shape, Stroke, pos2, vec2};
+use slipline_model::calibration::Calibration;
+use slipline_plate::quantity::show_place;
+
+/// Height of the drawing in points, and the room beside the plate.
+const HEIGHT: f32 = 120.0;
+const MARGIN: f32 = 16.0;
+/// Points along an edge.
+const POINTS: usize = 64;
+
+pub(super) fn show(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
+    let palette = theme::palette(ui);
+    let plate = calibration.plate();
+    let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
+    let drawn = area.shrink2(vec2(MARGIN, 22.0));
+    let length_m = plate.length_m();
+    // Across it is not to scale: a plate of 1:20 would be a line.
+    let widest =
+        (0..=POINTS).map(|i| plate.half_width_m(length_m * i as f64 / POINTS as f64)).fold(0.0, f64::max);
+    let at = |share: f64, side: f32| {
+        let half = (plate.half_width_m(length_m * share) / widest) as f32 * 0.5 * drawn.height();
+        pos2(drawn.left() + share as f32 * drawn.width(), drawn.center().y + side * half)
+    };
+    let along = |i: usize| i as f64 / POINTS as f64;
+    let edge = |side: f32| (0..=POINTS).map(move |i| at(along(i), side));
+    let painter = ui.painter();
+    let fill = palette.accent.gamma_multiply(0.14);
+    for i in 0..POINTS {
+        let [a, b] = [along(i), along(i + 1)];
+        painter.add(Shape::convex_polygon(
+            vec![at(a, -1.0), at(b, -1.0), at(b, 1.0), at(a, 1.0)],
+            fill,
+            Stroke::NONE,
+        ));
+    }
+    let outline: Vec<Pos2> = edge(-1.0).chain(edge(1.0).collect::<Vec<_>>().into_iter().rev()).collect();
+    painter.add(Shape::closed_line(outline, Stroke::new(1.2, palette.weak)));
+    let centre = Stroke::new(1.0, palette.weak.gamma_multiply(0.6));
+    painter.extend(Shape::dashed_line(&[drawn.left_center(), drawn.right_center()], centre, 5.0, 4.0));
+    painter.line_segment([at(0.0, -1.0), at(0.0, 1.0)], Stroke::new(4.0, palette.text));
+    let font = FontId::proportional(11.5);
+    let under = pos2(drawn.left(), area.bottom() - 2.0);
+    painter.text(under, Align2::LEFT_BOTTOM, "driven end", font.clone(), palette.weak);
+    for (i, place_m) in calibration.places_m().into_iter().enumerate() {
+        let ink = match i.cmp(&sensor) {
+            std::cmp::Ordering::Less => palette.weak,
+            std::cmp::Ordering::Equal => palette.accent,
+            std::cmp::Ordering::Greater => continue,
+        };
+        let x = drawn.left() + (place_m / length_m) as f32 * drawn.width();
+        painter.vline(x, area.top() + 16.0..=area.bottom() - 16.0, Stroke::new(1.2, ink));
+        painter.circle(pos2(x, drawn.center().y), 5.0, palette.panel, Stroke::new(2.0, ink));
+        painter.text(pos2(x, area.top()), Align2::CENTER_TOP, show_place(place_m), font.clone(), ink);
+    }
+    let place = show_place(calibration.places_m()[sensor]);
+    let name = format!("The sensor's place: {place} from the driven end, on the centre line");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+}

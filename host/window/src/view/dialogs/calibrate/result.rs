@@ -1,0 +1,121 @@
+//! The last page: the plate as it was measured, what was wrong before, or why there is none.
+
+use super::wrapped;
+use crate::caption::Panel;
+use crate::intent::{CalibrateIntent, Intent, Intents};
+use crate::scene::CalibrateScene;
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_model::calibration::Remedy;
+use slipline_model::jobs::calibrate::{Found, Refused};
+use slipline_plate::calibrate::Parameter;
+use slipline_plate::number_format::{significant, with_decimals};
+use slipline_plate::quantity::{Form as _, show_length, show_place};
+
+pub(super) fn show(ui: &mut egui::Ui, shown: &CalibrateScene<'_>, intents: &mut Intents) {
+    match shown.result {
+        None => {
+            wrapped(ui, "The plate is being fitted to what the sensor answered…");
+            if let Some(share) = shown.progress {
+                ui.add(egui::ProgressBar::new(share).desired_height(8.0));
+            }
+        }
+        Some(Err(refused)) => why_not(ui, refused, intents),
+        Some(Ok(found)) => accepted(ui, found),
+    }
+}
+
+/// Why there is no calibrated plate, and what to do.
+fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    wrapped(ui, RichText::new("No plate file was made, and the plate stays as it is.").strong());
+    ui.add_space(2.0);
+    wrapped(ui, RichText::new(format!("Refused: {}.", refused.reason)).color(palette.wrong));
+    ui.add_space(4.0);
+    wrapped(ui, refused.remedy.sentence());
+    let (name, intent) = match refused.remedy {
+        Remedy::Exchange => ("Exchange them".to_owned(), CalibrateIntent::Exchange),
+        Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
+    };
+    if ui.button(name).clicked() {
+        intents.push(Intent::Calibrate(intent));
+    }
+}
+
+fn accepted(ui: &mut egui::Ui, found: &Found) {
+    let palette = theme::palette(ui);
+    let calibrated = &found.calibrated;
+    let weak = |text: &str| RichText::new(text).small().color(palette.weak);
+    let grid = |name: &str| egui::Grid::new(name).num_columns(3).min_col_width(60.0).spacing([24.0, 3.0]);
+    let decibel = |db: f64| format!("{} dB", with_decimals(db, 1));
+    let has_level = calibrated.level_tolerance_db.is_finite();
+    grid("calibration errors").show(ui, |ui| {
+        ui.label("");
+        ui.label(weak("with the file, at most"));
+        ui.label(weak("calibrated, 95 %"));
+        ui.end_row();
+        ui.label("Boundary off by");
+        ui.label(RichText::new(show_length(found.before.boundary_m)).color(palette.wrong));
+        ui.label(
+            RichText::new(format!("±{}", show_length(calibrated.boundary_tolerance_m))).color(palette.good),
+        );
+        ui.end_row();
+        if has_level {
+            ui.label("Level off by");
+            ui.label(RichText::new(decibel(found.before.level_db)).color(palette.wrong));
+            ui.label(
+                RichText::new(format!("±{}", decibel(calibrated.level_tolerance_db))).color(palette.good),
+            );
+            ui.end_row();
+        }
+    });
+    ui.add_space(6.0);
+    grid("calibration parameters").show(ui, |ui| {
+        for head in ["", "fitted", "95 % interval"] {
+            ui.label(weak(head));
+        }
+        ui.end_row();
+        for parameter in &calibrated.parameters {
+            let (name, [value, low, high]) = told(parameter);
+            ui.label(name);
+            ui.label(value);
+            ui.label(format!("{low} to {high}"));
+            ui.end_row();
+        }
+    });
+    ui.add_space(4.0);
+    let chi2 = with_decimals(calibrated.chi2_per_n, 2);
+    let text = format!("χ² per answer is {chi2}: about 1 where the model misses no more than the noise.");
+    wrapped(ui, weak(&text));
+    let moved = calibrated.boundary_per_place.iter().map(|share| share.abs()).fold(0.0, f64::max);
+    let text =
+        format!("A sensor 1 mm from its place takes the boundary with it by {}.", show_length(1e-3 * moved));
+    wrapped(ui, weak(&text));
+}
+
+/// What can be done with the plate.
+pub(super) fn actions(ui: &mut egui::Ui, mut ask: impl FnMut(CalibrateIntent)) {
+    let save = ui.button("Save plate file…");
+    if save.on_hover_text("A plate file, as the app and the command line read it").clicked() {
+        ask(CalibrateIntent::Save);
+    }
+    let button = ui.button(RichText::new("Use this plate").strong());
+    if button.on_hover_text("Put it on the screen, with its table; Undo takes it back").clicked() {
+        ask(CalibrateIntent::Use);
+    }
+}
+
+/// A parameter by its name in the panels, and its value and interval in their unit.
+fn told(parameter: &Parameter) -> (String, [String; 3]) {
+    let Parameter { name, value, low, high } = *parameter;
+    if name == "place_m" {
+        return ("Sensor's place".to_owned(), [value, low, high].map(show_place));
+    }
+    match Panel::Plate.caption(name) {
+        Some(caption) => {
+            let ends = [value, low, high].map(|value| caption.unit.written(value, 5));
+            (caption.name.to_owned(), ends)
+        }
+        None => (name.to_owned(), [value, low, high].map(|value| significant(value, 5))),
+    }
+}

@@ -1,0 +1,98 @@
+//! The frame of every plot of the window: its axes, their labels, the values under the pointer; zoom and motion are
+//! [`super::steer`]'s.
+
+use super::scale::{GRID, decade_label, decades, marks};
+use super::steer::Ends;
+use crate::view::theme;
+use eframe::egui::{self, FontId, Id, Rangef};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Plot, PlotPoint};
+use slipline_plate::quantity::ticks;
+use std::ops::RangeInclusive;
+
+/// The button that shows all of a plot again.
+pub(in crate::view) fn fit(ui: &mut egui::Ui, name: &str) -> bool {
+    let fit = ui.small_button("Fit");
+    fit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Fit {name}")));
+    fit.on_hover_text(
+        "Show all again (or double-click). The wheel zooms, with Shift the values; drag to move",
+    )
+    .clicked()
+}
+
+/// The least distance of labels, in points: of the x axis, of the y axis.
+const SPACING: (f64, f64) = (56.0, 26.0);
+/// Space that a label of the x axis needs right of its tick mark, in points.
+const HALF_LABEL: f64 = 16.0;
+
+/// The axes of a plot.
+pub(in crate::view) struct Frame {
+    pub(in crate::view) name: &'static str,
+    pub(in crate::view) x: Ends,
+    pub(in crate::view) y: Ends,
+    pub(in crate::view) unit: &'static str,
+    /// From the values on the x axis to the unit; `None` for an axis that has the unit already. Then x is the decimal
+    /// logarithm.
+    pub(in crate::view) logarithmic: Option<f64>,
+}
+
+/// A plot in this frame. Each has its own zoom memory, because a zoom makes no sense on other axes.
+pub(in crate::view) fn plot<'a>(
+    frame: &Frame,
+    palette: &theme::Palette,
+    values: impl Fn(PlotPoint) -> String + 'a,
+) -> Plot<'a> {
+    let Frame { name, x, y, unit, logarithmic } = *frame;
+    let font = FontId::proportional(11.5);
+    let x_axis = AxisHints::new_x()
+        .label_spacing(Rangef::new(8.0, 9.0))
+        .tick_label_color(palette.weak)
+        .tick_label_font(font.clone())
+        .formatter(move |mark, range| match logarithmic {
+            Some(scale) => decade_label(mark, unit, scale),
+            None => x_label(mark, range, unit),
+        });
+    let y_axis = AxisHints::new_y()
+        .label_spacing(Rangef::new(8.0, 9.0))
+        .tick_label_color(palette.weak)
+        .tick_label_font(font)
+        .min_thickness(34.0)
+        .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
+    Plot::new(name)
+        .id(Id::unique((name, x.1.to_bits(), y.1.to_bits(), logarithmic.is_some())))
+        .default_x_bounds(x.0, x.1)
+        .default_y_bounds(y.0, y.1)
+        .custom_x_axes(vec![x_axis])
+        .custom_y_axes(vec![y_axis])
+        .x_grid_spacer(move |input| match logarithmic {
+            Some(_) => decades(&input, SPACING.0, HALF_LABEL),
+            None => marks(&input, SPACING.0, HALF_LABEL),
+        })
+        .y_grid_spacer(|input| marks(&input, SPACING.1, 0.0))
+        .label_formatter(move |at| {
+            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) = at;
+            Some(values(*position))
+        })
+        .grid_color(palette.grid)
+        .grid_fade(0.0)
+        .grid_spacing(Rangef::new(GRID, 120.0))
+        .cursor_color(palette.weak)
+        .show_background(true)
+        .allow_double_click_reset(true)
+        // Wheel and pointer are followed here, within the axes.
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_axis_zoom_drag(false)
+        .allow_boxed_zoom(false)
+        .show_grid(true)
+}
+
+/// A label of the x axis; the first one has the unit.
+fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
+    let label = ticks::label(mark.value, mark.step_size);
+    if mark.value - mark.step_size < range.start() - 1e-6 * mark.step_size {
+        format!("{label} {unit}")
+    } else {
+        label
+    }
+}

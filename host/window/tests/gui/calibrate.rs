@@ -1,0 +1,193 @@
+//! The calibration's pages, with answers from files: the boundary lands, and what is refused is told.
+
+use crate::measure::{measured, membrane, open_measure};
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_plate::calibrate::Measurement;
+use slipline_plate::{Model, Plate};
+use std::path::PathBuf;
+
+/// Where the pages have the sensor put on the membrane.
+const PLACES_M: [f64; 2] = [0.032, 0.176];
+
+fn has(app: &TestApp, part: &str) -> bool {
+    app.window.query_all_by_label_contains(part).next().is_some()
+}
+
+fn press(app: &mut TestApp, name: &str) {
+    app.window.get_by_role_and_label(Role::Button, name).click();
+    app.wait(200);
+}
+
+fn is_enabled(app: &TestApp, name: &str) -> bool {
+    !app.window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
+}
+
+/// The number of the open page.
+pub(crate) fn page(app: &TestApp) -> Option<usize> {
+    (1..=5).find(|number| app.window.query_by_label(&format!("{number} of 5")).is_some())
+}
+
+pub(crate) fn open_calibration(app: &mut TestApp) {
+    open_measure(app);
+    press(app, "Calibrate…");
+}
+
+fn open_answer(app: &mut TestApp, name: &str, measurement: &Measurement) {
+    *app.files.contents.borrow_mut() = vec![(PathBuf::from(name), Ok(measurement.to_csv()))];
+    press(app, "Open file…");
+}
+
+/// Goes through the pages with these two answers, to the result.
+pub(crate) fn go_through(app: &mut TestApp, answers: &[Measurement; 2]) {
+    open_calibration(app);
+    press(app, "Next");
+    press(app, "Next");
+    open_answer(app, "near.csv", &answers[0]);
+    press(app, "Next");
+    open_answer(app, "far.csv", &answers[1]);
+    press(app, "Next");
+    assert_eq!(page(app), Some(5));
+}
+
+/// The answers at both places of a plate of this share of the wave speed.
+pub(crate) fn answers(share: f64) -> [Measurement; 2] {
+    PLACES_M.map(|place_m| measured(&membrane(share), place_m, 12.0))
+}
+
+fn wave_speed(plate: &Plate) -> f64 {
+    match plate.spec().model {
+        Model::Membrane { wave_speed_m_per_s, .. } => wave_speed_m_per_s,
+        _ => panic!("a membrane"),
+    }
+}
+
+#[test]
+fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
+    let mut app = TestApp::driving();
+    let before = app.window.state().setup().clone();
+    go_through(&mut app, &answers(1.04));
+    assert!(has(&app, "Boundary off by") && has(&app, "Wave speed") && has(&app, "Sensor's place"));
+    assert!(has(&app, "χ² per answer is"));
+    press(&mut app, "Save plate file…");
+    let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
+    let saved = Plate::from_toml(str::from_utf8(&bytes).unwrap()).unwrap();
+    assert!(name == "plate.toml" && saved.spec().calibration.is_some());
+    assert_eq!(app.window.state().setup(), &before, "nothing is used yet");
+    press(&mut app, "Use this plate");
+    app.wait(1500);
+    let used = app.window.state().setup().plate.clone();
+    assert_eq!(used.spec(), saved.spec());
+    let off = wave_speed(&used) / wave_speed(&membrane(1.04)) - 1.0;
+    assert!(off.abs() < 3e-3, "{off}");
+    assert!(page(&app).is_none() && app.is_driving(), "its table is made and sent");
+    // The measurement that was opened last is of this plate now.
+    assert!(has(&app, "The plate's model fits"));
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(500);
+    assert_eq!(app.window.state().setup(), &before);
+    assert!(has(&app, "Measured differs"));
+}
+
+#[test]
+fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
+    let mut app = TestApp::driving();
+    let both = answers(1.02);
+    open_calibration(&mut app);
+    assert!(page(&app) == Some(1) && !is_enabled(&app, "Back") && is_enabled(&app, "Next"));
+    press(&mut app, "Next");
+    assert!(has(&app, "The sensor's place: 32.0 mm from the driven end, on the centre line"));
+    press(&mut app, "Next");
+    assert!(page(&app) == Some(3) && !is_enabled(&app, "Next"));
+    open_answer(&mut app, "near.csv", &both[0]);
+    assert!(is_enabled(&app, "Next") && has(&app, "Headroom: 12.0 dB left"));
+    press(&mut app, "Next");
+    assert!(has(&app, "The sensor's place: 176.0 mm") && !is_enabled(&app, "Next"));
+    // A file of something else is no answer, and says so.
+    *app.files.contents.borrow_mut() = vec![(PathBuf::from("bad.csv"), Ok("# place_m = 1\n".to_owned()))];
+    press(&mut app, "Open file…");
+    assert!(
+        app.window.state().notice().is_some_and(|notice| notice.is_error && notice.text.contains("bad.csv"))
+    );
+    assert!(!is_enabled(&app, "Next"));
+    press(&mut app, "Back");
+    press(&mut app, "Back");
+    assert_eq!(page(&app), Some(2));
+    // Esc closes the pages and keeps what is known, Cancel gives it up.
+    app.window.key_press(Key::Escape);
+    app.wait(300);
+    assert_eq!(page(&app), None);
+    press(&mut app, "Calibrate…");
+    assert_eq!(page(&app), Some(2));
+    press(&mut app, "Next");
+    assert!(is_enabled(&app, "Next"), "the answer is kept");
+    press(&mut app, "Cancel");
+    assert_eq!(page(&app), None);
+    press(&mut app, "Calibrate…");
+    assert_eq!(page(&app), Some(1));
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    assert!(!is_enabled(&app, "Next"));
+    // What is in the list can be taken.
+    press(&mut app, "near.csv at 32.0 mm");
+    assert!(is_enabled(&app, "Next"));
+}
+
+#[test]
+fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_offered() {
+    let mut app = TestApp::driving();
+    let [near, far] = answers(1.03);
+    // The files tell each other's place.
+    let wrong = [
+        Measurement { place_m: far.place_m, ..near.clone() },
+        Measurement { place_m: near.place_m, ..far.clone() },
+    ];
+    go_through(&mut app, &wrong);
+    assert!(has(&app, "No plate file was made") && has(&app, "seem to be exchanged"));
+    assert!(app.window.query_by_label("Use this plate").is_none());
+    press(&mut app, "Cancel");
+    for name in ["near.csv", "far.csv"] {
+        press(&mut app, &format!("Remove {name}"));
+    }
+    go_through(&mut app, &answers(1.25));
+    assert!(has(&app, "No plate file was made"), "a quarter faster");
+    press(&mut app, "Back to page 1");
+    assert_eq!(page(&app), Some(1));
+}
+
+#[test]
+fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
+    let mut app = TestApp::driving();
+    open_calibration(&mut app);
+    app.window.get_by_label("Its widths and length are measured by calipers").click();
+    app.wait(200);
+    type_into(&mut app, "Length", "300 mm");
+    assert_eq!(app.window.get_by_role_and_label(Role::TextInput, "Length").value().unwrap(), "300 mm");
+    type_into(&mut app, "Width, narrow end", "900 mm");
+    assert!(has(&app, "must be"));
+    type_into(&mut app, "Widths known to", "5 m");
+    assert!(app.window.query_all_by_label_contains("must be").count() >= 2);
+    press(&mut app, "Next");
+    assert!(has(&app, "The sensor's place: 30.0 mm"));
+}
+
+#[test]
+fn where_paths_are_typed_the_pages_come_back() {
+    let mut app = TestApp::driving();
+    app.files.has_no_dialogs.set(true);
+    open_calibration(&mut app);
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    press(&mut app, "Open file…");
+    assert!(page(&app).is_none() && has(&app, "Open a setup, a plate or a measurement"));
+    press(&mut app, "Cancel");
+    assert_eq!(page(&app), Some(3));
+    let path = std::env::temp_dir().join("near.csv");
+    *app.files.contents.borrow_mut() = vec![(path.clone(), Ok(answers(1.0)[0].to_csv()))];
+    press(&mut app, "Open file…");
+    type_into(&mut app, "File path", &path.display().to_string());
+    app.wait(200);
+    assert!(page(&app) == Some(3) && is_enabled(&app, "Next"));
+}
