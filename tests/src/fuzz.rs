@@ -6,18 +6,21 @@
 mod device;
 mod files;
 mod host;
+mod inputs;
 
 pub use device::{decode, program, rx_bytes, session, stored};
 pub use files::{load_plate, load_setup};
 pub use host::connection;
+pub use inputs::inputs;
 
 /// A target by its name.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target, by the name of its binary and of its corpus.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     ("connection", connection),
     ("decode", decode),
+    ("inputs", inputs),
     ("load_plate", load_plate),
     ("load_setup", load_setup),
     ("program", program),

@@ -6,15 +6,15 @@ use proptest::prelude::*;
 use slipline_app::Stop;
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::Options;
-use slipline_protocol::command::{Apply, Chord, Drive};
+use slipline_protocol::command::{Apply, Chord, Comb, Drive};
 use slipline_protocol::event::Event;
-use slipline_protocol::limits::CHORD_PERIOD_LOG2;
+use slipline_protocol::limits::{CHORD_PERIOD_LOG2, COMB_BLOCK};
 use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::{CentiDecibel, Gain, Phase};
 use slipline_protocol::{Command, Refusal};
 
 use crate::client::Client;
-use crate::rig::{BLOCK, RATE_HZ, Rig, Table, chord, tone};
+use crate::rig::{BLOCK, RATE_HZ, Rig, Table, chord, comb, tone};
 
 /// One action of the user.
 #[derive(Clone, Debug)]
@@ -41,6 +41,17 @@ pub enum Action {
         /// How far ahead it is to begin, if not at the next block.
         ahead: Option<u64>,
     },
+    /// A comb.
+    Comb {
+        /// Its period in blocks.
+        period_blocks: u16,
+        /// Place among all multiples, level and phase of each tone.
+        tones: Vec<(f64, f64, u16)>,
+        /// In samples.
+        glide: u32,
+        /// How far ahead it is to begin, if not at the next block.
+        ahead: Option<u64>,
+    },
     /// A table, by its number.
     Table(usize),
     /// A stop.
@@ -57,10 +68,15 @@ pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
     let glide = prop_oneof![2000u32..4000, 2000u32..40_000];
     let ahead = prop::option::weighted(0.2, 0u64..4000);
     let chord_tones = prop::collection::vec((0.0..=1.0, 0.0..=1.0, any::<u16>()), 1..=16);
+    let periods = prop_oneof![1..100u16, 1..=u16::MAX];
+    let comb = (periods, chord_tones.clone(), glide.clone(), ahead.clone());
     let chord = (CHORD_PERIOD_LOG2.0..=CHORD_PERIOD_LOG2.1, chord_tones, glide.clone(), ahead.clone());
     let action = prop_oneof![
         4 => chord.prop_map(|(period_log2, tones, glide, ahead)| {
             Action::Chord { period_log2, tones, glide, ahead }
+        }),
+        3 => comb.prop_map(|(period_blocks, tones, glide, ahead)| {
+            Action::Comb { period_blocks, tones, glide, ahead }
         }),
         10 => (tones, -2000i16..=0, glide, ahead)
             .prop_map(|(tones, master, glide, ahead)| Action::Drive { tones, master, glide, ahead }),
@@ -129,6 +145,26 @@ pub fn play(
                     ) => {}
                     Event::Refused(Refusal::OutOfRange { field: Field::ChordPeriod, .. }) => {
                         prop_assert!(!(7..=14).contains(period_log2));
+                    }
+                    Event::Refused(Refusal::OutOfRange { field: Field::ToneCount, .. }) => {
+                        prop_assert!(tones.is_empty());
+                    }
+                    other => return Err(TestCaseError::fail(format!("{other:?}"))),
+                }
+            }
+            Action::Comb { period_blocks, tones, glide, ahead } => {
+                let at = ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead);
+                let comb = random_comb(*period_blocks, tones, *glide, at);
+                match rig.send(&Command::Comb(comb.clone())) {
+                    Event::Accepted(accepted) => mirror.acknowledge_comb(&comb, accepted.at)?,
+                    Event::Refused(
+                        Refusal::Headroom { .. }
+                        | Refusal::Busy(_)
+                        // It is to begin before it is silent.
+                        | Refusal::OutOfRange { field: Field::ApplyAt, .. },
+                    ) => {}
+                    Event::Refused(Refusal::OutOfRange { field: Field::CombPeriod, .. }) => {
+                        prop_assert_eq!(*period_blocks, 0);
                     }
                     Event::Refused(Refusal::OutOfRange { field: Field::ToneCount, .. }) => {
                         prop_assert!(tones.is_empty());
@@ -224,6 +260,21 @@ fn random_chord(
     placed.sort_by_key(|tone| tone.0);
     placed.dedup_by_key(|tone| tone.0);
     Chord { glide, apply: at.map_or(Apply::Next, Apply::At), ..chord(period_log2, &placed) }
+}
+
+/// A comb of any multiples, with amplitudes that often fit.
+fn random_comb(period_blocks: u16, tones: &[(f64, f64, u16)], glide: u32, at: Option<u64>) -> Comb {
+    let highest = (f64::from(COMB_BLOCK) * f64::from(period_blocks) * 0.45).floor().clamp(1.0, 65_535.0);
+    let mut placed: Vec<(u16, f64, f64)> = tones
+        .iter()
+        .map(|&(place, share, phase)| {
+            let harmonic = (1.0 + place.min(1.0) * (highest - 1.0)).round() as u16;
+            (harmonic, level(share, tones.len()), f64::from(phase) / 65_536.0)
+        })
+        .collect();
+    placed.sort_by_key(|tone| tone.0);
+    placed.dedup_by_key(|tone| tone.0);
+    Comb { glide, apply: at.map_or(Apply::Next, Apply::At), ..comb(period_blocks, &placed) }
 }
 
 /// Whether the device has taken the table.

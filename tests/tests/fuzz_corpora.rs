@@ -58,6 +58,11 @@ fn whatever_a_user_drives_is_the_mirrors_and_never_clips() {
 }
 
 #[test]
+fn what_is_measured_is_what_the_inputs_sampled_whatever_comes_between() {
+    replay("inputs");
+}
+
+#[test]
 fn a_device_starts_with_any_flash_and_drives_only_what_is_whole() {
     replay("stored");
 }

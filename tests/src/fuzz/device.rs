@@ -170,6 +170,15 @@ pub fn program(data: &[u8]) {
                 let ahead = (byte() % 4 == 0).then(|| u64::from(byte()) * 20);
                 Action::Chord { period_log2, tones, glide, ahead }
             }
+            8 | 9 => {
+                let period_blocks = u16::from_le_bytes([byte(), byte() % 64]);
+                let tones = (0..byte() % 17)
+                    .map(|_| (share(byte()), share(byte()), u16::from(byte()) << 8))
+                    .collect();
+                let glide = 2000 + u32::from(u16::from_le_bytes([byte(), byte()]));
+                let ahead = (byte() % 4 == 0).then(|| u64::from(byte()) * 20);
+                Action::Comb { period_blocks, tones, glide, ahead }
+            }
             _ => {
                 let tones = (0..byte() % 6)
                     .map(|_| (byte() % 16, share(byte()), share(byte()), u16::from(byte()) << 8))

@@ -1,0 +1,194 @@
+//! A target on the device's inputs: whatever is measured of them, and whatever fails meanwhile.
+
+use std::sync::{Arc, Mutex};
+
+use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
+use slipline_protocol::Command;
+use slipline_protocol::event::Event;
+use slipline_protocol::listen::{
+    CapturePart, CaptureWindow, ListenPart, ListenWindow, Progress, WindowShape,
+};
+use slipline_protocol::refusal::Refusal;
+use slipline_protocol::units::SampleIndex;
+
+use crate::client::Client;
+use crate::rig::{BLOCK, MID, Rig, Table, comb, drive};
+
+/// What the first input has sampled since the start; the second is stuck.
+#[derive(Clone, Default)]
+struct Heard(Arc<Mutex<Vec<u16>>>);
+
+const STUCK: u16 = 77;
+
+impl SimulatedInputs for Heard {
+    fn inputs(&self) -> usize {
+        2
+    }
+
+    fn delay_ns(&self) -> i32 {
+        0
+    }
+
+    fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
+        sensed[0] = codes.map(|code| (code + MID) / 2);
+        sensed[1] = [STUCK; BLOCK as usize];
+        self.0.lock().expect("no test panics here").extend(sensed[0]);
+    }
+}
+
+/// What has been ordered last of each kind, with the index in the answer.
+#[derive(Default)]
+struct Ordered {
+    listen: Option<(SampleIndex, ListenWindow)>,
+    capture: Option<(SampleIndex, CaptureWindow)>,
+    /// Whether the capture was stopped, or a block was lost since one of the two was ordered.
+    is_cut: bool,
+    lost: u32,
+}
+
+/// Measurements, captures, lost blocks and sound, each of one byte that chooses it and some more: what is read is what the
+/// inputs have sampled, and a device that measures sends the codes of one that does not.
+///
+/// # Panics
+/// If that does not hold.
+pub fn inputs(data: &[u8]) {
+    let mut bytes = data.iter().copied();
+    let options = Options { block_waits: data.len().is_multiple_of(2), ..Options::default() };
+    let heard = Heard::default();
+    let mut rig = Rig::of(SimulatedDevice::with_inputs(options.clone(), Box::new(heard.clone())));
+    let mut deaf = Rig::new(options);
+    for rig in [&mut rig, &mut deaf] {
+        rig.hello();
+        rig.upload(&Table::usual());
+        rig.arm();
+    }
+    let mut ordered = Ordered::default();
+    for _ in 0..60 {
+        let Some(choice) = bytes.next() else { break };
+        let mut byte = || bytes.next().unwrap_or(0);
+        match choice % 12 {
+            0 | 1 => {
+                let index = match byte() % 3 {
+                    0 => None,
+                    near => Some(rig.device.now() + u64::from(byte()) * u64::from(near) * 7),
+                };
+                let shape =
+                    if byte().is_multiple_of(2) { WindowShape::Rectangular } else { WindowShape::Hann };
+                let slots = u16::from_le_bytes([byte(), byte()]);
+                let window = ListenWindow { from: index, blocks: byte().into(), shape, slots };
+                order(&mut rig, &Command::Listen(window), |at| ordered.listen = Some((at, window)));
+            }
+            2 | 3 => {
+                let from = match byte() % 3 {
+                    0 => None,
+                    near => Some(rig.device.now() + u64::from(byte()) * u64::from(near) * 7),
+                };
+                let (input, log2_codes) = (byte() % 3, byte() % 12);
+                let window = CaptureWindow { from, input, log2_codes, values: u16::from(byte()) * 9 };
+                order(&mut rig, &Command::Capture(window), |at| ordered.capture = Some((at, window)));
+            }
+            4 => {
+                rig.accepted(&Command::ListenStop);
+                ordered.listen = None;
+            }
+            5 => {
+                rig.accepted(&Command::CaptureStop);
+                ordered.is_cut = true;
+            }
+            6 => {
+                let blocks = 1 + u32::from(byte() % 4);
+                rig.device.inject_overrun(blocks);
+                ordered.lost += blocks;
+                ordered.is_cut = true;
+            }
+            7 => {
+                let sound =
+                    drive(&[(byte() % 16, f64::from(byte()) / 255.0, f64::from(byte()) / 255.0)], 2000);
+                both(&mut rig, &mut deaf, &Command::Drive(sound));
+            }
+            8 => {
+                let tones = [1, 2, 3].map(|n| (n * (1 + u16::from(byte())), f64::from(byte()) / 800.0, 0.0));
+                both(&mut rig, &mut deaf, &Command::Comb(comb(1 + u16::from(byte()), &tones)));
+            }
+            9 => both(&mut rig, &mut deaf, &Command::Stop),
+            _ => {}
+        }
+        let blocks = u64::from(byte() % 64);
+        for rig in [&mut rig, &mut deaf] {
+            rig.live_blocks(blocks);
+        }
+        check(&mut rig, &ordered, &heard.0.lock().expect("no test panics here"));
+    }
+    for rig in [&mut rig, &mut deaf] {
+        rig.live_blocks(10);
+    }
+    assert!(rig.recording.codes == deaf.recording.codes, "to measure changes nothing that sounds");
+    let Event::Inputs(report) = rig.send(&Command::Inputs) else { panic!("the inputs are told") };
+    assert_eq!(report.lost_blocks, ordered.lost);
+    rig.hello();
+    let Event::Listened(listened) = rig.send(&Command::ListenRead(ListenPart { input: 0, first_slot: 0 }))
+    else {
+        panic!("the measurement is told")
+    };
+    assert_eq!(listened.progress, Progress::Idle, "a session ends what the last one began");
+}
+
+/// Gives an order that may be refused for a value outside its range.
+fn order(rig: &mut Rig, command: &Command, taken: impl FnOnce(SampleIndex)) {
+    match rig.send(command) {
+        Event::Accepted(accepted) => taken(accepted.at),
+        Event::Refused(Refusal::OutOfRange { .. }) => {}
+        other => panic!("{command:?}: {other:?}"),
+    }
+}
+
+/// Gives both devices a command; they answer alike.
+fn both(rig: &mut Rig, deaf: &mut Rig, command: &Command) {
+    let (answer, other) = (rig.send(command), deaf.send(command));
+    assert_eq!(answer, other, "{command:?}");
+}
+
+/// Compares what is told with what the first input has sampled.
+fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
+    for input in 0..2 {
+        let Event::Listened(told) = rig.send(&Command::ListenRead(ListenPart { input, first_slot: 3 }))
+        else {
+            panic!("the measurement is told")
+        };
+        let Some((begin, window)) = ordered.listen else {
+            assert_eq!(told.progress, Progress::Idle);
+            continue;
+        };
+        assert_eq!((told.begin, told.followed & !window.slots), (begin, 0));
+        assert!(
+            told.blocks <= window.blocks
+                && (ordered.is_cut || !matches!(told.progress, Progress::Broken { .. }))
+        );
+        match told.progress {
+            Progress::Finished => {
+                let codes = &heard[begin as usize..][..usize::from(window.blocks) * BLOCK as usize];
+                let lowest = if input == 0 { *codes.iter().min().expect("codes") } else { STUCK };
+                let highest = if input == 0 { *codes.iter().max().expect("codes") } else { STUCK };
+                assert_eq!((told.lowest, told.highest, told.blocks), (lowest, highest, window.blocks));
+                assert_eq!(told.answers.len(), 8);
+            }
+            Progress::Broken { at } => assert!(at >= begin),
+            Progress::Idle | Progress::Running => assert!(told.answers.is_empty()),
+        }
+    }
+    let Event::Captured(told) = rig.send(&Command::CaptureRead(CapturePart { first: 0 })) else {
+        panic!("the capture is told")
+    };
+    let Some((from, window)) = ordered.capture.filter(|_| told.progress != Progress::Idle) else { return };
+    assert_eq!(told.from, from);
+    assert!(told.captured <= window.values);
+    assert!(told.captured == window.values || told.progress != Progress::Finished);
+    let size = 1 << window.log2_codes;
+    for (place, value) in told.values.iter().enumerate() {
+        let sum = match window.input {
+            0 => heard[from as usize + place * size..][..size].iter().map(|code| u32::from(*code)).sum(),
+            _ => u32::from(STUCK) << window.log2_codes,
+        };
+        assert_eq!(*value, sum);
+    }
+}
