@@ -45,7 +45,9 @@ pub enum Action {
     Comb {
         /// Its period in blocks.
         period_blocks: u16,
-        /// Place among all multiples, level and phase of each tone.
+        /// The highest frequency that it may have, in turns a sample.
+        highest: f64,
+        /// Place among the multiples up to there, level and phase of each tone.
         tones: Vec<(f64, f64, u16)>,
         /// In samples.
         glide: u32,
@@ -62,21 +64,24 @@ pub enum Action {
     Rest,
 }
 
-/// Random actions, each with the blocks that pass after it.
-pub fn actions() -> impl Strategy<Value = Vec<(Action, u64)>> {
+/// Random actions, each with the blocks that pass after it. The tables bound the frequencies of all but the combs: these have
+/// tones of up to `highest` turns a sample.
+pub fn actions(highest: f64) -> impl Strategy<Value = Vec<(Action, u64)>> {
     let tones = prop::collection::vec((0..16u8, 0.0..=1.0, 0.0..=1.0, any::<u16>()), 0..5);
     let glide = prop_oneof![2000u32..4000, 2000u32..40_000];
     let ahead = prop::option::weighted(0.2, 0u64..4000);
     let chord_tones = prop::collection::vec((0.0..=1.0, 0.0..=1.0, any::<u16>()), 1..=16);
-    let periods = prop_oneof![1..100u16, 1..=u16::MAX];
+    // The shortest has one multiple at least.
+    let shortest = (1.0 / (f64::from(COMB_BLOCK) * highest)).ceil() as u16;
+    let periods = prop_oneof![shortest..shortest + 100, shortest..=u16::MAX];
     let comb = (periods, chord_tones.clone(), glide.clone(), ahead.clone());
     let chord = (CHORD_PERIOD_LOG2.0..=CHORD_PERIOD_LOG2.1, chord_tones, glide.clone(), ahead.clone());
     let action = prop_oneof![
         4 => chord.prop_map(|(period_log2, tones, glide, ahead)| {
             Action::Chord { period_log2, tones, glide, ahead }
         }),
-        3 => comb.prop_map(|(period_blocks, tones, glide, ahead)| {
-            Action::Comb { period_blocks, tones, glide, ahead }
+        3 => comb.prop_map(move |(period_blocks, tones, glide, ahead)| {
+            Action::Comb { period_blocks, highest, tones, glide, ahead }
         }),
         10 => (tones, -2000i16..=0, glide, ahead)
             .prop_map(|(tones, master, glide, ahead)| Action::Drive { tones, master, glide, ahead }),
@@ -152,9 +157,9 @@ pub fn play(
                     other => return Err(TestCaseError::fail(format!("{other:?}"))),
                 }
             }
-            Action::Comb { period_blocks, tones, glide, ahead } => {
+            Action::Comb { period_blocks, highest, tones, glide, ahead } => {
                 let at = ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead);
-                let comb = random_comb(*period_blocks, tones, *glide, at);
+                let comb = random_comb(*period_blocks, *highest, tones, *glide, at);
                 match rig.send(&Command::Comb(comb.clone())) {
                     Event::Accepted(accepted) => mirror.acknowledge_comb(&comb, accepted.at)?,
                     Event::Refused(
@@ -263,8 +268,14 @@ fn random_chord(
 }
 
 /// A comb of any multiples, with amplitudes that often fit.
-fn random_comb(period_blocks: u16, tones: &[(f64, f64, u16)], glide: u32, at: Option<u64>) -> Comb {
-    let highest = (f64::from(COMB_BLOCK) * f64::from(period_blocks) * 0.45).floor().clamp(1.0, 65_535.0);
+fn random_comb(
+    period_blocks: u16,
+    highest: f64,
+    tones: &[(f64, f64, u16)],
+    glide: u32,
+    at: Option<u64>,
+) -> Comb {
+    let highest = (f64::from(COMB_BLOCK) * f64::from(period_blocks) * highest).floor().clamp(1.0, 65_535.0);
     let mut placed: Vec<(u16, f64, f64)> = tones
         .iter()
         .map(|&(place, share, phase)| {

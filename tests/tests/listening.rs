@@ -198,7 +198,7 @@ fn a_capture_has_the_codes_from_the_index_asked_for() {
 
 #[test]
 fn a_lost_block_ends_what_is_measured_and_is_counted() {
-    //
+    //
     let mut rig = wired(Options::default());
     rig.accepted(&Command::Comb(sixteen()));
     rig.live_blocks(20);

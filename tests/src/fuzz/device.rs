@@ -177,7 +177,7 @@ pub fn program(data: &[u8]) {
                     .collect();
                 let glide = 2000 + u32::from(u16::from_le_bytes([byte(), byte()]));
                 let ahead = (byte() % 4 == 0).then(|| u64::from(byte()) * 20);
-                Action::Comb { period_blocks, tones, glide, ahead }
+                Action::Comb { period_blocks, highest: 0.45, tones, glide, ahead }
             }
             _ => {
                 let tones = (0..byte() % 6)
