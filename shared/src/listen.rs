@@ -79,9 +79,9 @@ choices! {
 }
 
 body! {
-    /// How an input answers one tone. With the code x[n] at sample n, its distance from mid-scale and from the mean, and the phase p[n]
-    /// at which the device renders the tone, `I = G sum w x sin p` and `Q = G sum w x cos p`. An answer `b sin(p + s)`, b in
-    /// codes, is `b exp(i s) = 4 (I + i Q) / (16383 * 128 * weight)`.
+    /// How an input answers one tone. With x the input's codes less their mean, w the weight of their block, and p the phase at
+    /// which the device renders the tone there, `I = 16383/2 sum w x sin p` and `Q = 16383/2 sum w x cos p`. An answer
+    /// `b sin(p + s)`, b in codes, gives `b exp(i s) = 4 (I + i Q) / (16383 * 128 * weight)`.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct InPhaseQuadrature {
         /// I: along the tone's sine.

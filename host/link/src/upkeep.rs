@@ -1,6 +1,7 @@
 //! What a device's [`Maintenance`] means for the person who looks after it, in sentences.
 
 use slipline_protocol::event::Maintenance;
+use slipline_protocol::listen::InputsReport;
 
 /// How often the flash was erased, of how often it may be.
 ///
@@ -19,6 +20,31 @@ pub fn wear(told: &Maintenance) -> String {
         0 => "it keeps nothing".to_owned(),
         promised => format!("{} of {promised} times", told.erasures),
     }
+}
+
+/// What a device measures, and what of it was lost.
+///
+/// ```
+/// use slipline_link::protocol::listen::InputsReport;
+/// use slipline_link::upkeep::inputs;
+///
+/// let told = InputsReport { inputs: 2, lock_ins: 16, delay_ns: -250, lost_blocks: 3, now: 0 };
+/// assert_eq!(inputs(&told), "sensor and shunt, 16 tones at once, -0.25 us after the DAC, 3 blocks lost");
+/// ```
+#[must_use]
+pub fn inputs(told: &InputsReport) -> String {
+    let which = match told.inputs {
+        0 => return "none".to_owned(),
+        1 => "sensor",
+        _ => "sensor and shunt",
+    };
+    let lost = match told.lost_blocks {
+        0 => String::new(),
+        1 => ", 1 block lost".to_owned(),
+        blocks => format!(", {blocks} blocks lost"),
+    };
+    let delay_us = told.delay_ns as f64 * 1e-3;
+    format!("{which}, {} tones at once, {delay_us} us after the DAC{lost}", told.lock_ins)
 }
 
 /// Whether the brown-out level is set, in a word or two.

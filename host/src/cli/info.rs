@@ -35,6 +35,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
     let identity = snapshot.identity.as_deref();
     let status = snapshot.status;
     let maintenance = snapshot.maintenance.as_ref();
+    let inputs = snapshot.inputs.as_ref();
     let table = snapshot.table.active;
     let faults: Vec<&str> = status.iter().flat_map(|s| s.faults.iter().map(|fault| fault.text())).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
@@ -59,6 +60,12 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
         "flash_erasures": maintenance.map(|it| it.erasures),
         "flash_erasures_promised": maintenance.map(|it| it.erasures_promised),
         "brown_out_guarded": maintenance.map(|it| it.brown_out_guarded),
+        "inputs": inputs.map(|it| json!({
+            "inputs": it.inputs,
+            "lock_ins": it.lock_ins,
+            "delay_s": it.delay_ns as f64 * 1e-9,
+            "lost_blocks": it.lost_blocks,
+        })),
         "crash": identity.map(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
         "state": status.map(|it| format!("{:?}", it.state)),
         "faults": faults,
@@ -102,6 +109,7 @@ pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
             lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
             lines.extend(upkeep::worn(it).map(|warning| ("Warning", warning)));
         }
+        lines.extend(inputs.map(|it| ("Inputs", slipline_link::upkeep::inputs(it))));
         lines.push(("Versions", compatibility.to_owned()));
         if let Some(it) = status {
             lines.push(("State", format!("{:?}", it.state)));

@@ -25,10 +25,11 @@ fn the_simulated_plate_heads_the_ports() {
 #[test]
 fn info_tells_who_the_simulated_device_is() {
     let info = json(&["info", "--port", "sim"]);
+    assert_eq!(info["inputs"]["lost_blocks"], 0);
     assert_eq!(info["simulated"], true);
     assert_eq!(number(&info, "sample_rate_hz"), 400_000.0);
     assert_eq!(number(&info, "tones"), 16.0);
-    assert_eq!(info["protocol"], "1.2");
+    assert_eq!(info["protocol"], "1.3");
 }
 
 #[test]
