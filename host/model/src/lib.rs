@@ -21,6 +21,7 @@ pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
+pub mod measure;
 pub mod played;
 pub mod recording;
 pub mod response;

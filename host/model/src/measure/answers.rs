@@ -1,0 +1,214 @@
+//! From what the lock-ins told to a measurement: responses, their noise, the headroom of the input, and what is to be told about
+//! them.
+//!
+//! The codes of full scale are 2048 to both sides. With an answer of `b sin(p + s)` codes to a tone of the amplitude a (1 = full
+//! scale) the response is H = b/(2048 a) e^(-js) e^(-j omega t0): a positive argument is a lag here. t0 is how much the
+//! device itself lags: half a sample, by the DAC's hold, less how long after its code's beginning an input is held. The hold's
+//! droop stays in H, as [`Measurement::sample_rate_hz`] tells.
+//!
+//! The noise is that of a window without tones, at the frequencies of the first comb: the root of the mean square of the five
+//! nearest. It falls with the root of a window's length. Rounding to codes leaves 1/sqrt(12) of one at least.
+
+use super::loudness::Tone;
+use slipline_plate::Complex64;
+use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
+use slipline_plate::check::Colour;
+use slipline_plate::number_format::with_decimals;
+use std::f64::consts::TAU;
+
+/// Codes of an input from mid-scale to the end.
+const CODES: f64 = 2048.0;
+/// The last code of an input.
+const LAST_CODE: u16 = 4095;
+/// Free amplitude of an input: less is red, more is amber.
+pub const HEADROOM_DB: (f64, f64) = (6.0, 40.0);
+/// An answer below this multiple of its noise is a weak one.
+const WEAK: f64 = 10.0;
+/// Noise at an input below which the codes of weak tones stand still, codes RMS.
+const DITHER: f64 = 0.4;
+/// Tones whose noise makes up that of a frequency.
+const NEIGHBOURS: usize = 5;
+
+/// The sensor that is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sensor {
+    /// Its place, metres from the driven end.
+    pub place_m: f64,
+    /// What it shows.
+    pub kind: SensorKind,
+    /// The device's input, from 0.
+    pub input: u8,
+}
+
+/// The answers of a window.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Window {
+    /// The tones that sounded.
+    pub(super) tones: Vec<Tone>,
+    /// Amplitude in codes and lead of each answer, as `b exp(js)`.
+    pub(super) answers: Vec<Complex64>,
+    /// The window's length, samples.
+    pub(super) samples: u64,
+    /// The input's lowest and highest code.
+    pub(super) span: (u16, u16),
+}
+
+impl Window {
+    /// How far the input stayed below its full scale, dB; 0 where it is clipped.
+    fn headroom_db(&self) -> f64 {
+        let (lowest, highest) = self.span;
+        if lowest == 0 || highest >= LAST_CODE {
+            return 0.0;
+        }
+        let away = (CODES - f64::from(lowest)).max(f64::from(highest) - CODES).max(0.5);
+        20.0 * (CODES / away).log10()
+    }
+}
+
+/// What is to be told of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Warning {
+    /// An input was at the end of its range.
+    Clipped {
+        /// At so many frequencies.
+        count: usize,
+    },
+    /// Less than 6 dB were free.
+    Loud {
+        /// The least free amplitude, dB.
+        headroom_db: f64,
+    },
+    /// More than 40 dB were free.
+    Quiet {
+        /// The least free amplitude, dB.
+        headroom_db: f64,
+    },
+    /// Some answers do not stand out of the noise by 20 dB.
+    Weak {
+        /// So many.
+        count: usize,
+        /// Of so many.
+        of: usize,
+    },
+    /// The input's code never changed.
+    Stuck,
+    /// The input has too little noise for weak tones to move its codes.
+    NoDither {
+        /// Its noise, codes RMS.
+        codes: f64,
+    },
+}
+
+impl Warning {
+    /// What it means and what helps, in a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
+        match *self {
+            Self::Clipped { count } => {
+                format!("The input is clipped at {count} frequencies: lower the level or the input's gain.")
+            }
+            Self::Loud { headroom_db } => {
+                format!(
+                    "Only {} of the input's range are free: lower the level or the input's gain.",
+                    decibel(headroom_db)
+                )
+            }
+            Self::Quiet { headroom_db } => {
+                format!(
+                    "{} of the input's range are free: raise the level or the input's gain.",
+                    decibel(headroom_db)
+                )
+            }
+            Self::Weak { count, of } => format!(
+                "{count} of {of} answers are less than 20 dB above the noise: raise the level, or put the sensor where the plate moves."
+            ),
+            Self::Stuck => "The input never changes: is the sensor plugged in?".to_owned(),
+            Self::NoDither { codes } => format!(
+                "The input has {} codes of noise; below 0.5 the answers of weak tones are rounded away.",
+                with_decimals(codes, 2)
+            ),
+        }
+    }
+}
+
+/// A measurement and what is to be told of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// The responses; 1 is the input's full scale over the DAC's.
+    pub measurement: Measurement,
+    /// The least free amplitude of the input, dB.
+    pub headroom_db: f64,
+    /// The noise of the input, codes RMS.
+    pub noise_codes: f64,
+    /// What is to be told, the worst first.
+    pub warnings: Vec<Warning>,
+}
+
+impl Measured {
+    /// The light of the headroom: red below 6 dB, green to 40 dB, amber beyond.
+    #[must_use]
+    pub fn light(&self) -> Colour {
+        match self.headroom_db {
+            headroom_db if headroom_db < HEADROOM_DB.0 => Colour::Red,
+            headroom_db if headroom_db > HEADROOM_DB.1 => Colour::Amber,
+            _ => Colour::Green,
+        }
+    }
+
+    /// From the windows of all combs, and of the one without tones. `lag_s` is the device's own.
+    pub(super) fn of(sensor: &Sensor, rate_hz: f64, lag_s: f64, quiet: &Window, windows: &[Window]) -> Self {
+        let mut points = Vec::new();
+        let mut weak = 0;
+        for window in windows {
+            let headroom_db = window.headroom_db();
+            for (tone, answer) in window.tones.iter().zip(&window.answers) {
+                let codes = noise_codes(quiet, tone.frequency_hz).max(12_f64.sqrt().recip());
+                // Of each part of b, by the mean of so many samples times a sine.
+                let noise = codes * (2.0 / window.samples as f64).sqrt();
+                weak += usize::from(answer.norm() < WEAK * noise);
+                let scale = (CODES * tone.amplitude).recip();
+                points.push(MeasuredPoint {
+                    frequency_hz: tone.frequency_hz,
+                    response: answer.conj() * Complex64::cis(-TAU * tone.frequency_hz * lag_s) * scale,
+                    noise: noise * scale,
+                    headroom_db: Some(headroom_db),
+                });
+            }
+        }
+        points.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let all = quiet.answers.iter().map(Complex64::norm_sqr);
+        let noise_codes =
+            (all.sum::<f64>() / quiet.answers.len().max(1) as f64 * 0.25 * quiet.samples as f64).sqrt();
+        let headroom_db = windows.iter().map(Window::headroom_db).fold(f64::INFINITY, f64::min);
+        let clipped = points.iter().filter(|point| point.headroom_db == Some(0.0)).count();
+        let of = points.len();
+        let warnings = [
+            (clipped > 0).then_some(Warning::Clipped { count: clipped }),
+            windows.iter().any(|window| window.span.0 == window.span.1).then_some(Warning::Stuck),
+            (clipped == 0 && headroom_db < HEADROOM_DB.0).then_some(Warning::Loud { headroom_db }),
+            (weak > 0).then_some(Warning::Weak { count: weak, of }),
+            (headroom_db > HEADROOM_DB.1).then_some(Warning::Quiet { headroom_db }),
+            (noise_codes < DITHER).then_some(Warning::NoDither { codes: noise_codes }),
+        ];
+        let measured = Measurement::at(sensor.place_m, sensor.kind, points);
+        Self {
+            measurement: Measurement { sample_rate_hz: Some(rate_hz), ..measured },
+            headroom_db,
+            noise_codes,
+            warnings: warnings.into_iter().flatten().collect(),
+        }
+    }
+}
+
+/// Noise of an input near a frequency, codes RMS.
+fn noise_codes(quiet: &Window, frequency_hz: f64) -> f64 {
+    let away = |tone: &Tone| (tone.frequency_hz / frequency_hz).ln().abs();
+    let mut heard: Vec<(f64, f64)> =
+        quiet.tones.iter().map(away).zip(quiet.answers.iter().map(Complex64::norm_sqr)).collect();
+    heard.sort_by(|a, b| a.0.total_cmp(&b.0));
+    heard.truncate(NEIGHBOURS);
+    // |b|^2 has both parts, each with twice the codes' variance over the samples.
+    let mean: f64 = heard.iter().map(|(_, square)| square).sum::<f64>() / heard.len().max(1) as f64;
+    (mean * 0.25 * quiet.samples as f64).sqrt()
+}

@@ -1,0 +1,53 @@
+//! Why a plate was not measured.
+
+use slipline_link::Refusal;
+use slipline_plate::calibrate::CalibrateError;
+use slipline_plate::quantity::{OutOfRange, show_frequency};
+
+/// Why a plate was not measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeasureError {
+    /// A number is out of its range.
+    #[error("{}", .0.in_suitable_units())]
+    OutOfRange(#[from] OutOfRange),
+    /// The device cannot measure.
+    #[error("this device has no input that is measured: its firmware or its board has none")]
+    NoInputs,
+    /// More points than the band has room for.
+    #[error("{points} frequencies from {} to {} are too close to be told apart: ask for fewer, or for a wider band", show_frequency(*.low_hz), show_frequency(*.high_hz))]
+    Crowded {
+        /// How many were asked for.
+        points: usize,
+        /// Lowest, Hz.
+        low_hz: f64,
+        /// Highest, Hz.
+        high_hz: f64,
+    },
+    /// The device or the link refused a step.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// The link answered something else.
+    #[error("the device does not measure: its firmware is too old")]
+    TooOld,
+    /// The link was lost.
+    #[error("the device went away")]
+    Lost,
+    /// The device stopped the tones; the text names its faults.
+    #[error("the device stopped: {0}")]
+    Fault(String),
+    /// Something else was played meanwhile.
+    #[error("the tones were stopped before they were measured")]
+    Stopped,
+    /// Blocks of the inputs were lost again and again.
+    #[error("the inputs lost samples in {tries} windows one after the other: is the processor overloaded?")]
+    Overrun {
+        /// How often the same comb was tried.
+        tries: u32,
+    },
+    /// The user gave it up.
+    #[error("cancelled")]
+    Cancelled,
+    /// What was measured is no measurement.
+    #[error(transparent)]
+    Measurement(#[from] CalibrateError),
+}

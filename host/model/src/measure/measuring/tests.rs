@@ -1,0 +1,365 @@
+//! The procedure against a device that answers ideal numbers.
+
+use super::*;
+use crate::field::simulation;
+use crate::measure::Wanted;
+use crate::measure::Warning;
+use slipline_link::protocol::event::{Fault, Faults, Status};
+use slipline_plate::calibrate::SensorKind;
+use slipline_plate::check::Colour;
+use slipline_plate::preset;
+use std::f64::consts::TAU;
+
+const RATE_HZ: u32 = 400_000;
+const DELAY_NS: i64 = 1143;
+const INPUTS: InputsReport =
+    InputsReport { inputs: 2, lock_ins: 16, delay_ns: DELAY_NS, lost_blocks: 0, now: 0 };
+
+/// What the plate answers: a lag that grows with the frequency and a magnitude that falls.
+fn response(frequency_hz: f64) -> Complex64 {
+    Complex64::from_polar(100.0 / frequency_hz, 0.01 * frequency_hz)
+}
+
+/// A device whose lock-ins tell exactly what the response makes of its tones.
+struct Ideal {
+    now: u64,
+    table: Arc<DeviceTable>,
+    /// The comb that sounds, from this index on.
+    sounds: Option<(u64, CombRequest)>,
+    /// Noise of each part of an answer, codes.
+    noise: f64,
+    gain: f64,
+    /// The sum of amplitudes that the actuator's travel allows.
+    travel: f64,
+    /// Settled before the window, samples; of each window that was measured with tones.
+    settled: Vec<u64>,
+    stops: usize,
+    sums: Vec<f64>,
+    /// The progress after each request.
+    shares: Vec<f64>,
+}
+
+impl Ideal {
+    fn new(table: &Arc<DeviceTable>) -> Self {
+        Self {
+            now: 1000,
+            table: table.clone(),
+            sounds: None,
+            noise: 0.0,
+            gain: 1.0,
+            travel: 1.0,
+            settled: Vec::new(),
+            stops: 0,
+            sums: Vec::new(),
+            shares: Vec::new(),
+        }
+    }
+
+    fn perform(&mut self, request: &Request) -> Outcome {
+        self.now += 640;
+        match request {
+            Request::Stop => {
+                self.sounds = None;
+                self.stops += 1;
+                Outcome::Done { at: self.now }
+            }
+            Request::Comb(comb) => {
+                assert!(self.sounds.is_none(), "a comb begins in silence");
+                let sum = self.amplitudes(comb).iter().sum::<f64>();
+                if sum > self.travel {
+                    let allowed_per_mille = (1000.0 * self.travel / sum) as u16;
+                    let travel = DeviceRefusal::Travel { travel_per_mille: 1250, allowed_per_mille };
+                    return Outcome::Refused(Refusal::Device(travel));
+                }
+                self.sounds = Some((self.now, comb.clone()));
+                Outcome::Done { at: self.now }
+            }
+            Request::Listen(window) => self.listen(window),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// Of each tone, by the table's gain or that of its nearer end.
+    fn amplitudes(&self, comb: &CombRequest) -> Vec<f64> {
+        let master = 10_f64.powf(comb.master_db / 20.0);
+        let amplitude = |tone: &CombToneRequest| {
+            let turns = f64::from(tone.harmonic) / (128.0 * f64::from(comb.period_blocks));
+            let knots = self.table.knots();
+            let end = if turns * f64::from(RATE_HZ) < 150.0 { knots.first() } else { knots.last() };
+            let place = self.table.place_of_turns(turns);
+            let gain = place.map_or(end.unwrap().gain, |place| self.table.setting(place).gain);
+            f64::from(gain.0) / 2_147_483_648.0 * tone.level * master
+        };
+        comb.tones.iter().map(amplitude).collect()
+    }
+
+    fn listen(&mut self, window: &ListenRequest) -> Outcome {
+        let (at, comb) = self.sounds.clone().unwrap();
+        let from = window.from.unwrap();
+        assert!(from >= at + (comb.glide_s * f64::from(RATE_HZ)) as u64);
+        assert_eq!((window.input, window.blocks), (0, comb.period_blocks));
+        assert_eq!(window.slots.count_ones() as usize, comb.tones.len());
+        let mut answers = [None; 16];
+        let (mut sum, mut swing) = (0.0, 0.0);
+        for ((slot, tone), amplitude) in comb.tones.iter().enumerate().zip(self.amplitudes(&comb)) {
+            let turns = f64::from(tone.harmonic) / (128.0 * f64::from(comb.period_blocks));
+            let hz = turns * f64::from(RATE_HZ);
+            // The hold's half sample, less the delay.
+            let lag = TAU * hz * (0.5 / f64::from(RATE_HZ) - 1e-9 * DELAY_NS as f64);
+            let answer = (response(hz) * Complex64::cis(lag)).conj() * 2048.0 * amplitude * self.gain;
+            let noise = Complex64::from_polar(self.noise * 2_f64.sqrt(), 2.4 * slot as f64);
+            answers[slot] = Some(((answer + noise).re, (answer + noise).im));
+            sum += amplitude;
+            swing += answer.norm();
+        }
+        if comb.master_db == 0.0 {
+            self.settled.push(from - at - (comb.glide_s * f64::from(RATE_HZ)) as u64);
+            self.sums.push(sum);
+        }
+        self.now = from + 128 * u64::from(window.blocks);
+        let swing = (swing.round() as u16).min(2047);
+        Outcome::Listened(Arc::new(Listened {
+            begin: from,
+            blocks: window.blocks,
+            answers,
+            lowest: 2048 - swing - 1,
+            highest: 2048 + swing,
+        }))
+    }
+}
+
+/// The answers of a window, to be changed.
+fn heard(outcome: &mut Outcome) -> Option<&mut Listened> {
+    match outcome {
+        Outcome::Listened(listened) => Some(Arc::make_mut(listened)),
+        _ => None,
+    }
+}
+
+fn measuring(points: usize) -> (Measuring, Arc<DeviceTable>) {
+    let plate = preset("membrane").unwrap();
+    let (_, table) = simulation::table_for(&plate, RATE_HZ).unwrap();
+    let wanted = Wanted { points, ..Wanted::of(&plate) };
+    let plan = Plan::new(&plate, &wanted, f64::from(RATE_HZ), 16).unwrap();
+    let sensor = Sensor { place_m: 0.032, kind: SensorKind::Velocity, input: 0 };
+    (Measuring::new(plan, table.clone(), sensor, &INPUTS).unwrap(), table)
+}
+
+/// Runs all steps; `change` may change an outcome.
+fn run(
+    measuring: &mut Measuring,
+    device: &mut Ideal,
+    mut change: impl FnMut(&mut Outcome, &Request),
+) -> Vec<Request> {
+    let mut asked = Vec::new();
+    loop {
+        match measuring.step() {
+            Step::Ask(request) => {
+                assert!(matches!(measuring.step(), Step::Wait | Step::Ended));
+                let mut outcome = device.perform(&request);
+                change(&mut outcome, &request);
+                device.shares.push(measuring.progress(device.now));
+                measuring.take(&outcome);
+                asked.push(request);
+            }
+            Step::Wait => panic!("nothing is awaited"),
+            Step::Ended => return asked,
+        }
+        assert!(asked.len() < 1000, "it never ends");
+    }
+}
+
+#[test]
+fn the_response_of_an_ideal_device_is_found_to_the_last_digits() {
+    let (mut measuring, table) = measuring(60);
+    let mut device = Ideal::new(&table);
+    device.noise = 0.01;
+    let combs = measuring.plan.combs.clone();
+    let asked = run(&mut measuring, &mut device, |_, _| ());
+    assert!(matches!(asked.last(), Some(Request::Stop)) && device.sounds.is_none());
+    assert_eq!(measuring.progress(0), 1.0);
+    assert!(device.shares.windows(2).all(|two| two[0] <= two[1] && two[1] <= 1.0), "{:?}", device.shares);
+    assert!(device.shares.iter().filter(|share| **share > 0.1 && **share < 0.9).count() > 5);
+    for (settled, comb) in device.settled.iter().zip(&combs) {
+        assert!(*settled >= comb.settle_samples, "{settled}");
+    }
+    assert!(device.sums.iter().all(|sum| *sum <= 0.5 && *sum > 0.49), "{:?}", device.sums);
+    let measured = measuring.finish().unwrap();
+    let points = &measured.measurement.points;
+    assert_eq!((points.len(), measured.measurement.sample_rate_hz), (60, Some(400e3)));
+    assert!(points.windows(2).all(|two| two[0].frequency_hz < two[1].frequency_hz));
+    for point in points {
+        let error = (point.response - response(point.frequency_hz)).norm();
+        assert!(error < 2.0 * point.noise && error > 0.0, "{point:?}");
+    }
+    assert_eq!(measured.light(), Colour::Green);
+}
+
+#[test]
+fn the_noise_is_that_of_silence_and_of_the_windows_length() {
+    let (mut measuring, table) = measuring(60);
+    let mut device = Ideal::new(&table);
+    // A code of noise over the first window: 2/N of its square is each part's.
+    let samples = measuring.plan.combs[0].window_samples() as f64;
+    device.noise = (2.0 / samples).sqrt();
+    run(&mut measuring, &mut device, |_, _| ());
+    let windows = measuring.windows.clone();
+    let measured = measuring.finish().unwrap();
+    // The silent comb adds next to nothing.
+    assert!((measured.noise_codes - 1.0).abs() < 0.02, "{}", measured.noise_codes);
+    for point in &measured.measurement.points {
+        let at = |window: &&Window| window.tones.iter().any(|tone| tone.frequency_hz == point.frequency_hz);
+        let window = windows.iter().find(at).unwrap();
+        let tone = window.tones.iter().find(|tone| tone.frequency_hz == point.frequency_hz).unwrap();
+        let wanted = (2.0 / window.samples as f64).sqrt() / (2048.0 * tone.amplitude);
+        assert!((point.noise / wanted - 1.0).abs() < 0.05, "{} {wanted}", point.noise);
+    }
+}
+
+#[test]
+fn a_silent_input_still_rounds_and_is_told() {
+    let (mut measuring, table) = measuring(16);
+    let mut device = Ideal::new(&table);
+    device.gain = 1e-4;
+    run(&mut measuring, &mut device, |outcome, _| {
+        if let Some(listened) = heard(outcome) {
+            (listened.lowest, listened.highest) = (2048, 2048);
+        }
+    });
+    let measured = measuring.finish().unwrap();
+    let told = |wanted: fn(&Warning) -> bool| measured.warnings.iter().any(wanted);
+    assert!(told(|it| *it == Warning::Stuck) && told(|it| matches!(it, Warning::NoDither { .. })));
+    assert!(told(|it| matches!(it, Warning::Weak { .. })) && told(|it| matches!(it, Warning::Quiet { .. })));
+    assert_eq!(measured.light(), Colour::Amber);
+    assert!(measured.measurement.points.iter().all(|point| point.noise > 0.0));
+    assert!(measured.warnings.iter().all(|warning| warning.sentence().ends_with(['.', '?'])));
+}
+
+#[test]
+fn a_clipped_input_is_red_and_counted() {
+    let (mut measuring, table) = measuring(32);
+    let mut device = Ideal::new(&table);
+    let mut windows = 0;
+    run(&mut measuring, &mut device, |outcome, _| {
+        if let Some(listened) = heard(outcome) {
+            windows += 1;
+            (listened.lowest, listened.highest) = if windows == 2 { (600, 4095) } else { (548, 3500) };
+        }
+    });
+    let measured = measuring.finish().unwrap();
+    assert_eq!(measured.light(), Colour::Red);
+    assert_eq!(measured.warnings.first(), Some(&Warning::Clipped { count: 16 }));
+    let free = measured.measurement.points.iter().filter(|point| point.headroom_db != Some(0.0));
+    assert!(
+        free.clone().count() == 16 && free.into_iter().all(|it| (it.headroom_db.unwrap() - 2.7).abs() < 0.1)
+    );
+}
+
+#[test]
+fn a_window_that_lost_samples_is_measured_again_but_not_for_ever() {
+    let (mut measuring, table) = measuring(32);
+    let mut device = Ideal::new(&table);
+    let mut windows = 0;
+    run(&mut measuring, &mut device, |outcome, _| {
+        if heard(outcome).is_some() {
+            windows += 1;
+            if windows == 2 {
+                *outcome = Outcome::Refused(Refusal::InputLost { at: 7 });
+            }
+        }
+    });
+    assert_eq!(windows, 4, "silence, a broken one, and two");
+    assert_eq!(measuring.finish().unwrap().measurement.points.len(), 32);
+
+    let (mut measuring, table) = self::measuring(32);
+    let mut device = Ideal::new(&table);
+    let asked = run(&mut measuring, &mut device, |outcome, _| {
+        if heard(outcome).is_some() {
+            *outcome = Outcome::Refused(Refusal::InputLost { at: 7 });
+        }
+    });
+    assert!(matches!(asked.last(), Some(Request::Stop)));
+    assert_eq!(measuring.finish(), Err(MeasureError::Overrun { tries: 4 }));
+}
+
+#[test]
+fn a_travel_that_is_too_large_lowers_the_level() {
+    let (mut measuring, table) = measuring(16);
+    let mut device = Ideal::new(&table);
+    device.travel = 0.3;
+    let asked = run(&mut measuring, &mut device, |_, _| ());
+    assert!(asked.len() > 7, "it was refused");
+    assert!(device.sums.iter().all(|sum| *sum <= 0.3 && *sum > 0.28), "{:?}", device.sums);
+    let points = measuring.finish().unwrap().measurement.points;
+    assert!(points.iter().all(|it| (it.response - response(it.frequency_hz)).norm() < 2.0 * it.noise));
+}
+
+#[test]
+fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason() {
+    let ended = |change: &mut dyn FnMut(&mut Outcome, &Request)| {
+        let (mut measuring, table) = measuring(32);
+        let asked = run(&mut measuring, &mut Ideal::new(&table), change);
+        assert!(matches!(asked.last(), Some(Request::Stop)), "{asked:?}");
+        (measuring.finish().unwrap_err(), asked.len())
+    };
+    let of = |wanted: Outcome| {
+        ended(&mut |outcome, request| {
+            if matches!(request, Request::Comb(_)) {
+                *outcome = wanted.clone();
+            }
+        })
+    };
+    let refusal = Refusal::Device(DeviceRefusal::NotSupported);
+    assert_eq!(of(Outcome::Refused(refusal.clone())), (MeasureError::Refused(refusal), 3));
+    assert_eq!(of(Outcome::DeviceTooOld).0, MeasureError::TooOld);
+    assert_eq!(of(Outcome::NotConnected).0, MeasureError::Lost);
+    assert_eq!(of(Outcome::Superseded).0, MeasureError::Stopped);
+    // A tone that was not followed: something else was played.
+    let stopped = ended(&mut |outcome, _| {
+        if let Some(listened) = heard(outcome) {
+            listened.answers[3] = None;
+        }
+    });
+    assert_eq!(stopped.0, MeasureError::Stopped);
+
+    let (mut measuring, _) = measuring(32);
+    let _ = measuring.step();
+    measuring.cancel();
+    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    measuring.take(&Outcome::Done { at: 0 });
+    assert!(matches!(measuring.step(), Step::Ended));
+    assert_eq!(measuring.finish(), Err(MeasureError::Cancelled));
+
+    let (mut measuring, _) = self::measuring(32);
+    measuring.watch(&Snapshot::default());
+    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    measuring.take(&Outcome::NotConnected);
+    assert_eq!(measuring.finish(), Err(MeasureError::Lost));
+}
+
+#[test]
+fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
+    let status = Status { faults: Faults::NONE.with(Fault::EmergencyStop), ..Status::default() };
+    let faulty = Snapshot { link: LinkState::Connected, status: Some(status), ..Snapshot::default() };
+    let (mut measuring, _) = measuring(32);
+    measuring.watch(&faulty);
+    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    measuring.take(&Outcome::Done { at: 0 });
+    let Err(MeasureError::Fault(told)) = measuring.finish() else { panic!("a fault") };
+    assert_eq!(told, status.faults.to_string());
+
+    let (mut measuring, _) = self::measuring(32);
+    let _ = measuring.step();
+    measuring.take(&Outcome::Superseded);
+    measuring.watch(&faulty);
+    measuring.take(&Outcome::Done { at: 0 });
+    assert!(matches!(measuring.finish(), Err(MeasureError::Fault(_))));
+}
+
+#[test]
+fn a_device_without_the_input_is_refused() {
+    let (measuring, table) = measuring(16);
+    let none = InputsReport { inputs: 0, ..INPUTS };
+    let refused = Measuring::new(measuring.plan.clone(), table, measuring.sensor, &none).err();
+    assert_eq!(refused, Some(MeasureError::NoInputs));
+}

@@ -1,0 +1,328 @@
+//! Which tones are played to measure a plate, in which combs, and for how long.
+//!
+//! A comb is up to 16 multiples of one base frequency f0 = 1/T, so that a window of the length T tells its tones apart exactly,
+//! by their distances and by their sums. The wanted frequencies are uniform in the logarithm. With K combs the first one gets
+//! the 1st, (K+1)th, (2K+1)th ... of them, and so on: neighbours in a comb are far apart, which lets T be short. The T of each
+//! comb is that one, from the shortest to a third more, whose multiples come nearest to what is wanted.
+//!
+//! After a comb has begun, the plate's answer settles as exp(-t/tau), tau = 2/(eta omega), eta the loss factor and omega the
+//! lowest tone's: a tone just beside it rings longest. After [`SETTLED`] tau 0.25 % (-52 dB) of it are left in a plate that
+//! loses its waves by its loss alone; a driven end that takes waves in, as every matched one does, ends it sooner, and with half of the
+//! loss 5 % would be left.
+
+use super::error::MeasureError;
+use slipline_plate::calibrate::band_hz;
+use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::{Plate, limits};
+use std::f64::consts::TAU;
+
+/// Time constants of the plate before a window.
+pub const SETTLED: f64 = 6.0;
+/// Longest time to settle, seconds: a plate that is told to have nearly no loss would take minutes.
+const SETTLE_MAX_S: f64 = 5.0;
+/// Shortest time to settle, seconds: the filters of an input settle, too.
+const SETTLE_MIN_S: f64 = 2e-3;
+/// How long a comb rises, seconds, and its share of the time to settle: a slow rise excites less beside the tones.
+const RISE_S: (f64, f64) = (5e-3, 0.02);
+const RISE: f64 = 0.1;
+/// Shortest window, seconds: 2000 samples at 400 kS/s.
+const WINDOW_MIN_S: f64 = 5e-3;
+/// Longest window, seconds.
+const WINDOW_MAX_S: f64 = 5.0;
+/// A window longer than this share of the time to settle would rather be spent on another comb.
+const WINDOW_OF_SETTLE: f64 = 0.25;
+/// How much longer than the shortest a comb's period may be to come near to what is wanted; and to be possible at all, where
+/// combs before it have taken its frequencies.
+const SEARCH: f64 = 4.0 / 3.0;
+const SEARCH_MAX: f64 = 8.0;
+/// Least distance of two measured frequencies, relative: a file keeps six digits of them.
+const APART: f64 = 1e-5;
+/// Highest tone over the sample rate, as the device takes it.
+const HIGHEST: f64 = 0.45;
+/// Highest multiple of a base frequency.
+const HARMONIC_MAX: f64 = u16::MAX as f64;
+/// Multiples beside the nearest one, where that is taken.
+const STEPS_ASIDE: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
+/// Samples in a block.
+const BLOCK: f64 = 128.0;
+/// Frequencies for each wavelength on the plate at the highest of them: the standing wave before the boundary swings at every
+/// sensor as often. `tests/calibration` of the plate crate shows that 60 and 150 suffice for the presets.
+const POINTS_PER_WAVE: f64 = 9.5;
+/// Frequencies of a measurement.
+pub const POINTS: Range = Range::new(8.0, 1600.0, "");
+/// Levels that may be asked for: below, the answers drown.
+pub const LEVEL: Range = Range::new(1e-3, 1.0, "");
+
+/// What is to be measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wanted {
+    /// Lowest frequency, Hz (0.5 Hz and more).
+    pub low_hz: f64,
+    /// Highest frequency, Hz (up to 0.45 of the sample rate).
+    pub high_hz: f64,
+    /// How many frequencies, 8 to 1600.
+    pub points: usize,
+    /// What the amplitudes of all tones together may be, as a share of full scale, 0.001 to 1. No tone's peak on the plate is
+    /// above this share of the table's.
+    pub level: f64,
+}
+
+impl Wanted {
+    /// What calibrates a plate: the band that a calibration needs, and as many frequencies as suffice (60 for the preset
+    /// `membrane`, 150 for `al-bending`), at half of full scale.
+    #[must_use]
+    pub fn of(plate: &Plate) -> Self {
+        let (low_hz, high_hz) = band_hz(plate);
+        let model = &plate.spec().model;
+        let wavenumber = (model.width_slope(1) * model.wavenumber_squared(TAU * high_hz)).sqrt();
+        let points = 10.0 * (POINTS_PER_WAVE * plate.length_m() * wavenumber / TAU / 10.0).round();
+        Self { low_hz, high_hz, points: points.clamp(60.0, 400.0) as usize, level: 0.5 }
+    }
+
+    fn check(&self, rate_hz: f64) -> Result<(), OutOfRange> {
+        let highest = Range { high: HIGHEST * rate_hz, ..limits::FREQUENCY };
+        OutOfRange::check("from", self.low_hz, Range { high: highest.high / 1.01, ..highest })?;
+        OutOfRange::check("to", self.high_hz, Range { low: 1.01 * self.low_hz, ..highest })?;
+        OutOfRange::check("points", self.points as f64, POINTS)?;
+        OutOfRange::check("level", self.level, LEVEL)
+    }
+
+    /// The frequency of a point.
+    fn frequency_hz(&self, point: usize) -> f64 {
+        self.low_hz * (self.high_hz / self.low_hz).powf(point as f64 / (self.points - 1) as f64)
+    }
+}
+
+/// Tones that are played and measured together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comb {
+    /// The period, and the length of the window, in blocks of 128 samples.
+    pub period_blocks: u16,
+    /// The multiples of the base frequency, rising.
+    pub harmonics: Vec<u16>,
+    /// From the rise's end to the window, samples.
+    pub settle_samples: u64,
+    /// How long the tones rise, seconds.
+    pub rise_s: f64,
+}
+
+impl Comb {
+    /// The frequencies of its tones, Hz.
+    pub fn frequencies_hz(&self, rate_hz: f64) -> impl Iterator<Item = f64> + '_ {
+        let base_hz = rate_hz / (BLOCK * f64::from(self.period_blocks));
+        self.harmonics.iter().map(move |&harmonic| f64::from(harmonic) * base_hz)
+    }
+
+    /// Samples of its window.
+    #[must_use]
+    pub fn window_samples(&self) -> u64 {
+        BLOCK as u64 * u64::from(self.period_blocks)
+    }
+}
+
+/// All combs of a measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// The device's sample rate, Hz.
+    pub rate_hz: f64,
+    /// What the amplitudes of all tones together may be, as a share of full scale.
+    pub level: f64,
+    /// In the order in which they are played.
+    pub combs: Vec<Comb>,
+}
+
+impl Plan {
+    /// The plan for a plate, a device's sample rate, and how many tones it measures at once.
+    ///
+    /// # Errors
+    /// [`MeasureError`]: a number out of its range, or more points than the band has room for.
+    pub fn new(plate: &Plate, wanted: &Wanted, rate_hz: f64, lock_ins: usize) -> Result<Self, MeasureError> {
+        wanted.check(rate_hz)?;
+        if lock_ins == 0 {
+            return Err(MeasureError::NoInputs);
+        }
+        let count = wanted.points.div_ceil(lock_ins.min(slipline_link::protocol::limits::MAX_TONES));
+        let mut taken: Vec<f64> = Vec::with_capacity(wanted.points);
+        let mut combs = Vec::with_capacity(count);
+        for first in 0..count {
+            let tones: Vec<f64> =
+                (first..wanted.points).step_by(count).map(|point| wanted.frequency_hz(point)).collect();
+            let comb = comb(plate, wanted, rate_hz, &tones, &taken).ok_or_else(|| crowded(wanted))?;
+            taken.extend(comb.frequencies_hz(rate_hz));
+            combs.push(comb);
+        }
+        Ok(Self { rate_hz, level: wanted.level, combs })
+    }
+
+    /// Samples that the device needs: of silence for the noise, and of rises, settling and windows. What the link and the
+    /// fading between the combs take comes on top.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.quiet_samples() + self.combs.iter().map(|comb| self.samples_of(comb)).sum::<u64>()
+    }
+
+    /// Samples of silence, in which the first comb's phases run.
+    pub(super) fn quiet_samples(&self) -> u64 {
+        self.combs.first().map_or(0, |comb| self.rise_samples(comb) + comb.window_samples())
+    }
+
+    /// Samples of a comb.
+    pub(super) fn samples_of(&self, comb: &Comb) -> u64 {
+        self.rise_samples(comb) + comb.settle_samples + comb.window_samples()
+    }
+
+    /// Samples in which a comb rises.
+    pub(super) fn rise_samples(&self, comb: &Comb) -> u64 {
+        (comb.rise_s * self.rate_hz).ceil() as u64
+    }
+}
+
+fn crowded(wanted: &Wanted) -> MeasureError {
+    MeasureError::Crowded { points: wanted.points, low_hz: wanted.low_hz, high_hz: wanted.high_hz }
+}
+
+/// The comb of these tones; nothing if they are too close to each other.
+fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &[f64]) -> Option<Comb> {
+    let (lowest_hz, highest_hz) = (*tones_hz.first()?, *tones_hz.last()?);
+    let tau_s = 2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz);
+    let settle_s = (SETTLED * tau_s).clamp(SETTLE_MIN_S, SETTLE_MAX_S);
+    // The base frequency is at most the distance of two tones, and need not be finer than that of two points.
+    let apart_hz = tones_hz.windows(2).map(|two| two[1] - two[0]).fold(lowest_hz, f64::min);
+    let point_hz = wanted.frequency_hz(1) - wanted.low_hz;
+    let shortest_s = apart_hz.recip().max(WINDOW_MIN_S);
+    let window_s = (WINDOW_OF_SETTLE * settle_s).clamp(shortest_s, point_hz.recip().max(shortest_s));
+    let longest_s = (HARMONIC_MAX / highest_hz).min(WINDOW_MAX_S);
+    let blocks = |seconds: f64| seconds * rate_hz / BLOCK;
+    let first = blocks(window_s).ceil();
+    let last = |search: f64| (search * first).min(blocks(longest_s)).min(f64::from(u16::MAX)).floor() as u32;
+    let candidate = |blocks: u32| {
+        let period_blocks = u16::try_from(blocks).ok()?;
+        let base_hz = rate_hz / (BLOCK * f64::from(period_blocks));
+        let harmonics = harmonics(tones_hz, base_hz, HIGHEST * rate_hz, taken)?;
+        let found = || harmonics.iter().map(|&harmonic| f64::from(harmonic) * base_hz);
+        // Relative, as the distance of two points is.
+        let missed: f64 = found().zip(tones_hz).map(|(hz, wanted)| (hz / wanted - 1.0).powi(2)).sum();
+        Some((missed, period_blocks, harmonics))
+    };
+    let (first, near, far) = (first as u32, last(SEARCH), last(SEARCH_MAX));
+    let best = (first..=near).filter_map(candidate).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, period_blocks, harmonics) = best.or_else(|| (near + 1..=far).find_map(candidate))?;
+    let rise_s = (RISE * settle_s).clamp(RISE_S.0, RISE_S.1);
+    Some(Comb { period_blocks, harmonics, settle_samples: (settle_s * rate_hz).ceil() as u64, rise_s })
+}
+
+/// The multiples of a base frequency that are nearest to these tones: rising, up to `highest_hz`, and none of which is taken.
+fn harmonics(tones_hz: &[f64], base_hz: f64, highest_hz: f64, taken: &[f64]) -> Option<Vec<u16>> {
+    let mut found: Vec<u16> = Vec::with_capacity(tones_hz.len());
+    for hz in tones_hz {
+        let nearest = (hz / base_hz).round();
+        let is_free = |multiple: &f64| {
+            let hz = multiple * base_hz;
+            (1.0..=HARMONIC_MAX).contains(multiple)
+                && hz <= highest_hz
+                && found.last().is_none_or(|before| *multiple > f64::from(*before))
+                && taken.iter().all(|other| (other / hz - 1.0).abs() > APART)
+        };
+        let multiple = STEPS_ASIDE.iter().map(|step| nearest + step).find(is_free)?;
+        found.push(multiple as u16);
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::preset;
+
+    const RATE_HZ: f64 = 400e3;
+
+    fn plan(name: &str, points: usize, lock_ins: usize) -> Plan {
+        let plate = preset(name).unwrap();
+        let wanted = Wanted { points, ..Wanted::of(&plate) };
+        Plan::new(&plate, &wanted, RATE_HZ, lock_ins).unwrap()
+    }
+
+    /// All frequencies, rising.
+    fn frequencies(plan: &Plan) -> Vec<f64> {
+        let mut all: Vec<f64> = plan.combs.iter().flat_map(|comb| comb.frequencies_hz(RATE_HZ)).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    }
+
+    #[test]
+    fn two_hundred_points_take_15_seconds_of_a_membrane_and_3_of_aluminium() {
+        for (name, most_s) in
+            [("membrane", 14.0), ("membrane-heavy", 14.0), ("al-bending", 1.2), ("al-sh", 2.8)]
+        {
+            let plan = plan(name, 200, 16);
+            let seconds = plan.samples() as f64 / RATE_HZ;
+            assert!(seconds < most_s, "{name}: {seconds} s");
+            assert_eq!((plan.combs.len(), frequencies(&plan).len()), (13, 200), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_frequencies_lie_over_the_band_without_gaps_and_none_twice() {
+        for (name, points, lock_ins) in [
+            ("membrane", 200, 16),
+            ("membrane", 60, 16),
+            ("al-bending", 150, 16),
+            ("al-bending", 200, 5),
+            ("al-sh", 40, 16),
+            ("membrane", 400, 2),
+            ("al-bending", 800, 16),
+        ] {
+            let plate = preset(name).unwrap();
+            let (low, high) = band_hz(&plate);
+            let plan = plan(name, points, lock_ins);
+            let found = frequencies(&plan);
+            let step = (high / low).ln() / (points - 1) as f64;
+            assert!((found[0] / low).ln().abs() < 3.0 * step, "{name}: {}", found[0]);
+            assert!((found[points - 1] / high).ln().abs() < 3.0 * step, "{name}: {}", found[points - 1]);
+            let gaps = found.windows(2).map(|two| (two[1] / two[0]).ln() / step);
+            let (least, most) = gaps.fold((f64::MAX, 0.0_f64), |(a, b), gap| (a.min(gap), b.max(gap)));
+            assert!(least * step > APART && most < 6.0, "{name} {points}: {least} {most}");
+            for comb in &plan.combs {
+                assert!(
+                    comb.harmonics.len() <= lock_ins && comb.harmonics.windows(2).all(|two| two[0] < two[1])
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_comb_settles_for_six_time_constants_of_its_lowest_tone() {
+        let plan = plan("membrane", 60, 16);
+        for comb in &plan.combs {
+            let lowest_hz = comb.frequencies_hz(RATE_HZ).next().unwrap();
+            let left = (-(comb.settle_samples as f64 / RATE_HZ) * 0.03 * TAU * lowest_hz / 2.0).exp();
+            assert!((left / (-6.0_f64).exp() - 1.0).abs() < 0.1, "{left}");
+        }
+    }
+
+    #[test]
+    fn sixty_frequencies_suffice_for_the_membrane_and_150_for_aluminium() {
+        for (name, wanted) in [("membrane", 60), ("al-bending", 150)] {
+            assert_eq!(Wanted::of(&preset(name).unwrap()).points, wanted, "{name}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_planned_names_its_field_and_range() {
+        let plate = preset("membrane").unwrap();
+        let good = Wanted::of(&plate);
+        let refused = |wanted: Wanted| Plan::new(&plate, &wanted, RATE_HZ, 16).unwrap_err().to_string();
+        for (wanted, told) in [
+            (Wanted { low_hz: 0.1, ..good }, "from = 0.1 Hz: must be 0.5 Hz to 178.2 kHz"),
+            (Wanted { low_hz: f64::NAN, ..good }, "from = no number"),
+            (Wanted { high_hz: 200e3, ..good }, "to = 200 kHz: must be 83.14 Hz to 180 kHz"),
+            (Wanted { points: 7, ..good }, "points = 7: must be 8 to 1600"),
+            (Wanted { level: 0.0, ..good }, "level = 0: must be 0.001 to 1"),
+            (Wanted { low_hz: 40e3, high_hz: 40.4e3, points: 1600, ..good }, "1600 frequencies"),
+        ] {
+            let found = refused(wanted);
+            assert!(found.starts_with(told), "{told}: {found}");
+        }
+        assert_eq!(Plan::new(&plate, &good, RATE_HZ, 0), Err(MeasureError::NoInputs));
+    }
+}
