@@ -19,6 +19,7 @@ HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABL
 TRIGGER, TRIGGER_REPLY = 0x18, 0x98
 SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
+INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
 # Refusals without a field are their number.
 DISARM_FIRST = b"\x17"
 BUSY_DRIVE_ACTIVE = b"\x07\x01"
@@ -31,6 +32,7 @@ FAULTS = (
     "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
     "store damaged", "store fell back",
 )  # fmt: skip
+PROGRESS = ("idle", "running", "finished", "broken")
 # In the place of an index: a drive waits for the trigger input.
 AT_TRIGGER = "trigger"
 RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD, CHUNK_KNOTS = 400_000, 128, 0.2, 22
@@ -79,7 +81,7 @@ def unframe(coded):
 
 
 def hello_body(nonce):
-    return bytes([1, 2]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
+    return bytes([1, 3]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
 
 
 class Reader:
@@ -176,7 +178,7 @@ class Host:
         self.nonce = 0
         self.keep_alive_due = 0.0
         self.lives = True
-        # What the mirror is told: (index, frame) of every accepted command.
+        # What the mirror is told: (index, frame) of every accepted command that changes what sounds.
         self.accepted = []
 
     def connect(self):
@@ -204,7 +206,7 @@ class Host:
             self.board.run(0.0005)
             for session, sequence, reply, reply_body in self.replies():
                 if sequence == self.sequence:
-                    if reply == ACCEPTED and message != KEEP_ALIVE:
+                    if reply == ACCEPTED and message not in (KEEP_ALIVE, LISTEN, CAPTURE):
                         self.accepted.append((Reader(reply_body).number(), sent))
                     return session, reply, reply_body
         raise AssertionError(f"no answer to {message:#x} within {patience} s")
@@ -243,6 +245,35 @@ class Host:
         assert reply == TRIGGER_REPLY, f"{reply:#x} {body.hex()}"
         r = Reader(body)
         return bool(r.byte()), r.option(r.number)
+
+    def inputs(self):
+        """How many there are, their delay in ns, and the blocks of theirs that were lost."""
+        _, reply, body = self.exchange(INPUTS)
+        assert reply == INPUTS_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        count, _, delay, lost = r.byte(), r.byte(), r.number(), r.number()
+        return count, delay >> 1 ^ -(delay & 1), lost
+
+    def capture(self, input, values, at=None):
+        """Begins to capture single codes of an input, at an index or with the next block; returns the first one's index."""
+        from_ = b"\0" if at is None else b"\1" + varint(at)
+        return self.accept(CAPTURE, from_ + bytes([input, 0]) + varint(values))
+
+    def captured(self):
+        """How far the capture has come, its first index, and its codes."""
+        codes = []
+        while True:
+            _, reply, body = self.exchange(CAPTURE_READ, varint(len(codes)))
+            assert reply == CAPTURED_REPLY, f"{reply:#x} {body.hex()}"
+            r = Reader(body)
+            progress = PROGRESS[r.number()]
+            if progress == "broken":
+                r.number()
+            at, count, first, told = r.number(), r.number(), r.number(), r.number()
+            assert first == len(codes)
+            codes += [r.number() for _ in range(told)]
+            if not told or len(codes) == count:
+                return progress, at, codes
 
     def upload(self, count=33):
         """Uploads a table and makes it the one in force; returns its CRC."""

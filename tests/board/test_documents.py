@@ -6,7 +6,7 @@ from elftools.elf.elffile import ELFFile
 
 from boards import RENDERER_IRQ, on_f407
 from images import ROOT, firmware
-from host import BLOCK, CHORD, DIGEST_START, DISARM, DRIVE, STOP, STORE, TABLE_COMMIT, chord, drive, varint
+from host import BLOCK, CHORD, DIGEST_START, DISARM, DRIVE, LISTEN, STOP, STORE, TABLE_COMMIT, chord, drive, varint
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -65,6 +65,10 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.live(0.02)
     host.accept(DRIVE, drive(tones, 4000))
     host.live(0.005)
+    # Sixteen lock-ins with the Hann window, and a capture.
+    host.accept(LISTEN, b"\0" + varint(8) + b"\1" + varint(0xFFFF))
+    host.capture(1, 1000)
+    host.live(0.008)
     host.stage(40)
     host.accept(TABLE_COMMIT)
     host.accept(DIGEST_START, varint(host.status()["now"] + 4000) + varint(1000))

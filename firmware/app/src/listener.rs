@@ -155,15 +155,27 @@ impl<'a> Listener<'a> {
         }
     }
 
+    /// Whether a measurement or a capture waits for codes.
+    fn is_listening(&self) -> bool {
+        self.lock_in.state() == State::Measuring || self.capture.progress() == Progress::Capturing
+    }
+
     /// Takes one block, if one has been sampled; returns whether there was one. Blocks that were lost take up their
     /// indices: a measurement over them [breaks](crate::lock_in::State::Broken), all others go on.
     pub fn listen(&mut self, stream: &mut impl SenseStream) -> bool {
-        match stream.take_block(&mut self.codes) {
+        let is_heard = self.is_listening();
+        let taken = if is_heard { stream.take_block(&mut self.codes) } else { stream.skip_block() };
+        match taken {
             None => return false,
             Some(Err(Overrun { blocks })) => {
                 self.lost_blocks = self.lost_blocks.saturating_add(blocks);
                 self.next = self.next.saturating_add(BLOCK_SAMPLES * u64::from(blocks));
+                // What waited for one of them breaks now: another may never come.
+                let last = self.next.saturating_sub(BLOCK_SAMPLES);
+                self.lock_in.take_block(last, &[], None);
+                self.capture.take_block(last, &[]);
             }
+            Some(Ok(())) if !is_heard => self.next = self.next.saturating_add(BLOCK_SAMPLES),
             Some(Ok(())) => {
                 let inputs = self.codes.get(..stream.inputs().min(INPUTS)).unwrap_or_default();
                 self.lock_in.take_block(self.next, inputs, self.history.at(self.next));

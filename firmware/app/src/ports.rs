@@ -71,6 +71,15 @@ pub trait SenseStream {
     /// [`Overrun`] if blocks were lost before it: they were sampled and overwritten, or the ADC missed a trigger. The next
     /// call takes the block after them.
     fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>>;
+
+    /// Takes the oldest block without its codes, for which nobody listens: as [`take_block`](SenseStream::take_block), but it may
+    /// come before the block is whole.
+    ///
+    /// # Errors
+    /// [`Overrun`] as from `take_block`.
+    fn skip_block(&mut self) -> Option<Result<(), Overrun>> {
+        self.take_block(&mut [[0; BLOCK]; INPUTS])
+    }
 }
 
 /// Inputs at most.

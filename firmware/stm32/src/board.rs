@@ -10,8 +10,9 @@
 //! | `MUTE_PIN`, `MUTE_FUNCTION` | the mute pin's port and number, and the alternate function that gives it to the timer |
 //! | `TriggerTimer`, `TRIGGER_TIMER`, `TRIGGER_SOURCE` | the block timer of the trigger output and input, and which of its inputs the sample timer is |
 //! | `TRIGGER_CHANNEL`, `TRIGGER_INPUT_CHANNEL`, `TRIGGER_FUNCTION` | the channels of output and input, from 0, and the alternate function that gives them their pins |
-//! | `DAC_TRIGGER`, `DMA_STREAM`, `DacDma` | the DAC's wiring inside the chip |
-//! | `route_dma(..)` (`dma-streams`) or `DMA_REQUEST` (`dma-channels`) | the DMA request of the DAC, for `dac/` |
+//! | `DAC_TRIGGER`, `DAC_WAY`, `DacDma` | the DAC's wiring inside the chip |
+//! | `SENSE_CHANNELS`, `SENSE_TRIGGER`, `SENSE_WAY`, `SenseDma` | that of the inputs: the channels of ADC1 and ADC2, and ADC1's trigger |
+//! | `route_dma(..)` (`dma-streams`) | chooses a stream's request, for `dma/streams.rs` |
 //! | `FLASH_SLOTS`, `SLOT_BYTES` | the flash slots of the stored table |
 //! | `WATCHDOG`, `WATCHDOG_PRESCALER`, `WATCHDOG_FASTEST_HZ` | the watchdog, its divider, and its oscillator at its fastest |
 //! | `ERASURE_WATCHDOG_MS` | its nominal period around an erasure of the flash, in ms |
@@ -30,6 +31,7 @@
 
 use embassy_stm32::gpio::{Flex, Output, Pin, Speed};
 use embassy_stm32::{Peri, peripherals};
+use slipline_app::ports::INPUTS;
 
 #[cfg(feature = "board-f4discovery")]
 mod f4discovery;
@@ -68,6 +70,11 @@ pub(crate) struct Board {
     pub(crate) sample_timer: Peri<'static, SampleTimer>,
     pub(crate) dac_stream: Peri<'static, DacDma>,
     pub(crate) dac_pin: Peri<'static, peripherals::PA4>,
+    /// The ADCs of sensor and shunt, and the DMA that takes their codes.
+    pub(crate) sensors:
+        (Peri<'static, peripherals::ADC1>, Peri<'static, peripherals::ADC2>, Peri<'static, SenseDma>),
+    /// The pins of sensor and shunt.
+    pub(crate) sense_pins: [Flex<'static>; INPUTS],
     pub(crate) flash: Peri<'static, peripherals::FLASH>,
     pub(crate) link: Link,
 }

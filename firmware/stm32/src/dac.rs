@@ -25,12 +25,7 @@
 //!
 //! embassy-stm32 0.6 has no ring-buffered DAC, and its `WritableRingBuffer` begins with a write index one past its end
 //! and serves one flag per interrupt, so the stream is driven through the PAC. All code that touches the sample timer,
-//! DAC1 or its DMA stream is in this file, in `stream` (one file for each kind of DMA: `dac/streams.rs`,
-//! `dac/channels.rs`), and in the board's `tune_dac`.
-
-#[cfg_attr(feature = "dma-channels", path = "dac/channels.rs")]
-#[cfg_attr(feature = "dma-streams", path = "dac/streams.rs")]
-mod stream;
+//! DAC1 or its DMA stream is in this file, in `dma`, and in the board's `tune_dac`; `sense` reads the timer's count.
 
 use core::cell::UnsafeCell;
 use core::future::poll_fn;
@@ -45,9 +40,9 @@ use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::ports::{DacStream, Underrun};
 
-use crate::board::{self, SAMPLE_TIMER};
+use crate::board::{self, DAC_WAY as STREAM, SAMPLE_TIMER};
 use crate::ring::{Halves, Ring};
-use crate::trigger;
+use crate::{sense, trigger};
 
 /// The codes the DMA reads: two blocks, one word each (the DAC's registers are accessed by words only).
 struct Codes(UnsafeCell<[u32; 2 * BLOCK]>);
@@ -80,7 +75,7 @@ impl Ring for Codes {
     }
 
     fn left(&self) -> usize {
-        usize::from(stream::left())
+        usize::from(STREAM.left())
     }
 }
 
@@ -156,7 +151,8 @@ impl Dac {
 fn run(held: u16) {
     HALVES.refill(&RING, held);
     trigger::restart();
-    stream::start(RING.address(), pac::DAC1.dhr12r(0).as_ptr() as u32, 2 * BLOCK as u16);
+    sense::begin();
+    STREAM.start(RING.address(), pac::DAC1.dhr12r(0).as_ptr() as u32, 2 * BLOCK as u16);
     pac::DAC1.cr().modify(|w| {
         w.set_ten(0, true);
         w.set_dmaen(0, true);
@@ -168,7 +164,7 @@ fn run(held: u16) {
 /// Sets everything up again after the DAC or the DMA has stopped.
 fn restart() {
     SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
-    stream::stop();
+    STREAM.stop();
     // The channel itself stays on: the pin keeps its voltage.
     pac::DAC1.cr().modify(|w| {
         w.set_dmaudrie(0, false);
@@ -193,12 +189,15 @@ impl DacStream for Dac {
                     restart();
                     wait().await;
                 }
+                sense::skip();
                 return Err(Underrun);
             }
             match HALVES.offer(&RING, codes) {
-                Ok(true) => return Ok(()),
                 Ok(false) => wait().await,
-                Err(_) => return Err(Underrun),
+                taken => {
+                    sense::expect(HALVES.taken());
+                    return taken.map(|_| ()).map_err(|_| Underrun);
+                }
             }
         }
     }
@@ -229,7 +228,7 @@ async fn wait() {
 
 /// The DMA's interrupt: a half has been played, or the stream has failed.
 pub(crate) fn on_dma() {
-    let flags = stream::take_flags();
+    let flags = STREAM.take_flags();
     // Before the renderer is woken, which may set it for the block that it writes.
     trigger::on_block();
     if flags.failed {
@@ -238,6 +237,7 @@ pub(crate) fn on_dma() {
     if flags.half && flags.whole {
         // This interrupt was delayed for a block or longer. The DMA's own counter tells which half it reads.
         HALVES.resynchronise(&RING);
+        sense::lose_step();
     } else if flags.half || flags.whole {
         HALVES.finish(&RING);
     }
@@ -265,6 +265,12 @@ pub(crate) fn paused<R>(work: impl FnOnce() -> R) -> R {
     result
 }
 
+/// Codes that the DMA has fetched since [`run`] began, modulo 2^32: as many as the sample timer has triggered, once the DMA has
+/// answered the last trigger.
+pub(crate) fn fetched() -> u32 {
+    HALVES.fetched(&RING)
+}
+
 /// Sets the DAC to mid-scale at once and until the reset, from any state of the program: for the fault handlers.
 pub(crate) fn silence() {
     SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
@@ -274,11 +280,4 @@ pub(crate) fn silence() {
         w.set_dmaen(0, false);
     });
     pac::DAC1.dhr12r(0).write(|w| w.set_dhr(MID_SCALE));
-}
-
-/// The flags that the stream's interrupt found.
-struct Flags {
-    half: bool,
-    whole: bool,
-    failed: bool,
 }

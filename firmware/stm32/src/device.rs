@@ -18,6 +18,7 @@ use crate::board;
 use crate::dac::{self, Dac};
 use crate::lamp::Lamp;
 use crate::mute::{self, MutePin};
+use crate::sense::Inputs;
 use crate::store::Store;
 use crate::trigger::TriggerPins;
 #[cfg(feature = "link-uart")]
@@ -71,6 +72,7 @@ fn main() -> ! {
     unsafe { interrupt::TIM6_DAC.enable() };
     // Counts from the first code on.
     let trigger = TriggerPins::start(board.trigger_timer, board.trigger, board.trigger_input);
+    let inputs = Inputs::start(dac::fetched, board.sensors, board.sense_pins);
     let dac = Dac::start(board.dac, board.sample_timer, board.dac_stream, board.dac_pin);
 
     pin_lock::lock(embassy_stm32::pac::GPIOA, dac::PIN);
@@ -78,7 +80,7 @@ fn main() -> ! {
 
     interrupt::UART5.set_priority(priority::RENDERER);
     let above = RENDERER_EXECUTOR.start(interrupt::UART5);
-    if let Ok(task) = render(dac, mute, trigger) {
+    if let Ok(task) = render(dac, mute, trigger, inputs) {
         above.spawn(task);
     }
 
@@ -115,13 +117,13 @@ fn start_cycle_counter() {
 
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
-async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins) {
+async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins, inputs: Inputs) {
     // Built at compile time: built here, they would take 16 KiB of stack for a moment, more than all other code needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
     static LISTENER: ConstStaticCell<Listener<'static>> =
         ConstStaticCell::new(Listener::starting_at(0, &CAPTURED));
-    let ports = RendererPorts { dac, mute, trigger, cycles: Cycles, sense: () };
+    let ports = RendererPorts { dac, mute, trigger, cycles: Cycles, sense: inputs };
     RENDERER.take().run(&MAILBOX, ports, LISTENER.take()).await;
 }
 

@@ -8,7 +8,7 @@
 //! flash slots <--store--> ----+            watchdog <--supervisor--+ both sides' counters
 //! ```
 //! This crate does not know the protocol's commands. `board` holds what differs between boards, `dac` owns timer, DAC
-//! and DMA, `priority` lists which interrupt has which priority, `guard` forbids the null address and what lies below the
+//! and DMA, `sense` the ADCs of the inputs, `priority` lists which interrupt has which priority, `guard` forbids the null address and what lies below the
 //! stack, `crash` handles panics and faults, `bootloader` enters the chip's ROM and undoes what the ROM leaves.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -28,6 +28,8 @@ mod dac;
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod device;
 #[cfg(target_arch = "arm")]
+mod dma;
+#[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod fast;
 #[cfg(target_arch = "arm")]
@@ -39,12 +41,17 @@ mod lamp;
 mod mute;
 #[cfg(target_arch = "arm")]
 mod pin_lock;
+#[cfg(any(target_arch = "arm", test))]
+mod places;
 #[cfg(target_arch = "arm")]
 mod priority;
 #[cfg(any(target_arch = "arm", test))]
 mod reset;
 #[cfg(any(target_arch = "arm", test))]
 mod ring;
+#[cfg(target_arch = "arm")]
+#[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
+mod sense;
 #[cfg(target_arch = "arm")]
 mod store;
 #[cfg(target_arch = "arm")]

@@ -97,6 +97,30 @@ impl Halves {
         ring.write(1 - playing, fade(ring.last(playing)));
     }
 
+    /// Which half of the ring's endless row of halves the block has that was taken last, modulo 2^32; the codes of half
+    /// `n` are the DMA's fetches from `128 n` on. A block that was late has one, too.
+    pub(crate) fn taken(&self) -> u32 {
+        self.written.load(Relaxed).wrapping_sub(1)
+    }
+
+    /// Codes that the DMA has fetched since it began, modulo 2^32. Exact if the DMA's interrupt has never been late by a
+    /// block; it may be pending.
+    pub(crate) fn fetched(&self, ring: &impl Ring) -> u32 {
+        let mut played = self.played.load(Relaxed);
+        loop {
+            let left = ring.left();
+            let again = self.played.load(Relaxed);
+            // Between the two reads the interrupt may have come, once: it does not come twice in a row.
+            if again == played {
+                let is_pending = (played & 1) as usize != usize::from(left <= BLOCK);
+                let half = played.wrapping_add(u32::from(is_pending));
+                let within = (2 * BLOCK).saturating_sub(left) % BLOCK;
+                return half.wrapping_mul(BLOCK as u32).wrapping_add(within as u32);
+            }
+            played = again;
+        }
+    }
+
     /// Whether both halves hold codes that have not been played, so that neither can be written. Changes nothing.
     pub(crate) fn is_full(&self) -> bool {
         self.unplayed() == 2

@@ -63,7 +63,7 @@ class Board(Processor):
         self.log.clear()
 
     def make_peripherals(self):
-        """Makes `flash`, `clocks`, `power`, `exti`, `pins`, `timers`, `dac`, `dma`, `watchdog`, `debug` and `pages`."""
+        """Makes `flash`, `clocks`, `power`, `exti`, `pins`, `timers`, `dac`, `adc`, `dma`, `watchdog`, `debug` and `pages`."""
         raise NotImplementedError
 
     # --- reset and power
@@ -87,7 +87,7 @@ class Board(Processor):
         self.is_halted = False
         self.clocks.reset(cause)
         self.set_core_hz(self.clocks.frequencies.core)
-        for peripheral in (self.flash, self.power, self.exti, self.pins, self.watchdog, self.dac, *self.dma.values(), *self.others):
+        for peripheral in (self.flash, self.power, self.exti, self.pins, self.watchdog, self.dac, self.adc, *self.dma.values(), *self.others):
             peripheral.reset()
         for timer in self.timers.values():
             timer.is_frozen = False

@@ -46,6 +46,7 @@ class Channels(Dma):
         return True
 
     def read(self, offset):
+        self.settle()
         if offset < FIRST:
             assert offset == 0, "the flags are cleared in IFCR and read in ISR"
             return sum((flags | bool(flags)) << 4 * channel for channel, flags in enumerate(self.flags))
@@ -54,6 +55,7 @@ class Channels(Dma):
         return (c.control, c.left, c.peripheral, c.memory)[register // 4]
 
     def write(self, offset, value):
+        self.settle()
         if offset < FIRST:
             for channel in range(STREAMS):
                 # The global flag's bit clears them all.

@@ -52,6 +52,7 @@ class Streams(Dma):
         return True
 
     def read(self, offset):
+        self.settle()
         if offset < 0x10:
             return {0: self.flags & 0xFFFFFFFF, 4: self.flags >> 32}.get(offset, 0)
         number, register = divmod(offset - 0x10, 0x18)
@@ -59,6 +60,7 @@ class Streams(Dma):
         return (s.control, s.left, s.peripheral, s.memory, s.memory1, s.fifo)[register // 4]
 
     def write(self, offset, value):
+        self.settle()
         if offset < 0x10:
             self.flags &= ~{8: value, 12: value << 32}.get(offset, 0)
             return

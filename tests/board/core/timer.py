@@ -161,6 +161,8 @@ class Timer:
         if (self.control2 >> 4) & 7 == TRGO_ON_UPDATE:
             for _ in range(periods):
                 self.board.dac.trigger(self.number)
+                # After the DAC: what it samples is what the DAC drives now.
+                self.board.adc.trigger(self.number)
             for slave in self.slaves:
                 slave.clock(periods)
             if self.board.is_hasty:

@@ -3,7 +3,7 @@ from unicorn.arm_const import UC_CPU_ARM_CORTEX_M4
 
 from core import board, dac, debug, dma_streams, pins, registers, timer, watchdog
 
-from . import flash, system
+from . import adc, flash, system
 from .clocks import BASE as RCC
 from .clocks import F407Clocks
 
@@ -20,7 +20,7 @@ TIMERS = {
 # TSEL1: the timer whose TRGO it is (RM0090 table 76).
 DAC_TRIGGERS = {0: 6, 1: 8, 2: 7, 3: 5, 4: 2, 5: 4}
 # Who asks for a transfer: controller, stream and channel (RM0090 tables 43 and 44).
-DMA_REQUESTS = {"DAC1": (1, 5, 7), "TIM6_UP": (1, 1, 7), "TIM1_UP": (2, 5, 6), "TIM8_UP": (2, 1, 7)}
+DMA_REQUESTS = {"DAC1": (1, 5, 7), "ADC1": (2, 0, 0), "TIM6_UP": (1, 1, 7), "TIM1_UP": (2, 5, 6), "TIM8_UP": (2, 1, 7)}
 # What the pins' alternate functions are (DS8626 table 9): those of the debug port, which a reset leaves on, and what
 # the firmware may use.
 ALTERNATES = {
@@ -79,13 +79,15 @@ class Board(board.Board):
         # Only the bus matrix's DMA ports count: the core-coupled RAM is the core's alone (RM0090 2.1).
         reaches = ((SRAM, 1 << 17), (flash.START, flash.SIZE))
         self.dma = {1: dma_streams.Streams(self, 0x40026000, IRQS[1], reaches), 2: dma_streams.Streams(self, 0x40026400, IRQS[2], reaches)}
+        self.adc = adc.F407Adc(self)
+        self.dma[2].settle = self.adc.settle
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
         self.pages = {each.base: each for each in (*self.timers.values(), *self.dma.values())}
         self.pages |= {0x40020000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x40007000: self.power, 0x40013800: self.system,
-            0x40013C00: self.exti, 0x40007400: self.dac, 0x40003000: self.watchdog, 0xE0042000: self.debug,
+            0x40013C00: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, 0x40003000: self.watchdog, 0xE0042000: self.debug,
         }  # fmt: skip
 
     def reset(self, cause):

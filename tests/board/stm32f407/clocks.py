@@ -23,7 +23,7 @@ def enables():
     pages |= {0x40000000 + 0x400 * timer: (APB1, timer) for timer in range(6)}
     pages |= {0x40001800: (APB1, 6), 0x40001C00: (APB1, 7), 0x40002000: (APB1, 8)}
     pages |= {0x40007000: (APB1, 28), 0x40007400: (APB1, 29)}
-    return pages | {0x40010000: (APB2, 0), 0x40010400: (APB2, 1), 0x40013800: (APB2, 14)}
+    return pages | {0x40010000: (APB2, 0), 0x40010400: (APB2, 1), 0x40013800: (APB2, 14), 0x40012000: (APB2, 8)}
 
 
 class F407Clocks(Clocks):

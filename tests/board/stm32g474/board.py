@@ -4,7 +4,7 @@ from unicorn.arm_const import UC_CPU_ARM_CORTEX_M4
 
 from core import board, dac, debug, dma_channels, dmamux, pins, registers, timer, uart, watchdog
 
-from . import flash
+from . import adc, flash
 from .clocks import BASE as RCC
 from .clocks import G474Clocks
 
@@ -23,7 +23,7 @@ TIMERS = {
 # TSEL1 of DAC1 (RM0440 table 186): the timer whose TRGO it is.
 DAC_TRIGGERS = {1: 8, 2: 7, 3: 15, 4: 2, 5: 4, 7: 6, 8: 3}
 # Inputs of the DMAMUX (RM0440 table 93).
-REQUESTS = {"DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 85}
+REQUESTS = {"ADC1": 5, "DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 85}
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
@@ -100,6 +100,8 @@ class Board(board.Board):
         reaches = ((SRAM, 96 << 10), (0x10000000, 1 << 15), (flash.START, flash.SIZE))
         bases = {1: 0x40020000, 2: 0x40020400}
         self.dma = {n: dma_channels.Channels(self, base, DMA_IRQS[n], reaches) for n, base in bases.items()}
+        self.adc = adc.G474Adc(self)
+        self.dma[1].settle = self.adc.settle
         self.mux = dmamux.Dmamux()
         functions = {"PA2": "USART2_TX", "PA3": "USART2_RX"}
         self.uart = uart.Uart(self, self.UART_IRQ, 1, "PA2", "PA3", functions)
@@ -110,7 +112,7 @@ class Board(board.Board):
         self.pages |= {0x48000000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x40007000: self.power, 0x40010000: self.system,
-            0x40010400: self.exti, 0x50000800: self.dac, 0x40003000: self.watchdog, 0xE0042000: self.debug,
+            0x40010400: self.exti, 0x50000800: self.dac, adc.BASE: self.adc, 0x40003000: self.watchdog, 0xE0042000: self.debug,
             0x40020800: self.mux, 0x40004400: self.uart,
         }  # fmt: skip
 

@@ -17,7 +17,7 @@ CLEAR_RESET_FLAGS = 1 << 23
 def enables():
     """Enable bits by page (RM0440 7.4.14 to 7.4.19)."""
     pages = {0x40020000: (AHB1, 0), 0x40020400: (AHB1, 1), 0x40020800: (AHB1, 2), 0x40022000: (AHB1, 8)}
-    pages |= {0x48000000 + 0x400 * port: (AHB2, port) for port in range(7)} | {0x50000800: (AHB2, 16)}
+    pages |= {0x48000000 + 0x400 * port: (AHB2, port) for port in range(7)} | {0x50000000: (AHB2, 13), 0x50000800: (AHB2, 16)}
     pages |= {0x40000000 + 0x400 * timer: (APB11, timer) for timer in range(6)}
     pages |= {0x40002000: (APB11, 8), 0x40004400: (APB11, 17), 0x40007000: (APB11, 28)}
     pages |= {0x40010000: (APB2, 0), 0x40012C00: (APB2, 11), 0x40013400: (APB2, 13)}

@@ -3,7 +3,7 @@ from unicorn.arm_const import UC_CPU_ARM_CORTEX_M7
 
 from core import board, dac, debug, dma_streams, dmamux, pins, registers, timer, watchdog
 
-from . import flash
+from . import adc, flash
 from .clocks import BASE as RCC
 from .clocks import H743Clocks
 
@@ -22,7 +22,7 @@ TIMERS = {
 # TSEL1 (RM0433 table 218): the timer whose TRGO it is.
 DAC_TRIGGERS = {1: 1, 2: 2, 3: 4, 4: 5, 5: 6, 6: 7, 7: 8, 8: 15}
 # Inputs of DMAMUX1 (RM0433 table 121).
-REQUESTS = {"DAC1": 67, "TIM6_UP": 69, "TIM1_UP": 15, "TIM8_UP": 51}
+REQUESTS = {"ADC1": 9, "DAC1": 67, "TIM6_UP": 69, "TIM1_UP": 15, "TIM8_UP": 51}
 # DS12110 tables 10 to 20.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
@@ -115,6 +115,8 @@ class Board(board.Board):
         reaches = ((AXI, 1 << 19), (SRAM1, 1 << 17), (flash.START, flash.SIZE))
         bases = {1: 0x40020000, 2: 0x40020400}
         self.dma = {n: dma_streams.Streams(self, base, DMA_IRQS[n], reaches) for n, base in bases.items()}
+        self.adc = adc.H743Adc(self)
+        self.dma[1].settle = self.adc.settle
         self.mux = dmamux.Dmamux()
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
@@ -123,7 +125,7 @@ class Board(board.Board):
         self.pages |= {0x58020000 + 0x400 * i: port for i, port in enumerate(self.pins.ports.values())}
         self.pages |= {
             RCC: self.clocks, flash.BASE: self.flash, 0x58024800: self.power, 0x58000400: self.system,
-            0x58000000: self.exti, 0x40007400: self.dac, 0x58004800: self.watchdog, 0x5C001000: self.debug,
+            0x58000000: self.exti, 0x40007400: self.dac, adc.BASE: self.adc, 0x58004800: self.watchdog, 0x5C001000: self.debug,
             0x40020800: self.mux, INTERCONNECT: self.interconnect,
         }  # fmt: skip
 

@@ -31,7 +31,7 @@ def enables():
     pages |= {0x58020000 + 0x400 * port: (AHB4, port) for port in range(11)}
     pages |= {0x40000000 + 0x400 * timer: (APB1L, timer) for timer in range(9)}
     pages |= {0x40007400: (APB1L, 29), 0x40008400: (APB1H, 1), 0x58000400: (APB4, 1)}
-    pages |= {0x40010000: (APB2, 0), 0x40010400: (APB2, 1)}
+    pages |= {0x40010000: (APB2, 0), 0x40010400: (APB2, 1), 0x40022000: (AHB1, 5)}
     return pages | {0x40014000: (APB2, 16), 0x40014400: (APB2, 17), 0x40014800: (APB2, 18)}
 
 
@@ -120,6 +120,10 @@ class H743Clocks(Clocks):
             timers = {bus: min(ahb, 4 * hz) for bus, hz in apb.items()}
         usb = (0.0, self.pll(1)[2][1], self.pll(3)[2][1], HSI48_HZ)[self.registers[D2CCIP2R] >> 20 & 3]
         return Tree(core, ahb, apb, timers, usb)
+
+    def adc_hz(self):
+        """What the ADCs get (D3CCIPR.ADCSEL); the clock of the peripherals is not modelled."""
+        return (self.pll(2)[2][0], self.pll(3)[2][2])[self.registers[D3CCIPR] >> 16 & 3]
 
     def limits(self):
         tree = self.frequencies

@@ -205,3 +205,53 @@ fn a_listener_that_measures_nothing_remembers_nothing_and_is_never_behind() {
     }
     assert_eq!(listener.lock_in.reading().blocks, 3);
 }
+
+/// A stream that is asked for codes by mistake.
+struct Unheard(u32);
+
+impl SenseStream for Unheard {
+    fn inputs(&self) -> usize {
+        2
+    }
+
+    fn delay_ns(&self) -> i32 {
+        0
+    }
+
+    fn take_block(&mut self, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+        unreachable!("nobody listens")
+    }
+
+    fn skip_block(&mut self) -> Option<Result<(), Overrun>> {
+        self.0 = self.0.checked_sub(1)?;
+        Some(if self.0 == 2 { Err(Overrun { blocks: 4 }) } else { Ok(()) })
+    }
+}
+
+#[test]
+fn while_nobody_listens_blocks_are_counted_and_not_copied() {
+    let values = Values::new();
+    let mut listener = Listener::starting_at(256, &values);
+    let mut stream = Unheard(5);
+    while listener.listen(&mut stream) {}
+    assert_eq!((listener.next(), listener.lost_blocks()), (256 + 8 * 128, 4));
+}
+
+#[test]
+fn what_waits_for_a_lost_block_breaks_also_if_no_other_ever_comes() {
+    let values = Values::new();
+    let mut listener = Listener::starting_at(0, &values);
+    let mut stream = Stream(std::vec![Err(Overrun { blocks: 1 }); 3].into());
+    let window = Window { begin: 256, blocks: 2, shape: Shape::Rectangular, slots: 1 };
+    listener.lock_in.start(window, 0).expect("it can be measured");
+    let recipe = Recipe { begin: 300, input: 0, log2_codes: 0, values: 100 };
+    listener.capture.start(recipe, 0, 1).expect("it can be made");
+    for lost in 1..=3 {
+        assert!(listener.listen(&mut stream));
+        let waits = lost < 3;
+        assert_eq!(listener.lock_in.state() == State::Measuring, waits, "{lost} blocks are lost");
+        assert_eq!(listener.capture.progress() == Progress::Capturing, waits);
+    }
+    assert_eq!(listener.lock_in.state(), State::Broken { at: 256 });
+    assert_eq!(listener.capture.progress(), Progress::Broken { at: 300 });
+}

@@ -9,8 +9,10 @@ use embassy_stm32::rcc::{
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
+use slipline_app::ports::INPUTS;
 
 use super::{Board, low};
+use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
@@ -29,7 +31,7 @@ pub(crate) const TIMER_HZ: u32 = 168_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 420;
 
 // The sample timer is TIM8. Its trigger output reaches the DAC (RM0090 table 76) and, unlike TIM6's, the ADCs
-// (ADC_CR2.EXTSEL = 1110: TIM8 TRGO, RM0090 13.13.3), so that a later measurement can run with the samples.
+// (ADC_CR2.EXTSEL, below): the inputs are sampled with the codes.
 pub(crate) type SampleTimer = peripherals::TIM8;
 pub(crate) const SAMPLE_TIMER: pac::timer::TimAdv = pac::TIM8;
 
@@ -55,13 +57,22 @@ pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 1;
 
 /// DAC_CR.TSEL1: 001 is TIM8 TRGO (RM0090 table 76).
 pub(crate) const DAC_TRIGGER: u8 = 0b001;
-/// DAC1 is served by DMA1 stream 5 only (RM0090 table 43), whose flags are in HISR.
-pub(crate) const DMA_STREAM: usize = 5;
+/// DAC1 is served by DMA1 stream 5 only, as its channel 7 (RM0090 table 43).
+pub(crate) const DAC_WAY: Way = Way { controller: pac::DMA1, number: 5, request: 7, purpose: Purpose::Feed };
 pub(crate) type DacDma = peripherals::DMA1_CH5;
 
-/// CHSEL = 7 selects DAC1 for stream 5 (RM0090 table 43).
-pub(crate) fn route_dma(w: &mut pac::dma::regs::Cr) {
-    w.set_chsel(7);
+// The inputs are PA1 (sensor, ADC1's channel 1) and PA2 (shunt, ADC2's channel 2), free on this board's headers.
+pub(crate) const SENSE_CHANNELS: [u8; INPUTS] = [1, 2];
+/// ADC_CR2.EXTSEL: 1110 is TIM8 TRGO (RM0090 13.13.3).
+pub(crate) const SENSE_TRIGGER: u8 = 0b1110;
+/// ADC1 is served by DMA2 stream 0, as its channel 0 (RM0090 table 44). DMA1 does not reach APB2.
+pub(crate) const SENSE_WAY: Way =
+    Way { controller: pac::DMA2, number: 0, request: 0, purpose: Purpose::Collect };
+pub(crate) type SenseDma = peripherals::DMA2_CH0;
+
+/// The channel of a stream is chosen in its CHSEL.
+pub(crate) fn route_dma(way: &Way, w: &mut pac::dma::regs::Cr) {
+    w.set_chsel(way.request);
 }
 
 /// Sectors 1 and 2, as offsets from 0x0800_0000; the program leaves them out (memory/f407vg.x).
@@ -153,6 +164,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
         sample_timer: p.TIM8,
         dac_stream: p.DMA1_CH5,
         dac_pin: p.PA4,
+        sensors: (p.ADC1, p.ADC2, p.DMA2_CH0),
+        sense_pins: [Flex::new(p.PA1), Flex::new(p.PA2)],
         flash: p.FLASH,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

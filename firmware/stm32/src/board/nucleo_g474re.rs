@@ -4,14 +4,19 @@
 
 use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
+use embassy_stm32::pac::adc::Adc;
+use embassy_stm32::pac::adc::vals::SampleTime;
+use embassy_stm32::pac::adccommon::vals::{Ckmode, Dmacfg, Dual, Mdma};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, rcc};
+use slipline_app::ports::INPUTS;
 
 use super::{Board, low};
+use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
@@ -29,8 +34,7 @@ pub(crate) const TIMER_HZ: u32 = 170_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 425;
 
 // The sample timer is TIM4; TIM8 has the mute pin. Its trigger output reaches the DAC, the ADCs (adc_ext_trg12 of ADC1 and
-// ADC2, RM0440, ADC external triggers), so that a later measurement can run with the samples, and other timers, which
-// TIM6's does not.
+// ADC2, below), and other timers, which TIM6's does not.
 pub(crate) type SampleTimer = peripherals::TIM4;
 pub(crate) const SAMPLE_TIMER: pac::timer::TimGp16 = pac::TIM4;
 
@@ -56,11 +60,42 @@ pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 0;
 
 /// DAC_CR.TSEL1 of DAC1: 0101 is TIM4 TRGO (RM0440 table 186, dac_chx_trg5).
 pub(crate) const DAC_TRIGGER: u8 = 5;
-/// DMA1 channel 1; the register arrays count it as 0.
-pub(crate) const DMA_STREAM: usize = 0;
-/// DMAMUX input 6 is DAC1's channel 1 (RM0440 table 93).
-pub(crate) const DMA_REQUEST: u8 = 6;
+/// DMA1 channel 1, which the register arrays count as 0. DMAMUX input 6 is DAC1's channel 1 (RM0440 table 93).
+pub(crate) const DAC_WAY: Way = Way { controller: pac::DMA1, number: 0, request: 6, purpose: Purpose::Feed };
 pub(crate) type DacDma = peripherals::DMA1_CH1;
+
+// The inputs are PA0 (A0 on the Arduino header; sensor, ADC1's channel 1) and PA1 (A1; shunt, ADC2's channel 2).
+pub(crate) const SENSE_CHANNELS: [u8; INPUTS] = [1, 2];
+/// ADC_CFGR.EXTSEL: 12 is TIM4 TRGO (RM0440, ADC1/2 external triggers, adc_ext_trg12).
+pub(crate) const SENSE_TRIGGER: u8 = 12;
+/// DMA1 channel 2. DMAMUX input 5 is ADC1 (RM0440 table 93).
+pub(crate) const SENSE_WAY: Way =
+    Way { controller: pac::DMA1, number: 1, request: 5, purpose: Purpose::Collect };
+pub(crate) type SenseDma = peripherals::DMA1_CH2;
+
+// The ADCs' clock is the AHB's divided by 4, 42.5 MHz: at most 52 MHz with several ADCs and a supply of 2.7 V or more (DS12288
+// table 66). 47.5 cycles of sampling and 12.5 of conversion, after 2.125 of latency (DS12288 table 66, CKMODE = 11), are
+// 1.46 us of 2.5 us. 47.5 cycles charge the 5 pF through more than 20 kOhm to a quarter of a code.
+//   held: (2.125 + 47.5) / 42.5 MHz = 1167.6 ns after the trigger. The timer's 425 cycles of the AHB are not a multiple of 4,
+//   so the trigger waits for the divider for 0, 3, 2, 1 cycles in turn, 8.8 ns on average, which is added.
+//   the DAC's output register changes three cycles of the AHB after the trigger (RM0440, DAC conversion), 17.6 ns.
+pub(crate) const SENSE_DELAY_NS: i32 = 1159;
+
+/// The clock of both ADCs, and that they convert together and give their codes as one word (RM0440, ADC12_CCR). The requests
+/// go on when the DMA begins its ring again, which also keeps revision Y from converting channel 0 (ES0430 2.7.8).
+pub(crate) fn tune_adcs() {
+    pac::ADC12_COMMON.ccr().write(|w| {
+        w.set_ckmode(Ckmode::SYNC_DIV4);
+        w.set_dual(Dual::DUAL_R);
+        w.set_mdma(Mdma::ENABLED12B10B);
+        w.set_dmacfg(Dmacfg::CIRCULAR);
+    });
+}
+
+/// The sampling time of one of the channels 0 to 9; 12 bits are what a reset leaves.
+pub(crate) fn tune_adc(adc: Adc, channel: u8) {
+    adc.smpr().write(|w| w.set_smp(channel.into(), SampleTime::CYCLES47_5));
+}
 
 /// Two slots of eight pages of 2 KiB at the end of bank 2, as offsets from 0x0800_0000. With option bit DBANK = 0 there
 /// is no bank 2 (no chip is delivered so): embassy-stm32 panics, and the program restarts again and again, muted.
@@ -176,6 +211,8 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
         sample_timer: p.TIM4,
         dac_stream: p.DMA1_CH1,
         dac_pin: p.PA4,
+        sensors: (p.ADC1, p.ADC2, p.DMA1_CH2),
+        sense_pins: [Flex::new(p.PA0), Flex::new(p.PA1)],
         flash: p.FLASH,
         link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
     }

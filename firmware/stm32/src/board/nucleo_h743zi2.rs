@@ -4,14 +4,19 @@
 
 use embassy_stm32::gpio::{Flex, Level, Output, Speed};
 use embassy_stm32::pac;
+use embassy_stm32::pac::adc::Adc;
+use embassy_stm32::pac::adc::vals::{Boost, Dmngt, Ovrmod, Pcsel, Res, SampleTime};
+use embassy_stm32::pac::adccommon::vals::{Ckmode, Damdf, Dual, Presc};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
     VoltageScale, mux,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
+use embassy_stm32::{Config, Peripherals, interrupt, peripherals, rcc};
+use slipline_app::ports::INPUTS;
 
 use super::{Board, low};
+use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
 
@@ -36,8 +41,7 @@ pub(crate) const CORE_HZ: u32 = 400_000_000;
 pub(crate) const TIMER_HZ: u32 = 200_000_000;
 pub(crate) const TIMER_PERIOD: u16 = 500;
 
-// The sample timer is TIM8. Its trigger output reaches the DAC and the ADCs (adc_ext_trg7, RM0433, ADC1/2/3 external
-// triggers), so that a later measurement can run with the samples.
+// The sample timer is TIM8. Its trigger output reaches the DAC and the ADCs (below).
 pub(crate) type SampleTimer = peripherals::TIM8;
 pub(crate) const SAMPLE_TIMER: pac::timer::TimAdv = pac::TIM8;
 
@@ -63,15 +67,71 @@ pub(crate) const TRIGGER_INPUT_CHANNEL: usize = 2;
 
 /// DAC_CR.TSEL1: 7 is TIM8 TRGO (RM0433, dac_ch1_trg7).
 pub(crate) const DAC_TRIGGER: u8 = 7;
-/// DMA1 stream 0, whose flags are in LISR. DMAMUX1 channels 0 to 7 feed streams 0 to 7 of DMA1 (RM0433, DMAMUX1).
-pub(crate) const DMA_STREAM: usize = 0;
-/// DMAMUX1 input 67 is DAC1's channel 1 (RM0433, dac_ch1_dma).
-const DMA_REQUEST: u8 = 67;
+/// DMA1 stream 0. DMAMUX1 channels 0 to 7 feed streams 0 to 7 of DMA1; its input 67 is DAC1's channel 1 (RM0433, DMAMUX1).
+pub(crate) const DAC_WAY: Way = Way { controller: pac::DMA1, number: 0, request: 67, purpose: Purpose::Feed };
 pub(crate) type DacDma = peripherals::DMA1_CH0;
 
+// The inputs are PA3 (A0 on the Arduino header; sensor, ADC1's channel 15) and PC0 (A1; shunt, ADC2's channel 10).
+pub(crate) const SENSE_CHANNELS: [u8; INPUTS] = [15, 10];
+/// ADC_CFGR.EXTSEL: 7 is TIM8 TRGO (RM0433, ADC1/2/3 external triggers, adc_ext_trg7).
+pub(crate) const SENSE_TRIGGER: u8 = 7;
+/// DMA1 stream 1. DMAMUX1 input 9 is ADC1 (RM0433, adc1_dma).
+pub(crate) const SENSE_WAY: Way =
+    Way { controller: pac::DMA1, number: 1, request: 9, purpose: Purpose::Collect };
+pub(crate) type SenseDma = peripherals::DMA1_CH1;
+
+// The ADCs' kernel clock is PLL3's output R, 480 / 10 = 48 MHz, which they divide to 24 MHz: by PRESC = 2 in revision Y, which
+// takes up to 36 MHz, and by a fixed 2 in later ones (DS12110, ADC characteristics; RM0433, ADC clocks). Both PLLs count the
+// same 8 MHz, so a sample is 60 cycles, always in the same place. 32.5 cycles of sampling and 6.5 of conversion, after 3 of
+// latency, are 1.77 us of 2.5 us. 32.5 cycles charge the 4 pF through more than 20 kOhm to a quarter of a code.
+//   held: (3 + 32.5) / 24 MHz = 1479.2 ns after the trigger; the latency is 2.5 to 3.5 cycles (DS12110), 21 ns more or less,
+//   by where the PLLs have locked.
+//   the DAC's output register changes three cycles of APB1 after the trigger (RM0433, DAC trigger selection), 30 ns.
+pub(crate) const SENSE_DELAY_NS: i32 = 1449;
+const ADC_KERNEL_HZ: u32 = 48_000_000;
+
+/// Whether the chip is of revision Y, the first that was sold (DBGMCU REV_ID).
+fn is_revision_y() -> bool {
+    pac::DBGMCU.idc().read().rev_id() == 0x1003
+}
+
+/// The clock of both ADCs, and that they convert together and give their codes as one word (RM0433, ADC12_CCR).
+pub(crate) fn tune_adcs() {
+    assert!(
+        rcc::frequency::<peripherals::ADC1>().0 == ADC_KERNEL_HZ,
+        "the ADCs do not run at the board's rate"
+    );
+    pac::ADC12_COMMON.ccr().write(|w| {
+        w.set_ckmode(Ckmode::ASYNCHRONOUS);
+        w.set_presc(if is_revision_y() { Presc::DIV2 } else { Presc::DIV1 });
+        w.set_dual(Dual::DUAL_R);
+        w.set_damdf(Damdf::FORMAT32TO10);
+    });
+}
+
+/// One of the channels 10 to 19: its analogue switch and its sampling time; 12 bits, and a request for each word.
+///
+/// * BOOST is for clocks from 20 MHz on in revision Y, where it is one bit, and for 12.5 to 25 MHz in later ones.
+/// * ADCALLIN: the calibration mends the steps of the conversion, too; without it codes are missing.
+/// * OVRMOD = 1: without it the slave's codes may be shifted against the master's (ES0392, ADC slave data in dual regular
+///   simultaneous mode). OVR is set all the same.
+pub(crate) fn tune_adc(adc: Adc, channel: u8) {
+    adc.cr().modify(|w| {
+        w.set_boost(if is_revision_y() { Boost::LT12_5 } else { Boost::LT25 });
+        w.set_adcallin(true);
+    });
+    adc.pcsel().write(|w| w.set_pcsel(channel.into(), Pcsel::PRESELECTED));
+    adc.smpr(1).write(|w| w.set_smp(usize::from(channel) - 10, SampleTime::CYCLES32_5));
+    adc.cfgr().modify(|w| {
+        w.set_res(Res::BITS12);
+        w.set_ovrmod(Ovrmod::OVERWRITE);
+        w.set_dmngt(Dmngt::DMA_CIRCULAR);
+    });
+}
+
 /// The request is chosen in the DMAMUX. TRBUFF (bufferable transfers) is for UARTs and stays 0.
-pub(crate) fn route_dma(_: &mut pac::dma::regs::Cr) {
-    pac::DMAMUX1.ccr(DMA_STREAM).write(|w| w.set_dmareq_id(DMA_REQUEST));
+pub(crate) fn route_dma(way: &Way, _: &mut pac::dma::regs::Cr) {
+    pac::DMAMUX1.ccr(way.number).write(|w| w.set_dmareq_id(way.request));
 }
 
 /// The last two sectors of 128 KiB in bank 2, as offsets from 0x0800_0000.
@@ -124,7 +184,7 @@ pub(crate) fn config() -> Config {
         fracn: None,
         divp: None,
         divq: Some(PllDiv::DIV10),
-        divr: None,
+        divr: Some(PllDiv::DIV10),
     });
     config.rcc.sys = Sysclk::PLL1_P;
     config.rcc.ahb_pre = AHBPrescaler::DIV2;
@@ -134,6 +194,7 @@ pub(crate) fn config() -> Config {
     config.rcc.apb4_pre = APBPrescaler::DIV2;
     config.rcc.voltage_scale = VoltageScale::Scale1;
     config.rcc.mux.usbsel = mux::Usbsel::PLL3_Q;
+    config.rcc.mux.adcsel = mux::Adcsel::PLL3_R;
     config.dma_interrupt_priority = priority::DAC;
     config
 }
@@ -150,7 +211,7 @@ pub(crate) fn map_system_memory() {}
 /// Revision Y (DBGMCU REV_ID 0x1003) may read the AXI SRAM wrongly when two reads are under way (errata sheet ES0392
 /// Rev 8, 2.2.9). READ_ISS_OVERRIDE of AXI_TARG7_FN_MOD allows one read at a time, as the sheet advises.
 pub(crate) fn tune_flash() {
-    if pac::DBGMCU.idc().read().rev_id() == 0x1003 {
+    if is_revision_y() {
         // SAFETY: a register of the AXI interconnect (RM0433, AXI_TARGx_FN_MOD: base 0x5100_0000, target 7 at 0x8000,
         // FN_MOD at 0x108) that nothing else touches; it may be written at any time.
         unsafe { (0x5100_8108 as *mut u32).write_volatile(1) };
@@ -175,6 +236,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
         sample_timer: p.TIM8,
         dac_stream: p.DMA1_CH0,
         dac_pin: p.PA4,
+        sensors: (p.ADC1, p.ADC2, p.DMA1_CH1),
+        sense_pins: [Flex::new(p.PA3), Flex::new(p.PC0)],
         flash: p.FLASH,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

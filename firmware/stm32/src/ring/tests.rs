@@ -285,3 +285,24 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_fetches_are_counted_to_the_code_also_while_the_interrupt_waits_and_where_the_count_wraps() {
+    let model = Model::silent();
+    for sample in 0..5 * BLOCK as u32 {
+        assert_eq!(model.halves.fetched(&model), sample);
+        model.sample();
+    }
+    assert_eq!(model.halves.taken(), 1, "the second of the two halves that it begins with");
+    model.is_served.set(false);
+    model.samples(BLOCK - 1);
+    let before = model.halves.fetched(&model);
+    for sample in 1..BLOCK as u32 {
+        model.sample();
+        assert_eq!(model.halves.fetched(&model), before + sample, "the half is over, and not counted yet");
+    }
+    let model = Model::silent();
+    model.halves.played.store(u32::MAX - 1, Relaxed);
+    model.samples(2 * BLOCK - 3);
+    assert_eq!(model.halves.fetched(&model), 0_u32.wrapping_sub(3));
+}
