@@ -19,6 +19,7 @@ HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABL
 TRIGGER, TRIGGER_REPLY = 0x18, 0x98
 SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
+COMB = 0x1A
 INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
 # Refusals without a field are their number.
 DISARM_FIRST = b"\x17"
@@ -162,7 +163,16 @@ def drive(tones, glide, at=None):
 
 def chord(period_log2, tones, glide):
     """A chord at the next block, of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
-    body = bytes([period_log2]) + varint(len(tones))
+    return bytes([period_log2]) + _multiples(tones, glide)
+
+
+def comb(period_blocks, tones, glide):
+    """A comb at the next block, of tones as a chord's."""
+    return varint(period_blocks) + _multiples(tones, glide)
+
+
+def _multiples(tones, glide):
+    body = varint(len(tones))
     for harmonic, level, turns in tones:
         body += varint(harmonic) + varint(round(level * 65535)) + varint(round(turns % 1 * 65536) % 65536)
     return body + zigzag(0) + varint(glide) + b"\0"
