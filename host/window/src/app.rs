@@ -16,6 +16,7 @@ mod finger;
 mod glyphs;
 mod input;
 mod measure;
+mod measuring;
 mod no_display;
 mod notices;
 mod pace;
@@ -172,6 +173,7 @@ pub struct App {
     textures: texture::Textures,
     measures: measure::Measures,
     calibrating: calibrate::Calibrating,
+    live: measuring::Live,
     notices: Notices,
     glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
@@ -227,6 +229,7 @@ impl App {
             background: background::Work::default(),
             measures: measure::Measures::default(),
             calibrating: calibrate::Calibrating::default(),
+            live: measuring::Live::default(),
             notices: Notices::default(),
             glyphs: glyphs::Glyphs::default(),
             dialog: None,
@@ -278,6 +281,7 @@ impl App {
             self.dropped_files(ctx);
         }
         self.replay(ctx);
+        self.update_measuring(ctx);
         self.update_background(ctx);
         self.advance(ctx);
     }
@@ -343,7 +347,9 @@ impl App {
             measured: self.shown_measured(),
             background: &self.background.shown,
             texture: self.textures.scene(),
-            measure: self.measures.scene(),
+            measure: self
+                .measures
+                .scene(self.live.scene(self.snapshot.status.map_or(0, |status| status.now))),
             calibration: self.calibrating.scene(self.parts.calibrations.progress()),
             plane_job: self.plane_job(),
             sheet: self.shown_sheet(),

@@ -5,7 +5,7 @@ mod calibrate;
 mod measure;
 
 pub use calibrate::CalibrateIntent;
-pub use measure::MeasureIntent;
+pub use measure::{MeasureDraft, MeasureIntent};
 
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;

@@ -1,7 +1,7 @@
 //! The scene: everything the views show, as the app passes it to them.
 
 use crate::app::Recorder;
-use crate::intent::{Dialog, Grab};
+use crate::intent::{Dialog, Grab, MeasureDraft};
 use crate::settings::Settings;
 use crate::sound::{SoundChoice, SpeakerState};
 use slipline_link::{PortInfo, Snapshot, upkeep};
@@ -191,6 +191,17 @@ pub struct MeasureScene<'a> {
     pub shelf: &'a Shelf,
     /// The chosen one beside the model of the plate on the screen; `None` until that is computed.
     pub compared: Option<&'a Compared>,
+    /// The measurement with the device.
+    pub live: LiveScene<'a>,
+}
+
+/// The measurement with the device.
+#[derive(Clone, Copy)]
+pub struct LiveScene<'a> {
+    /// What is to be measured.
+    pub draft: &'a MeasureDraft,
+    /// The share that is done, 0..=1, while one is under way.
+    pub progress: Option<f32>,
 }
 
 impl<'a> MeasureScene<'a> {

@@ -11,7 +11,7 @@ use super::error::MeasureError;
 use super::loudness::{self, Tone};
 use super::plan::{Comb, Plan};
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::protocol::refusal::Refusal as DeviceRefusal;
+use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{
     CombRequest, CombToneRequest, DeviceTable, LinkState, ListenRequest, Listened, Outcome, Refusal, Request,
     Snapshot, WindowShape,
@@ -61,6 +61,8 @@ pub struct Measuring {
     lag_s: f64,
     stage: Stage,
     is_asked: bool,
+    /// Whether the window's beginning had passed when it was asked for: a host that asks slowly measures from now on.
+    is_late: bool,
     /// The tones of the comb under way.
     tones: Vec<Tone>,
     /// What the travel leaves of the level.
@@ -93,6 +95,7 @@ impl Measuring {
             lag_s,
             stage: Stage::Silence,
             is_asked: false,
+            is_late: false,
             tones: Vec::new(),
             scale: 1.0,
             tries: 0,
@@ -133,7 +136,7 @@ impl Measuring {
                 })
             }
             Stage::Listen { from } => Request::Listen(ListenRequest {
-                from: Some(from),
+                from: (!self.is_late).then_some(from),
                 blocks: comb.period_blocks,
                 shape: WindowShape::Rectangular,
                 // As many bits as tones, 16 at most.
@@ -155,6 +158,7 @@ impl Measuring {
             (Stage::Begin, Outcome::Done { at }) => {
                 let from = at + self.until_window();
                 self.stage = Stage::Listen { from };
+                self.is_late = false;
             }
             (Stage::Listen { .. }, Outcome::Listened(listened)) => self.listened(listened),
             (
@@ -172,6 +176,13 @@ impl Measuring {
                     self.stage = Stage::Silence;
                 }
             }
+            // All tones had settled at that sample, so they have now.
+            (
+                Stage::Listen { .. },
+                Outcome::Refused(Refusal::Device(DeviceRefusal::OutOfRange {
+                    field: Field::ApplyAt, ..
+                })),
+            ) if !self.is_late => self.is_late = true,
             (_, Outcome::Refused(refusal)) => self.fail(MeasureError::Refused(refusal.clone())),
             (_, Outcome::DeviceTooOld) => self.fail(MeasureError::TooOld),
             (_, Outcome::NotConnected) => self.fail(MeasureError::Lost),

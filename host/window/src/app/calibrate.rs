@@ -47,7 +47,13 @@ impl App {
         match intent {
             CalibrateIntent::Open => {}
             CalibrateIntent::Cancel => self.end_calibration(),
-            CalibrateIntent::Page(step) => calibration.step = step,
+            CalibrateIntent::Page(step) => {
+                calibration.step = step;
+                // The sensor is where the pages want it.
+                if let Some(sensor) = step.sensor() {
+                    self.live.put_at(calibration.places_m()[sensor]);
+                }
+            }
             CalibrateIntent::Calipers(calipers) => {
                 if let Err(reason) = calibration.take_calipers(calipers) {
                     self.fail(reason);
@@ -87,11 +93,12 @@ impl App {
 
     fn end_calibration(&mut self) {
         self.parts.calibrations.cancel();
+        self.cancel_measuring();
         self.calibrating = Calibrating::default();
         self.dialog = None;
     }
 
-    fn take_answer(&mut self, sensor: usize, number: u64) {
+    pub(super) fn take_answer(&mut self, sensor: usize, number: u64) {
         let Some(entry) = self.measures.entry(number) else { return };
         let answer = Answer { name: entry.name.clone(), measurement: Arc::clone(&entry.measurement) };
         if let Some(calibration) = &mut self.calibrating.calibration {

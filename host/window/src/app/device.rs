@@ -49,6 +49,7 @@ impl App {
         if let Some((ticket, refusal)) = self.snapshot.last_refusal.clone()
             && told != Some(ticket)
             && !self.goes_by_rest(ticket, &refusal)
+            && !self.live.awaits(ticket)
         {
             if self.connect_sent == Some(ticket) {
                 self.notices.miss(sentence(&refusal.to_string()));

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::intent::MeasureIntent;
-use crate::scene::MeasureScene;
+use crate::scene::{LiveScene, MeasureScene};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::response::{Entry, Shelf};
@@ -28,9 +28,14 @@ impl Measures {
         self.latest = Some(compared);
     }
 
-    pub(super) fn scene(&self) -> MeasureScene<'_> {
+    /// Adds a measurement to the list; its number.
+    pub(super) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, String> {
+        self.shelf.add(name, measurement)
+    }
+
+    pub(super) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
         let compared = self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref());
-        MeasureScene { shelf: &self.shelf, compared }
+        MeasureScene { shelf: &self.shelf, compared, live }
     }
 }
 
@@ -52,6 +57,9 @@ impl App {
             MeasureIntent::Choose(number) => shelf.choose(number),
             MeasureIntent::Show(number, is_shown) => shelf.show(number, is_shown),
             MeasureIntent::Remove(number) => shelf.remove(number),
+            MeasureIntent::Draft(draft) => self.live.draft(draft),
+            MeasureIntent::Begin(answers) => self.begin_measuring(answers),
+            MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::Save(number) => {
                 let Some(entry) = shelf.entry(number) else { return };
                 let stem = Path::new(&entry.name).file_stem().unwrap_or_default().to_string_lossy();

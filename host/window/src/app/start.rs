@@ -24,6 +24,10 @@ impl From<&str> for Obstacle {
 impl App {
     /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them.
     pub(super) fn start(&mut self) {
+        if self.live.is_under_way() {
+            let text = "The plate is being measured: cancel that or press STOP first.";
+            return self.notices.hinder(text.to_owned());
+        }
         if let Some(Obstacle { text, page }) = self.obstacle() {
             self.notices.hinder(text);
             if self.dialog.is_none() {
@@ -31,12 +35,7 @@ impl App {
             }
             return;
         }
-        if autopilot::drive_clears_fault(&self.snapshot) {
-            self.parts.link.send(Request::ClearFaults);
-        }
-        if autopilot::drive_arms(&self.snapshot) {
-            self.parts.link.send(Request::Arm);
-        }
+        self.make_ready();
         let made = self.screen_table().cloned();
         if self.autopilot.start(&self.snapshot, made.as_deref()) {
             self.send_drive();
@@ -50,8 +49,23 @@ impl App {
         self.run_autopilot(&snapshot);
     }
 
+    /// Clears a harmless fault and arms a simulated device.
+    pub(super) fn make_ready(&mut self) {
+        if autopilot::drive_clears_fault(&self.snapshot) {
+            self.parts.link.send(Request::ClearFaults);
+        }
+        if autopilot::drive_arms(&self.snapshot) {
+            self.parts.link.send(Request::Arm);
+        }
+    }
+
+    /// Why the plate cannot be driven now, if there is something that does not disappear by itself.
+    pub(super) fn obstacle_to_drive(&self) -> Option<String> {
+        self.obstacle().map(|obstacle| obstacle.text)
+    }
+
     /// Whether the device holds the table of the plate on the screen.
-    fn is_table_there(&self) -> bool {
+    pub(super) fn is_table_there(&self) -> bool {
         let on_device = self.snapshot.table.active.map(|header| header.crc);
         self.screen_table().is_some_and(|made| on_device == Some(made.device_table.crc()))
     }

@@ -47,6 +47,7 @@ impl App {
     fn end_drive(&mut self, stop: Request) {
         self.autopilot.stopped();
         self.end_replay();
+        self.cancel_measuring();
         self.notices.settle();
         self.parts.link.send(stop);
     }

@@ -1,7 +1,26 @@
 //! The requests of the page of measurements.
 
+use slipline_plate::calibrate::SensorKind;
+
+/// What is to be measured with the device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasureDraft {
+    /// Where the sensor stands, metres from the driven end.
+    pub place_m: f64,
+    /// What the sensor shows.
+    pub kind: SensorKind,
+    /// What the amplitudes of all tones together may be, as a share of full scale.
+    pub level: f64,
+}
+
+impl Default for MeasureDraft {
+    fn default() -> Self {
+        Self { place_m: 0.03, kind: SensorKind::Acceleration, level: 0.5 }
+    }
+}
+
 /// A request of the page of measurements. Measurements are named by their numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasureIntent {
     /// Choose one, and draw it.
     Choose(u64),
@@ -11,4 +30,10 @@ pub enum MeasureIntent {
     Remove(u64),
     /// Save one as CSV.
     Save(u64),
+    /// Change what is to be measured with the device.
+    Draft(MeasureDraft),
+    /// Measure it, for the calibration's place of this number if there is one.
+    Begin(Option<usize>),
+    /// Give the measurement under way up.
+    Cancel,
 }

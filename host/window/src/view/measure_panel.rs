@@ -2,8 +2,8 @@
 
 use super::field::row;
 use super::response::inks::ink;
-use super::{Scene, ViewState, theme, validity};
-use crate::intent::{CalibrateIntent, Intent, Intents, MeasureIntent};
+use super::{Scene, ViewState, measure_form, theme, validity};
+use crate::intent::{CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_model::response::{Entry, Headroom, differs};
 use slipline_plate::quantity::{show_frequency, show_place};
@@ -16,7 +16,7 @@ const SWATCH: f32 = 12.0;
 /// Width of the button that removes one, in points.
 const REMOVE: f32 = 24.0;
 
-pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let shelf = scene.measure.shelf;
     ui.horizontal(|ui| {
@@ -27,6 +27,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, 
             intents.push(Intent::Calibrate(CalibrateIntent::Open));
         }
     });
+    if scene.dialog != Some(&Dialog::Calibrate) {
+        measure_form::show(ui, scene, view, None, intents);
+    }
     if shelf.entries().is_empty() {
         let text = "What a sensor on the plate answered, over the frequency: level and phase beside the model of this \
                     plate, and the noise.";

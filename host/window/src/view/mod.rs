@@ -24,6 +24,7 @@ mod finger_trace;
 mod handle;
 mod light_marks;
 mod log;
+mod measure_form;
 mod measure_panel;
 mod meters;
 mod notices;

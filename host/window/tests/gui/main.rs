@@ -16,6 +16,7 @@ mod glyphs;
 mod hang;
 mod light_marks;
 mod measure;
+mod measuring;
 mod notices;
 mod painter;
 mod paths;

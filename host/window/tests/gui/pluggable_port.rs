@@ -4,7 +4,7 @@ use slipline_link::connection::Connection;
 use slipline_link::protocol::event::ResetCause;
 use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Command, Decoder, Event, Header, Refusal};
-use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
 use slipline_window::app::Link;
@@ -99,9 +99,12 @@ pub(crate) struct SteppedWorker {
 }
 
 impl SteppedWorker {
-    /// A simulated device at its port, and a link that nobody has asked for anything yet.
-    pub(crate) fn new(is_plugged: bool) -> Self {
-        let device = SimulatedDevice::new(Options::default());
+    /// A simulated device, perhaps with inputs, at its port, and a link that nobody has asked for anything yet.
+    pub(crate) fn new(is_plugged: bool, inputs: Option<Box<dyn SimulatedInputs>>) -> Self {
+        let device = match inputs {
+            Some(inputs) => SimulatedDevice::with_inputs(Options::default(), inputs),
+            None => SimulatedDevice::new(Options::default()),
+        };
         let port = Arc::new(Mutex::new(PluggablePort {
             device,
             is_plugged,

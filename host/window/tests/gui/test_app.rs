@@ -6,6 +6,7 @@ use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
 use slipline_link::protocol::Refusal;
+use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{PortInfo, Request, Snapshot};
 use slipline_model::export::figures;
 use slipline_model::field::sheet;
@@ -70,30 +71,49 @@ impl TestApp {
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
     ) -> Self {
-        let mut app = Self::starting_with(setup, theme, builder, JobQueue::inline(table::make), true);
+        Self::starting_with(setup, theme, builder, JobQueue::inline(table::make), true, None).once_driving()
+    }
+
+    /// The app on a membrane, driving a device with these inputs.
+    pub(crate) fn sensed(inputs: Box<dyn SimulatedInputs>) -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        let tables = JobQueue::inline(table::make);
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, Some(inputs))
+            .once_driving()
+    }
+
+    fn once_driving(mut self) -> Self {
         for _ in 0..40 {
-            app.wait(50);
-            if app.is_driving() {
+            self.wait(50);
+            if self.is_driving() {
                 // Time for the plate to settle and the views to follow.
-                app.wait(400);
-                return app;
+                self.wait(400);
+                return self;
             }
         }
-        panic!("the simulated plate does not move: {:?}", app.snapshot().log);
+        panic!("the simulated plate does not move: {:?}", self.snapshot().log);
     }
 
     /// The app at its first start, with a job queue for tables that the test supplies.
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true)
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, None)
     }
 
     /// The app at its first start, with the device's cable pulled.
     pub(crate) fn unplugged() -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, JobQueue::inline(table::make), false)
+        Self::starting_with(
+            membrane(),
+            ThemeChoice::Light,
+            builder,
+            JobQueue::inline(table::make),
+            false,
+            None,
+        )
     }
 
     fn starting_with(
@@ -102,8 +122,9 @@ impl TestApp {
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
         is_plugged: bool,
+        inputs: Option<Box<dyn SimulatedInputs>>,
     ) -> Self {
-        let worker = Rc::new(RefCell::new(SteppedWorker::new(is_plugged)));
+        let worker = Rc::new(RefCell::new(SteppedWorker::new(is_plugged, inputs)));
         let files = FakeFiles::default();
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
         let sheet_jobs = Rc::default();

@@ -7,7 +7,7 @@ mod result;
 use crate::intent::{CalibrateIntent, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::response::inks::ink;
-use crate::view::{ViewState, theme, validity};
+use crate::view::{ViewState, measure_form, theme, validity};
 use eframe::egui::{self, Label, RichText, Sense, vec2};
 use slipline_model::calibration::{Calibration, Step};
 use slipline_model::response::Headroom;
@@ -27,11 +27,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     match step {
         Step::Plate => known::show(ui, calibration, view, intents),
         Step::FirstPlace => place(ui, calibration, 0),
-        Step::FirstAnswer => answer(ui, scene, calibration, 0, intents),
+        Step::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
         Step::SecondPlace => {
             place(ui, calibration, 1);
             ui.add_space(6.0);
-            answer(ui, scene, calibration, 1, intents);
+            answer(ui, scene, view, calibration, 1, intents);
         }
         Step::Result => result::show(ui, shown, intents),
     }
@@ -67,19 +67,24 @@ fn place(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
 fn answer(
     ui: &mut egui::Ui,
     scene: &Scene<'_>,
+    view: &mut ViewState,
     calibration: &Calibration,
     sensor: usize,
     intents: &mut Intents,
 ) {
     let palette = theme::palette(ui);
-    let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
     if sensor == 0 {
         let there = show_place(calibration.places_m()[0]);
         wrapped(
             ui,
-            format!("What the sensor answered at about {there}: open its file, or choose it from the list."),
+            format!(
+                "What the sensor answered at about {there}: measure it with the device, open a file, or choose from the list."
+            ),
         );
     }
+    measure_form::show(ui, scene, view, Some(sensor), intents);
+    ui.add_space(4.0);
+    let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
     if ui.button("Open file…").on_hover_text("A measurement as the page Measure reads it").clicked() {
         ask(CalibrateIntent::OpenAnswer);
     }

@@ -1,0 +1,174 @@
+//! A measurement with the connected device: one request after the other, and nothing waits for an answer. STOP, a fault, a
+//! lost device and another plate end it; its last request is a stop.
+
+use super::App;
+use crate::intent::MeasureDraft;
+use crate::scene::LiveScene;
+use eframe::egui;
+use slipline_link::{Severity, Ticket};
+use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_plate::Plate;
+use slipline_plate::quantity::show_place;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Time between two looks at the progress.
+const LOOK: Duration = Duration::from_millis(50);
+/// The input of the sensor.
+const SENSOR_INPUT: u8 = 0;
+
+/// A measurement under way.
+struct Run {
+    measuring: Measuring,
+    /// The request whose outcome is awaited.
+    awaited: Option<Ticket>,
+    plate: Arc<Plate>,
+    name: String,
+    /// The calibration's place that it is for, 0 or 1.
+    answers: Option<usize>,
+}
+
+/// The state of the measurements with the device.
+#[derive(Default)]
+pub(super) struct Live {
+    draft: MeasureDraft,
+    run: Option<Run>,
+    /// Runs so far: each has a name of its own.
+    count: u32,
+}
+
+impl Live {
+    pub(super) fn scene(&self, now: u64) -> LiveScene<'_> {
+        let progress = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
+        LiveScene { draft: &self.draft, progress }
+    }
+
+    pub(super) fn draft(&mut self, draft: MeasureDraft) {
+        self.draft = draft;
+    }
+
+    pub(super) fn put_at(&mut self, place_m: f64) {
+        self.draft.place_m = place_m;
+    }
+
+    /// Whether the measurement under way deals with this request's outcome.
+    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+        self.run.as_ref().is_some_and(|run| run.awaited == Some(ticket))
+    }
+
+    pub(super) fn is_under_way(&self) -> bool {
+        self.run.is_some()
+    }
+}
+
+impl App {
+    /// Begins a measurement, or tells what hinders it.
+    pub(super) fn begin_measuring(&mut self, answers: Option<usize>) {
+        if self.live.is_under_way() {
+            return;
+        }
+        match self.prepared_measuring() {
+            Err(reason) => self.notices.hinder(reason),
+            Ok(measuring) => {
+                self.make_ready();
+                self.autopilot.stopped();
+                self.end_replay();
+                self.live.count += 1;
+                let place = show_place(self.live.draft.place_m);
+                let name = format!("{place}, run {}", self.live.count);
+                let plate = Arc::clone(&self.setup.plate);
+                self.note(Severity::Info, format!("Measuring at {place}."));
+                self.live.run = Some(Run { measuring, awaited: None, plate, name, answers });
+            }
+        }
+    }
+
+    /// The measurement of the draft, or why the device cannot carry it out now.
+    fn prepared_measuring(&self) -> Result<Measuring, String> {
+        if let Some(reason) = self.obstacle_to_drive() {
+            return Err(reason);
+        }
+        let inputs = self.snapshot.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
+        let inputs =
+            inputs.ok_or("This device has no input for a sensor: its board or its firmware has none.")?;
+        let made = self.screen_table().filter(|_| self.is_table_there());
+        let made =
+            made.ok_or("The device does not hold this plate's table yet: wait for it, or upload it.")?;
+        let MeasureDraft { place_m, kind, level } = self.live.draft;
+        let plate = &self.setup.plate;
+        if !(0.0..=plate.length_m()).contains(&place_m) {
+            return Err(format!("The sensor at {} is not on the plate.", show_place(place_m)));
+        }
+        let wanted = Wanted { level, ..Wanted::of(plate) };
+        let sentence = |error: MeasureError| format!("Not measured: {error}.");
+        let plan = Plan::new(plate, &wanted, self.sample_rate_hz(), usize::from(inputs.lock_ins))
+            .map_err(sentence)?;
+        let sensor = Sensor { place_m, kind, input: SENSOR_INPUT };
+        Measuring::new(plan, Arc::clone(&made.device_table), sensor, &inputs).map_err(sentence)
+    }
+
+    /// Gives the measurement under way up.
+    pub(super) fn cancel_measuring(&mut self) {
+        if let Some(run) = &mut self.live.run {
+            run.measuring.cancel();
+        }
+    }
+
+    /// Hands over what the device has answered, and sends what comes next.
+    pub(super) fn update_measuring(&mut self, ctx: &egui::Context) {
+        let Some(run) = &mut self.live.run else { return };
+        if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
+            run.measuring.cancel();
+        }
+        run.measuring.watch(&self.snapshot);
+        loop {
+            let told = run.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
+            if let Some(outcome) = told {
+                run.measuring.take(outcome);
+                run.awaited = None;
+            }
+            match run.measuring.step() {
+                Step::Ask(request) => run.awaited = Some(self.parts.link.send(request)),
+                Step::Wait => break,
+                Step::Ended => return self.measured(),
+            }
+        }
+        ctx.request_repaint_after(LOOK);
+    }
+
+    /// Takes what was measured, or tells why nothing was.
+    fn measured(&mut self) {
+        let Some(Run { measuring, name, answers, .. }) = self.live.run.take() else { return };
+        match measuring.finish() {
+            Ok(measured) => self.take_measured(&name, measured, answers),
+            Err(MeasureError::Cancelled) => self.notices.tell("The measurement was cancelled.".to_owned()),
+            Err(error) => {
+                let text = format!("Not measured: {error}.");
+                self.note(Severity::Error, text.clone());
+                self.fail(text);
+            }
+        }
+    }
+
+    fn take_measured(&mut self, name: &str, measured: Measured, answers: Option<usize>) {
+        let Measured { measurement, warnings, .. } = measured;
+        let count = measurement.points.len();
+        match self.measures.add(name, measurement) {
+            Ok(number) => {
+                if let Some(sensor) = answers {
+                    self.take_answer(sensor, number);
+                }
+            }
+            Err(reason) => return self.fail(reason),
+        }
+        let sentences: Vec<String> = warnings.iter().map(|warning| warning.sentence()).collect();
+        for sentence in &sentences {
+            self.note(Severity::Warning, sentence.clone());
+        }
+        let told = format!("Measured {name}: {count} answers.");
+        match sentences.first() {
+            Some(first) => self.fail(format!("{told} {first}")),
+            None => self.notices.tell(told),
+        }
+    }
+}

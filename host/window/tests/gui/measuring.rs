@@ -1,0 +1,157 @@
+//! Measuring with the connected device: the progress, what comes of it, and everything that ends it.
+
+use crate::measure::open_measure;
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::{Key, accesskit::Role};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_link::Request;
+use slipline_link::simulator::SimulatedInputs;
+
+/// A sensor that shows half of the drive, with noise of about a code.
+struct Half(u64);
+
+impl SimulatedInputs for Half {
+    fn inputs(&self) -> usize {
+        1
+    }
+
+    fn delay_ns(&self) -> i32 {
+        0
+    }
+
+    fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
+        for (sensed, &code) in sensed[0].iter_mut().zip(codes) {
+            // Knuth's MMIX generator.
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let noise = (self.0 >> 62) as u16;
+            let moved = if muted { 2048 } else { 1024 + code / 2 };
+            *sensed = moved + noise - 1;
+        }
+    }
+}
+
+fn has(app: &TestApp, part: &str) -> bool {
+    app.window.query_all_by_label_contains(part).next().is_some()
+}
+
+fn press(app: &mut TestApp, name: &str) {
+    app.window.get_by_role_and_label(Role::Button, name).click();
+    app.wait(200);
+}
+
+/// How much is measured, in words.
+fn progress(app: &TestApp) -> Option<String> {
+    let bars = app.window.query_all_by_role(Role::ProgressIndicator);
+    let labels = bars.filter_map(|bar| bar.accesskit_node().label());
+    labels.into_iter().find(|label| label.starts_with("Measured: "))
+}
+
+/// Waits until nothing is measured any more.
+fn wait_for_the_end(app: &mut TestApp) {
+    for _ in 0..400 {
+        app.wait(100);
+        if app.window.query_by_label("Cancel measuring").is_none() {
+            return;
+        }
+    }
+    panic!("it never ends: {:?}", app.snapshot().log);
+}
+
+fn begun() -> TestApp {
+    let mut app = TestApp::sensed(Box::new(Half(1)));
+    open_measure(&mut app);
+    press(&mut app, "Measure now");
+    assert!(has(&app, "Cancel measuring") && app.window.query_by_label("STOP").is_some());
+    app
+}
+
+fn combs(sent: &[Request]) -> usize {
+    sent.iter().filter(|request| matches!(request, Request::Comb(_))).count()
+}
+
+#[test]
+fn a_plate_is_measured_with_the_device_and_is_silent_afterwards() {
+    let mut app = begun();
+    app.take_sent();
+    app.wait(1500);
+    let share = progress(&app).unwrap();
+    assert!(share != "Measured: 0 %" && share != "Measured: 100 %", "{share}");
+    // Drive has to wait, and says so.
+    app.window.key_press_modifiers(eframe::egui::Modifiers::COMMAND, Key::Enter);
+    app.window.step();
+    assert!(app.window.state().notice().is_some_and(|notice| notice.text.contains("is being measured")));
+    wait_for_the_end(&mut app);
+    let sent = app.take_sent();
+    assert!(combs(&sent) >= 3 && matches!(sent.last(), Some(Request::Stop | Request::Note(..))), "{sent:?}");
+    assert!(!sent.iter().any(|request| matches!(request, Request::Drive(_))));
+    app.wait(500);
+    assert!(!app.is_driving());
+    assert!(app.window.query_by_label("30.0 mm, run 1").is_some());
+    assert!(has(&app, "60 from ") && has(&app, "acceleration") && has(&app, "Measured differs"));
+}
+
+#[test]
+fn cancel_stop_and_another_plate_end_a_measurement_and_nothing_is_kept() {
+    let ends: [fn(&mut TestApp); 3] = [
+        |app| press(app, "Cancel measuring"),
+        |app| {
+            app.window.key_press(Key::Escape);
+            app.wait(200);
+        },
+        |app| crate::background::open_plate(app, crate::measure::membrane(1.01).to_toml()),
+    ];
+    for end in ends {
+        let mut app = begun();
+        app.wait(700);
+        app.take_sent();
+        end(&mut app);
+        app.wait(500);
+        let sent = app.take_sent();
+        assert!(sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
+        assert_eq!(combs(&sent), 0);
+        open_measure(&mut app);
+        assert!(!has(&app, "run 1") && !app.is_driving());
+        assert!(app.window.query_by_label("Measure now").is_some());
+    }
+}
+
+#[test]
+fn a_device_that_goes_away_ends_it_with_a_reason() {
+    let mut app = begun();
+    app.wait(700);
+    app.plug(false);
+    app.wait(2000);
+    assert!(app.window.query_by_label("Cancel measuring").is_none() && !has(&app, "run 1"));
+    assert!(has(&app, "Not measured: the device went away."));
+}
+
+#[test]
+fn what_a_device_or_a_typed_value_does_not_allow_is_told() {
+    let mut app = TestApp::driving();
+    open_measure(&mut app);
+    press(&mut app, "Measure now");
+    assert!(has(&app, "This device has no input for a sensor"));
+    assert!(app.is_driving(), "nothing was stopped");
+    type_into(&mut app, "Sensor at", "900 mm");
+    assert!(has(&app, "320 mm"));
+    type_into(&mut app, "Level", "2");
+    assert!(has(&app, "level"));
+    let level = app.window.get_by_role_and_label(Role::TextInput, "Level").value();
+    assert_eq!(level.as_deref(), Some("2"), "it stays to be corrected");
+}
+
+#[test]
+fn the_calibrations_pages_measure_too() {
+    let mut app = TestApp::sensed(Box::new(Half(2)));
+    crate::calibrate::open_calibration(&mut app);
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor at").value();
+    assert_eq!(place.as_deref(), Some("32.0 mm"));
+    press(&mut app, "Measure now");
+    assert!(app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());
+    wait_for_the_end(&mut app);
+    assert!(!app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());
+    assert!(has(&app, "32.0 mm, run 1 at 32.0 mm"));
+}
