@@ -9,6 +9,7 @@ use super::ratio::Ratio;
 use super::refusal::{self, CHI2_PER_N_MAX};
 use super::spread::Spread;
 use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, Priors, TAPER, spec_at};
+use crate::quantity::show_length;
 use crate::spec::{Calibration, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
 
 /// Standard deviations of a 95 % interval.
@@ -45,6 +46,19 @@ pub struct Calibrated {
     /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: what noise leaves of the
     /// measured gain, and what the fit leaves of the way to the peak. Infinite where no levels were measured.
     pub level_tolerance_db: f64,
+}
+
+impl Calibrated {
+    /// What no measurement shows and a person must look after, in a sentence: how far a misplaced sensor takes the boundary.
+    /// `None` without a sensor.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        let most = self.boundary_per_place.iter().copied().max_by(f64::total_cmp)?;
+        let moved = show_length(1e-3 * most);
+        Some(format!(
+            "A sensor that stands 1.0 mm from its mark moves the boundary by up to {moved}, and nothing here shows it: measure its place again."
+        ))
+    }
 }
 
 /// Calibrates `plate`, the nominal one, from the same sensor at two places.

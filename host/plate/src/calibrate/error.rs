@@ -154,4 +154,18 @@ pub enum CalibrateError {
         /// End of the plate's span, metres.
         span_end_m: f64,
     },
+    /// The current leaves open what a plate file must tell.
+    #[error("the current does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation). The plate hardly moves the drive: measure with a sensor on it", show_place(*.boundary_m), significant(*.level_db, 2))]
+    NotCarriedByCurrent {
+        /// Standard deviation of the boundary, metres.
+        boundary_m: f64,
+        /// Standard deviation of the level of the peak, dB.
+        level_db: f64,
+    },
+    /// Two plates fit alike.
+    #[error("two wave speeds fit what was measured, {} and {} times that of the plate file: the resonances do not tell which. Measure with a sensor on the plate", significant(shares[0], 4), significant(shares[1], 4))]
+    Ambiguous {
+        /// Wave speeds over the file's.
+        shares: [f64; 2],
+    },
 }

@@ -10,7 +10,7 @@ use super::least_squares::{self, Fit, Problem, slope};
 use super::measurement::SensorKind;
 use super::pairs::MODEL_ERROR;
 use super::refusal::{CHI2_PER_N_MAX, SPEED_MAX};
-use super::unknowns::{OF_PLATE, Priors, STEPS, spec_at};
+use super::unknowns::{OF_PLATE, Priors, SPEED, STEPS, spec_at};
 use super::wave::{COARSE, FINE, points};
 use crate::spec::{Plate, PlateSpec};
 use num_complex::Complex64;
@@ -34,6 +34,10 @@ const SCAN_FREQUENCIES: usize = 60;
 const VALLEYS: usize = 4;
 /// A bottom with no more chi^2 per number is that of the plate.
 const ENOUGH: f64 = 1.5;
+/// A bottom within this much chi^2 of the best is as good; if its speed is so many standard deviations away, it is another
+/// plate.
+const AS_GOOD: f64 = 25.0;
+const FAR: f64 = 6.0;
 /// When a fit ends, as a share of the standard deviations: among the valleys, and at last.
 const STILL: (f64, f64) = (1e-2, 1e-5);
 /// Way over which the derivative by a place is taken, metres, and by a coordinate of the source.
@@ -70,6 +74,8 @@ pub(super) struct Place {
 /// What lies between the code and the response beside the plate, with coordinates of its own; the first three are
 /// resistance, mass and stiffness in [`Units`].
 pub(super) trait SourceModel {
+    /// Whether every valley must be followed, because another plate may fit nearly as well; and then none may.
+    const ALL: bool = false;
     /// What is known of the coordinates beforehand, about 0; infinite for nothing.
     fn deviations(&self) -> Vec<f64>;
     /// The response at a place (the index in [`Answer::seen`]).
@@ -90,6 +96,8 @@ pub(super) struct Joint<'a, S> {
     pub(super) deviations: Vec<f64>,
     pub(super) frequencies_hz: Vec<f64>,
     pub(super) data: Vec<Datum>,
+    /// chi^2 and the coordinate of the speed at the bottoms of all valleys that were followed.
+    speeds: Vec<(f64, f64)>,
     /// Radians to the turning point and back at the highest frequency.
     turns: f64,
 }
@@ -107,7 +115,17 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         let deviations = priors.deviations().into_iter().chain(of_place).chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
         let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
-        Self { nominal: plate.spec(), source, units, place, deviations, frequencies_hz, data, turns }
+        Self {
+            nominal: plate.spec(),
+            source,
+            units,
+            place,
+            deviations,
+            frequencies_hz,
+            data,
+            speeds: Vec::new(),
+            turns,
+        }
     }
 
     /// Where the source's coordinates begin.
@@ -127,18 +145,37 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         if chi2_per_n > CHI2_PER_N_MAX {
             return Err(CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX });
         }
-        Ok((fit, chi2_per_n))
+        // Another plate fits as well.
+        let margin = AS_GOOD * chi2_per_n.max(1.0);
+        let deviation = fit.covariance[(SPEED, SPEED)].sqrt();
+        let other = self.speeds.iter().find(|(chi2, speed)| {
+            *chi2 < fit.chi2 + margin && (speed - fit.parameters[SPEED]).abs() > FAR * deviation
+        });
+        match other {
+            Some((_, speed)) if S::ALL => {
+                Err(CalibrateError::Ambiguous { shares: [fit.parameters[SPEED].exp(), speed.exp()] })
+            }
+            _ => Ok((fit, chi2_per_n)),
+        }
     }
 
     /// The best coordinates.
     fn fit(&mut self) -> Option<Fit> {
         let mut best: Option<Fit> = None;
-        for speeds in SPEEDS {
-            for start in self.valleys(speeds) {
-                let bottom = self.bottom(&start);
-                best = bottom.into_iter().chain(best).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-                if self.is_below(best.as_ref(), ENOUGH) {
-                    break;
+        self.speeds.clear();
+        'scans: for speeds in SPEEDS {
+            for starts in self.valleys(speeds) {
+                for start in starts {
+                    let Some(bottom) = self.bottom(&start) else { continue };
+                    let is_enough = self.is_below(Some(&bottom), ENOUGH);
+                    self.speeds.push((bottom.chi2, bottom.parameters[SPEED]));
+                    best = best.into_iter().chain([bottom]).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+                    if is_enough && S::ALL {
+                        break;
+                    }
+                    if is_enough {
+                        break 'scans;
+                    }
                 }
             }
             if self.is_below(best.as_ref(), CHI2_PER_N_MAX) {
@@ -229,8 +266,8 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         residuals
     }
 
-    /// Starts at the lowest minima of a scan over wave speeds and losses.
-    fn valleys(&self, (slowest, fastest): (f64, f64)) -> Vec<Vec<f64>> {
+    /// Starts at each of the lowest minima of a scan over wave speeds and losses.
+    fn valleys(&self, (slowest, fastest): (f64, f64)) -> Vec<Vec<Vec<f64>>> {
         let every = self.data.len().div_ceil(SCAN_FREQUENCIES).max(1);
         let some: Vec<Datum> = self.data.iter().copied().step_by(every).collect();
         let frequencies_hz: Vec<f64> = self.frequencies_hz.iter().copied().step_by(every).collect();
@@ -272,7 +309,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
             };
             self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()
         };
-        found.into_iter().take(VALLEYS).flat_map(starts).collect()
+        found.into_iter().take(VALLEYS).map(starts).collect()
     }
 }
 

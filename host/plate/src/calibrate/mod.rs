@@ -6,7 +6,8 @@
 //! Measurement at two places -> pairs -> ratio: scan over wave speed and loss, then least squares -> refusal
 //!       nominal plate, Priors (Calipers) -^                                        |
 //!                    Calibrated: plate file <- gain carried to the peak <----------+
-//! Measurement at one place -> joint (plate and source): scan, linear for each plate (sensed), then least squares ---^
+//! Measurement at one place, or of the current -> joint (plate and source): scan, linear for each plate (sensed, drawn),
+//!                                             then least squares ---^
 //! ```
 //!
 //! Nothing here plays or records a tone: a [`Measurement`] comes from a device, a file or a solver.
@@ -17,6 +18,8 @@ mod calipers;
 mod comparison;
 mod csv;
 mod departure;
+mod drawn;
+mod drive_check;
 mod driven;
 mod error;
 mod foreign;
@@ -31,6 +34,7 @@ mod predicted;
 mod ratio;
 mod refusal;
 mod sensed;
+mod shunt;
 mod source_file;
 mod spread;
 mod touches;
@@ -43,10 +47,13 @@ pub use calipers::Calipers;
 pub use comparison::Comparison;
 pub use csv::CsvError;
 pub use departure::{Departure, departure};
+pub use drawn::Transducer;
+pub use drive_check::{DriveCheck, DriveCircuit, DriveLoad, check_drive, drive_check_hz};
 pub use error::CalibrateError;
 pub use foreign::{File, FileError, Foreign, SNR, SNR_DB};
 pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind};
 pub use one_sensor::from_one_sensor;
 pub use predicted::predicted;
+pub use shunt::from_shunt;
 pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;

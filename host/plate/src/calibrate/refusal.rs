@@ -8,7 +8,7 @@ use crate::spec::Plate;
 
 /// An answer below this multiple of its noise shows nothing. Of 10 000 answers of noise alone the largest is 4.3 times
 /// its standard deviation.
-const AUDIBLE: f64 = 6.0;
+pub(super) const AUDIBLE: f64 = 6.0;
 /// Fewest frequencies that both sensors measured: twice the number of what is fitted.
 const FREQUENCIES_MIN: usize = 12;
 /// Largest chi^2 over the number of residuals. On plates in two dimensions it is up to 4.7 where the one-mode
@@ -99,13 +99,28 @@ pub(super) fn check_coordinates(
     })
 }
 
+/// Refuses what the current leaves open: as [`check_carried`].
+pub(super) fn check_carried_by_current(
+    plate: &Plate,
+    (boundary_m, level_db): (f64, f64),
+) -> Result<(), CalibrateError> {
+    if is_carried(plate, boundary_m, level_db) {
+        return Ok(());
+    }
+    Err(CalibrateError::NotCarriedByCurrent { boundary_m, level_db })
+}
+
+fn is_carried(plate: &Plate, boundary_m: f64, level_db: f64) -> bool {
+    boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB
+}
+
 /// Refuses what the sensors' answers leave open: standard deviations of the boundary, metres, and of the level, dB.
 pub(super) fn check_carried(
     plate: &Plate,
     sensors: &[&Measurement],
     (boundary_m, level_db): (f64, f64),
 ) -> Result<(), CalibrateError> {
-    if boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB {
+    if is_carried(plate, boundary_m, level_db) {
         return Ok(());
     }
     // The sensor that shows least.

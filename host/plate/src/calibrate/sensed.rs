@@ -24,7 +24,7 @@ const COUNT: usize = 7;
 /// What is known of resistance, mass and stiffness beforehand: their size.
 pub(super) const OF_PLATE_SIZE: f64 = 3.0;
 /// The same of a1 and a2: no resonance below a third of the band's middle.
-const OF_ACTUATOR: f64 = 10.0;
+pub(super) const OF_ACTUATOR: f64 = 10.0;
 /// Delays that are tried, in periods of the highest frequency, and how far apart they are.
 const DELAYS: (f64, f64) = (-2.0, 12.0);
 const DELAY_STEP: f64 = 0.08;
@@ -33,7 +33,7 @@ const NODE: f64 = 0.15;
 /// Relative error of an answer while the source is looked for.
 const START_ERROR: f64 = 0.05;
 /// Resistance, mass and stiffness to begin with.
-const IMPEDANCES: [[f64; 3]; 5] =
+pub(super) const IMPEDANCES: [[f64; 3]; 5] =
     [[0.3, 0.1, 0.1], [1.0, 0.1, 0.1], [1.0, 0.8, 0.2], [1.0, 0.2, 0.8], [2.5, 1.0, 1.0]];
 /// Largest coordinate to begin with.
 const LARGEST: f64 = 20.0;
@@ -158,7 +158,7 @@ impl Weighed {
         answers: &[Answer],
         of: impl Fn(&Answer) -> [Complex64; N],
     ) -> Option<Columns> {
-        let mut columns = vec![Vec::with_capacity(answers.len()); N];
+        let mut columns = vec![Vec::new(); N];
         for (answer, response) in answers.iter().zip(&self.responses) {
             for (column, value) in columns.iter_mut().zip(of(answer)) {
                 column.push(value * response);

@@ -1,9 +1,11 @@
 //! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the plate file that comes of
 //! it drives the true plate.
 
+mod drive_check;
 mod misuse;
 mod one_sensor;
 mod rig;
+mod shunt;
 mod touches;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};

@@ -89,6 +89,18 @@ fn a_sensor_at_another_place_than_told_is_noticed_where_it_matters() {
 }
 
 #[test]
+fn how_far_a_misplaced_sensor_takes_the_boundary_is_told_in_a_sentence() {
+    let (rig, mut random) = rig("membrane", 31);
+    let sensors = measured("membrane", &rig, &mut random);
+    let found = calibrated(&rig, &sensors).expect("accepted");
+    let most_mm = found.boundary_per_place.iter().copied().fold(0.0, f64::max);
+    assert!((0.5..2.0).contains(&most_mm), "{most_mm}");
+    let sentence = found.caution().expect("two sensors");
+    let wanted = format!("moves the boundary by up to {most_mm:.1} mm, and nothing here shows it");
+    assert!(sentence.contains(&wanted), "{sentence} for {wanted}");
+}
+
+#[test]
 fn a_sensor_where_nothing_is_to_be_seen_is_noticed() {
     for name in NAMES {
         for (shares, is_refused) in [([0.1, 0.9], false), ([0.93, 0.98], true), ([0.1, 1.0], false)] {

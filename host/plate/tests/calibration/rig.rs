@@ -126,7 +126,7 @@ impl Rig {
         (0..count).map(|i| low * (high / low).powf(i as f64 / (count - 1) as f64)).collect()
     }
 
-    fn fields(&self, frequencies_hz: &[f64]) -> Vec<Vec<Complex64>> {
+    pub(crate) fn fields(&self, frequencies_hz: &[f64]) -> Vec<Vec<Complex64>> {
         let each =
             |field: &dyn Fn(f64) -> Vec<Complex64>| frequencies_hz.iter().map(|&hz| field(hz)).collect();
         match (self.solver, &self.finger) {
@@ -174,7 +174,7 @@ impl Rig {
     }
 
     /// With noise and in codes; the input's range is twice the largest answer.
-    fn sampled(
+    pub(crate) fn sampled(
         &self,
         place_m: f64,
         frequencies_hz: &[f64],
