@@ -162,7 +162,7 @@ class Timer:
             for _ in range(periods):
                 self.board.dac.trigger(self.number)
                 # After the DAC: what it samples is what the DAC drives now.
-                self.board.adc.trigger(self.number)
+                self.board.adc.trigger(self.number, periods > 1)
             for slave in self.slaves:
                 slave.clock(periods)
             if self.board.is_hasty:
