@@ -4,12 +4,14 @@
 //! `cargo bench -p slipline-plate --bench speed` prints it; with `-- --lines` as tab-separated lines:
 //! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
 
+use slipline_plate::calibrate::SensorKind;
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
 use slipline_plate::texture::{Palette, TONES_MAX, Target, Texture};
 use slipline_plate::{
-    DriveTable, Equation, Model, Plate, Sheet, SheetGrid, TimeDomainLine, preset, presets, respond_batch,
+    DriveTable, Equation, Model, Plate, SensedPlate, Sheet, SheetGrid, TimeDomainLine, preset, presets,
+    respond_batch,
 };
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};
@@ -60,6 +62,7 @@ fn main() {
     lights(&report);
     textures(&report);
     time_lines(&report);
+    sensed(&report);
     sheets(&report);
 }
 
@@ -181,6 +184,33 @@ fn time_lines(report: &Report) {
             let problem = format!("{kind} {}", preset.name);
             report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
         }
+    }
+}
+
+/// The plate as the inputs of a device sample it: one sensor and the drive point, and how long it takes to prepare.
+fn sensed(report: &Report) {
+    let rate = 400_000.0;
+    let codes: Vec<f64> = (0..8_000).map(|n| f64::from(0.5 * (2.0 * PI * 0.075 * n as f32).sin())).collect();
+    for preset in presets() {
+        let Some(plate) = preset.plate() else { continue };
+        let Ok(sensed) = SensedPlate::new(&plate, None, rate) else { continue };
+        let place_m = 0.1 * plate.length_m();
+        let make = || sensed.sensor(SensorKind::Displacement, place_m, 0.0);
+        let (Ok(sensor), Ok(drive_point)) = (make(), sensed.drive_point()) else { continue };
+        let (mut resonators, mut signals) = (sensed.at_rest(), [codes.clone(), codes.clone()]);
+        let time = report.fastest(|| {
+            let [sensor_signal, current] = &mut signals;
+            resonators.run(&codes, [&sensor, &drive_point], [sensor_signal, current]);
+        });
+        let factor = codes.len() as f64 / rate / time.as_secs_f64();
+        let check = signals[0].iter().copied().fold(0.0, f64::max);
+        report.row(&format!("sensed {}", preset.name), "slipline 1", factor, "x real", check, "");
+        let time = report.fastest(|| drop(SensedPlate::new(&plate, None, rate)));
+        let problem = format!("prepare sensed {}", preset.name);
+        report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
+        let time = report.fastest(|| drop(make()));
+        let problem = format!("put sensor {}", preset.name);
+        report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
     }
 }
 

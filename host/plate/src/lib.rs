@@ -30,6 +30,7 @@ pub mod special;
 pub mod table;
 pub mod texture;
 pub mod time;
+pub mod truth;
 
 pub use check::sensation;
 pub use frequency::{
@@ -51,4 +52,7 @@ pub use table::{
     DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, TableTravel, sensitivity,
     sensitivity_per_percent, sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
 };
-pub use time::{Envelope, LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};
+pub use time::{
+    Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate, TimeDomainLine,
+    WIDTH_MODE_MAX,
+};

@@ -57,3 +57,4 @@ pub use predicted::predicted;
 pub use shunt::from_shunt;
 pub use touches::{Touch, Touched, from_touches};
 pub use unknowns::Priors;
+pub(crate) use wave::seen;

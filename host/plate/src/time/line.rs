@@ -125,9 +125,7 @@ impl TimeDomainLine {
         response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
     ) -> Result<Self, LineError> {
         let fit = fit::bank(response, &plan, points);
-        if fit.error > FIT_ERROR_MAX {
-            return Err(LineError::Unfit { error: fit.error });
-        }
+        check_fit(&fit)?;
         let settle_s = settle_time(&fit.bank, plate);
         Ok(Self::of_bank(plate, plan, points, &fit.bank, &fit.quasi_static, settle_s))
     }
@@ -301,8 +299,15 @@ impl TimeDomainLine {
 
 /// Checks the arguments of a line and returns its filter.
 fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<BandPlan, LineError> {
-    sample_rate::check(plate, sample_rate_hz)?;
+    check(plate, sample_rate_hz, mode)?;
     OutOfRange::check_count("points", points, LINE_POINTS.0..=LINE_POINTS.1)?;
+    let (low_hz, high_hz) = plate.band_hz();
+    Ok(BandPlan::new(sample_rate_hz, low_hz, high_hz))
+}
+
+/// Refuses a plate, a rate or a width mode that cannot be simulated in time.
+pub(super) fn check(plate: &Plate, sample_rate_hz: f64, mode: u32) -> Result<(), LineError> {
+    sample_rate::check(plate, sample_rate_hz)?;
     let has_near_field = match plate.spec().drive_end {
         DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => false,
         DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => true,
@@ -316,8 +321,13 @@ fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<
     if let Some(Actuator::Measured(_)) = plate.spec().actuator {
         return Err(LineError::MeasuredActuator { plate: plate.name().to_owned() });
     }
-    let (low_hz, high_hz) = plate.band_hz();
-    Ok(BandPlan::new(sample_rate_hz, low_hz, high_hz))
+    Ok(())
+}
+
+/// Refuses a fit that is off by too much.
+pub(super) fn check_fit(fit: &fit::Fit) -> Result<(), LineError> {
+    let error = fit.error;
+    if error > FIT_ERROR_MAX { Err(LineError::Unfit { error }) } else { Ok(()) }
 }
 
 /// `points` uniform positions from 0 to the plate's end, metres.

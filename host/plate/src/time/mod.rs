@@ -4,6 +4,7 @@
 //! galerkin -> modal (eigenfunctions of a thin plate) --+-> poles, residues -> integration -> line -> envelope
 //! frequency domain -> fit (whatever the field is) -----+                                      ^
 //!                                                      DAC codes -> analytic_signal ----------+
+//! frequency domain -> fit -> sensed (one place, one value per code)
 //! ```
 
 mod analytic_signal;
@@ -14,6 +15,8 @@ mod integration;
 mod kernel;
 mod line;
 mod modal;
+mod sensed;
 
 pub use envelope::Envelope;
 pub use line::{LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};
+pub use sensed::{Output, Resonators, SenseError, SensedPlate};

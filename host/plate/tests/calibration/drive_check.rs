@@ -45,7 +45,7 @@ fn open_short_no_amplifier_and_wrong_drives_are_told_apart_on_every_truth() {
         ("al-bending", piezo(3e-6), [piezo(1e-6), piezo(8e-6)], coil(150.0)),
     ] {
         for seed in 0..20 {
-            let mut random = Random(seed);
+            let mut random = Random::new(seed);
             let rig = Rig::new(name, Solver::OneMode, &mut random);
             let circuit = DriveCircuit { full_scale_v: VOLT, load, tolerance: 0.3 };
             let told =
@@ -108,7 +108,7 @@ fn each_state_is_a_sentence_and_numbers_out_of_range_are_refused_by_name() {
     ] {
         assert_eq!(state.to_string(), wanted);
     }
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let rig = Rig::new("membrane", Solver::OneMode, &mut random);
     let measured = current(&rig.nominal, &rig.truth, told, &mut random);
     let good = DriveCircuit { full_scale_v: VOLT, load: told, tolerance: 0.3 };

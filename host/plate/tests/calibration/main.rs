@@ -37,7 +37,7 @@ fn within(found: &Calibrated, name: &str, value: f64) -> bool {
 /// Calibrates truths of a preset; returns what the tables do before and after.
 fn truths(name: &str, solver: Solver, number: u64) -> Vec<[Judgement; 2]> {
     let run = |seed: u64| {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let rig = Rig::new(name, solver, &mut random);
         let sensors = measured(name, &rig, &mut random);
         let found = calibrated(&rig, &sensors).unwrap_or_else(|error| panic!("{name} {seed}: {error}"));

@@ -8,7 +8,7 @@ use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
 const NAMES: [&str; 2] = ["membrane", "al-bending"];
 
 fn rig(name: &str, seed: u64) -> (Rig, Random) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     (Rig::new(name, Solver::OneMode, &mut random), random)
 }
 

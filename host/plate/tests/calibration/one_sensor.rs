@@ -32,7 +32,7 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
     {
         let (mut judged, mut sources_told) = (Vec::new(), 0);
         for seed in 0..20 {
-            let mut random = Random(seed);
+            let mut random = Random::new(seed);
             let rig = Rig::new(name, Solver::OneMode, &mut random);
             let sensor = measured(name, &rig, &mut random);
             let found = calibrated(&rig, &sensor).unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
@@ -61,7 +61,7 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
 #[test]
 fn what_goes_wrong_with_one_sensor_is_refused_or_told() {
     for name in ["membrane", "al-bending"] {
-        let mut random = Random(50);
+        let mut random = Random::new(50);
         let rig = Rig::new(name, Solver::OneMode, &mut random);
         let sensor = measured(name, &rig, &mut random);
         let told = |rig: &Rig, sensor: &Measurement, moved_m: f64, what: &str| {
@@ -103,7 +103,7 @@ fn what_goes_wrong_with_one_sensor_is_refused_or_told() {
 
 #[test]
 fn a_membrane_without_a_tension_has_no_source_that_could_be_fitted() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut rig = Rig::new("membrane", Solver::OneMode, &mut random);
     let sensor = measured("membrane", &rig, &mut random);
     let mut spec = rig.nominal.spec().clone();

@@ -2,9 +2,10 @@
 //! equation or in two dimensions, with noise and 12 bits.
 
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
+pub(crate) use slipline_plate::truth::Random;
+use slipline_plate::truth::near;
 use slipline_plate::{
-    Actuator, Complex64, DriveEnd, DriveTable, Equation, Finger, Impedance, Peak, Plate, Resonator, Source,
-    Taper, airy, plane, preset, respond_batch, respond_touched,
+    Complex64, DriveTable, Equation, Finger, Peak, Plate, airy, plane, preset, respond_batch, respond_touched,
 };
 use std::f64::consts::TAU;
 
@@ -18,33 +19,6 @@ const BOUNDARIES: usize = 33;
 const CODES: f64 = 2048.0;
 /// Points of a field: an error of 1e-6.
 const POINTS: usize = 1601;
-
-/// SplitMix64 (Steele, Lea and Flood 2014).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    /// Uniform from `low` to `high`.
-    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform in the logarithm.
-    pub(crate) fn factor(&mut self, low: f64, high: f64) -> f64 {
-        self.within(low.ln(), high.ln()).exp()
-    }
-
-    /// Of mean 0 and variance 1 (Box and Muller).
-    pub(crate) fn normal(&mut self) -> f64 {
-        (-2.0 * self.within(1e-300, 1.0).ln()).sqrt() * (TAU * self.within(0.0, 1.0)).cos()
-    }
-}
 
 /// What a plate is solved with.
 #[derive(Clone, Copy, PartialEq)]
@@ -67,45 +41,16 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// A truth near the preset: speed +-5 %, loss x0.5 to 2.5, taper +-0.4 %, width +-0.3 %, a source of 0.4 to 2.5 times
-    /// the resistance that matches with mass and spring, an actuator, a delay and a gain.
+    /// A truth near the preset with a delay and a gain.
     pub(crate) fn new(name: &str, solver: Solver, random: &mut Random) -> Self {
         let nominal = preset(name).expect("a preset");
-        let mut spec = nominal.with_wave_speed(random.within(0.95, 1.05)).expect("valid").spec().clone();
-        spec.loss_factor *= random.factor(0.5, 2.5);
-        let Taper::Exponential { half_width_m, rate_per_m } = &mut spec.taper else {
-            panic!("the presets' tapers are exponential")
-        };
-        *rate_per_m *= random.within(0.996, 1.004);
-        *half_width_m *= random.within(0.997, 1.003);
-        let (low_hz, high_hz) = nominal.band_hz();
-        let middle_hz = 0.5 * (low_hz + high_hz);
-        let omega = TAU * middle_hz;
-        let z = nominal.wave_impedance_n_s_per_m(middle_hz).expect("told");
-        let lead_in = match nominal.spec().drive_end {
-            DriveEnd::Source(source) => source.lead_in,
-            _ => None,
-        };
-        // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
-        let matched = if lead_in.is_some() { 0.3 * z } else { z };
-        let impedance = Impedance {
-            resistance_n_s_per_m: matched * random.factor(0.4, 2.5),
-            mass_kg: random.within(0.0, 1.0) * matched / omega,
-            stiffness_n_per_m: random.within(0.0, 1.0) * matched * omega,
-        };
-        spec.drive_end =
-            DriveEnd::Source(Source { impedance, lead_in, ..Source::soft(&spec.model, middle_hz) });
-        spec.actuator = Some(Actuator::Resonator(Resonator {
-            resonance_hz: middle_hz * random.factor(0.5, 2.0),
-            quality: random.factor(0.7, 5.0),
-            travel: None,
-        }));
+        let truth = near(&nominal, random).expect("a valid plate");
         Self {
-            truth: Plate::new(spec).expect("a valid plate"),
-            nominal,
+            truth,
             solver,
             gain: random.factor(1e3, 1e6),
-            delay_s: random.within(0.0, 3.0) / high_hz,
+            delay_s: random.within(0.0, 3.0) / nominal.band_hz().1,
+            nominal,
             finger: None,
             snr_db: 40.0,
         }

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// A rig whose truth is driven at a voltage: the electrical side is part of what resists the end, and the actuator is the
 /// amplifier.
 pub(crate) fn rig(name: &str, seed: u64) -> (Rig, Electrics, Random) {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let rig = Rig::new(name, Solver::OneMode, &mut random);
     let electrics = Electrics {
         transducer: if name == "membrane" { Transducer::Coil } else { Transducer::Piezo },

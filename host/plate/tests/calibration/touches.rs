@@ -39,7 +39,7 @@ fn told_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling)
 /// Distance of the told and the felt edge over the frequencies, mm: root of the mean square by the plain file and after
 /// two touches. `None` if the touches are refused.
 fn before_and_after(name: &str, seed: u64, drive: Drive, count: usize) -> Option<[f64; 2]> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let rig = match drive {
         Drive::Told => Rig::new(name, Solver::OneMode, &mut random).with_told_drive(),
         Drive::Unknown => Rig::new(name, Solver::OneMode, &mut random),
@@ -123,7 +123,7 @@ fn two_touches_serve_an_unknown_drive_of_aluminium_and_a_measured_one_of_a_membr
 
 #[test]
 fn touches_that_tell_nothing_are_refused() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let plate = Rig::new("membrane", Solver::OneMode, &mut random).nominal;
     let refused = |marks: &[(f64, f64)], peak_m: f64| {
         let touches: Vec<Touch> = marks

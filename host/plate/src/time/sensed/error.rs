@@ -1,0 +1,25 @@
+//! Why a place cannot be sensed.
+
+use crate::quantity::OutOfRange;
+
+/// Largest error of an output over the exact band, relative to the answer itself.
+pub(super) const ERROR_MAX: f64 = 5e-3;
+
+/// Why a place cannot be sensed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SenseError {
+    /// The place or the delay is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// A strain sensor on a membrane or a shear wave.
+    #[error(
+        "a membrane or a shear wave strains its surface only with the square of its slope: sense displacement, velocity or acceleration"
+    )]
+    NoStrain,
+    /// The answer at this place is no sum of decaying resonances.
+    #[error("the answer at this place cannot be simulated in time: it is off by {:.2} % of itself, at most {:.2} % is allowed", .error * 100.0, ERROR_MAX * 100.0)]
+    Unfit {
+        /// Largest error over the exact band, relative to the answer.
+        error: f64,
+    },
+}

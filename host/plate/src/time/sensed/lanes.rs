@@ -1,0 +1,13 @@
+//! How resonators and outputs lie in memory: in whole vectors.
+
+/// Resonators that are computed together.
+pub(super) const LANES: usize = 8;
+/// A vector.
+pub(super) type Lanes = [f64; LANES];
+
+/// Values in whole vectors; what fills the last one is zero.
+pub(super) fn in_lanes(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.resize(values.len().next_multiple_of(LANES), 0.0);
+    values
+}

@@ -1,0 +1,234 @@
+//! The plate as the inputs of a device sample it: DAC codes in, the signal of a sensor at a place and the motion of the
+//! drive point out, one value per code.
+//!
+//! ```text
+//! field at sampled frequencies --> poles (fit) --> resonators at the sample rate, common to all places
+//!              |                                          |
+//!              +--> residues of one place (output) ------>+--> one value per code
+//! ```
+//! The resonators do not know where the sensor stands: it may be moved while they ring. No filter lies between the codes
+//! and the plate, so an answer is late by the hold of the DAC alone.
+
+mod error;
+mod fields;
+mod lanes;
+mod output;
+mod resonators;
+
+use super::analytic_signal::BandPlan;
+use super::fit;
+use super::line::{LineError, check, check_fit};
+use crate::calibrate::SensorKind;
+use crate::frequency::finger::Finger;
+use crate::quantity::{OutOfRange, Range};
+use crate::spec::plate::Plate;
+use crate::spec::sample_rate::hold_droop;
+use fields::Fields;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+pub use error::SenseError;
+pub use output::Output;
+pub use resonators::Resonators;
+
+/// Places for the search of the poles.
+const PLACES: usize = 129;
+/// How far beyond the span's band the plate is exact, as a factor of its lowest and of its highest frequency.
+const BEYOND: (f64, f64) = (0.8, 1.5);
+/// The same with a finger, far above whose band its contact is no sum of resonances.
+const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
+/// Factors per sample of what decays within a few samples: it follows the codes themselves.
+const SHORT: [Complex64; 4] =
+    [Complex64::ZERO, Complex64::new(0.5, 0.0), Complex64::new(-0.5, 0.0), Complex64::new(0.0, 0.6)];
+/// Highest frequency of that over the sample rate.
+const TOP_TO_RATE: f64 = 0.4;
+
+/// A plate at a sample rate, ready to be sampled at any place.
+///
+/// ```
+/// use slipline_plate::calibrate::SensorKind;
+/// use slipline_plate::{SensedPlate, preset};
+///
+/// let plate = SensedPlate::new(&preset("membrane").unwrap(), None, 400e3).unwrap();
+/// let sensor = plate.sensor(SensorKind::Displacement, 0.03, 0.0).unwrap();
+/// let velocity = plate.drive_point().unwrap();
+/// let mut resonators = plate.at_rest();
+/// let mut largest_m: f64 = 0.0;
+/// for n in 0..40_000 {
+///     let code = (std::f64::consts::TAU * 150.0 * f64::from(n) / 400e3).cos();
+///     let [metres, _metres_per_s] = resonators.step(code, [&sensor, &velocity]);
+///     largest_m = largest_m.max(metres);
+/// }
+/// assert!(largest_m > 1e-6);
+/// ```
+#[derive(Debug, Clone)]
+pub struct SensedPlate {
+    plate: Plate,
+    sample_rate_hz: f64,
+    fields: Fields,
+    /// e^(-j p T) of each pole p of the plate.
+    advance: Vec<Complex64>,
+}
+
+impl SensedPlate {
+    /// Prepares a plate, perhaps with a finger that rests on it, for codes at one of [`crate::sample_rates`].
+    ///
+    /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest to 1.05
+    /// of the highest) the answer is that of the frequency domain; above it falls off. A measured drive of the plate's
+    /// calibration is left out, as on a [`super::TimeDomainLine`].
+    ///
+    /// # Errors
+    /// Those of [`super::TimeDomainLine::touched`].
+    pub fn new(plate: &Plate, finger: Option<&Finger>, sample_rate_hz: f64) -> Result<Self, LineError> {
+        check(plate, sample_rate_hz, 1)?;
+        if let Some(finger) = finger {
+            finger.check(plate).map_err(LineError::Finger)?;
+        }
+        let beyond = if finger.is_some() { BEYOND_TOUCHED } else { BEYOND };
+        let (low_hz, high_hz) = plate.band_hz();
+        let top_hz = (beyond.1 * high_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
+        let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
+        let stop_hz = plan.stop_hz();
+        let fit = match finger {
+            None => fit::bank(fit::response(plate, 1, PLACES, stop_hz.1), &plan, PLACES),
+            Some(finger) => fit::bank(fit::touched_response(plate, finger, PLACES, stop_hz.1), &plan, PLACES),
+        };
+        check_fit(&fit)?;
+        let pole = fields::with_background(&fit.bank.pole, stop_hz, sample_rate_hz);
+        let exact_hz = (beyond.0 * low_hz, top_hz);
+        let fields = Fields::new(plate, finger, &pole, exact_hz, stop_hz, sample_rate_hz);
+        let decays = pole.iter().map(|p| (Complex64::new(0.0, -1.0) * p / sample_rate_hz).exp());
+        let advance = decays.chain(SHORT).collect();
+        Ok(Self { plate: plate.clone(), sample_rate_hz, fields, advance })
+    }
+
+    /// What a sensor at `place_m` (0 to the plate's length) shows per code of 1: metres, m/s, m/s^2 or strain, later than
+    /// the plate by `delay_s` (0 to one sample).
+    ///
+    /// A tone whose codes are cos(omega t_n) gives Re(H e^(-j omega (t_n - delay))) at sample n, with H = the steady
+    /// amplitude at the place times the hold's droop sinc(f/fs), and the delay `delay_s` + [`SensedPlate::hold_delay_s`].
+    ///
+    /// # Errors
+    /// [`SenseError`]: the place is not on the plate, the delay is out of range, the surface of this plate has no strain,
+    /// or the answer at this place is no sum of resonances.
+    pub fn sensor(&self, sensor: SensorKind, place_m: f64, delay_s: f64) -> Result<Output, SenseError> {
+        OutOfRange::check("sensor place", place_m, Range::new(0.0, self.plate.length_m(), "m"))?;
+        OutOfRange::check("sensor delay", delay_s, Range::new(0.0, 1.0 / self.sample_rate_hz, "s"))?;
+        let per_deflection = self.per_deflection(sensor)?;
+        self.output(delay_s, |hz, field| {
+            per_deflection(hz) * self.fields.seen(field, place_m, sensor) * self.code_to_drive(hz)
+        })
+    }
+
+    /// The velocity of the drive point per code of 1, m/s.
+    ///
+    /// # Errors
+    /// [`SenseError::Unfit`].
+    pub fn drive_point(&self) -> Result<Output, SenseError> {
+        self.with_drive_point(|_, velocity| velocity)
+    }
+
+    /// A signal that follows the drive: `signal` gets a frequency in Hz and the drive point's velocity per code of 1 there,
+    /// m/s, and tells the signal's amplitude per code of 1.
+    ///
+    /// # Errors
+    /// [`SenseError::Unfit`].
+    pub fn with_drive_point(
+        &self,
+        signal: impl Fn(f64, Complex64) -> Complex64,
+    ) -> Result<Output, SenseError> {
+        self.output(0.0, |hz, field| {
+            signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_drive(hz))
+        })
+    }
+
+    /// The largest amplitude anywhere on the plate per code of 1, at the frequency of the span's band where that is least:
+    /// about what a table's tone at level 1 reaches everywhere. In metres, m/s, m/s^2 or strain.
+    ///
+    /// # Errors
+    /// [`SenseError::NoStrain`].
+    pub fn even_amplitude(&self, sensor: SensorKind) -> Result<f64, SenseError> {
+        let (low_hz, high_hz) = self.plate.band_hz();
+        let per_deflection = self.per_deflection(sensor)?;
+        let deflection = |hz: f64, field: &[Complex64]| {
+            field.iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt() * self.code_to_drive(hz).norm()
+        };
+        let band = || self.fields.each().filter(|(hz, _)| (low_hz..=high_hz).contains(hz));
+        let least_m = band().map(|(hz, field)| deflection(hz, field)).fold(f64::INFINITY, f64::min);
+        // A table levels the deflection, so the highest frequency is the loudest one in every other kind.
+        let curvature = match sensor {
+            // Of a plane wave.
+            SensorKind::Strain => self.plate.width_mode(1).wavenumber_squared(0.0, high_hz).max(0.0),
+            _ => 1.0,
+        };
+        Ok(least_m * curvature * per_deflection(high_hz).norm())
+    }
+
+    /// What a sensor shows of a deflection of 1 m (of a curvature of 1/m for strain) at a frequency.
+    fn per_deflection(&self, sensor: SensorKind) -> Result<impl Fn(f64) -> Complex64 + use<>, SenseError> {
+        // The surface is half of the thickness away from the neutral plane.
+        let half_thickness_m = self.plate.spec().model.bending().map(|bending| 0.5 * bending.thickness_m);
+        if sensor == SensorKind::Strain && half_thickness_m.is_none() {
+            return Err(SenseError::NoStrain);
+        }
+        Ok(move |hz: f64| {
+            let omega = TAU * hz;
+            match sensor {
+                SensorKind::Displacement => Complex64::ONE,
+                SensorKind::Velocity => Complex64::new(0.0, -omega),
+                SensorKind::Acceleration => Complex64::from(-omega * omega),
+                SensorKind::Strain => Complex64::from(half_thickness_m.unwrap_or(f64::NAN)),
+            }
+        })
+    }
+
+    /// Metres of the drive per code of 1, over a drive of 1 of the plate's solver.
+    fn code_to_drive(&self, frequency_hz: f64) -> Complex64 {
+        let spec = self.plate.spec();
+        let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
+        actuator * spec.full_scale_m
+    }
+
+    /// The output of a steady signal per code, without the codes' own hold and delay.
+    fn output(
+        &self,
+        delay_s: f64,
+        amplitude: impl Fn(f64, &[Complex64]) -> Complex64,
+    ) -> Result<Output, SenseError> {
+        let goal = |(hz, field): (f64, &[Complex64])| {
+            let lag = Complex64::cis(TAU * hz * (self.hold_delay_s() + delay_s));
+            (hz, amplitude(hz, field) * hold_droop(hz, self.sample_rate_hz) * lag)
+        };
+        let goals = self.fields.each().map(goal).collect();
+        Output::fit(goals, self.exact_hz(), &self.advance, self.sample_rate_hz)
+    }
+
+    /// How late every output is, seconds: by half a sample, for which the DAC has held a code in the mean. Inputs that are
+    /// sampled as each code leaves have no other delay.
+    pub fn hold_delay_s(&self) -> f64 {
+        0.5 / self.sample_rate_hz
+    }
+
+    /// The steady amplitude of an output of this plate per code of 1 at `frequency_hz`, as [`SensedPlate::sensor`] has it.
+    pub fn steady(&self, output: &Output, frequency_hz: f64) -> Complex64 {
+        output.steady(&self.advance, frequency_hz, self.sample_rate_hz)
+    }
+
+    /// The resonators at rest.
+    pub fn at_rest(&self) -> Resonators {
+        Resonators::new(&self.advance)
+    }
+
+    /// Frequencies between which every output is that of the frequency domain, Hz.
+    pub fn exact_hz(&self) -> (f64, f64) {
+        self.fields.exact_hz()
+    }
+
+    /// The plate.
+    pub fn plate(&self) -> &Plate {
+        &self.plate
+    }
+}
+
+#[cfg(test)]
+mod tests;

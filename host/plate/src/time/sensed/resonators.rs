@@ -1,0 +1,96 @@
+//! The resonators at the sample rate.
+
+use super::lanes::{LANES, Lanes, in_lanes};
+use super::output::Output;
+use num_complex::Complex64;
+use pulp::{Arch, Simd, WithSimd};
+
+/// The state of a plate's resonators: z(n) = lambda z(n-1) + u(n), with the code u.
+#[derive(Debug, Clone)]
+pub struct Resonators {
+    arch: Arch,
+    re: Vec<f64>,
+    im: Vec<f64>,
+    advance_re: Vec<f64>,
+    advance_im: Vec<f64>,
+}
+
+impl Resonators {
+    /// At rest, with these factors per sample.
+    pub(super) fn new(advance: &[Complex64]) -> Self {
+        let padded = advance.len().next_multiple_of(LANES);
+        let part = |of: fn(&Complex64) -> f64| in_lanes(advance.iter().map(of));
+        Self {
+            arch: Arch::new(),
+            re: vec![0.0; padded],
+            im: vec![0.0; padded],
+            advance_re: part(|lambda| lambda.re),
+            advance_im: part(|lambda| lambda.im),
+        }
+    }
+
+    /// Takes the code `code` (-1 to 1 of full scale) and samples two outputs.
+    pub fn step(&mut self, code: f64, outputs: [&Output; 2]) -> [f64; 2] {
+        let (mut first, mut second) = ([0.0], [0.0]);
+        self.run(&[code], outputs, [&mut first, &mut second]);
+        [first[0], second[0]]
+    }
+
+    /// As [`Resonators::step`] for many codes: both inputs are sampled as each code leaves. It ends with the shortest of
+    /// the slices.
+    ///
+    /// The outputs must be of the plate of these resonators; what an output of another plate gives has no meaning.
+    pub fn run(&mut self, codes: &[f64], outputs: [&Output; 2], signals: [&mut [f64]; 2]) {
+        let [first, second] = signals;
+        let samples =
+            codes.iter().zip(first).zip(second).map(|((code, first), second)| (*code, first, second));
+        self.arch.dispatch(Run {
+            samples,
+            states: (self.re.as_chunks_mut().0, self.im.as_chunks_mut().0),
+            advance: (self.advance_re.as_chunks().0, self.advance_im.as_chunks().0),
+            outputs: outputs.map(|it| (it.re.as_chunks().0, it.im.as_chunks().0)),
+        });
+    }
+
+    /// Puts the plate to rest.
+    pub fn rest(&mut self) {
+        self.re.fill(0.0);
+        self.im.fill(0.0);
+    }
+}
+
+struct Run<'a, I> {
+    samples: I,
+    states: (&'a mut [Lanes], &'a mut [Lanes]),
+    advance: (&'a [Lanes], &'a [Lanes]),
+    outputs: [(&'a [Lanes], &'a [Lanes]); 2],
+}
+
+impl<'a, I: Iterator<Item = (f64, &'a mut f64, &'a mut f64)>> WithSimd for Run<'_, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let [(b_re, b_im), (c_re, c_im)] = self.outputs;
+        let count = self.states.0.len().min(b_re.len()).min(c_re.len());
+        let (re, im) = (&mut self.states.0[..count], &mut self.states.1[..count]);
+        let (a_re, a_im) = (&self.advance.0[..count], &self.advance.1[..count]);
+        let (b_re, b_im, c_re, c_im) = (&b_re[..count], &b_im[..count], &c_re[..count], &c_im[..count]);
+        for (code, first, second) in self.samples {
+            let (mut b_sum, mut c_sum) = ([0.0; LANES], [0.0; LANES]);
+            for i in 0..count {
+                for lane in 0..LANES {
+                    let (x, y) = (
+                        a_re[i][lane].mul_add(re[i][lane], (-a_im[i][lane]).mul_add(im[i][lane], code)),
+                        a_re[i][lane].mul_add(im[i][lane], a_im[i][lane] * re[i][lane]),
+                    );
+                    (re[i][lane], im[i][lane]) = (x, y);
+                    b_sum[lane] = b_re[i][lane].mul_add(x, (-b_im[i][lane]).mul_add(y, b_sum[lane]));
+                    c_sum[lane] = c_re[i][lane].mul_add(x, (-c_im[i][lane]).mul_add(y, c_sum[lane]));
+                }
+            }
+            *first = b_sum.iter().sum();
+            *second = c_sum.iter().sum();
+        }
+    }
+}

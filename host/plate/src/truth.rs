@@ -1,0 +1,174 @@
+//! A plate that nobody knows, drawn at random near a nominal one: for tests and for a simulated rig.
+
+use crate::spec::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper};
+use std::f64::consts::TAU;
+
+/// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Random(u64);
+
+impl Random {
+    /// The numbers of a seed.
+    #[must_use]
+    pub const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 bits.
+    pub const fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    /// Uniform from `low` to `high`.
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Uniform in the logarithm, from `low` to `high`, both above 0.
+    pub fn factor(&mut self, low: f64, high: f64) -> f64 {
+        self.within(low.ln(), high.ln()).exp()
+    }
+
+    /// Of mean 0 and variance 1.
+    pub fn normal(&mut self) -> f64 {
+        self.normals()[0]
+    }
+
+    /// Two independent ones of mean 0 and variance 1 (Box and Muller).
+    pub fn normals(&mut self) -> [f64; 2] {
+        let (size, turn) = ((-2.0 * self.within(1e-300, 1.0).ln()).sqrt(), TAU * self.within(0.0, 1.0));
+        let (sine, cosine) = turn.sin_cos();
+        [size * cosine, size * sine]
+    }
+}
+
+/// A true plate near `nominal`, as a workshop makes it: wave speed within 5 % of the nominal one, loss x0.5 to 2.5,
+/// ln(W0/W) within 0.4 %, W0 within 0.3 %, a source with 0.4 to 2.5 times the resistance that matches and with mass and
+/// spring, and an actuator with a resonance.
+///
+/// A plate whose file does not tell its wave impedance keeps its driven end. The next numbers of `random` are not used: a
+/// rig draws its delay and gain from them.
+///
+/// # Errors
+/// [`PlateError`] if the plate that was drawn leaves a limit of plates.
+pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
+    let mut spec = nominal.with_wave_speed(random.within(0.95, 1.05))?.spec().clone();
+    spec.loss_factor = (spec.loss_factor * random.factor(0.5, 2.5)).min(crate::limits::LOSS_FACTOR.high);
+    let (rate, width) = (random.within(0.996, 1.004), random.within(0.997, 1.003));
+    // ln(W0/W) goes with `rate`, W0 with `width`.
+    let narrowed = |start: f64, half_width: f64| width * start * (half_width / start).powf(rate);
+    match &mut spec.taper {
+        Taper::Exponential { half_width_m, rate_per_m } => {
+            *rate_per_m *= rate;
+            *half_width_m *= width;
+        }
+        Taper::Linear { half_width_m, end_half_width_m } => {
+            *end_half_width_m = narrowed(*half_width_m, *end_half_width_m);
+            *half_width_m *= width;
+        }
+        Taper::Sampled { points } => {
+            let start = points.first().map_or(1.0, |point| point[1]);
+            points.iter_mut().for_each(|point| point[1] = narrowed(start, point[1]));
+        }
+    }
+    let (low_hz, high_hz) = nominal.band_hz();
+    let middle_hz = 0.5 * (low_hz + high_hz);
+    let source = nominal.wave_impedance_n_s_per_m(middle_hz).map(|impedance| {
+        let (slope, lead_in) = match nominal.spec().drive_end {
+            DriveEnd::Source(source) => (source.slope, source.lead_in),
+            DriveEnd::DisplacementAndSlope { slope } => (Some(slope), None),
+            _ => (Source::soft(&spec.model, middle_hz).slope, None),
+        };
+        // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
+        let matched = if lead_in.is_some() { 0.3 * impedance } else { impedance };
+        let omega = TAU * middle_hz;
+        let impedance = Impedance {
+            resistance_n_s_per_m: matched * random.factor(0.4, 2.5),
+            mass_kg: random.within(0.0, 1.0) * matched / omega,
+            stiffness_n_per_m: random.within(0.0, 1.0) * matched * omega,
+        };
+        Source { impedance, slope, lead_in, at_frequency_hz: middle_hz }
+    });
+    if let Some(source) = source {
+        spec.drive_end = DriveEnd::Source(source);
+    }
+    spec.actuator = Some(Actuator::Resonator(Resonator {
+        resonance_hz: middle_hz * random.factor(0.5, 2.0),
+        quality: random.factor(0.7, 5.0),
+        travel: spec.actuator.as_ref().and_then(|it| it.resonator()).and_then(|it| it.travel),
+    }));
+    Plate::new(spec)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::presets;
+
+    #[test]
+    fn twenty_truths_of_each_preset_are_plates_within_what_is_told_and_none_is_another() {
+        for preset in presets() {
+            let nominal = preset.plate().expect("a preset");
+            let mut before = nominal.clone();
+            for seed in 0..20 {
+                let plate = near(&nominal, &mut Random::new(seed)).expect("a plate");
+                assert_eq!(near(&nominal, &mut Random::new(seed)).as_ref(), Ok(&plate), "the same again");
+                assert_ne!(plate, before, "{} {seed}", preset.name);
+                let share = plate.frequency_for_boundary_hz(0.5 * plate.length_m())
+                    / nominal.frequency_for_boundary_hz(0.5 * plate.length_m());
+                // In bending the frequency goes with the square of the phase speed.
+                assert!((0.88..1.13).contains(&share), "{} {seed}: {share}", preset.name);
+                let width = plate.half_width_m(0.0) / nominal.half_width_m(0.0);
+                assert!((0.997..=1.003).contains(&width), "{} {seed}: {width}", preset.name);
+                let fall = |it: &Plate| (it.half_width_m(0.0) / it.half_width_m(it.length_m())).ln();
+                let rate = fall(&plate) / fall(&nominal);
+                assert!((0.996..=1.004).contains(&rate), "{} {seed}: {rate}", preset.name);
+                let loss = plate.spec().loss_factor / nominal.spec().loss_factor;
+                assert!((0.5..=2.5).contains(&loss), "{} {seed}: {loss}", preset.name);
+                before = plate;
+            }
+        }
+    }
+
+    #[test]
+    fn every_taper_is_drawn_alike() {
+        let nominal = crate::preset("membrane").expect("a preset");
+        let places: Vec<f64> = (0..=8).map(|i| 0.04 * f64::from(i)).collect();
+        let points = places.iter().map(|&x| [x, nominal.half_width_m(x)]).collect();
+        let mut spec = nominal.spec().clone();
+        spec.taper = Taper::Sampled { points };
+        let sampled = Plate::new(spec.clone()).expect("a plate");
+        spec.taper = Taper::Linear { half_width_m: 0.05, end_half_width_m: nominal.half_width_m(0.32) };
+        let linear = Plate::new(spec).expect("a plate");
+        let drawn = |plate: &Plate| near(plate, &mut Random::new(5)).expect("a plate");
+        for &x in &places {
+            let ratio = drawn(&sampled).half_width_m(x) / drawn(&nominal).half_width_m(x);
+            assert!((ratio - 1.0).abs() < 1e-9, "{x}: {ratio}");
+        }
+        for x in [0.0, 0.32] {
+            let ratio = drawn(&linear).half_width_m(x) / drawn(&nominal).half_width_m(x);
+            assert!((ratio - 1.0).abs() < 1e-9, "{x}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn the_numbers_are_uniform_and_normal() {
+        let mut random = Random::new(7);
+        let (mut mean, mut square, mut product) = (0.0, 0.0, 0.0);
+        let count = 20_000;
+        for _ in 0..count {
+            let [a, b] = random.normals();
+            mean += a + b;
+            square += a * a + b * b;
+            product += a * b;
+            let factor = random.factor(0.5, 2.0);
+            assert!((0.5..=2.0).contains(&factor));
+        }
+        let each = 1.0 / f64::from(count);
+        assert!((0.5 * mean * each).abs() < 0.02 && (0.5 * square * each - 1.0).abs() < 0.02);
+        assert!((product * each).abs() < 0.02);
+    }
+}
