@@ -6,7 +6,7 @@ use super::watch::Watch;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
 use crate::simulator::realtime::{Clock, RealtimeDevice, RealtimeLine};
-use crate::simulator::{Options, SimulatedDevice};
+use crate::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use crate::transport::{Opener, Waker};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -20,10 +20,22 @@ pub fn system_clock() -> Clock {
 
 impl Watch for RealtimeLine {}
 
+/// Wires a simulated device that is switched on to what its inputs sample.
+type Wiring = Box<dyn FnMut() -> Box<dyn SimulatedInputs> + Send>;
+
 /// Opens ports of this computer. The simulated device is switched on at its first use and stays on.
 #[derive(Default)]
 pub struct SystemOpener {
     simulated: Option<Arc<Mutex<RealtimeDevice>>>,
+    wiring: Option<Wiring>,
+}
+
+impl SystemOpener {
+    /// As the default one, whose simulated device has no inputs; this one's has those of `wiring`, which is called when the
+    /// device is switched on. Its sample rate is that of [`Options::default`].
+    pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
+        Self { simulated: None, wiring: Some(Box::new(wiring)) }
+    }
 }
 
 impl Opener for SystemOpener {
@@ -36,8 +48,12 @@ impl Opener for SystemOpener {
     fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
         match port {
             Port::Simulated => {
+                let wiring = &mut self.wiring;
                 let device = self.simulated.get_or_insert_with(|| {
-                    let device = SimulatedDevice::new(Options::default());
+                    let device = match wiring {
+                        Some(wiring) => SimulatedDevice::with_inputs(Options::default(), wiring()),
+                        None => SimulatedDevice::new(Options::default()),
+                    };
                     Arc::new(Mutex::new(RealtimeDevice::new(device, system_clock())))
                 });
                 Ok(Box::new(RealtimeLine::new(device.clone(), waker.clone())))
