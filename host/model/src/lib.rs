@@ -25,6 +25,7 @@ pub mod measure;
 pub mod played;
 pub mod recording;
 pub mod response;
+pub mod rig;
 pub mod scenes;
 pub mod setup;
 pub mod sound;

@@ -1,0 +1,18 @@
+//! Why a rig cannot be put together.
+
+use slipline_plate::quantity::OutOfRange;
+use slipline_plate::{LineError, SenseError};
+
+/// Why a rig cannot be put together, or its sensor not be moved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RigError {
+    /// An option is out of range.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// The plate cannot be simulated in time.
+    #[error(transparent)]
+    Line(#[from] LineError),
+    /// The sensor cannot stand there.
+    #[error(transparent)]
+    Sense(#[from] SenseError),
+}

@@ -1,0 +1,103 @@
+//! The motor between the amplifier and the driven end, as the shunt in its current sees it.
+//!
+//! With time as e^(-j omega t), U the amplifier's voltage and v the velocity of the driven end:
+//!
+//! ```text
+//! voice coil   I = (U - Bl v)/Re,           force Bl I      the file's resistance holds (Bl)^2/Re
+//! piezo        I = -j omega C U + N v,      force N U
+//! ```
+//! An actuator of the plate file stands before both, as the amplifier's own response: it scales U.
+
+use slipline_plate::{Complex64, DriveEnd, Plate};
+use std::f64::consts::TAU;
+
+/// Below this frequency a plate has a voice coil, above it a piezo.
+const COIL_BELOW_HZ: f64 = 1e3;
+/// Re of a voice coil, ohm.
+const COIL_OHM: f64 = 4.0;
+/// Share of the file's resistance that is the coil's damping by its amplifier.
+const ELECTRICAL_SHARE: f64 = 0.5;
+/// Voltage of a piezo at DAC full scale.
+const PIEZO_V: f64 = 60.0;
+/// A piezo's own current over what the free wave's motion adds to it.
+const CAPACITIVE: f64 = 6.0;
+
+/// How a motor turns current and voltage into force and motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Transducer {
+    /// A coil in a magnet's field.
+    Coil {
+        /// Re, ohm.
+        resistance_ohm: f64,
+        /// Bl, N/A.
+        force_factor_n_per_a: f64,
+    },
+    /// A piezo: a capacitance that pushes.
+    Piezo {
+        /// C, farad.
+        capacitance_f: f64,
+        /// N, newton per volt, which is coulomb per metre.
+        force_factor_n_per_v: f64,
+    },
+}
+
+/// A motor behind an amplifier of constant voltage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motor {
+    /// What it is.
+    pub transducer: Transducer,
+    /// The amplifier's voltage at DAC full scale.
+    pub full_scale_v: f64,
+}
+
+impl Motor {
+    /// A motor that pushes this plate with the force that its file tells: a voice coil of 4 ohm, half of whose resistance
+    /// is its own damping, or from 1 kHz on a piezo.
+    ///
+    /// A plate file without a source tells no force: its motor has that of the wave which full scale moves.
+    #[must_use]
+    pub fn of(plate: &Plate) -> Self {
+        let (low_hz, high_hz) = plate.band_hz();
+        let omega = TAU * 0.5 * (low_hz + high_hz);
+        let metres = plate.spec().full_scale_m;
+        let source = match plate.spec().drive_end {
+            DriveEnd::Source(source) => Some(source),
+            _ => None,
+        };
+        let at_hz = source.map_or(omega / TAU, |source| source.at_frequency_hz);
+        let impedance = plate.wave_impedance_n_s_per_m(at_hz).filter(|z| *z > 0.0);
+        // What launches a wave of full scale: 2 omega Z. An unknown Z of 1 N s/m changes the scale of force alone.
+        let force_n = 2.0 * TAU * at_hz * impedance.unwrap_or(1.0) * metres;
+        if high_hz >= COIL_BELOW_HZ {
+            let force_factor_n_per_v = force_n / PIEZO_V;
+            let capacitance_f = CAPACITIVE * force_factor_n_per_v * metres / PIEZO_V;
+            let transducer = Transducer::Piezo { capacitance_f, force_factor_n_per_v };
+            return Self { transducer, full_scale_v: PIEZO_V };
+        }
+        let resistance = source.map(|source| source.impedance.resistance_n_s_per_m).filter(|r| *r > 0.0);
+        let electrical = ELECTRICAL_SHARE * resistance.or(impedance).unwrap_or(1.0);
+        // A source without any resistance has a coil that hardly damps.
+        let damps = source.is_none() || resistance.is_some();
+        let force_factor_n_per_a = (electrical * COIL_OHM).sqrt() * if damps { 1.0 } else { 0.03 };
+        Self {
+            transducer: Transducer::Coil { resistance_ohm: COIL_OHM, force_factor_n_per_a },
+            full_scale_v: force_n * COIL_OHM / force_factor_n_per_a,
+        }
+    }
+
+    /// The current per code of 1, in ampere, where the driven end moves with `velocity` (m/s per code of 1); `amplifier`
+    /// is the response of the plate file's actuator.
+    #[must_use]
+    pub fn current_a(&self, frequency_hz: f64, amplifier: Complex64, velocity: Complex64) -> Complex64 {
+        let voltage = amplifier * self.full_scale_v;
+        match self.transducer {
+            Transducer::Coil { resistance_ohm, force_factor_n_per_a } => {
+                (voltage - force_factor_n_per_a * velocity) / resistance_ohm
+            }
+            Transducer::Piezo { capacitance_f, force_factor_n_per_v } => {
+                Complex64::new(0.0, -TAU * frequency_hz * capacitance_f) * voltage
+                    + force_factor_n_per_v * velocity
+            }
+        }
+    }
+}

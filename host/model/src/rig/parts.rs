@@ -1,0 +1,32 @@
+//! What does not change while a rig runs.
+
+use super::error::RigError;
+use super::fault::RigFault;
+use super::options::RigOptions;
+use slipline_plate::{Output, SensedPlate};
+
+/// The computed parts of a rig.
+#[derive(Debug)]
+pub(super) struct Parts {
+    pub(super) plate: SensedPlate,
+    pub(super) options: RigOptions,
+    /// The current through the shunt.
+    pub(super) current: Output,
+    /// What the ends of both inputs' ranges stand for: the sensor's unit, ampere.
+    pub(super) full_scale: [f64; 2],
+    /// Samples by which the sensor is late, and the rest of its delay in seconds.
+    pub(super) late: (usize, f64),
+}
+
+impl Parts {
+    /// What the sensor shows that is put on a mark.
+    pub(super) fn sensor_at(&self, place_m: f64, fault: Option<RigFault>) -> Result<Output, RigError> {
+        let length_m = self.plate.plate().length_m();
+        let off_m = match fault {
+            Some(RigFault::OffItsMark(off_m)) if (0.0..=length_m).contains(&place_m) => off_m,
+            _ => 0.0,
+        };
+        let stands_m = if off_m == 0.0 { place_m } else { (place_m + off_m).clamp(0.0, length_m) };
+        Ok(self.plate.sensor(self.options.sensor, stands_m, self.late.1)?)
+    }
+}

@@ -1,0 +1,105 @@
+//! A rig that is put together: what takes time to compute is done.
+
+use super::bench::Bench;
+use super::error::RigError;
+use super::hand::RigHand;
+use super::motor::Motor;
+use super::options::RigOptions;
+use super::parts::Parts;
+use super::sampler::Sampler;
+use slipline_link::simulator::SimulatedInputs;
+use slipline_plate::{Complex64, Plate, SensedPlate};
+use std::sync::{Arc, Mutex};
+
+/// Room over what a tone of the table reaches at level 1: 12 dB, for a table that was made for another plate.
+const ROOM: f64 = 4.0;
+/// The shunt's range over the largest current of a full-scale tone in the band.
+const SHUNT_ROOM: f64 = 1.25;
+/// Frequencies at which the current is looked at for that.
+const CURRENTS: u32 = 64;
+
+/// A rig, ready for devices. Cloning is cheap; all devices of one share its bench.
+///
+/// ```
+/// use slipline_link::simulator::{Options, SimulatedDevice};
+/// use slipline_model::rig::{PreparedRig, RigOptions, secret};
+/// use slipline_plate::preset;
+///
+/// let truth = secret(&preset("membrane").unwrap(), 4).unwrap();
+/// let rig = PreparedRig::new(&truth, &RigOptions { place_m: 0.03, ..RigOptions::default() }, 400e3).unwrap();
+/// let mut device = SimulatedDevice::with_inputs(Options::default(), rig.inputs());
+/// device.advance(10, |_| ());
+/// rig.hand().put_sensor(0.16).unwrap();
+/// device.advance(10, |_| ());
+/// ```
+#[derive(Debug, Clone)]
+pub struct PreparedRig {
+    parts: Arc<Parts>,
+    bench: Arc<Mutex<Bench>>,
+}
+
+impl PreparedRig {
+    /// Puts a rig together on a true plate, for a device of this sample rate. It takes a moment to compute.
+    ///
+    /// # Errors
+    /// [`RigError`] names the option that is out of range, or why the plate cannot be simulated in time.
+    pub fn new(truth: &Plate, options: &RigOptions, sample_rate_hz: f64) -> Result<Self, RigError> {
+        options.check()?;
+        let plate = SensedPlate::new(truth, options.finger.as_ref(), sample_rate_hz)?;
+        let samples = options.sensor_delay_s * sample_rate_hz;
+        // The rest is a share of one sample.
+        let late = (samples as usize, samples.fract() / sample_rate_hz);
+        let motor = Motor::of(truth);
+        let amplifier =
+            |hz: f64| truth.spec().actuator.as_ref().map_or(Complex64::ONE, |actuator| actuator.response(hz));
+        let at = |hz: f64, velocity: Complex64| motor.current_a(hz, amplifier(hz), velocity);
+        let current = plate.with_drive_point(at)?;
+        let (low_hz, high_hz) = truth.band_hz();
+        let largest_a = (0..=CURRENTS)
+            .map(|i| low_hz + (high_hz - low_hz) * f64::from(i) / f64::from(CURRENTS))
+            .map(|hz| plate.steady(&current, hz).norm())
+            .fold(0.0, f64::max);
+        let even = plate.even_amplitude(options.sensor)?;
+        let full_scale = [options.full_scale.unwrap_or(ROOM * even), SHUNT_ROOM * largest_a];
+        let parts = Parts { plate, options: options.clone(), current, full_scale, late };
+        let sensor = Arc::new(parts.sensor_at(options.place_m, None)?);
+        let bench = Bench { place_m: options.place_m, sensor, fault: None };
+        Ok(Self { parts: Arc::new(parts), bench: Arc::new(Mutex::new(bench)) })
+    }
+
+    /// The inputs of a device that is wired to the rig: its plate is at rest.
+    #[must_use]
+    pub fn inputs(&self) -> Box<dyn SimulatedInputs> {
+        Box::new(Sampler::new(self.parts.clone(), self.bench.clone()))
+    }
+
+    /// A person at the rig.
+    #[must_use]
+    pub fn hand(&self) -> RigHand {
+        RigHand::new(self.parts.clone(), self.bench.clone())
+    }
+
+    /// The true plate.
+    #[must_use]
+    pub fn truth(&self) -> &Plate {
+        self.parts.plate.plate()
+    }
+
+    /// What the end of the sensor's range stands for, in metres, m/s, m/s^2 or strain.
+    #[must_use]
+    pub fn sensor_full_scale(&self) -> f64 {
+        self.parts.full_scale[0]
+    }
+
+    /// The current through the shunt per code of 1 in the steady state, in ampere, with the hold of the codes.
+    #[must_use]
+    pub fn current(&self, frequency_hz: f64) -> Complex64 {
+        self.parts.plate.steady(&self.parts.current, frequency_hz)
+    }
+
+    /// What the end of the shunt's range stands for, in ampere.
+    #[must_use]
+    pub fn shunt_full_scale_a(&self) -> f64 {
+        self.parts.full_scale[1]
+    }
+}

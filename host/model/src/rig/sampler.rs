@@ -1,0 +1,92 @@
+//! The rig in time: what its two inputs sample.
+
+use super::bench::{Bench, lock};
+use super::converter::{HALF, code};
+use super::fault::RigFault;
+use super::parts::Parts;
+use slipline_link::BLOCK;
+use slipline_link::simulator::SimulatedInputs;
+use slipline_plate::Resonators;
+use slipline_plate::truth::Random;
+use std::sync::{Arc, Mutex};
+
+/// One device at the rig.
+pub(super) struct Sampler {
+    parts: Arc<Parts>,
+    bench: Arc<Mutex<Bench>>,
+    resonators: Resonators,
+    /// The sensor's last signals, those that its delay has not let through yet.
+    late: Vec<f64>,
+    /// The oldest of them.
+    oldest: usize,
+    random: Random,
+}
+
+impl Sampler {
+    pub(super) fn new(parts: Arc<Parts>, bench: Arc<Mutex<Bench>>) -> Self {
+        Self {
+            resonators: parts.plate.at_rest(),
+            late: vec![0.0; parts.late.0],
+            oldest: 0,
+            random: Random::new(parts.options.seed),
+            parts,
+            bench,
+        }
+    }
+
+    /// Delays the sensor's signal by its whole samples.
+    fn delay(&mut self, signals: &mut [f64]) {
+        if self.late.is_empty() {
+            return;
+        }
+        for signal in signals {
+            std::mem::swap(signal, &mut self.late[self.oldest]);
+            self.oldest = (self.oldest + 1) % self.late.len();
+        }
+    }
+}
+
+impl SimulatedInputs for Sampler {
+    fn inputs(&self) -> usize {
+        2
+    }
+
+    fn delay_ns(&self) -> i32 {
+        // They are held as each code leaves.
+        0
+    }
+
+    fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; 2]) {
+        let Bench { sensor, fault, .. } = lock(&self.bench).clone();
+        let moves = !muted && fault.is_none_or(RigFault::drives);
+        let drive = |on: bool| codes.map(|code| if on { (f64::from(code) - HALF) / HALF } else { 0.0 });
+        let mut signals = [[0.0; BLOCK]; 2];
+        let [of_sensor, of_shunt] = &mut signals;
+        self.resonators.run(&drive(moves), [&*sensor, &self.parts.current], [of_sensor, of_shunt]);
+        self.delay(&mut signals[0]);
+        let [full_scale, full_scale_a] = self.parts.full_scale;
+        let gain = match fault {
+            Some(RigFault::Unplugged) => 0.0,
+            Some(RigFault::Clipped) => RigFault::TOO_MUCH,
+            _ => 1.0,
+        };
+        signals[0].iter_mut().for_each(|signal| *signal *= gain / full_scale);
+        signals[1].iter_mut().for_each(|signal| *signal /= full_scale_a);
+        match fault {
+            // What rings on in the plate moves the motor, but there is no circuit.
+            Some(RigFault::OpenMotor) => signals[1] = [0.0; BLOCK],
+            Some(RigFault::ShortedMotor) => signals[1] = drive(!muted).map(|code| RigFault::TOO_MUCH * code),
+            _ => {}
+        }
+        let noise_lsb = self.parts.options.noise_lsb;
+        for n in 0..BLOCK {
+            let noise = self.random.normals();
+            for input in 0..2 {
+                sensed[input][n] = code(signals[input][n], noise_lsb * noise[input]);
+            }
+        }
+        if let Some(RigFault::Stuck(stuck)) = fault {
+            sensed[0] = [stuck; BLOCK];
+        }
+    }
+}

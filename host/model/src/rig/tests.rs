@@ -1,0 +1,268 @@
+use super::*;
+use slipline_link::BLOCK;
+use slipline_link::simulator::SimulatedInputs;
+use slipline_plate::calibrate::SensorKind;
+use slipline_plate::{
+    Complex64, DriveEnd, Equation, Impedance, Source, TurningWidth, preset, presets, respond,
+};
+use std::f64::consts::{PI, TAU};
+
+const RATE_HZ: f64 = 400e3;
+
+fn rig(plate: &Plate, options: RigOptions) -> PreparedRig {
+    PreparedRig::new(plate, &options, RATE_HZ).expect("a rig")
+}
+
+/// Plays so many blocks of a tone (codes of this amplitude) and returns the codes of both inputs; `first` counts samples.
+fn play(inputs: &mut dyn SimulatedInputs, hz: f64, codes: f64, first: usize, blocks: usize) -> [Vec<u16>; 2] {
+    let mut heard = [Vec::new(), Vec::new()];
+    let mut sensed = [[0; BLOCK]; 2];
+    for block in 0..blocks {
+        let code = |i: usize| {
+            let n = (first + block * BLOCK + i) as f64;
+            (2048.0 + codes * (TAU * (hz * n / RATE_HZ).fract()).cos()).round() as u16
+        };
+        inputs.sample(&std::array::from_fn(code), false, &mut sensed);
+        for (heard, sensed) in heard.iter_mut().zip(&sensed) {
+            heard.extend_from_slice(sensed);
+        }
+    }
+    heard
+}
+
+/// The amplitude H of Re(H e^(-j omega t_n)) in codes; `hz` has whole periods in the codes.
+fn amplitude(codes: &[u16], hz: f64, first: usize) -> Complex64 {
+    let turned = codes.iter().zip(first..).map(|(&code, n)| {
+        Complex64::cis(TAU * (hz * n as f64 / RATE_HZ).fract()) * (f64::from(code) - 2048.0)
+    });
+    turned.sum::<Complex64>() * (2.0 / codes.len() as f64)
+}
+
+fn level_db(codes: &[u16]) -> f64 {
+    let mean = codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
+    let square = codes.iter().map(|&code| (f64::from(code) - mean).powi(2)).sum::<f64>() / codes.len() as f64;
+    10.0 * (square + 1e-9).log10()
+}
+
+/// The velocity of the driven end and its field, per code of 1, by the frequency domain; without the codes' hold.
+fn steady(plate: &Plate, hz: f64, points: usize) -> Vec<Complex64> {
+    let field = respond(plate, hz, points, Equation::Corrected).expect("in range").amplitude;
+    let drive = plate.drive_response(hz) * plate.spec().full_scale_m;
+    field.into_iter().map(|f| f * drive).collect()
+}
+
+fn hold(hz: f64) -> Complex64 {
+    let turn = PI * hz / RATE_HZ;
+    Complex64::cis(turn) * (turn.sin() / turn)
+}
+
+fn assert_close(what: &str, found: Complex64, exact: Complex64) {
+    let ratio = found / exact;
+    let (decibels, degrees) = (20.0 * ratio.norm().log10(), ratio.arg().to_degrees());
+    assert!(decibels.abs() < 0.05 && degrees.abs() < 0.3, "{what}: {decibels:.4} dB, {degrees:.3} degrees");
+}
+
+#[test]
+fn codes_of_sensor_and_shunt_are_what_the_frequency_domain_says_of_a_secret_plate() {
+    for (name, hz, settling) in [("membrane", 150.0, 3500), ("al-bending", 27e3, 400)] {
+        let truth = secret(&preset(name).expect("a preset"), 11).expect("a plate");
+        let place_m = 0.1 * truth.length_m();
+        let delay_s = 7.3e-6;
+        let options = RigOptions {
+            place_m,
+            sensor: SensorKind::Velocity,
+            sensor_delay_s: delay_s,
+            ..RigOptions::default()
+        };
+        let rig = rig(&truth, options);
+        let mut inputs = rig.inputs();
+        let codes = 900.0;
+        play(&mut *inputs, hz, codes, 0, settling);
+        let first = settling * BLOCK;
+        // 0.16 s: whole periods.
+        let heard = play(&mut *inputs, hz, codes, first, 500);
+        let field = steady(&truth, hz, 5001);
+        let velocity = |f: Complex64| Complex64::new(0.0, -TAU * hz) * f;
+        let per_code = codes * hold(hz);
+        let sensor = velocity(field[500]) * Complex64::cis(TAU * hz * delay_s) / rig.sensor_full_scale();
+        assert_close(name, amplitude(&heard[0], hz, first), sensor * per_code);
+        let amplifier = truth.spec().actuator.as_ref().expect("drawn").response(hz);
+        let current =
+            Motor::of(&truth).current_a(hz, amplifier, velocity(field[0])) / rig.shunt_full_scale_a();
+        assert_close(&format!("{name}, shunt"), amplitude(&heard[1], hz, first), current * per_code);
+        let nominal = Motor::of(&truth).current_a(hz, amplifier, Complex64::ZERO) / rig.shunt_full_scale_a();
+        assert!((current / nominal - 1.0).norm() > 0.02, "{name}: the shunt sees the plate");
+    }
+}
+
+#[test]
+fn the_power_that_the_shunt_measures_is_what_coil_source_and_plate_lose() {
+    let mut spec = preset("membrane").expect("a preset").spec().clone();
+    // Straight across, k^2 = K^2 - (pi/2W)^2 and nothing else.
+    spec.turning_width = TurningWidth::Plain;
+    let impedance = Impedance { resistance_n_s_per_m: 0.22, mass_kg: 1e-4, stiffness_n_per_m: 60.0 };
+    let source = Source { impedance, at_frequency_hz: 140.0, slope: None, lead_in: None };
+    spec.drive_end = DriveEnd::Source(source);
+    let plate = Plate::new(spec.clone()).expect("a plate");
+    let rig = rig(&plate, RigOptions::default());
+    let motor = Motor::of(&plate);
+    let Transducer::Coil { resistance_ohm, force_factor_n_per_a } = motor.transducer else {
+        panic!("a membrane has a coil")
+    };
+    let tension_n_per_m = 40.0;
+    for hz in [92.0, 120.0, 151.0, 205.0] {
+        let omega = TAU * hz;
+        let current = rig.current(hz) / hold(hz);
+        let taken = 0.5 * (motor.full_scale_v * current.conj()).re;
+        const POINTS: usize = 20_001;
+        let field = steady(&plate, hz, POINTS);
+        let step_m = plate.length_m() / (POINTS - 1) as f64;
+        // A sheet of tension T loses eta omega times its strain energy: the integral of T/(1 + eta^2) W (|f'|^2 +
+        // (q/W)^2 |f|^2)/2 over x.
+        let eta = plate.wave_loss();
+        let mut stored = 0.0;
+        for i in 1..POINTS {
+            let width = plate.half_width_m((i as f64 - 0.5) * step_m);
+            let (slope, middle) = ((field[i] - field[i - 1]) / step_m, 0.5 * (field[i] + field[i - 1]));
+            let across = (0.5 * PI / width).powi(2);
+            stored += width * (slope.norm_sqr() + across * middle.norm_sqr()) * step_m;
+        }
+        let plate_loss = 0.5 * omega * eta / (1.0 + eta * eta) * tension_n_per_m * stored;
+        let velocity = Complex64::new(0.0, -omega) * field[0];
+        let mechanical = 0.22 - force_factor_n_per_a.powi(2) / resistance_ohm;
+        let lost =
+            0.5 * resistance_ohm * current.norm_sqr() + 0.5 * mechanical * velocity.norm_sqr() + plate_loss;
+        assert!((taken / lost - 1.0).abs() < 2e-3, "{hz} Hz: {taken} W taken, {lost} W lost");
+        assert!(plate_loss > 0.03 * taken, "{hz} Hz: {plate_loss} W of it in the plate");
+    }
+}
+
+#[test]
+fn a_sensor_that_is_moved_sees_the_plate_where_it_stands_then() {
+    let plate = preset("al-bending").expect("a preset");
+    let rig = rig(&plate, RigOptions { place_m: 0.034, ..RigOptions::default() });
+    let (mut inputs, hand) = (rig.inputs(), rig.hand());
+    let hz = 25e3;
+    let blocks = 125;
+    play(&mut *inputs, hz, 1500.0, 0, 400);
+    let field = steady(&plate, hz, 3401);
+    let mut first = 400 * BLOCK;
+    for place_m in [0.034, 0.187, 0.1] {
+        hand.put_sensor(place_m).expect("on the plate");
+        assert_eq!(hand.place_m(), place_m);
+        let heard = play(&mut *inputs, hz, 1500.0, first, blocks);
+        let exact = field[(place_m * 1e4_f64).round() as usize] * hold(hz) * 1500.0 / rig.sensor_full_scale();
+        assert_close(&format!("{place_m}"), amplitude(&heard[0], hz, first), exact);
+        first += blocks * BLOCK;
+    }
+    let refused = hand.put_sensor(0.5).expect_err("beyond the end").to_string();
+    assert!(refused.starts_with("sensor place = ") && refused.contains("0 to 0.34 m"), "{refused}");
+    assert_eq!(hand.place_m(), 0.1);
+    // A millimetre off: the codes of that place, the mark of this one.
+    hand.set_fault(Some(RigFault::OffItsMark(0.001))).expect("a fault");
+    let heard = play(&mut *inputs, hz, 1500.0, first, blocks);
+    let exact = field[1010] * hold(hz) * 1500.0 / rig.sensor_full_scale();
+    assert_close("off its mark", amplitude(&heard[0], hz, first), exact);
+    assert_eq!(hand.place_m(), 0.1);
+}
+
+#[test]
+fn each_fault_shows_at_the_input_where_it_is() {
+    let plate = preset("al-bending").expect("a preset");
+    let rig = rig(&plate, RigOptions { place_m: 0.034, ..RigOptions::default() });
+    let hand = rig.hand();
+    let hz = 25e3;
+    let heard = |fault: Option<RigFault>| {
+        hand.set_fault(fault).expect("a fault");
+        let mut inputs = rig.inputs();
+        play(&mut *inputs, hz, 600.0, 0, 200);
+        play(&mut *inputs, hz, 600.0, 200 * BLOCK, 50)
+    };
+    let noise_db = 20.0 * 0.76_f64.log10();
+    let [sensor, shunt] = heard(None);
+    assert!(
+        level_db(&sensor) > 10.0 && level_db(&shunt) > 10.0,
+        "{} {}",
+        level_db(&sensor),
+        level_db(&shunt)
+    );
+    assert!(sensor.iter().chain(&shunt).all(|&code| code > 100 && code < 3995), "no input clips");
+    let [unplugged, unchanged] = heard(Some(RigFault::Unplugged));
+    assert!((level_db(&unplugged) - noise_db).abs() < 0.5, "{}", level_db(&unplugged));
+    assert!((level_db(&unchanged) - level_db(&shunt)).abs() < 0.01);
+    let [clipped, _] = heard(Some(RigFault::Clipped));
+    assert!(clipped.contains(&0) && clipped.contains(&4095));
+    let [stuck, _] = heard(Some(RigFault::Stuck(77)));
+    assert!(stuck.iter().all(|&code| code == 77));
+    let silent = heard(Some(RigFault::OpenMotor));
+    assert!(silent.iter().all(|it| (level_db(it) - noise_db).abs() < 0.5));
+    let [still, shorted] = heard(Some(RigFault::ShortedMotor));
+    assert!((level_db(&still) - noise_db).abs() < 0.5 && shorted.contains(&4095));
+    assert_eq!(hand.fault(), Some(RigFault::ShortedMotor));
+    for (fault, field) in [
+        (RigFault::OffItsMark(0.2), "distance from the mark = "),
+        (RigFault::OffItsMark(f64::NAN), "distance from the mark = "),
+        (RigFault::Stuck(5000), "stuck code = "),
+    ] {
+        let refused = hand.set_fault(Some(fault)).expect_err("refused").to_string();
+        assert!(refused.starts_with(field), "{refused}");
+    }
+}
+
+#[test]
+fn a_muted_amplifier_lets_the_plate_die_out_and_the_noise_is_as_told_and_repeats() {
+    let plate = preset("al-bending").expect("a preset");
+    let rig = rig(&plate, RigOptions { place_m: 0.034, noise_lsb: 3.0, seed: 9, ..RigOptions::default() });
+    let (mut one, mut other) = (rig.inputs(), rig.inputs());
+    assert_eq!((one.inputs(), one.delay_ns()), (2, 0));
+    play(&mut *one, 25e3, 1500.0, 0, 200);
+    let mut sensed = [[0; BLOCK]; 2];
+    let mut rest = [Vec::new(), Vec::new()];
+    for block in 0..900 {
+        let codes = std::array::from_fn(|i| if i % 16 < 8 { 4000 } else { 100 });
+        one.sample(&codes, true, &mut sensed);
+        if block >= 400 {
+            rest.iter_mut().zip(&sensed).for_each(|(rest, sensed)| rest.extend_from_slice(sensed));
+        }
+    }
+    for codes in &rest {
+        let rms = 10_f64.powf(level_db(codes) / 20.0);
+        assert!((rms / (9.0_f64 + 1.0 / 12.0).sqrt() - 1.0).abs() < 0.02, "{rms}");
+    }
+    let again = play(&mut *other, 25e3, 1500.0, 0, 3);
+    let mut third = rig.inputs();
+    assert_eq!(play(&mut *third, 25e3, 1500.0, 0, 3), again);
+    let reseeded =
+        self::rig(&plate, RigOptions { place_m: 0.034, noise_lsb: 3.0, seed: 10, ..RigOptions::default() });
+    assert_ne!(play(&mut *reseeded.inputs(), 25e3, 1500.0, 0, 3), again);
+}
+
+#[test]
+fn every_preset_and_its_secrets_have_a_rig() {
+    for preset in presets() {
+        let nominal = preset.plate().expect("a preset");
+        for truth in [nominal.clone(), secret(&nominal, 3).expect("a plate")] {
+            let options = RigOptions { place_m: 0.55 * truth.length_m(), ..RigOptions::default() };
+            let made = PreparedRig::new(&truth, &options, RATE_HZ);
+            assert!(made.is_ok(), "{}: {:?}", preset.name, made.err());
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_range_is_refused_by_name_and_range() {
+    let plate = preset("membrane").expect("a preset");
+    let refused =
+        |options: RigOptions| PreparedRig::new(&plate, &options, RATE_HZ).expect_err("refused").to_string();
+    let healthy = RigOptions::default();
+    let error = refused(RigOptions { noise_lsb: 101.0, ..healthy.clone() });
+    assert!(error.starts_with("noise = ") && error.contains("0 to 100 LSB"), "{error}");
+    let error = refused(RigOptions { sensor_delay_s: -1e-9, ..healthy.clone() });
+    assert!(error.starts_with("sensor delay = ") && error.contains("0 to 0.001 s"), "{error}");
+    let error = refused(RigOptions { full_scale: Some(0.0), ..healthy.clone() });
+    assert!(error.starts_with("sensor full scale = "), "{error}");
+    let error = refused(RigOptions { place_m: 0.33, ..healthy.clone() });
+    assert!(error.starts_with("sensor place = ") && error.contains("0 to 0.32 m"), "{error}");
+    let error = refused(RigOptions { sensor: SensorKind::Strain, ..healthy });
+    assert!(error.contains("strains its surface"), "{error}");
+}
