@@ -3,11 +3,12 @@
 
 use super::{ArmingArgument, Failure, progress};
 use crate::signals::{self, Ending};
-use slipline_link::native::{Handle, Worker};
+use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::event::Identity;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Snapshot, Ticket, upkeep};
+use slipline_model::rig::PreparedRig;
 use slipline_plate::Plate;
 use std::cell::Cell;
 use std::panic::resume_unwind;
@@ -32,9 +33,12 @@ pub(super) struct Device {
 }
 
 impl Device {
-    /// Connects to a device. A lost link is not reconnected.
-    pub(super) fn connect(port: &Port) -> Result<Self, Failure> {
-        let worker = Worker::spawn(|| ()).map_err(Failure::failed)?;
+    /// Connects to a device; the simulated one is wired to `rig`, if there is one. A lost link is not reconnected.
+    pub(super) fn connect(port: &Port, rig: Option<&PreparedRig>) -> Result<Self, Failure> {
+        let opener = rig
+            .cloned()
+            .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
+        let worker = Worker::spawn_with(opener, || ()).map_err(Failure::failed)?;
         let ending = signals::stop_before_end(worker.handle());
         worker.send(Request::AutoReconnect(false));
         let ticket = worker.send(Request::Connect(port.clone()));
@@ -172,7 +176,7 @@ mod tests {
 
     #[test]
     fn what_takes_longer_than_the_links_patience_is_computed_without_losing_the_device() {
-        let device = Device::connect(&Port::Simulated).unwrap();
+        let device = Device::connect(&Port::Simulated, None).unwrap();
         device.arm().unwrap();
         let computed = device.during(|| {
             thread::sleep(SIGN_PATIENCE + SIGN_PERIOD);

@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let duration_s = arguments.duration;
     let port = &arguments.port.port;
 
-    let device = Device::connect(port)?;
+    let device = Device::connect(port, arguments.port.rig(Some(&plate))?.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     if arguments.clear_faults {
         device.perform(Request::ClearFaults)?;

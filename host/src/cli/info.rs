@@ -1,10 +1,10 @@
 //! `slipline ports` and `slipline info`.
 
 use super::device::Device;
-use super::{Failure, output};
+use super::{Failure, PortArgument, output};
 use serde_json::json;
 use slipline_link::native::list_ports;
-use slipline_link::{Port, upkeep};
+use slipline_link::upkeep;
 use slipline_plate::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
@@ -28,8 +28,9 @@ pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     })
 }
 
-pub(super) fn run(port: &Port, as_json: bool) -> Result<(), Failure> {
-    let device = Device::connect(port)?;
+pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure> {
+    let port = &argument.port;
+    let device = Device::connect(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
     let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
     let identity = snapshot.identity.as_deref();

@@ -24,6 +24,7 @@ mod presets;
 mod progress;
 mod record;
 mod respond;
+mod rig;
 mod serve;
 mod simulate;
 mod table;
@@ -120,6 +121,10 @@ pub struct PortArgument {
     /// sim, a serial port's name, or unix:PATH.
     #[arg(long, value_name = "P")]
     port: Port,
+    /// With --port sim: the plate under the simulated device, if not the one that is named elsewhere. A preset's name, a
+    /// TOML file, or secret:SEED (a plate that is a few per cent off, in everything).
+    #[arg(long, value_name = "TRUTH")]
+    actual_plate: Option<String>,
 }
 
 /// What is armed all the same.
@@ -353,7 +358,7 @@ impl Command {
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
-            Self::Info { port } => info::run(&port.port, json),
+            Self::Info { port } => info::run(&port, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),
             Self::Table(arguments) => table::run(&arguments, json),

@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     let plate = argument::plate(&arguments.plate)?;
     let count = u8::try_from(arguments.tones).map_err(Failure::usage)?;
     let port = &arguments.port.port;
-    let device = Device::connect(port)?;
+    let device = Device::connect(port, arguments.port.rig(Some(&plate))?.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     let rate = f64::from(device.identity()?.sample_rate_hz);
     let longest_s = f64::from(MAX_DIGEST_SAMPLES) / rate;

@@ -1,0 +1,114 @@
+//! The rig of the simulated device: the plate it stands on, and a sensor.
+
+use super::{Failure, PortArgument, argument};
+use slipline_link::Port;
+use slipline_link::simulator::Options;
+use slipline_model::rig::{PreparedRig, RigOptions, secret};
+use slipline_plate::Plate;
+
+/// What `--actual-plate` names beside files and presets.
+const SECRET: &str = "secret";
+
+impl PortArgument {
+    /// The rig of the simulated device that is to stand on another plate than the named one; `None` where nobody asked for
+    /// it.
+    pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
+        match self.truth(nominal)? {
+            Some(truth) => self.prepared(&truth, &RigOptions::default()).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// The rig of the simulated device with a sensor: on the named plate unless `--actual-plate` says otherwise. `None` for
+    /// another port.
+    #[expect(dead_code, reason = "measure and calibrate put a sensor on the plate")]
+    pub(super) fn rig_with_sensor(
+        &self,
+        nominal: &Plate,
+        options: &RigOptions,
+    ) -> Result<Option<PreparedRig>, Failure> {
+        let truth = self.truth(Some(nominal))?;
+        if self.port != Port::Simulated {
+            return Ok(None);
+        }
+        self.prepared(truth.as_ref().unwrap_or(nominal), options).map(Some)
+    }
+
+    /// The plate of `--actual-plate`.
+    fn truth(&self, nominal: Option<&Plate>) -> Result<Option<Plate>, Failure> {
+        let Some(text) = &self.actual_plate else { return Ok(None) };
+        if self.port != Port::Simulated {
+            return Err(Failure::Usage(format!(
+                "--actual-plate says on which plate the simulated device stands: it goes with --port sim, not with {}",
+                self.port
+            )));
+        }
+        let Some(seed) = seed(text)? else { return argument::plate(text).map(Some) };
+        let nominal = nominal.ok_or_else(|| {
+            Failure::Usage(format!(
+                "--actual-plate {text} is near the plate of a command, and this one has none"
+            ))
+        })?;
+        secret(nominal, seed)
+            .map(Some)
+            .map_err(|error| Failure::Usage(format!("--actual-plate {text}: {error}")))
+    }
+
+    fn prepared(&self, truth: &Plate, options: &RigOptions) -> Result<PreparedRig, Failure> {
+        let rate_hz = f64::from(Options::default().sample_rate_hz);
+        PreparedRig::new(truth, options, rate_hz).map_err(Failure::usage)
+    }
+}
+
+/// The seed of `secret` or `secret:SEED`; `None` for the name of a plate.
+fn seed(text: &str) -> Result<Option<u64>, Failure> {
+    match text.strip_prefix(SECRET) {
+        Some("") => Ok(Some(1)),
+        Some(rest) => rest.strip_prefix(':').map_or(Ok(None), |number| {
+            number.parse().map(Some).map_err(|_| {
+                Failure::value(
+                    "--actual-plate",
+                    text,
+                    "secret:SEED with a whole number from 0 to 18446744073709551615",
+                )
+            })
+        }),
+        None => Ok(None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port(port: &str, actual: Option<&str>) -> PortArgument {
+        PortArgument { port: port.parse().unwrap(), actual_plate: actual.map(str::to_owned) }
+    }
+
+    #[test]
+    fn a_rig_stands_on_the_plate_that_was_named_or_on_one_near_it() {
+        let nominal = slipline_plate::preset("membrane").unwrap();
+        let truth =
+            |actual: &str| port("sim", Some(actual)).rig(Some(&nominal)).unwrap().unwrap().truth().clone();
+        assert!(port("sim", None).rig(Some(&nominal)).unwrap().is_none());
+        assert_eq!(truth("membrane-heavy").name(), "membrane-heavy");
+        assert_eq!(truth("secret"), truth("secret:1"));
+        assert_ne!(truth("secret:2"), truth("secret:1"));
+        assert_eq!(truth("secret:2"), secret(&nominal, 2).unwrap());
+    }
+
+    #[test]
+    fn a_plate_for_another_port_a_bad_seed_and_a_secret_near_nothing_are_bad_usage() {
+        let nominal = slipline_plate::preset("membrane").unwrap();
+        let refused = |argument: PortArgument, nominal: Option<&Plate>| match argument.rig(nominal) {
+            Err(Failure::Usage(message)) => message,
+            other => panic!("{other:?}"),
+        };
+        let message = refused(port("/dev/ttyACM0", Some("membrane")), Some(&nominal));
+        assert!(message.contains("--port sim, not with /dev/ttyACM0"), "{message}");
+        let message = refused(port("sim", Some("secret:-1")), Some(&nominal));
+        assert!(message.contains("'secret:-1' for '--actual-plate'"), "{message}");
+        assert!(refused(port("sim", Some("secret")), None).contains("has none"));
+        assert!(refused(port("sim", Some("secrets")), Some(&nominal)).contains("secrets"));
+    }
+}
