@@ -42,6 +42,7 @@ pub mod fade;
 pub mod faults;
 pub mod foldback;
 pub mod headroom;
+pub mod hold;
 pub mod inbox;
 pub mod level;
 pub mod link;

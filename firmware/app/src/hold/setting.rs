@@ -1,0 +1,101 @@
+//! What a hold is told to do, and what of it is refused.
+
+use super::octaves::Octaves;
+use crate::bank::TONES;
+use slipline_protocol::units::Gain;
+
+/// The least amplitude that can be held: 1/16 code, in 1/256 code.
+pub const MIN_AMPLITUDE: u32 = 16;
+/// The largest amplitude that fits the inputs' range, 2047 codes, in 1/256 code.
+pub const MAX_AMPLITUDE: u32 = 2047 << 8;
+
+/// How the loops work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// From the beginning of one window to that of the next, in samples: twice the shortest glide (10 ms) at least.
+    pub period: u32,
+    /// The plate's time constant `2 / (eta omega)`, in samples; any. Of several tones the longest.
+    pub tau: u32,
+    /// How far above the table's level a tone may rise, 0 to [`Octaves::MAX`].
+    pub max_rise: Octaves,
+    /// The largest change of a level per period, above 0 to [`Octaves::MAX`]. With less than an octave the loop is slower
+    /// than it could be.
+    pub slew: Octaves,
+}
+
+/// A tone to hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeldTone {
+    /// Its slot, below 16.
+    pub slot: u8,
+    /// The amplitude to hold, in 1/256 code at the input, [`MIN_AMPLITUDE`]`..=`[`MAX_AMPLITUDE`].
+    pub amplitude: u32,
+    /// Its level by the drive in force, master included; above 0, at most 1.
+    pub level: Gain,
+}
+
+/// Why a hold cannot begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingError {
+    /// `period` is too short.
+    Period {
+        /// The shortest, in samples.
+        shortest: u32,
+    },
+    /// `max_rise` is below 0 or above [`Octaves::MAX`].
+    MaxRise,
+    /// `slew` is not above 0, or above [`Octaves::MAX`].
+    Slew,
+    /// There is no such slot; the highest is 15.
+    Slot {
+        /// Which.
+        slot: u8,
+    },
+    /// A slot is named twice.
+    SlotTwice {
+        /// Which.
+        slot: u8,
+    },
+    /// The amplitude is not in [`MIN_AMPLITUDE`]`..=`[`MAX_AMPLITUDE`].
+    Amplitude {
+        /// Whose.
+        slot: u8,
+    },
+    /// The level is 0 or above 1: a silent tone cannot be measured.
+    Level {
+        /// Whose.
+        slot: u8,
+    },
+}
+
+impl Setting {
+    pub(super) fn check(&self, min_glide: u32) -> Result<(), SettingError> {
+        let shortest = min_glide.max(1).saturating_mul(2);
+        if self.period < shortest {
+            return Err(SettingError::Period { shortest });
+        }
+        if !(Octaves::NONE..=Octaves::MAX).contains(&self.max_rise) {
+            return Err(SettingError::MaxRise);
+        }
+        if self.slew <= Octaves::NONE || self.slew > Octaves::MAX {
+            return Err(SettingError::Slew);
+        }
+        Ok(())
+    }
+}
+
+impl HeldTone {
+    pub(super) fn check(&self) -> Result<(), SettingError> {
+        let slot = self.slot;
+        if usize::from(slot) >= TONES {
+            return Err(SettingError::Slot { slot });
+        }
+        if !(MIN_AMPLITUDE..=MAX_AMPLITUDE).contains(&self.amplitude) {
+            return Err(SettingError::Amplitude { slot });
+        }
+        if !(1..=Gain::FULL.0).contains(&self.level.0) {
+            return Err(SettingError::Level { slot });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,193 @@
+//! One tone's loop: from the error to the correction that is proposed, and what becomes of it.
+
+use super::law::{FINE, Law, fine};
+use super::octaves::Octaves;
+use super::{HeldTone, Limit, Loss, Room, State};
+use slipline_protocol::units::Gain;
+
+/// After a refusal a rise is proposed again so many windows later: the planner's time is not spent in vain at each.
+pub(super) const RETRY_WINDOWS: u8 = 16;
+/// The lowest correction.
+const FLOOR: i64 = -fine(Octaves::MAX);
+/// A tone that would stay below a quarter of its set value even at the limit is too weak.
+const TOO_WEAK: i64 = fine(Octaves(2 << 16));
+
+/// A correction and the integral behind it, with the fractional bits of [`fine`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Stand {
+    correction: i64,
+    integral: i64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Tone {
+    /// The logarithm of the set amplitude in 1/256 code.
+    set: Octaves,
+    /// The table's level, and how far above it level 1 lies.
+    level: Gain,
+    below_full: i64,
+    /// What is in force, and what is proposed in its place.
+    accepted: Stand,
+    proposed: Stand,
+    /// Windows in which it was too weak, one after the other.
+    weak: u32,
+    /// Windows in which no rise is proposed, and what refused it.
+    frozen: u8,
+    frozen_by: Limit,
+    pub(super) state: State,
+}
+
+impl Tone {
+    pub(super) fn new(tone: &HeldTone) -> Self {
+        let below_full = Octaves::log2(Gain::FULL.0.into()).0 - Octaves::log2(tone.level.0.into()).0;
+        Self {
+            set: Octaves::log2(tone.amplitude.into()),
+            level: tone.level,
+            below_full: fine(Octaves(below_full)),
+            accepted: Stand::default(),
+            proposed: Stand::default(),
+            weak: 0,
+            frozen: 0,
+            frozen_by: Limit::Rise,
+            state: State::Settling,
+        }
+    }
+
+    /// Takes what a window has told: the amplitude in 1/256 code.
+    pub(super) fn take(&mut self, amplitude: Option<u32>, room: Room, law: &Law) {
+        self.frozen = self.frozen.saturating_sub(1);
+        if self.is_lost() {
+            self.fall_back(room);
+            return;
+        }
+        let Some(amplitude) = amplitude else {
+            self.lose(Loss::NotFollowed, room);
+            return;
+        };
+        // Both logarithms are between 0 and 32 octaves.
+        let error = Octaves(self.set.0 - Octaves::log2(amplitude.into()).0);
+        if error <= Octaves::NONE {
+            self.frozen = 0;
+        }
+        let (ceiling, limit) = self.ceiling(room, law);
+        let left = ceiling - self.accepted.correction;
+        let is_weak = fine(error) - left > TOO_WEAK;
+        self.weak = if is_weak { self.weak.saturating_add(1) } else { 0 };
+        if self.weak > law.patience {
+            self.lose(Loss::TooWeak, room);
+            return;
+        }
+        // A sensor that is unplugged must not drive the plate up, so nothing rises while that may be the cause.
+        let ceiling = if is_weak { self.accepted.correction } else { ceiling };
+        let is_beyond = self.control(error, ceiling, law);
+        self.state = if error.0.abs() <= Octaves::DECIBEL.0 {
+            State::Held
+        } else if error > Octaves::NONE && (is_beyond && !is_weak || left == 0) {
+            State::AtLimit(limit)
+        } else if error < Octaves::NONE && self.proposed.correction == FLOOR {
+            State::AtLimit(Limit::Fall)
+        } else {
+            State::Settling
+        };
+    }
+
+    /// Proposes a correction; returns whether a higher one was wanted than the ceiling.
+    ///
+    /// The integral never leaves the range of the corrections, whose upper end is what is in force where a rise has been
+    /// refused, and waits while the slew holds the correction back: so there is nothing to unwind when the error changes
+    /// its sign.
+    fn control(&mut self, error: Octaves, ceiling: i64, law: &Law) -> bool {
+        let Stand { correction, integral } = self.accepted;
+        let error = i64::from(error.0);
+        // The gains are at most 1, so each product has at most 6 + 16 + 24 bits.
+        let summed = (integral + law.integral * error).clamp(FLOOR, ceiling);
+        let wanted = summed + law.proportional * error;
+        let limited = wanted.clamp(FLOOR, ceiling);
+        let next = limited.clamp(correction - law.slew, correction + law.slew);
+        let is_held_back = (limited - next).signum() * error.signum() > 0;
+        let integral = if is_held_back { integral } else { summed };
+        self.proposed = Stand { correction: next, integral };
+        wanted > ceiling
+    }
+
+    /// The highest correction, and what makes it so. Never below the one in force.
+    fn ceiling(&self, room: Room, law: &Law) -> (i64, Limit) {
+        let accepted = self.accepted.correction;
+        let limits = [
+            (accepted + fine(room.rise.clamp(Octaves::NONE, Octaves::MAX)), room.limit),
+            (law.max_rise, Limit::Rise),
+            (self.below_full, Limit::Level),
+        ];
+        let frozen = (accepted, self.frozen_by);
+        let first = if self.frozen > 0 { frozen } else { limits[0] };
+        limits.into_iter().fold(first, |lowest, limit| if limit.0 < lowest.0 { limit } else { lowest })
+    }
+
+    /// Gives the tone up: it goes back to the table's level.
+    pub(super) fn lose(&mut self, loss: Loss, room: Room) {
+        if !self.is_lost() {
+            self.state = State::Lost(loss);
+        }
+        self.fall_back(room);
+    }
+
+    /// To the table's level, or as near to it as there is room for.
+    fn fall_back(&mut self, room: Room) {
+        let accepted = self.accepted.correction;
+        let rise = if self.frozen > 0 { Octaves::NONE } else { room.rise.clamp(Octaves::NONE, Octaves::MAX) };
+        self.proposed = Stand { correction: (accepted + fine(rise)).min(0), integral: 0 };
+    }
+
+    /// Whether what is proposed is another level than the one in force.
+    pub(super) fn is_changed(&self) -> bool {
+        level(self.level, self.proposed) != level(self.level, self.accepted)
+    }
+
+    /// The level that is proposed.
+    pub(super) fn level(&self) -> Gain {
+        level(self.level, self.proposed)
+    }
+
+    /// The correction in force.
+    pub(super) fn correction(&self) -> Octaves {
+        rounded(self.accepted)
+    }
+
+    pub(super) const fn is_lost(&self) -> bool {
+        matches!(self.state, State::Lost(_))
+    }
+
+    /// What is proposed is in force.
+    pub(super) fn accept(&mut self) {
+        self.accepted = self.proposed;
+    }
+
+    /// What is proposed did not come into force, for a reason that says nothing about the tones.
+    pub(super) fn drop_proposal(&mut self) {
+        self.proposed = self.accepted;
+    }
+
+    /// A limit has refused what is proposed: a rise is taken back, and none is proposed for a while. Returns whether it
+    /// was one.
+    pub(super) fn refuse(&mut self, limit: Limit) -> bool {
+        if self.proposed.correction <= self.accepted.correction {
+            return false;
+        }
+        self.proposed = self.accepted;
+        self.frozen = RETRY_WINDOWS;
+        self.frozen_by = limit;
+        if self.state == State::Settling {
+            self.state = State::AtLimit(limit);
+        }
+        true
+    }
+}
+
+fn rounded(stand: Stand) -> Octaves {
+    // Rounded down, so never louder; at most 10 octaves.
+    Octaves(i32::try_from(stand.correction >> FINE).unwrap_or(i32::MIN))
+}
+
+fn level(level: Gain, stand: Stand) -> Gain {
+    rounded(stand).times(level)
+}
