@@ -35,6 +35,7 @@ pub use event_loop::run as run_in_event_loop;
 pub use replay::Recorder;
 pub use window::run;
 
+use crate::bench::Bench;
 use crate::files::{FileJob, Files};
 use crate::intent::{Dialog, Grab};
 use crate::scene::{Notice, Scene, SoundScene};
@@ -60,6 +61,7 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
+use slipline_model::jobs::rig::{RigJob, RigPrepared};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::jobs::texture::{TextureJob, Textured};
 use slipline_model::scenes::{SCENES, Thumbnail};
@@ -108,6 +110,10 @@ pub struct Parts {
     pub comparisons: JobQueue<CompareJob, Compared>,
     /// Fits plates to measurements.
     pub calibrations: JobQueue<CalibrateJob, CalibrateDone>,
+    /// Puts the rigs of the simulated device together.
+    pub rigs: JobQueue<RigJob, RigPrepared>,
+    /// What the simulated device's inputs are wired to.
+    pub bench: Bench,
     /// Runs the 2-D sheet.
     pub sheets: JobQueue<SheetJob, sheet::Frame>,
     /// Replays the device's codes with the mirror.

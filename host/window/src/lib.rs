@@ -11,6 +11,7 @@
 
 pub mod app;
 pub mod axis;
+pub mod bench;
 pub mod caption;
 pub mod files;
 pub mod intent;

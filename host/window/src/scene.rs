@@ -202,6 +202,8 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// The share that is done, 0..=1, while one is under way.
     pub progress: Option<f32>,
+    /// Whether the simulated device stands on a plate that nobody knows.
+    pub is_secret: bool,
 }
 
 impl<'a> MeasureScene<'a> {

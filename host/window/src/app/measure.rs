@@ -59,6 +59,7 @@ impl App {
             MeasureIntent::Remove(number) => shelf.remove(number),
             MeasureIntent::Draft(draft) => self.live.draft(draft),
             MeasureIntent::Begin(answers) => self.begin_measuring(answers),
+            MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::Save(number) => {
                 let Some(entry) = shelf.entry(number) else { return };

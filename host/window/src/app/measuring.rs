@@ -6,7 +6,9 @@ use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui;
 use slipline_link::{Severity, Ticket};
+use slipline_model::jobs::rig::{RigJob, RigPrepared};
 use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_model::rig::{RigHand, secret};
 use slipline_plate::Plate;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
@@ -28,19 +30,34 @@ struct Run {
     answers: Option<usize>,
 }
 
+/// The rig of the simulated device.
+#[derive(Default)]
+struct Rig {
+    /// The plate that is really there; `None` for the one on the screen.
+    truth: Option<Arc<Plate>>,
+    /// Plates drawn so far.
+    draws: u64,
+    /// The one that stands at the bench, and the hand that moves its sensor.
+    standing: Option<(RigJob, RigHand)>,
+    /// The measurement that begins once the rig is put together.
+    awaited_for: Option<Option<usize>>,
+}
+
 /// The state of the measurements with the device.
 #[derive(Default)]
 pub(super) struct Live {
     draft: MeasureDraft,
     run: Option<Run>,
+    rig: Rig,
     /// Runs so far: each has a name of its own.
     count: u32,
 }
 
 impl Live {
     pub(super) fn scene(&self, now: u64) -> LiveScene<'_> {
-        let progress = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
-        LiveScene { draft: &self.draft, progress }
+        let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
+        let progress = run.or(self.rig.awaited_for.map(|_| 0.0));
+        LiveScene { draft: &self.draft, progress, is_secret: self.rig.truth.is_some() }
     }
 
     pub(super) fn draft(&mut self, draft: MeasureDraft) {
@@ -57,7 +74,7 @@ impl Live {
     }
 
     pub(super) fn is_under_way(&self) -> bool {
-        self.run.is_some()
+        self.run.is_some() || self.rig.awaited_for.is_some()
     }
 }
 
@@ -69,6 +86,9 @@ impl App {
         }
         match self.prepared_measuring() {
             Err(reason) => self.notices.hinder(reason),
+            Ok(_) if self.snapshot.is_simulated() && !self.is_rig_standing() => {
+                self.put_rig_together(answers)
+            }
             Ok(measuring) => {
                 self.make_ready();
                 self.autopilot.stopped();
@@ -107,8 +127,55 @@ impl App {
         Measuring::new(plan, Arc::clone(&made.device_table), sensor, &inputs).map_err(sentence)
     }
 
+    /// Has the simulated device stand on a plate that nobody knows, or on the one on the screen.
+    pub(super) fn choose_truth(&mut self, is_secret: bool) {
+        let rig = &mut self.live.rig;
+        rig.truth = None;
+        if !is_secret {
+            return;
+        }
+        rig.draws += 1;
+        match secret(&self.setup.plate, rig.draws) {
+            Ok(truth) => rig.truth = Some(Arc::new(truth)),
+            Err(error) => self.fail(format!("No plate like this one was found: {error}")),
+        }
+    }
+
+    fn rig_job(&self) -> RigJob {
+        let truth = self.live.rig.truth.as_ref().unwrap_or(&self.setup.plate);
+        let MeasureDraft { place_m, kind, .. } = self.live.draft;
+        RigJob { truth: Arc::clone(truth), sensor: kind, place_m, sample_rate_hz: self.sample_rate_hz() }
+    }
+
+    /// Whether the rig that is wanted stands at the bench; its sensor is put where it is wanted.
+    fn is_rig_standing(&self) -> bool {
+        let job = self.rig_job();
+        let standing = self.live.rig.standing.as_ref().filter(|(standing, _)| standing.serves(&job));
+        standing.is_some_and(|(_, hand)| hand.put_sensor(job.place_m).is_ok())
+    }
+
+    fn put_rig_together(&mut self, answers: Option<usize>) {
+        self.live.rig.awaited_for = Some(answers);
+        self.parts.rigs.ask(self.rig_job());
+    }
+
+    /// Takes a rig that was put together, and begins what waits for it.
+    pub(super) fn take_rig(&mut self) {
+        let Some(RigPrepared { job, result }) = self.parts.rigs.take() else { return };
+        let Some(answers) = self.live.rig.awaited_for.take() else { return };
+        match result {
+            Ok(rig) => {
+                self.parts.bench.put(&rig);
+                self.live.rig.standing = Some((job, rig.hand()));
+                self.begin_measuring(answers);
+            }
+            Err(reason) => self.fail(format!("The simulated plate cannot be measured: {reason}")),
+        }
+    }
+
     /// Gives the measurement under way up.
     pub(super) fn cancel_measuring(&mut self) {
+        self.live.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
         }
@@ -116,6 +183,7 @@ impl App {
 
     /// Hands over what the device has answered, and sends what comes next.
     pub(super) fn update_measuring(&mut self, ctx: &egui::Context) {
+        self.take_rig();
         let Some(run) = &mut self.live.run else { return };
         if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
             run.measuring.cancel();

@@ -1,12 +1,13 @@
 //! The app in a window of the system: its stored state and its threads.
 
 use super::{App, Link, Parts, event_loop, first_setup, no_display};
+use crate::bench::Bench;
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
 use eframe::egui;
 use slipline_link::native::list_ports;
-use slipline_link::native::{Handle, Worker, stop_on_panic};
+use slipline_link::native::{Handle, SystemOpener, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
@@ -100,6 +101,8 @@ impl Parts {
             planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
             designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
             textures: JobQueue::threaded("slipline-texture", slipline_model::jobs::texture::work, wake(ctx))?,
+            rigs: JobQueue::threaded("slipline-rig", slipline_model::jobs::rig::work, wake(ctx))?,
+            bench: Bench::default(),
             calibrations: JobQueue::threaded(
                 "slipline-calibrate",
                 slipline_model::jobs::calibrate::work,
@@ -135,11 +138,13 @@ fn open(
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>),
 ) -> anyhow::Result<(Window, Handle)> {
     let ctx = &context.egui_ctx;
-    let worker = Worker::spawn(wake(ctx))?;
+    let bench = Bench::default();
+    let wired = bench.clone();
+    let worker = Worker::spawn_with(SystemOpener::with_inputs(move || wired.inputs()), wake(ctx))?;
     let handle = worker.handle();
     stop_on_panic(handle.clone());
     opened(handle.clone(), closer(ctx));
-    let parts = Parts::threaded(ctx, Box::new(worker))?;
+    let parts = Parts { bench, ..Parts::threaded(ctx, Box::new(worker))? };
     let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {

@@ -34,6 +34,8 @@ pub enum MeasureIntent {
     Draft(MeasureDraft),
     /// Measure it, for the calibration's place of this number if there is one.
     Begin(Option<usize>),
+    /// Have the simulated device stand on a plate that is a few per cent off, which nobody knows; or on the one of the file.
+    Secret(bool),
     /// Give the measurement under way up.
     Cancel,
 }

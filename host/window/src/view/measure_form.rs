@@ -86,6 +86,16 @@ pub(super) fn show(
     if let Some(reason) = reason {
         ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
     }
+    if scene.snapshot.is_simulated() {
+        let mut is_secret = live.is_secret;
+        let switch = ui.checkbox(&mut is_secret, "A secret plate, a few per cent off");
+        if switch
+            .on_hover_text("To try a calibration: nobody knows the plate that the sensor stands on")
+            .changed()
+        {
+            ask(MeasureIntent::Secret(is_secret));
+        }
+    }
     let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
     if ui.button(RichText::new("Measure now").strong()).on_hover_text(help).clicked() {
         ask(MeasureIntent::Begin(answers));

@@ -7,6 +7,9 @@ use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
+use slipline_model::rig::secret;
+use slipline_plate::calibrate::departure;
+use slipline_window::bench::Bench;
 
 /// A sensor that shows half of the drive, with noise of about a code.
 struct Half(u64);
@@ -59,7 +62,7 @@ fn wait_for_the_end(app: &mut TestApp) {
 }
 
 fn begun() -> TestApp {
-    let mut app = TestApp::sensed(Box::new(Half(1)));
+    let mut app = TestApp::sensed(Box::new(Half(1)), Bench::default());
     open_measure(&mut app);
     press(&mut app, "Measure now");
     assert!(has(&app, "Cancel measuring") && app.window.query_by_label("STOP").is_some());
@@ -143,7 +146,7 @@ fn what_a_device_or_a_typed_value_does_not_allow_is_told() {
 
 #[test]
 fn the_calibrations_pages_measure_too() {
-    let mut app = TestApp::sensed(Box::new(Half(2)));
+    let mut app = TestApp::sensed(Box::new(Half(2)), Bench::default());
     crate::calibrate::open_calibration(&mut app);
     press(&mut app, "Next");
     press(&mut app, "Next");
@@ -154,4 +157,34 @@ fn the_calibrations_pages_measure_too() {
     wait_for_the_end(&mut app);
     assert!(!app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());
     assert!(has(&app, "32.0 mm, run 1 at 32.0 mm"));
+}
+
+/// The whole way of somebody new, on a plate that nobody knows.
+#[test]
+fn a_plate_that_is_secretly_off_is_measured_calibrated_and_then_fits() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    open_measure(&mut app);
+    app.window.get_by_label("A secret plate, a few per cent off").click();
+    app.wait(200);
+    press(&mut app, "Measure now");
+    wait_for_the_end(&mut app);
+    assert!(has(&app, "Measured differs"));
+    press(&mut app, "Calibrate…");
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    for _ in 0..2 {
+        press(&mut app, "Measure now");
+        wait_for_the_end(&mut app);
+        press(&mut app, "Next");
+    }
+    assert_eq!(crate::calibrate::page(&app), Some(5));
+    press(&mut app, "Use this plate");
+    app.wait(1500);
+    assert!(has(&app, "The plate's model fits"));
+    let nominal = crate::measure::membrane(1.0);
+    let truth = secret(&nominal, 1).unwrap();
+    let used = app.window.state().setup().plate.clone();
+    let off = |plate: &slipline_plate::Plate| 1e3 * departure(plate, &truth, 400e3).unwrap().boundary_m;
+    assert!(off(&used) < 1.0 && off(&used) < 0.3 * off(&nominal), "{} {} mm", off(&nominal), off(&used));
 }

@@ -21,6 +21,7 @@ use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_model::waveform;
 use slipline_window::app::{App, Link, Parts, TableJob, TableState, first_setup};
+use slipline_window::bench::Bench;
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
@@ -75,11 +76,11 @@ impl TestApp {
     }
 
     /// The app on a membrane, driving a device with these inputs.
-    pub(crate) fn sensed(inputs: Box<dyn SimulatedInputs>) -> Self {
+    pub(crate) fn sensed(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let tables = JobQueue::inline(table::make);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, Some(inputs))
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, Some((inputs, bench)))
             .once_driving()
     }
 
@@ -122,8 +123,9 @@ impl TestApp {
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
         is_plugged: bool,
-        inputs: Option<Box<dyn SimulatedInputs>>,
+        inputs: Option<(Box<dyn SimulatedInputs>, Bench)>,
     ) -> Self {
+        let (inputs, bench) = inputs.map_or_else(Default::default, |(inputs, bench)| (Some(inputs), bench));
         let worker = Rc::new(RefCell::new(SteppedWorker::new(is_plugged, inputs)));
         let files = FakeFiles::default();
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
@@ -133,6 +135,7 @@ impl TestApp {
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
         parts.speaker = Box::new(speaker.clone());
+        parts.bench = bench;
         parts.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
             Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
             None => plane::work(job, task),
@@ -278,6 +281,8 @@ fn parts(
         planes: JobQueue::inline(plane::work),
         designs: JobQueue::inline(design::work),
         textures: JobQueue::inline(slipline_model::jobs::texture::work),
+        rigs: JobQueue::inline(slipline_model::jobs::rig::work),
+        bench: Bench::default(),
         calibrations: JobQueue::inline(slipline_model::jobs::calibrate::work),
         comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
         sheets: JobQueue::inline(move |job, task: &_| {
