@@ -25,7 +25,7 @@ const RIDGE: f64 = 1e-10;
 pub struct Output {
     pub(super) re: Vec<f64>,
     pub(super) im: Vec<f64>,
-    error: f64,
+    pub(super) error: f64,
 }
 
 impl Output {
