@@ -157,8 +157,7 @@ impl ChordTones {
                     harmonic.into(),
                 ));
             }
-            #[expect(clippy::cast_possible_truncation, reason = "at most 0.45 of a turn")]
-            let step = PhaseStep(((u128::from(harmonic) << 64) / u128::from(self.period)) as u64);
+            let step = step_of(harmonic, self.period);
             let upper = (step.0 >> 32) as u32;
             let (position, gain) = match table::place_of_step(knots, upper, &knot) {
                 Some((index, fraction)) => (
@@ -229,6 +228,14 @@ impl ChordTones {
             Some((slot, setting.step, target.phase, setting.gain.times(target.level)))
         })
     }
+}
+
+/// `harmonic * 2^64 / period`, rounded down, for a multiple below the period: by two divisions of 64 bits, since one of 128
+/// bits takes as long as twenty of them, and no stop is looked for meanwhile.
+const fn step_of(harmonic: u32, period: u32) -> PhaseStep {
+    let (high, period) = ((harmonic as u64) << 32, period as u64);
+    let low = (high % period) << 32;
+    PhaseStep(((high / period) << 32) | (low / period))
 }
 
 #[cfg(test)]

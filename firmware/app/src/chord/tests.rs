@@ -366,3 +366,13 @@ fn a_steady_bank_renders_what_the_bank_renders() {
         }
     }
 }
+
+#[test]
+fn a_multiples_step_is_the_exact_quotient_rounded_down() {
+    for period in [128, 384, 4096, 16_384, 1_000_064, 128 * 65_535] {
+        for harmonic in [1, 2, 3, 57, period / 7, period * 9 / 20] {
+            let exact = (u128::from(harmonic) << 64) / u128::from(period);
+            assert_eq!(u128::from(step_of(harmonic, period).0), exact, "{harmonic} of {period}");
+        }
+    }
+}
