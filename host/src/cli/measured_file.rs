@@ -15,12 +15,14 @@ const BYTES_MAX: usize = 32 << 20;
 /// What a file of another program does not tell.
 #[derive(Debug, Args)]
 pub(super) struct SensorArgument {
-    /// Where the sensor stood, from the driven end (30mm): once for each file of another program, in their order.
+    /// Where the sensor stands or stood, from the driven end (30mm): twice with --port, and once for each file of another
+    /// program, in their order.
     #[arg(long = "sensor", value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
-    places: Vec<Typed<f64>>,
-    /// What the sensor shows: displacement, velocity, acceleration or strain. Universal files tell it.
+    pub(super) places: Vec<Typed<f64>>,
+    /// What the sensor shows: displacement, velocity, acceleration or strain. Universal files tell it; with --port it is
+    /// displacement unless told.
     #[arg(long, value_name = "KIND", value_parser = kind)]
-    kind: Option<SensorKind>,
+    pub(super) kind: Option<SensorKind>,
     /// Signal over noise of a file that has no noise, 0 to 140 dB.
     #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
     snr: f64,
@@ -30,7 +32,8 @@ fn decibel(text: &str) -> Result<f64, QuantityError> {
     plain(text, "dB")
 }
 
-fn kind(text: &str) -> Result<SensorKind, String> {
+/// The word for what a sensor shows.
+pub(super) fn kind(text: &str) -> Result<SensorKind, String> {
     let words = SensorKind::ALL.map(SensorKind::word);
     let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == text.trim());
     found.ok_or_else(|| only(format_args!("one of {}", words.join(", "))))

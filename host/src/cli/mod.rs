@@ -6,6 +6,7 @@
 
 mod argument;
 mod calibrate;
+mod calibrated;
 mod check;
 mod design;
 mod design_argument;
@@ -17,7 +18,9 @@ mod failure;
 mod figure_file;
 mod figures;
 mod info;
+mod measure;
 mod measured_file;
+mod measuring;
 mod merit;
 mod output;
 mod presets;
@@ -36,6 +39,7 @@ pub use design::DesignArguments;
 pub use destination::ForceArgument;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
+pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
 pub use texture::TextureArguments;
 
@@ -109,6 +113,8 @@ pub enum Command {
     Texture(TextureArguments),
     /// Tell how sharp, how fast and how many a plate's boundaries are: contrast, ripple, edge, switching, bits per second.
     Merit(MeritArguments),
+    /// Measure how a sensor on the plate answers the device's tones.
+    Measure(MeasureArguments),
     /// Correct a plate file by what a sensor at two places measured, or by where a finger felt two edges.
     Calibrate(CalibrateArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
@@ -370,6 +376,7 @@ impl Command {
             Self::Design(arguments) => design::run(&arguments, json),
             Self::Texture(arguments) => texture::run(&arguments, json),
             Self::Merit(arguments) => merit::run(&arguments, json),
+            Self::Measure(arguments) => measure::run(&arguments, json),
             Self::Calibrate(arguments) => calibrate::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
         }

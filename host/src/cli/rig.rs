@@ -21,7 +21,6 @@ impl PortArgument {
 
     /// The rig of the simulated device with a sensor: on the named plate unless `--actual-plate` says otherwise. `None` for
     /// another port.
-    #[expect(dead_code, reason = "measure and calibrate put a sensor on the plate")]
     pub(super) fn rig_with_sensor(
         &self,
         nominal: &Plate,

@@ -6,6 +6,7 @@ mod figures;
 mod files;
 mod held_up;
 mod lights;
+mod measure;
 mod progress;
 mod refusals;
 #[cfg(unix)]

@@ -95,7 +95,7 @@ impl Ideal {
 
     fn listen(&mut self, window: &ListenRequest) -> Outcome {
         let (at, comb) = self.sounds.clone().unwrap();
-        let from = window.from.unwrap();
+        let from = window.from.unwrap_or(self.now + u64::from(RATE_HZ));
         assert!(from >= at + (comb.glide_s * f64::from(RATE_HZ)) as u64);
         assert_eq!((window.input, window.blocks), (0, comb.period_blocks));
         assert_eq!(window.slots.count_ones() as usize, comb.tones.len());
@@ -280,6 +280,23 @@ fn a_window_that_lost_samples_is_measured_again_but_not_for_ever() {
     });
     assert!(matches!(asked.last(), Some(Request::Stop)));
     assert_eq!(measuring.finish(), Err(MeasureError::Overrun { tries: 4 }));
+}
+
+#[test]
+fn a_host_that_asks_too_late_for_a_window_measures_from_then_on() {
+    let (mut measuring, table) = measuring(32);
+    let mut device = Ideal::new(&table);
+    let mut refused = 0;
+    let asked = run(&mut measuring, &mut device, |outcome, request| {
+        if matches!(request, Request::Listen(ListenRequest { from: Some(_), .. })) {
+            refused += 1;
+            let late = DeviceRefusal::OutOfRange { field: Field::ApplyAt, min: 2, max: 3, got: 1 };
+            *outcome = Outcome::Refused(Refusal::Device(late));
+        }
+    });
+    let at_once = |request: &&Request| matches!(request, Request::Listen(ListenRequest { from: None, .. }));
+    assert_eq!((refused, asked.iter().filter(at_once).count()), (3, 3));
+    assert_eq!(measuring.finish().unwrap().measurement.points.len(), 32);
 }
 
 #[test]

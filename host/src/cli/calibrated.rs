@@ -1,0 +1,135 @@
+//! What `calibrate` tells of a calibration, or of why there is none.
+
+use super::destination::Destination;
+use super::{Failure, output};
+use serde_json::{Value, json};
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter, departure};
+use slipline_plate::number_format::{significant, with_decimals};
+use slipline_plate::quantity::show_length;
+use std::io::Write;
+
+/// A calibrated plate, and what is told of it.
+pub(super) struct Found {
+    pub(super) plate: Plate,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) chi2_per_n: f64,
+    /// Half of the 95 % interval of the boundary, metres, and what a misplaced sensor does to it per metre.
+    pub(super) boundary: Option<(f64, Vec<f64>)>,
+    /// Half of the 95 % interval of the level, dB; nothing where no levels were measured.
+    pub(super) level_tolerance_db: Option<f64>,
+}
+
+impl From<Calibrated> for Found {
+    fn from(found: Calibrated) -> Self {
+        Self {
+            plate: found.plate,
+            parameters: found.parameters,
+            chi2_per_n: found.chi2_per_n,
+            boundary: Some((found.boundary_tolerance_m, found.boundary_per_place)),
+            level_tolerance_db: Some(found.level_tolerance_db).filter(|db| db.is_finite()),
+        }
+    }
+}
+
+/// Tells what was found, and writes the plate file. What was refused ends the command with 1 and the reason.
+pub(super) fn finish(
+    file: &Plate,
+    found: Result<Found, CalibrateError>,
+    out: Option<&Destination>,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let found = match found {
+        Ok(found) => found,
+        Err(error) => {
+            if as_json {
+                output::print(true, &refused(file, &error), |_| Ok(()))?;
+            }
+            return Err(Failure::failed(error));
+        }
+    };
+    let before = departure(file, &found.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?;
+    if let Some(out) = out {
+        let text = found.plate.to_toml();
+        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+    }
+    output::print(as_json, &value(file, &found, &before), |writer| {
+        output::lines(writer, &lines(file, &found, &before, out))
+    })
+}
+
+/// What a program is told of a calibration that was refused.
+fn refused(file: &Plate, error: &CalibrateError) -> Value {
+    let chi2_per_n = match error {
+        CalibrateError::Unlike { chi2_per_n, .. } | CalibrateError::EdgesUnlike { chi2_per_n, .. } => {
+            Some(*chi2_per_n)
+        }
+        _ => None,
+    };
+    json!({
+        "plate": file.name(),
+        "accepted": false,
+        "reason": error.to_string(),
+        "chi2_per_n": chi2_per_n,
+        "parameters": [],
+    })
+}
+
+fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
+    json!({
+        "plate": file.name(),
+        "accepted": true,
+        "parameters": found.parameters.iter().map(|it| json!({
+            "name": it.name,
+            "value": it.value,
+            "low": it.low,
+            "high": it.high,
+        })).collect::<Vec<_>>(),
+        "chi2_per_n": found.chi2_per_n,
+        "boundary_tolerance_m": found.boundary.as_ref().map(|it| it.0),
+        "boundary_per_place": found.boundary.as_ref().map(|it| &it.1),
+        "level_tolerance_db": found.level_tolerance_db,
+        "before": {
+            "boundary_error_m": before.boundary_m,
+            "level_error_db": found.level_tolerance_db.map(|_| before.level_db),
+        },
+    })
+}
+
+fn lines<'a>(
+    file: &Plate,
+    found: &'a Found,
+    before: &Departure,
+    out: Option<&Destination>,
+) -> Vec<(&'a str, String)> {
+    let number = |value: f64| significant(value, 5);
+    let mut lines = vec![("Plate", file.name().to_owned())];
+    for it in &found.parameters {
+        let interval = format!("{} ({} to {})", number(it.value), number(it.low), number(it.high));
+        lines.push((it.name, interval));
+    }
+    lines.push(("chi^2 per answer", with_decimals(found.chi2_per_n, 2)));
+    let decibel = |db: f64| format!("{} dB", with_decimals(db, 1));
+    let level = found.level_tolerance_db;
+    let was = level
+        .map_or(String::new(), |_| format!(", the level up to {} high or low", decibel(before.level_db)));
+    let boundary_m = show_length(before.boundary_m);
+    lines.push(("Before", format!("the boundary is up to {boundary_m} off over the span{was}")));
+    let is = level.map_or(String::new(), |db| format!(", the level to {}", decibel(db)));
+    match &found.boundary {
+        Some((boundary_m, per_place)) => {
+            lines
+                .push(("After", format!("the boundary is known to {}{is} (95 %)", show_length(*boundary_m))));
+            let ways: Vec<String> = per_place.iter().map(|share| show_length(1e-3 * share.abs())).collect();
+            let told = match &ways[..] {
+                [near, far] => format!("moves the boundary by {near} (the first) or {far} (the second)"),
+                ways => format!("moves the boundary by {}", ways.join(", ")),
+            };
+            lines.push(("A sensor 1 mm off", told));
+        }
+        None => lines.push(("Levels", "not measured: those of the file stay".to_owned())),
+    }
+    lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
+    lines
+}

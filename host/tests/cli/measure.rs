@@ -1,0 +1,102 @@
+//! `slipline measure`, and `slipline calibrate` with a device: the simulated one stands on a plate that nobody knows.
+
+use super::{failure, file, json, number, slipline};
+use serde_json::Value;
+use slipline_plate::calibrate::File;
+
+/// 32 frequencies of aluminium take a third of a second.
+const ALUMINIUM: [&str; 6] = ["--port", "sim", "--plate", "al-bending", "--actual-plate", "secret:5"];
+
+fn measure(more: &[&str]) -> Value {
+    json(&[&["measure"], &ALUMINIUM[..], &["--points", "32"], more].concat())
+}
+
+#[test]
+fn a_measurement_has_a_response_its_noise_and_the_headroom_at_each_frequency() {
+    let out = file("measured.csv");
+    let value =
+        measure(&["--sensor", "34mm", "--from", "20kHz", "--to", "30kHz", "--out", out.to_str().unwrap()]);
+    let list = |field: &str| value[field].as_array().unwrap_or_else(|| panic!("{field}: {value}")).clone();
+    let hertz: Vec<f64> = list("frequency_hz").iter().map(|hz| hz.as_f64().unwrap()).collect();
+    assert!(hertz.len() == 32 && hertz.windows(2).all(|two| two[0] < two[1]), "{hertz:?}");
+    assert!((19e3..21e3).contains(&hertz[0]) && (29e3..31e3).contains(&hertz[31]), "{hertz:?}");
+    let (responses, noise, headroom) = (list("response"), list("noise"), list("headroom_db"));
+    assert_eq!((responses.len(), noise.len(), headroom.len()), (32, 32, 32));
+    let size = |it: &Value| number(it, "re").hypot(number(it, "im"));
+    let loudest = responses.iter().map(size).fold(0.0, f64::max);
+    assert!(noise.iter().all(|it| it.as_f64().unwrap() < 0.02 * loudest), "{noise:?} {loudest}");
+    assert_eq!(value["headroom_light"], "green");
+    assert!((6.0..40.0).contains(&number(&value, "least_headroom_db")));
+
+    let Ok(File::Own(written)) = File::read(&std::fs::read(&out).unwrap()) else { panic!("the own form") };
+    assert_eq!(written.points.len(), 32);
+    assert_eq!((written.place_m, written.points[3].frequency_hz), (0.034, hertz[3]));
+    assert_eq!(written.points[3].response.re, number(&responses[3], "re"));
+    let again = ["measure", "--port", "sim", "--plate", "al-bending", "--sensor", "34mm", "--out"];
+    let message = failure(&[&again[..], &[out.to_str().unwrap()]].concat(), 2);
+    assert!(message.contains("--force"), "{message}");
+}
+
+#[test]
+fn a_secret_plate_is_calibrated_with_the_device_and_the_file_is_one_for_every_command() {
+    let out = file("of-device.toml");
+    let arguments = [&["calibrate"], &ALUMINIUM[..], &["--sensor", "34mm", "--sensor", "187mm"]].concat();
+    let value = json(&[&arguments[..], &["--out", out.to_str().unwrap()]].concat());
+    assert_eq!(value["accepted"], true);
+    assert!(number(&value, "chi2_per_n") < 6.0 && number(&value, "boundary_tolerance_m") < 1e-3, "{value}");
+    assert!(number(&value["before"], "boundary_error_m") > 1e-3, "{value}");
+    let table = json(&["table", "--plate", out.to_str().unwrap()]);
+    assert_eq!(table["knots"].as_array().unwrap().len(), 1025);
+    // The device stands on the same plate: nothing is left to correct.
+    let again = json(&[
+        "calibrate",
+        "--port",
+        "sim",
+        "--plate",
+        out.to_str().unwrap(),
+        "--actual-plate",
+        out.to_str().unwrap(),
+        "--sensor",
+        "34mm",
+        "--sensor",
+        "187mm",
+    ]);
+    assert!(number(&again["before"], "boundary_error_m") < 0.3e-3, "{again}");
+}
+
+#[test]
+fn people_read_the_light_and_what_helps() {
+    let quiet =
+        [&["measure"], &ALUMINIUM[..], &["--sensor", "34mm", "--points", "16", "--level", "0.002"]].concat();
+    let output = slipline(&quiet);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    for wanted in ["displacement at 34.0 mm", "16 from 17.", "amber", "raise the level"] {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_named_with_what_is_allowed() {
+    for (more, told) in [
+        (&["--sensor", "1m"][..], "'1m' for '--sensor': must be 0 m to"),
+        (&["--sensor", "30mm", "--from", "0.1Hz"], "from = 0.1 Hz: must be 0.5 Hz to"),
+        (&["--sensor", "30mm", "--to", "300kHz"], "to = 300 kHz: must be"),
+        (&["--sensor", "30mm", "--points", "7"], "8 to 1600"),
+        (&["--sensor", "30mm", "--level", "0"], "level = 0: must be 0.001 to 1"),
+        (&["--sensor", "30mm", "--kind", "speed"], "displacement, velocity, acceleration, strain"),
+        (&["--sensor", "30mm", "--out", "x.wav"], ".csv, .uff, .unv or .frd"),
+        (&[], "--sensor"),
+    ] {
+        let message = failure(&[&["measure", "--port", "sim", "--plate", "membrane"], more].concat(), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+    for (more, told) in [
+        (&[][..], "0 --sensor with --port: must be 1 or 2"),
+        (&["--sensor", "30mm", "--sensor", "60mm", "--sensor", "90mm"], "3 --sensor with --port"),
+        (&["--sensor", "30mm", "--data", "x.csv"], "--data"),
+    ] {
+        let message = failure(&[&["calibrate", "--port", "sim", "--plate", "membrane"], more].concat(), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+}

@@ -1,0 +1,200 @@
+//! A plate that nobody knows is measured through the protocol and the device application, and calibrated: the simulated rig
+//! stands on it.
+
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::{Outcome, Request, Snapshot};
+use slipline_model::field::simulation::table_for;
+use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_model::rig::{PreparedRig, RigFault, RigHand, RigOptions, secret};
+use slipline_plate::calibrate::{CalibrateError, Measurement, Priors, SensorKind, departure, from_ratio};
+use slipline_plate::check::Colour;
+use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
+use std::f64::consts::PI;
+
+const RATE_HZ: f64 = 400e3;
+/// Positions of a field.
+const POINTS: usize = 1601;
+
+/// A device whose inputs sense a plate, armed, with the table of the plate that its user believes in.
+struct Bench {
+    nominal: Plate,
+    truth: Plate,
+    hand: RigHand,
+    loopback: Loopback,
+    wanted: Wanted,
+}
+
+impl Bench {
+    fn new(name: &str, seed: u64, points: usize) -> Self {
+        let nominal = preset(name).unwrap();
+        let truth = secret(&nominal, seed).unwrap();
+        let options = RigOptions { place_m: 0.1 * nominal.length_m(), ..RigOptions::default() };
+        let rig = PreparedRig::new(&truth, &options, RATE_HZ).unwrap();
+        let device = SimulatedDevice::with_inputs(Options::default(), rig.inputs());
+        let mut loopback = Loopback::connect_to(device).unwrap();
+        let (_, table) = table_for(&nominal, RATE_HZ as u32).unwrap();
+        loopback.perform(Request::Upload(table), |_| ()).unwrap();
+        let wanted = Wanted { points, ..Wanted::of(&nominal) };
+        Self { nominal, truth, hand: rig.hand(), loopback, wanted }
+    }
+
+    /// Measures with the sensor at its told place; `change` may do something at each step.
+    fn measure(
+        &mut self,
+        place_m: f64,
+        mut change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
+    ) -> Result<Measured, MeasureError> {
+        let (_, table) = table_for(&self.nominal, RATE_HZ as u32).unwrap();
+        let inputs = self.loopback.view().inputs.unwrap();
+        let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into()).unwrap();
+        let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0 };
+        let mut measuring = Measuring::new(plan, table, sensor, &inputs)?;
+        let mut ticket = None;
+        for steps in 0.. {
+            assert!(steps < 1_000_000, "it never ends");
+            let step = measuring.step();
+            let asked = if let Step::Ask(request) = &step { Some(request) } else { None };
+            change(&mut self.loopback, &mut measuring, steps, asked);
+            match step {
+                Step::Ask(request) => {
+                    ticket = Some(self.loopback.hand_over(request));
+                }
+                Step::Wait => {
+                    self.loopback.pass(1, |_| ());
+                    let view: &Snapshot = self.loopback.view();
+                    measuring.watch(view);
+                    let outcome: Option<Outcome> = ticket.and_then(|ticket| view.outcome(ticket).cloned());
+                    if let Some(outcome) = outcome {
+                        measuring.take(&outcome);
+                    }
+                }
+                Step::Ended => break,
+            }
+        }
+        measuring.finish()
+    }
+
+    fn places_m(&self) -> [f64; 2] {
+        [0.1, 0.55].map(|share| share * self.nominal.length_m())
+    }
+
+    fn at_both(&mut self) -> [Measurement; 2] {
+        self.places_m().map(|place_m| {
+            self.hand.put_sensor(place_m).unwrap();
+            self.measure(place_m, |_, _, _, _| ()).unwrap().measurement
+        })
+    }
+}
+
+/// What the frequency domain says of a displacement sensor on the truth, per DAC code of 1.
+fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex64> {
+    let fields = respond_batch(truth, frequencies_hz, POINTS, Equation::Corrected).unwrap();
+    let at = place_m / truth.length_m() * (POINTS - 1) as f64;
+    let (left, t) = (at as usize, at.fract());
+    let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
+        let turn = PI * hz / RATE_HZ;
+        let here = field[left] * (1.0 - t) + field[left + 1] * t;
+        here * truth.drive_response(hz) * (turn.sin() / turn)
+    };
+    fields.iter().zip(frequencies_hz).map(seen).collect()
+}
+
+#[test]
+fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
+    for name in ["al-bending", "membrane"] {
+        let mut bench = Bench::new(name, 3, 32);
+        let place_m = bench.places_m()[0];
+        let measured = bench.measure(place_m, |_, _, _, _| ()).unwrap();
+        assert_eq!(measured.light(), Colour::Green, "{name}: {} dB", measured.headroom_db);
+        assert!((measured.noise_codes - 0.76).abs() < 0.15, "{name}: {} codes", measured.noise_codes);
+        let points = &measured.measurement.points;
+        let frequencies: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
+        let predicted = predicted(&bench.truth, place_m, &frequencies);
+        // One factor, that of the sensor.
+        let product: Complex64 = points.iter().zip(&predicted).map(|(it, p)| it.response * p.conj()).sum();
+        let factor = product / predicted.iter().map(Complex64::norm_sqr).sum::<f64>();
+        assert!(factor.arg().abs() < 0.01, "{name}: {factor}");
+        let loudest = predicted.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        for (point, p) in points.iter().zip(&predicted) {
+            let error = (point.response / factor - p).norm() / (p.norm() + 0.1 * loudest);
+            assert!(error < 0.03, "{name} at {} Hz: {error}", point.frequency_hz);
+        }
+    }
+}
+
+#[test]
+fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
+    let mut bench = Bench::new("al-bending", 1, 200);
+    let before = bench.loopback.samples();
+    let place_m = bench.places_m()[0];
+    bench.measure(place_m, |_, _, _, _| ()).unwrap();
+    let seconds = (bench.loopback.samples() - before) as f64 / RATE_HZ;
+    println!("{seconds} s");
+    assert!(seconds < 1.5, "{seconds}");
+}
+
+#[test]
+fn a_secret_plate_is_calibrated_from_two_places() {
+    let mut bench = Bench::new("al-bending", 5, 150);
+    let sensors = bench.at_both();
+    let found = from_ratio(&bench.nominal, [&sensors[0], &sensors[1]], &Priors::default()).unwrap();
+    let before = departure(&bench.nominal, &bench.truth, RATE_HZ).unwrap();
+    let after = departure(&found.plate, &bench.truth, RATE_HZ).unwrap();
+    println!("{before:?} -> {after:?}, chi^2 {}", found.chi2_per_n);
+    assert!(after.boundary_m < 1e-3 && after.level_db < 2.0, "{after:?}");
+    assert!(after.boundary_m < 0.5 * before.boundary_m && after.level_db < 0.5 * before.level_db);
+}
+
+#[test]
+fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards() {
+    let silent = |bench: &mut Bench| {
+        let mut codes = Vec::new();
+        bench.loopback.pass(20_000, |block| codes = block.to_vec());
+        assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+    };
+    let mut bench = Bench::new("al-bending", 1, 48);
+    let place_m = bench.places_m()[0];
+    // Lost samples are measured again: so many that a window cannot miss them.
+    let mut windows = 0;
+    let measured = bench.measure(place_m, |loopback, _, step, asked| {
+        if step < 400 && step % 30 == 0 {
+            loopback.inject_overrun(1);
+        }
+        windows += usize::from(matches!(asked, Some(Request::Listen(_))));
+    });
+    assert!(measured.is_ok() && windows > 4, "{windows} windows: {measured:?}");
+    let cancelled = bench.measure(place_m, |_, measuring, step, _| {
+        if step == 400 {
+            measuring.cancel();
+        }
+    });
+    assert_eq!(cancelled, Err(MeasureError::Cancelled));
+    silent(&mut bench);
+    let stopped = bench.measure(place_m, |loopback, _, step, _| {
+        if step == 400 {
+            loopback.hand_over(Request::EmergencyStop);
+        }
+    });
+    assert!(matches!(stopped, Err(MeasureError::Fault(_) | MeasureError::Stopped)), "{stopped:?}");
+    silent(&mut bench);
+}
+
+#[test]
+fn an_unplugged_and_a_clipped_sensor_are_told() {
+    let mut bench = Bench::new("al-bending", 1, 32);
+    let place_m = bench.places_m()[0];
+    let good = bench.measure(place_m, |_, _, _, _| ()).unwrap();
+    bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();
+    let unplugged = bench.measure(place_m, |_, _, _, _| ()).unwrap();
+    let loud = |it: &Measured| it.measurement.points.iter().map(|p| p.response.norm()).fold(0.0, f64::max);
+    assert!(loud(&unplugged) < 1e-2 * loud(&good), "{}", loud(&unplugged));
+    assert!(!unplugged.warnings.is_empty());
+    let refused = from_ratio(&bench.nominal, [&unplugged.measurement, &good.measurement], &Priors::default());
+    assert!(matches!(refused, Err(CalibrateError::NoSignal { .. })), "{refused:?}");
+    bench.hand.set_fault(Some(RigFault::Clipped)).unwrap();
+    let clipped = bench.measure(place_m, |_, _, _, _| ()).unwrap();
+    assert_eq!(clipped.light(), Colour::Red);
+    let refused = from_ratio(&bench.nominal, [&clipped.measurement, &good.measurement], &Priors::default());
+    assert!(matches!(refused, Err(CalibrateError::Clipped { .. })), "{refused:?}");
+}
