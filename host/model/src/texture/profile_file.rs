@@ -20,6 +20,9 @@ pub enum ProfileFileError {
         /// The line, from 1.
         line: usize,
     },
+    /// No line of the CSV is a breakpoint.
+    #[error("no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
+    Empty,
     /// Not a PNG image that can be read.
     #[error("not a PNG image that can be read: {0}")]
     Png(#[from] png::DecodingError),
@@ -45,7 +48,7 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
 /// between. Lines that are empty or begin with `#`, and a first line of names, are passed over.
 ///
 /// # Errors
-/// [`ProfileFileError`]: too big, or the first line that is not two numbers.
+/// [`ProfileFileError`]: too big, the first line that is not two numbers, or no line at all.
 pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
     check_size(text.len())?;
     let mut breakpoints = Vec::new();
@@ -65,7 +68,7 @@ pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
         }
         may_be_names = false;
     }
-    Ok(breakpoints)
+    if breakpoints.is_empty() { Err(ProfileFileError::Empty) } else { Ok(breakpoints) }
 }
 
 /// The middle row of an image as a profile from 0 to `length_m` metres: black is still, white vibrates most. Colours
@@ -128,7 +131,14 @@ mod tests {
     fn csv_is_read_with_names_comments_and_either_separator() {
         let text = "\u{feff}place_m, amplitude\n# drawn by hand\n0.01, 1\n\n0.1; 0.25\n";
         assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)]);
-        assert!(from_csv("").unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_file_without_a_breakpoint_is_refused() {
+        for text in ["", "place_m,rms\n", "# nothing\n", "not a profile at all"] {
+            let error = from_csv(text).unwrap_err().to_string();
+            assert!(error.starts_with("no line is a breakpoint"), "{text:?}: {error}");
+        }
     }
 
     #[test]

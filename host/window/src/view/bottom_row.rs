@@ -1,6 +1,6 @@
 //! The row at the bottom: waveform (or the trace of the finger), spectrum, meters, log.
 
-use super::{Scene, ViewState, finger_trace, log, meters, plots};
+use super::{Scene, ViewState, finger_trace, log, meters, plots, theme};
 use crate::intent::Intents;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
@@ -18,10 +18,13 @@ pub(super) fn height(ui: &egui::Ui) -> f32 {
     (HEIGHT - missing).max(LOW_HEIGHT.min(LEAST_SHARE * window))
 }
 
+/// Height of all meters, in points: in a lower row they scroll.
+const METERS: f32 = 170.0;
+
 /// Shares of the width; each gap between two parts has a separator line.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
 /// The shares in a window narrower than [`NARROW`], in points, where meters and log need more of it.
-const NARROW_SHARES: [f32; 4] = [0.25, 0.25, 0.23, 0.27];
+const NARROW_SHARES: [f32; 4] = [0.245, 0.245, 0.245, 0.265];
 const NARROW: f32 = 760.0;
 const GAP: f32 = 21.0;
 
@@ -44,7 +47,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             2 => {
                 // In a low row the last meters are reached by scrolling.
                 let area = egui::ScrollArea::vertical().id_salt("meters").auto_shrink([false, false]);
-                area.show(&mut column, |ui| meters::show(ui, scene));
+                area.show(&mut column, |ui| {
+                    if rect.height() < METERS {
+                        theme::clear_of_bar(ui);
+                    }
+                    meters::show(ui, scene);
+                });
             }
             _ => log::show(&mut column, scene, view, intents),
         }

@@ -35,7 +35,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             ui.label(RichText::new("Being designed…").color(palette.weak));
         }
         DesignState::Cancelled => {
-            if ui.button("Design it").clicked() {
+            if ui
+                .button("Design it")
+                .on_hover_text("Compute the plate for these values; it was cancelled")
+                .clicked()
+            {
                 intents.push(Intent::Design(Box::new(background.draft.clone())));
             }
         }

@@ -28,7 +28,7 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.horizontal(|ui| {
         theme::heading(ui, "Ports");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("Look again").clicked() {
+            if ui.small_button("Look again").on_hover_text(top_bar::LOOK_AGAIN).clicked() {
                 intents.push(Intent::RefreshPorts);
             }
         });
@@ -44,15 +44,17 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let size = egui::vec2(ui.available_width(), 28.0);
         let button =
             egui::Button::selectable(is_current, &info.label).right_text(badge).truncate().min_size(size);
+        let help = format!("{}: press to connect to it", info.port);
         let is_open = is_current && scene.snapshot.is_connected();
-        if ui.add(button).on_hover_text(info.port.to_string()).clicked() && !is_open {
+        if ui.add(button).on_hover_text(help).clicked() && !is_open {
             intents.push(Intent::Connect(info.port.clone()));
         }
     }
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }
-    if ui.link("My device is not listed, or may not be opened").clicked() {
+    let missing = ui.link("My device is not listed, or may not be opened");
+    if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
         intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
     }
 }
@@ -65,14 +67,17 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.label(RichText::new(sentence).small().color(palette.weak));
     ui.horizontal(|ui| {
         let is_open = !matches!(snapshot.link, LinkState::Disconnected);
-        if matches!(snapshot.link, LinkState::Lost(_)) && ui.button("Reconnect").clicked() {
+        let again = "Open the same port again; the device comes back disarmed";
+        if matches!(snapshot.link, LinkState::Lost(_))
+            && ui.button("Reconnect").on_hover_text(again).clicked()
+        {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
         if is_open {
             if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
                 intents.push(Intent::Request(Request::Disconnect));
             }
-        } else if ui.button("Connect").clicked() {
+        } else if ui.button("Connect").on_hover_text("Open the port that was chosen last").clicked() {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
         let mut looks = snapshot.auto_reconnect;
@@ -157,11 +162,15 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         if let Some(progress) = snapshot.upload {
             let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
             ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
-            if ui.button("Cancel upload").clicked() {
+            let cancel = ui.button("Cancel upload");
+            if cancel.on_hover_text("Give it up; the device keeps the table it has").clicked() {
                 intents.push(Intent::Request(Request::CancelUpload));
             }
         } else {
-            if ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload")).clicked() {
+            let upload = ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload"));
+            let upload =
+                upload.on_hover_text("Send the table of the plate on the screen, and compare its digest");
+            if upload.on_disabled_hover_text("The table is being made").clicked() {
                 intents.push(Intent::Upload);
             }
             if ui.button("Read back").on_hover_text("Ask the device which table it holds").clicked() {
@@ -175,24 +184,38 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     theme::heading(ui, "Link");
     let snapshot = scene.snapshot;
     let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
-    row(
-        ui,
-        "Round trip",
-        format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst)),
-    );
+    let mut told = |name: &str, value: String, help: &str| row(ui, name, value).on_hover_text(help);
+    let round_trip = format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst));
+    told("Round trip", round_trip, "From a command to its answer");
     let link = snapshot.counters;
-    row(ui, "Commands", link.commands.to_string());
-    row(ui, "Retries / time-outs", format!("{} / {}", link.retries, link.timeouts));
-    row(ui, "Superseded drives", link.superseded.to_string());
-    row(ui, "CRC errors here", snapshot.decoder.damaged.to_string());
+    told("Commands", link.commands.to_string(), "How many were sent, repeats not counted");
+    let lost = format!("{} / {}", link.retries, link.timeouts);
+    told(
+        "Retries / time-outs",
+        lost,
+        "Commands sent again, and answers that did not come in time: a bad cable or a busy port",
+    );
+    let help = "Drives in whose place a newer one or a stop was sent, as in a drag";
+    told("Superseded drives", link.superseded.to_string(), help);
+    let help = "Messages of the device that arrived damaged; what waits for them is sent again";
+    told("CRC errors here", snapshot.decoder.damaged.to_string(), help);
     if let Some(status) = snapshot.status {
         let device = status.counters;
-        row(ui, "CRC errors there", device.crc_errors.to_string());
-        row(ui, "Dropped there", device.dropped.to_string());
-        row(ui, "Repeats there", device.duplicates.to_string());
-        row(ui, "Underruns / clips", format!("{} / {}", device.underruns, device.clips));
+        let help = "Commands that arrived damaged at the device; it did not act on them";
+        told("CRC errors there", device.crc_errors.to_string(), help);
+        let help = "Answers that this computer did not take in time, and commands that a stop or a full queue left out";
+        told("Dropped there", device.dropped.to_string(), help);
+        let help = "Commands that the device got twice and acted on once";
+        told("Repeats there", device.duplicates.to_string(), help);
+        let failed = format!("{} / {}", device.underruns, device.clips);
+        told(
+            "Underruns / clips",
+            failed,
+            "Times the DAC ran out of samples, and samples that were beyond its range",
+        );
         if device.max_cycles > 0 {
-            row(ui, "Cycles a block, most", device.max_cycles.to_string());
+            let help = "The longest that a block of the drive took the device's processor";
+            told("Cycles a block, most", device.max_cycles.to_string(), help);
         }
     }
 }

@@ -66,8 +66,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
         let area = area.auto_shrink([false, true]);
         let is_ended = area.show(ui, |ui| {
-            // The scroll bar floats over the content; this margin keeps the content free of it.
-            ui.set_max_width(ui.available_width() - GAP);
+            theme::clear_of_bar(ui);
             match dialog {
                 Dialog::Scenes => scenes::show(ui, scene, intents),
                 Dialog::Shortcuts => shortcuts(ui),
@@ -88,7 +87,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             return calibrate::steps(ui, scene, intents);
         }
         ui.horizontal(|ui| {
-            let is_closed = ui.button("Close").clicked();
+            let is_closed =
+                ui.button("Close").on_hover_text("Back to the window; nothing is changed").clicked();
             ui.label(RichText::new(ESC).small().color(theme::palette(ui).weak));
             is_closed
         })
@@ -150,7 +150,11 @@ fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
     egui::Frame::group(ui.style()).show(ui, |ui| {
         ui.add(egui::Label::new(RichText::new(UDEV_RULES).monospace().small()).wrap());
     });
-    if ui.button("Copy the rules").clicked() {
+    if ui
+        .button("Copy the rules")
+        .on_hover_text("Put them on the clipboard, to paste them into that file")
+        .clicked()
+    {
         intents.push(Intent::Copy(UDEV_RULES.to_owned()));
     }
 }
@@ -178,10 +182,10 @@ fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.label("It holds no name of yours or of your machine.");
     let text = report::text(scene.snapshot, scene.setup, scene.table);
     ui.horizontal(|ui| {
-        if ui.button("Copy again").clicked() {
+        if ui.button("Copy again").on_hover_text("Put the text below on the clipboard once more").clicked() {
             intents.push(Intent::CopyDiagnostics);
         }
-        if ui.button("Save diagnostics…").clicked() {
+        if ui.button("Save diagnostics…").on_hover_text("Write the text below into a file").clicked() {
             intents.push(Intent::Export(Export::Diagnostics));
         }
     });
@@ -236,8 +240,9 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
     }
     ui.add_space(10.0);
     ui.horizontal(|ui| {
-        let is_cancelled = ui.button("Cancel").clicked();
-        let is_confirmed = ui.button(RichText::new(verb).strong()).clicked();
+        let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
+        let confirm_button = ui.button(RichText::new(verb).strong());
+        let is_confirmed = confirm_button.on_hover_text("Do what is described above, now").clicked();
         if is_confirmed {
             intents.push(Intent::Confirmed(confirm));
         }

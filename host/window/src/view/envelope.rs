@@ -4,9 +4,10 @@ use super::field::UNKNOWN;
 use super::polyline::thinned;
 use super::{Scene, theme};
 use crate::axis::Axis;
-use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Shape, Stroke, pos2};
+use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2};
 use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_top_m};
 use slipline_model::setup::BoundaryMode;
+use slipline_plate::quantity::show_place;
 use slipline_plate::quantity::ticks::Ticks;
 
 /// The share of the ink in points of an earlier drive.
@@ -25,6 +26,9 @@ impl Height {
     }
 }
 
+const HELP: &str =
+    "How far each place of the plate moves at most: predicted as a line, the simulated plate as rings";
+
 /// Shows the envelope in `rect`.
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
@@ -32,6 +36,8 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let is_known = scene.full_peak_m.is_some();
     let top_m = envelope_top_m(predicted, scene.full_peak_m.unwrap_or(1.0));
     let height = Height { rect, top_m };
+    let response = ui.interact(axis.over_plate(rect), ui.scope_id().with("envelope"), Sense::hover());
+    theme::describe(&response, "Envelope", HELP);
     scale(ui, axis, &height, is_known);
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
     let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
@@ -150,6 +156,13 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     for x in [range.min, range.max] {
         painter.vline(x, Rangef::new(y - 3.5, y + 3.5), stroke);
     }
+    let around = Rect::from_x_y_ranges(range, Rangef::new(y - 6.0, y + 6.0));
+    let bracket = ui.interact(around, ui.scope_id().with("edge"), Sense::hover());
+    let said = format!("Edge: {}", show_place(wave.edge_width_m));
+    bracket.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
+    bracket.on_hover_text(
+        "From the peak to a tenth of it: the shorter, the crisper is the boundary of the selected tone",
+    );
 }
 
 /// The legend, in an opaque box, so that the boundary lines do not cross its text.

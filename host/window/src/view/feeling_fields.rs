@@ -96,7 +96,7 @@ impl Value {
 /// Shows the fields, folded at first.
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;
-    egui::CollapsingHeader::new("Feeling, illustrative").show(ui, |ui| {
+    let fields = egui::CollapsingHeader::new("Feeling, illustrative").show(ui, |ui| {
         for value in &VALUES {
             labelled(ui, value.name, |ui| {
                 let (shown, hint) =
@@ -117,4 +117,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             intents.push(Intent::Edit(Edit::Feeling(Feeling::default())));
         }
     });
+    fields
+        .header_response
+        .on_hover_text("The numbers behind the felt edge and the strip: fingers differ, set your own");
 }

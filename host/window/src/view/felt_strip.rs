@@ -26,6 +26,9 @@ pub(super) fn colour(zone: Zone, palette: &theme::Palette) -> Color32 {
     }
 }
 
+const HELP: &str = "What a finger feels along the plate, in three zones; the mark under it is where it ends. Illustrative: \
+    fingers differ, the panel Boundary has the numbers";
+
 /// Shows the strip in `rect`.
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
@@ -54,6 +57,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let said = said(scene);
     let response = ui.interact(over, ui.scope_id().with("felt strip"), Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
+    response.on_hover_text(HELP);
 }
 
 /// The felt edge of all tones together, as a mark under the strip.

@@ -143,16 +143,19 @@ pub(super) const UNKNOWN: &str = "–";
 /// Height of a line of a table of values, in points.
 const ROW: f32 = 17.0;
 
-/// One line of a table of values: name on the left, value on the right.
-pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<RichText>) {
+/// One line of a table of values: name on the left, value on the right. Returns its name.
+pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<RichText>) -> egui::Response {
     let palette = theme::palette(ui);
     ui.scope(|ui| {
         ui.spacing_mut().interact_size.y = ROW;
         ui.horizontal(|ui| {
-            ui.label(RichText::new(name).color(palette.weak));
+            let name = ui.label(RichText::new(name).color(palette.weak));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.add(egui::Label::new(value.into()).truncate());
             });
-        });
-    });
+            name
+        })
+        .inner
+    })
+    .inner
 }

@@ -15,6 +15,9 @@ const CHOICES: [(Touch, &str, &str); 3] = [
     (Touch::Firm, "Firm", "A finger that presses: 1 N s/m and 0.1 g. Illustrative"),
 ];
 
+const HANDLE_HELP: &str =
+    "Drag it along the plate, or press the arrow keys: what it meets is drawn below as its trace";
+
 /// The choice of a finger, and where it is.
 pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
@@ -65,6 +68,7 @@ pub(super) fn handle(
         .interact(Rect::from_center_size(centre, vec2(size, size)), id, Sense::click_and_drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| egui::WidgetInfo::slider(true, finger.place_m * 1e3, "Finger"));
+    let response = response.on_hover_text(HANDLE_HELP);
     let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Finger);
     if response.is_pointer_button_down_on()
         && !is_held

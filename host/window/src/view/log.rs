@@ -32,6 +32,16 @@ const LEVELS: [(Severity, &str); 4] = [
     (Severity::Error, "errors"),
 ];
 
+/// What is shown from a level on.
+fn level_help(level: Severity) -> &'static str {
+    match level {
+        Severity::Detail => "Every line, with what the link does",
+        Severity::Info => "What was done, and all that went wrong",
+        Severity::Warning => "Only what may need your attention",
+        Severity::Error => "Only what failed",
+    }
+}
+
 /// Width of the level menu in a row of this width: narrow rows leave some space to the filter.
 fn level_width(room: f32) -> f32 {
     if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
@@ -56,27 +66,30 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         if width >= LEAST_FILTER || !log.filter.is_empty() {
             // A hint that fits a narrow field.
             let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("find");
-            ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64)).widget_info(|| {
+            let field = ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64));
+            field.widget_info(|| {
                 let mut info = egui::WidgetInfo::text_edit(true, "", "", "find");
                 info.label = Some("Filter the log".to_owned());
                 info
             });
+            field.on_hover_text("Only lines that contain this text are shown and copied");
         }
         let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
         let chosen =
             egui::ComboBox::from_id_salt("log level").selected_text(name).width(level_width(room)).truncate();
         let response = chosen.show_ui(ui, |ui| {
             for (level, name) in LEVELS {
-                ui.selectable_value(&mut log.least, level, name);
+                ui.selectable_value(&mut log.least, level, name).on_hover_text(level_help(level));
             }
         });
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
+        let response = response.response.on_hover_text("How serious a line must be to be shown and copied");
         let copy = ui.small_button("Copy").on_hover_text("Copy the lines shown");
         if copy.clicked() {
             let text: Vec<String> = shown.iter().map(ToString::to_string).collect();
             intents.push(Intent::Copy(text.join("\n")));
         }
-        rest.note(ui, copy.rect.right() - response.response.rect.left());
+        rest.note(ui, copy.rect.right() - response.rect.left());
     });
     // All times share one column; the latest time is the longest.
     let seconds = |entry: &LogEntry| format!("{:.2}", entry.time.as_secs_f64());
@@ -90,6 +103,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.spacing_mut().interact_size.y = height;
     let area = ScrollArea::vertical().id_salt("log").stick_to_bottom(true).auto_shrink([false, false]);
     area.show_rows(ui, height, shown.len(), |ui, rows| {
+        theme::clear_of_bar(ui);
         for entry in shown.get(rows).unwrap_or_default() {
             let colour = match entry.severity {
                 Severity::Detail => palette.weak,

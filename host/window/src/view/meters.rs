@@ -39,11 +39,30 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     meter(ui, "Thermal load", load, "The coil's computed warming, against its limit");
     ui.add_space(1.0);
     let counters = status.map(|status| status.counters);
-    count(ui, "Clipped samples", counters.map(|counters| counters.clips));
-    count(ui, "Underruns", counters.map(|counters| counters.underruns));
-    count(ui, "Retries", status.map(|_| scene.snapshot.counters.retries));
+    let clips = counters.map(|counters| counters.clips);
+    count(
+        ui,
+        "Clipped samples",
+        clips,
+        "Samples that did not fit the DAC since the device started: lower the levels",
+    );
+    let underruns = counters.map(|counters| counters.underruns);
+    count(ui, "Underruns", underruns, "Times the DAC ran out of samples since the device started");
+    let retries = status.map(|_| scene.snapshot.counters.retries);
+    count(
+        ui,
+        "Retries",
+        retries,
+        "Commands that were sent again because no answer came: a bad cable or a busy port",
+    );
     let here = scene.snapshot.decoder.damaged;
-    count(ui, "CRC errors", counters.map(|counters| counters.crc_errors.saturating_add(here)));
+    let damaged = counters.map(|counters| counters.crc_errors.saturating_add(here));
+    count(
+        ui,
+        "CRC errors",
+        damaged,
+        "Messages that arrived damaged, here or at the device; they were not acted on",
+    );
 }
 
 /// A level in dB; never `-0.0`.
@@ -51,11 +70,11 @@ pub(super) fn decibel(value: f32) -> String {
     format!("{} dB", ticks::label(f64::from(value), 0.1))
 }
 
-fn count(ui: &mut egui::Ui, name: &str, value: Option<u32>) {
+fn count(ui: &mut egui::Ui, name: &str, value: Option<u32>, help: &str) {
     let palette = theme::palette(ui);
     let colour = if value.unwrap_or(0) > 0 { palette.warn } else { palette.text };
     let value = value.map_or(UNKNOWN.to_owned(), |value| value.to_string());
-    row(ui, name, RichText::new(value).color(colour));
+    row(ui, name, RichText::new(value).color(colour)).on_hover_text(help);
 }
 
 /// The content of a meter.

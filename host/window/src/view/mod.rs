@@ -26,6 +26,7 @@ mod light_marks;
 mod log;
 mod measure_form;
 mod measure_panel;
+mod menu;
 mod meters;
 mod notices;
 mod offers;

@@ -119,7 +119,7 @@ fn message(ui: &mut egui::Ui, notice: &Notice, rows: usize) -> Press {
             let button = ui.add(button);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss"));
             match (words.clicked(), is_cut) {
-                _ if button.on_hover_text("Dismiss").clicked() => Press::Dismiss,
+                _ if button.on_hover_text("Put this message away").clicked() => Press::Dismiss,
                 (true, true) => Press::Open,
                 (true, false) => Press::Dismiss,
                 (false, _) => Press::None,

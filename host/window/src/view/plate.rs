@@ -86,6 +86,7 @@ pub(super) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             menu.response.widget_info(|| {
                 egui::WidgetInfo::labeled(egui::Role::Button, true, format!("View of the plate: {name}"))
             });
+            menu.response.on_hover_text("What the plate's colours mean, and whether it is shown in relief");
         }
         if has_scale {
             look.show(ui, scene);

@@ -91,23 +91,32 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
                 }
             }
             ui.separator();
-            if ui.button("From a file…").clicked() {
+            let file = ui.button("From a file…");
+            if file.on_hover_text("A plate file, or a setup with its plate").clicked() {
                 intents.push(Intent::OpenDialog);
             }
         });
     let label = format!("Plate: {name}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+    response
+        .response
+        .on_hover_text("Choose one of the plates that come with Slipline, or one of your own from a file");
 }
 
 fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     use slipline_model::jobs::table::TableState;
     let palette = theme::palette(ui);
     match scene.table {
-        TableState::Waiting => row(ui, "Table", "made once a device tells its rate"),
-        TableState::Making => row(ui, "Table", "being made…"),
+        TableState::Waiting => {
+            row(ui, "Table", "made once a device tells its rate");
+        }
+        TableState::Making => {
+            row(ui, "Table", "being made…");
+        }
         TableState::Cancelled => {
             row(ui, "Table", "given up");
-            if ui.button("Make the table").clicked() {
+            let make = ui.button("Make the table");
+            if make.on_hover_text("Without it the plate cannot be driven").clicked() {
                 intents.push(Intent::MakeTable);
             }
         }

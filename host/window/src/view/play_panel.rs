@@ -99,7 +99,7 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             intents.push(Intent::OpenDialog);
         }
         let export = ui.add_enabled(moves > 0, egui::Button::new("Export…"));
-        if export.on_hover_text("Save it as CSV").clicked() {
+        if export.on_hover_text("Write where and when the lines were moved into a CSV file").clicked() {
             intents.push(Intent::Export(Export::Recording));
         }
     });

@@ -36,6 +36,10 @@ struct Shown {
     pitches: Vec<f64>,
 }
 
+const WAVEFORM_HELP: &str =
+    "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
+const SPECTRUM_HELP: &str = "Levels of the drive over frequency, in dB of full scale; a peak for each tone";
+
 /// Most points of the waveform plot.
 const POINTS: usize = 900;
 /// Periods of the plate's slowest tone that the waveform shows.
@@ -115,6 +119,7 @@ fn head(
             is_fitted
         });
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
+        response.on_hover_text("Hold a curve to compare, and the scales of this plot");
         is_fitted || menu.is_some_and(|menu| menu.inner)
     })
 }
@@ -223,6 +228,7 @@ pub(super) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
         let line = Line::new("code, of full scale", PlotPoints::from(points));
         plot.line(line.color(palette.accent).width(1.4));
     });
+    theme::describe(&shown.response, "Plot of the drive waveform", WAVEFORM_HELP);
     note(ui, &shown, is_held, factor);
 }
 
@@ -238,7 +244,8 @@ pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
     let plots = &mut view.plots;
     let is_reset = head(ui, scene, "Spectrum", intents, |ui| {
         hold(ui, &mut plots.held_spectrum, curve);
-        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency");
+        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency")
+            .on_hover_text("Every decade equally wide, so that low tones are told apart");
     });
     let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
     let palette = theme::palette(ui);
@@ -273,6 +280,7 @@ pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
         held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
         plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
     });
+    theme::describe(&shown.response, "Plot of the spectrum", SPECTRUM_HELP);
     note(ui, &shown, is_held, 1.0);
     let tops = peaks(lines, PEAK_FLOOR_DB, MOST_PEAKS);
     label_peaks(ui, &shown, tops.iter().map(|top| (place(top.frequency_hz), top.level_db, top.frequency_hz)));

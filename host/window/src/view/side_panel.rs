@@ -1,7 +1,7 @@
 //! The side panel at the right: shows one of boundary, tones, texture, plate, device and play.
 
 use super::{
-    Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, play_panel, texture_panel,
+    Scene, ViewState, boundary_panel, device_panel, notices, plate_panel, play_panel, texture_panel, theme,
     tones_panel,
 };
 use crate::intent::Intents;
@@ -71,8 +71,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     // Each page keeps the place to which it was scrolled.
     let area = ScrollArea::vertical().id_salt((view.tab, view.plate_page)).auto_shrink([false, false]);
     area.show(ui, |ui| {
-        // The scroll bar floats over the content; this margin keeps the content free of it.
-        ui.set_max_width(ui.available_width() - 8.0);
+        theme::clear_of_bar(ui);
         match view.tab {
             Tab::Boundary => boundary_panel::show(ui, scene, view, intents),
             Tab::Tones => tones_panel::show(ui, scene, view, intents),

@@ -68,7 +68,10 @@ pub(super) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState,
     };
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(text).small().color(colour));
-        if matches!(scene.sound.speaker, SpeakerState::Failed(_)) && ui.small_button("Try again").clicked() {
+        let help = "Open the sound output of this computer once more";
+        if matches!(scene.sound.speaker, SpeakerState::Failed(_))
+            && ui.small_button("Try again").on_hover_text(help).clicked()
+        {
             intents.push(Intent::Sound(scene.sound.choice));
         }
     });

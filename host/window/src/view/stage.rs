@@ -193,6 +193,7 @@ impl Hint {
         painter.galley(rect.min + INSET, self.galley, palette.text);
         let seen = ui.interact(rect, ui.scope_id().with("hint"), Sense::hover());
         seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, HINTS[1]));
+        seen.on_hover_text("It is shown until a line has been dragged for the first time");
     }
 }
 
@@ -225,6 +226,7 @@ fn handle(
     let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Tone(slot));
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
+    let response = response.on_hover_text(LINE_HELP);
     if response.is_pointer_button_down_on()
         && !is_held
         && let Some(pointer) = response.interact_pointer_pos()
@@ -258,6 +260,10 @@ fn handle(
         ui.painter().text(place, Align2::CENTER_CENTER, number, FontId::proportional(11.5), palette.text);
     }
 }
+
+const LINE_HELP: &str = "Drag it along the plate, or press the arrow keys: 1 mm, with Shift 0.1 mm. Its tone is selected and sounds at once";
+const FLAG_HELP: &str = "Where the line is, the frequency of its tone, and how far it is from the peak to a tenth of it, or \
+    why there is no edge";
 
 /// The words of the flag on the selected line: its place, its frequency, and how wide the edge is or why there is none.
 fn flag(line: &Line, frequency_hz: f64, edge_m: f64) -> String {
@@ -348,12 +354,21 @@ impl Flag {
         let top = row.bottom() - self.galley.size().y - 2.0 * INSET.y;
         let rect = Rect::from_x_y_ranges(self.extent, top..=row.bottom());
         ui.painter().rect_filled(rect, CornerRadius::same(5), palette.boundary);
-        ui.painter().galley(rect.min + INSET, self.galley, palette.text);
+        ui.painter().galley(rect.min + INSET, Arc::clone(&self.galley), palette.text);
+        let seen = ui.interact(rect, ui.scope_id().with("flag"), Sense::hover());
+        let said = format!("Flag: {}", self.galley.text());
+        seen.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
+        seen.on_hover_text(FLAG_HELP);
     }
 }
 
+/// The read-out of the place is there for the pointer, so this is for those who do not see it.
+const PLATE_HELP: &str =
+    "The plate and its wave, the driven end at the left. A double click adds a tone at that place";
+
 fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {
     let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::hover());
+    theme::describe(&response, "Plate from above", PLATE_HELP);
     let is_double = ui.input(|input| input.pointer.button_double_clicked(egui::PointerButton::Primary));
     let Some(pointer) = response.hover_pos() else { return };
     let near_handle = scene

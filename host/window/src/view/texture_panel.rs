@@ -60,23 +60,23 @@ fn fields(
             WishKind::Solid => {
                 let value = show_place(draft.felt_edge_m);
                 let take = |text: &str| Ok(WishDraft { felt_edge_m: length(text)?, ..draft.clone() });
-                field(ui, ("Felt to", &value, "A place (200 mm, 20 cm)"), &take);
+                field(ui, ("Felt to", &value, "Where the even area ends, as a place (200 mm, 20 cm)"), &take);
             }
             WishKind::Stripes => {
                 let value = show_length(draft.stripes_m);
                 let take = |text: &str| Ok(WishDraft { stripes_m: length(text)?, ..draft.clone() });
-                field(ui, ("Distance", &value, "A length (12 mm)"), &take);
+                field(ui, ("Distance", &value, "From stripe to stripe, as a length (12 mm)"), &take);
             }
             WishKind::Beat => {
                 let value = show_place(draft.beat_place_m);
                 let take = |text: &str| Ok(WishDraft { beat_place_m: length(text)?, ..draft.clone() });
-                field(ui, ("Place", &value, "A place (120 mm)"), &take);
+                field(ui, ("Place", &value, "Up to where both tones go, as a place (120 mm)"), &take);
                 let value = show_frequency(draft.beat_hz);
                 let take = |text: &str| {
                     let beat_hz = quantity::frequency_hz(text).map_err(|error| error.to_string())?;
                     Ok(WishDraft { beat_hz, ..draft.clone() })
                 };
-                field(ui, ("Beat", &value, "How fast: 1 Hz to 1 kHz"), &take);
+                field(ui, ("Beat", &value, "How fast it swells and fades: 1 Hz to 1 kHz"), &take);
             }
             WishKind::Profile => {
                 ui.vertical(|ui| {
@@ -96,7 +96,7 @@ fn fields(
                 Ok(most) if (1..=TONES_MAX).contains(&most) => Ok(WishDraft { most, ..draft.clone() }),
                 _ => Err(quantity::must_be(format_args!("tones at most {}", text.trim()), "1 to 16")),
             };
-            field(ui, ("Tones at most", &value, "1 to 16"), &take);
+            field(ui, ("Tones at most", &value, "How many tones it may take: 1 to 16. More come nearer to what is wanted"), &take);
         }
     });
     if let Some(reason) = reason {
@@ -124,7 +124,8 @@ fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         if save.on_hover_text("A setup that this app and `slipline drive --setup` play").clicked() {
             intents.push(Intent::SaveTexture);
         }
-        if texture.is_given_up && ui.button("Make it").clicked() {
+        let again = "Compute it after all: it was cancelled";
+        if texture.is_given_up && ui.button("Make it").on_hover_text(again).clicked() {
             intents.push(Intent::Texture(Box::new(texture.draft.clone())));
         }
     });

@@ -45,6 +45,9 @@ impl Plot {
     }
 }
 
+const HELP: &str =
+    "What is wanted at each place, what the tones make of it, and what any number of tones could";
+
 /// Shows the plot; returns the changed draft, if the user changed it.
 pub(super) fn show(
     ui: &mut egui::Ui,
@@ -57,7 +60,7 @@ pub(super) fn show(
     let rect = Rect::from_min_max(whole.min + vec2(8.0, 4.0), whole.max - vec2(8.0, PLACES));
     let axis = Axis::new(length_m, rect.x_range(), ui.pixels_per_point());
     let plot = Plot { axis, rect };
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Texture over the plate"));
+    theme::describe(&response, "Texture over the plate", HELP);
     ground(ui, &plot);
     curves(ui, texture, &plot);
     let draft = texture.draft;
@@ -146,7 +149,7 @@ pub(super) fn legend(ui: &mut egui::Ui, texture: &TextureScene<'_>) {
     let has_target = matches!(texture.draft.kind, WishKind::Solid | WishKind::Profile);
     ui.horizontal_wrapped(|ui| {
         let mut entry = |name: &str, stroke: Stroke, dash: Option<(f32, f32)>| {
-            let (rect, _) = ui.allocate_exact_size(vec2(18.0, 12.0), Sense::hover());
+            let (rect, _) = ui.allocate_exact_size(vec2(14.0, 12.0), Sense::hover());
             let line = [rect.left_center(), rect.right_center()];
             match dash {
                 Some((dash, gap)) => {
@@ -177,6 +180,7 @@ fn place(ui: &egui::Ui, name: &str, place_m: f64, plot: &Plot, response: &egui::
     let handle =
         ui.interact(column, id, Sense::click_and_drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
     handle.widget_info(|| egui::WidgetInfo::slider(true, place_m * 1e3, name));
+    let handle = handle.on_hover_text("Drag it along the plate, or press the arrow keys: 1 mm a press");
     let width = if handle.has_focus() || handle.hovered() { 3.0 } else { 2.0 };
     ui.painter().vline(x, plot.rect.y_range(), Stroke::new(width, palette.boundary));
     let is_held = handle.is_pointer_button_down_on() || response.is_pointer_button_down_on();
@@ -260,7 +264,7 @@ fn breakpoints(
         let is_hot = handle.hovered() || handle.has_focus() || view.held_breakpoint == Some(number);
         let radius = if is_hot { 6.0 } else { 4.5 };
         ui.painter().circle(at, radius, palette.panel, Stroke::new(1.8, palette.text));
-        handle.on_hover_text(value);
+        handle.on_hover_text(format!("{value} of the largest. Drag it; a double click or Delete removes it"));
     }
     let pointer = ui.input(|input| input.pointer.interact_pos());
     if let (Some(number), Some(pointer), true) = (view.held_breakpoint, pointer, is_down) {

@@ -5,6 +5,8 @@ use slipline_model::colour_map::{self, Rgb};
 
 /// Space between related controls, in points.
 pub const GAP: f32 = 8.0;
+/// Space between a scroll bar and the content, in points.
+const BESIDE_BAR: f32 = 3.0;
 /// The least width of a handle that can be touched, in points.
 pub const HANDLE: f32 = 24.0;
 
@@ -179,6 +181,19 @@ pub const HEADING: f32 = 13.5;
 /// A small heading over a group of controls.
 pub fn heading(ui: &mut egui::Ui, text: &str) {
     ui.label(egui::RichText::new(text).strong().size(HEADING));
+}
+
+/// Keeps the content of a scrolled area clear of its bar, which floats over it and is widest under the pointer.
+pub(super) fn clear_of_bar(ui: &mut egui::Ui) {
+    let bar = ui.spacing().scroll.bar_width + BESIDE_BAR;
+    ui.set_max_width((ui.available_width() - bar).max(0.0));
+}
+
+/// Names a picture and says what it shows, for a screen reader; it has a read-out at the pointer, over which a tooltip
+/// would lie.
+pub(super) fn describe(response: &egui::Response, name: &str, help: &str) {
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    response.ctx.accesskit_node_builder(response.id, |node| node.set_description(help));
 }
 
 fn colour([red, green, blue]: Rgb) -> Color32 {

@@ -43,7 +43,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                             format!("Select tone {}", slot + 1),
                         )
                     });
-                    if number.on_hover_text(&name).clicked() {
+                    let help =
+                        format!("{name}: the arrow keys and the page Boundary are for the selected tone");
+                    if number.on_hover_text(help).clicked() {
                         intents.push(Intent::Select(slot));
                     }
                     let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));

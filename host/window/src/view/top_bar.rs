@@ -1,15 +1,15 @@
 //! The top bar: the connected device, its state, and STOP.
 
 use super::aligned::{self, Width};
-use super::{Scene, offers, theme};
-use crate::intent::{Dialog, Export, Intent, Intents};
-use crate::settings::ThemeChoice;
+use super::{Scene, menu, offers, theme};
+use crate::intent::{Dialog, Intent, Intents};
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
-use slipline_link::protocol::event::State;
+use slipline_link::protocol::event::{Fault, State, Status};
 use slipline_link::{LinkError, LinkState, Request};
-use slipline_model::export::figures::Format;
-use slipline_model::field::sheet::SourceChoice;
 use theme::Palette;
+
+/// What looking for ports again does.
+pub(super) const LOOK_AGAIN: &str = "Search this computer's ports once more, after a device was plugged in";
 
 /// Height of the bar with its margins, in points.
 pub(super) const HEIGHT: f32 = STOP.y + 20.0;
@@ -68,6 +68,10 @@ pub(super) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
 
 /// In windows narrower than this, in points, the program's name is left out.
 const ROOM_FOR_NAME: f32 = 760.0;
+/// In windows narrower than this, in points, the state tells a fault without its cause, which its tooltip has.
+const ROOM_FOR_FAULT: f32 = 900.0;
+/// A cause with more letters than this is told by the tooltip only.
+const LONGEST_CAUSE: usize = 32;
 /// Space in and between the buttons of such a narrow bar, in points.
 const NARROW: f32 = 4.0;
 /// Smallest and largest width of the device menu, in points.
@@ -78,6 +82,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     ui.horizontal(|ui| {
         ui.set_min_height(34.0);
         let is_narrow = ui.available_width() < ROOM_FOR_NAME;
+        let is_wide = ui.available_width() >= ROOM_FOR_FAULT;
         if is_narrow {
             ui.spacing_mut().button_padding.x = NARROW;
             ui.spacing_mut().item_spacing.x = NARROW;
@@ -85,7 +90,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             ui.label(RichText::new("Slipline").strong().size(18.0));
             ui.add_space(4.0);
         }
-        menu(ui, scene, intents);
+        menu::show(ui, scene, intents);
         ui.separator();
         // The width of the controls after the device menu that must stay visible. The device menu shrinks for them
         // first, then the round trip is left out.
@@ -95,7 +100,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
         let device = port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents);
         let shown = ui.horizontal(|ui| {
             let (word, colour, sentence) = state_words(scene, palette);
-            chip(ui, word, colour).on_hover_text(sentence);
+            let fault =
+                scene.snapshot.is_connected().then_some(scene.snapshot.status).flatten().and_then(fault);
+            chip(ui, (word, fault), is_wide, colour).on_hover_text(sentence);
             offer_buttons(ui, scene, intents);
         });
         state.note(ui, shown.response.rect.width());
@@ -124,9 +131,22 @@ fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
     (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
 }
 
-/// A rounded box with a coloured dot and a word.
-fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
-    let galley = ui.painter().layout_no_wrap(word.to_owned(), FontId::proportional(13.0), colour);
+/// The cause of a fault, of the first if there are several.
+fn fault(status: Status) -> Option<&'static str> {
+    let first = status.faults.iter().next().filter(|_| status.state == State::Fault);
+    first.map(Fault::text).filter(|text| text.len() <= LONGEST_CAUSE)
+}
+
+/// A rounded box with a coloured dot, a word, and the cause of a fault where there is room for it.
+fn chip(
+    ui: &mut egui::Ui,
+    (word, fault): (&str, Option<&str>),
+    is_wide: bool,
+    colour: Color32,
+) -> egui::Response {
+    let said = fault.map_or_else(|| word.to_owned(), |cause| format!("{word}: {cause}"));
+    let shown = if is_wide { said.clone() } else { word.to_owned() };
+    let galley = ui.painter().layout_no_wrap(shown, FontId::proportional(13.0), colour);
     let size = vec2(galley.size().x + 34.0, 24.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
@@ -139,7 +159,7 @@ fn chip(ui: &mut egui::Ui, word: &str, colour: Color32) -> egui::Response {
     );
     painter.circle_filled(rect.left_center() + vec2(13.0, 0.0), 4.0, colour);
     painter.galley(rect.left_center() + vec2(23.0, -0.5 * galley.size().y), galley, colour);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("State: {word}")));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("State: {said}")));
     response
 }
 
@@ -237,105 +257,23 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
     let response = menu.show_ui(ui, |ui| {
         for info in scene.ports {
             let is_current = current == Some(&info.port);
-            if ui.selectable_label(is_current, &info.label).clicked() && !is_current {
+            let choice = ui.selectable_label(is_current, &info.label);
+            if choice.on_hover_text(format!("Open {} and close the port before", info.port)).clicked()
+                && !is_current
+            {
                 intents.push(Intent::Connect(info.port.clone()));
             }
         }
         ui.separator();
-        if ui.button("Look again").clicked() {
+        if ui.button("Look again").on_hover_text(LOOK_AGAIN).clicked() {
             intents.push(Intent::RefreshPorts);
         }
-        if ui.button("A port is missing…").clicked() {
+        let missing = ui.button("A port is missing…");
+        if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
             intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
         }
     });
     let name = format!("Device: {label}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    response.response.on_hover_text(label)
-}
-
-fn menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    let mut ask = |ui: &mut egui::Ui, is_enabled: bool, name: String, keys: &str, intent: Intent| {
-        let button = egui::Button::new(name).shortcut_text(keys);
-        if ui.add_enabled(is_enabled, button).clicked() {
-            intents.push(intent);
-            ui.close();
-        }
-    };
-    ui.menu_button("File", |ui| {
-        ask(ui, true, "New".into(), "", Intent::New);
-        ask(ui, true, "Scenes…".into(), "", Intent::Dialog(Some(Dialog::Scenes)));
-        ask(ui, true, "Open…".into(), "Ctrl+O", Intent::OpenDialog);
-        ui.add_enabled_ui(!scene.settings.recent.is_empty(), |ui| {
-            ui.menu_button("Open recent", |ui| {
-                for path in &scene.settings.recent {
-                    let name = path.file_name().map_or_else(
-                        || path.display().to_string(),
-                        |name| name.to_string_lossy().into_owned(),
-                    );
-                    ask(ui, true, name, "", Intent::Open(path.clone()));
-                }
-            });
-        });
-        ask(ui, true, "Save setup…".into(), "Ctrl+S", Intent::SaveDialog);
-        ask(ui, true, "Save plate…".into(), "", Intent::SavePlateDialog);
-        ui.separator();
-        ask(ui, true, "Export figure (SVG)…".into(), "", Intent::Export(Export::Figure(Format::Svg)));
-        ask(ui, true, "Export figure (PNG)…".into(), "", Intent::Export(Export::Figure(Format::Png)));
-        ask(ui, true, "Export envelope (CSV)…".into(), "", Intent::Export(Export::Envelope));
-        ask(ui, true, "Export waveform (CSV)…".into(), "", Intent::Export(Export::Waveform));
-        ask(ui, true, "Export drive (WAV)…".into(), "", Intent::Export(Export::Sound));
-        let has_recording = !scene.recorder.recording().moves().is_empty();
-        let name = "Export recorded drag (CSV)…".into();
-        ask(ui, has_recording, name, "", Intent::Export(Export::Recording));
-        ask(ui, true, "Save screenshot (PNG)…".into(), "", Intent::Export(Export::Screenshot));
-        ask(ui, true, "Copy diagnostics".into(), "", Intent::CopyDiagnostics);
-    });
-    ui.menu_button("Edit", |ui| {
-        let name = |verb: &str, what: Option<&str>| {
-            what.map_or_else(|| verb.to_owned(), |what| format!("{verb} {what}"))
-        };
-        ask(ui, scene.undo.0.is_some(), name("Undo", scene.undo.0), "Ctrl+Z", Intent::Undo);
-        ask(ui, scene.undo.1.is_some(), name("Redo", scene.undo.1), "Ctrl+Y", Intent::Redo);
-        let name = format!("Switch to {}", scene.compare.side().other().letter());
-        ask(ui, true, name, "Ctrl+B", Intent::Switch);
-    });
-    ui.menu_button("View", |ui| {
-        for choice in ThemeChoice::ALL {
-            if ui.radio(scene.settings.theme == choice, choice.name()).clicked() {
-                intents.push(Intent::Theme(choice));
-                ui.close();
-            }
-        }
-        ui.separator();
-        let shown = [
-            (scene.settings.show_panel, "Panel", Intent::ShowPanel as fn(bool) -> Intent),
-            (scene.settings.show_plots, "Plots, meters and log", Intent::ShowPlots),
-        ];
-        for (mut is_shown, name, intent) in shown {
-            if ui.checkbox(&mut is_shown, name).clicked() {
-                intents.push(intent(is_shown));
-                ui.close();
-            }
-        }
-        ui.separator();
-        for choice in SourceChoice::ALL {
-            if ui.radio(scene.settings.wave == choice, choice.name()).clicked() {
-                intents.push(Intent::Wave(choice));
-                ui.close();
-            }
-        }
-    });
-    ui.menu_button("Help", |ui| {
-        for (name, keys, dialog) in [
-            ("Shortcuts", "F1", Dialog::Shortcuts),
-            ("Ports and permissions", "", Dialog::PortHelp),
-            ("About Slipline", "", Dialog::About),
-        ] {
-            if ui.add(egui::Button::new(name).shortcut_text(keys)).clicked() {
-                intents.push(Intent::Dialog(Some(dialog)));
-                ui.close();
-            }
-        }
-    });
+    response.response.on_hover_text(format!("{label}: what is driven. Press to choose another port"))
 }

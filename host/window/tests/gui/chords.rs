@@ -1,7 +1,11 @@
 //! Setups whose tones are a chord, whose peak the device proves.
 
-use crate::test_app::TestApp;
-use eframe::egui::{self, Key, Modifiers};
+use crate::fake_files::FakeFiles;
+use crate::real_device;
+use crate::test_app::{TestApp, open_window};
+use eframe::egui::{self, Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::protocol::event::State;
 use slipline_link::{Change, Request};
 use slipline_model::autopilot;
 use slipline_model::field::steady_field::SteadyTone;
@@ -81,4 +85,39 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     assert_eq!(sounds_as_chord(&app), Some(true));
     assert!(app.is_driving());
     assert!(matches!(played(&app)[..], [Request::Stop, Request::Chord(_)]));
+}
+
+#[test]
+fn a_texture_for_a_device_that_plays_no_chords_says_how_much_quieter_it_is() {
+    for (minor, is_told) in [(0, true), (slipline_link::protocol::version::MINOR, false)] {
+        let mut link = real_device(State::Idle);
+        let snapshot = Arc::make_mut(&mut link.snapshot);
+        Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
+        assert_eq!(snapshot.can_play_chords(), !is_told);
+        let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+        let files = FakeFiles::default();
+        let profile = Ok(b"0.01,1\n0.17,0.8\n0.2,0.2\n0.34,0\n".to_vec());
+        let plate = slipline_plate::preset("al-bending-displacement").unwrap().to_toml();
+        *files.contents.borrow_mut() = vec![("plate.toml".into(), Ok(plate))];
+        *files.profiles.borrow_mut() = vec![("falling.csv".into(), profile)];
+        let mut window = open_window(Box::new(link), &files, ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        window.run_steps(5);
+        for name in ["Texture", "Profile", "Open profile…"] {
+            window.get_by_role_and_label(Role::Button, name).click();
+            window.run_steps(20);
+        }
+        assert!(window.query_by_label("As a chord").is_some(), "minor {minor}");
+        assert_eq!(window.query_by_label("not by this device").is_some(), is_told, "minor {minor}");
+        window.get_by_label("Play this").click();
+        window.run_steps(5);
+        let told = window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();
+        assert_eq!(
+            told.starts_with("This device plays no chords: the texture is "),
+            is_told,
+            "{minor}: {told}"
+        );
+        assert!(window.state().setup().tones.len() > 1);
+    }
 }

@@ -17,7 +17,16 @@ fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     let mut app = TestApp::driving();
     app.pass(u64::from(MAX_DRIVE_MS));
     app.wait(500);
-    assert!(app.window.query_by_label("State: fault").is_some());
+    assert!(app.window.query_by_label("State: fault: 10 minutes without a command").is_some());
+    let shows = |app: &TestApp| {
+        let words = crate::plots::words(app.window.output());
+        words.iter().any(|(words, _)| words == "fault: 10 minutes without a command")
+    };
+    assert!(shows(&app));
+    // In a narrow bar the tooltip has the cause, and nothing is pushed out of the window.
+    app.window.set_size([640.0, 480.0].into());
+    app.wait(100);
+    assert!(!shows(&app) && app.window.get_by_label("STOP").rect().right() <= 640.0);
     let told = "Stopped after 10 minutes without a command. Press Drive to go on.";
     assert!(app.window.query_by_label(told).is_some(), "{:?}", app.window.state().notice());
     assert!(app.window.query_by_label("Clear fault").is_none());

@@ -4,6 +4,7 @@ mod background;
 mod calibrate;
 mod chords;
 mod drive_time;
+mod drops;
 mod exports;
 mod fake_files;
 mod fake_speaker;
@@ -39,6 +40,7 @@ mod stop_keys;
 mod tab_order;
 mod test_app;
 mod textures;
+mod tooltips;
 mod unknown_values;
 mod upkeep;
 

@@ -214,3 +214,56 @@ fn the_buttons_of_the_pages_stay_while_a_page_is_scrolled_and_each_page_keeps_it
     app.wait(100);
     assert_eq!(field(&app), scrolled);
 }
+
+/// Scroll bars at their widest, as they are drawn under the pointer.
+fn bars(app: &TestApp) -> Vec<Rect> {
+    let wide = app.window.ctx.global_style().spacing.scroll.bar_width;
+    let is_bar = |rect: &Rect| (rect.width() - wide).abs() < 0.6 && rect.height() > 20.0;
+    let shapes = app.window.output().shapes.iter();
+    let rects = shapes.filter_map(|clipped| match &clipped.shape {
+        eframe::egui::Shape::Rect(shape) => Some(shape.rect.intersect(clipped.clip_rect)),
+        _ => None,
+    });
+    rects.filter(is_bar).collect()
+}
+
+#[test]
+fn no_scroll_bar_lies_over_letters() {
+    let mut app = small(SIZES[0]);
+    let mut clear = |app: &mut TestApp, at: eframe::egui::Pos2, what: &str| {
+        app.window.hover_at(at);
+        app.wait(600);
+        let bars = bars(app);
+        assert!(!bars.is_empty(), "{what}: it scrolls");
+        // A page in front is painted after what it lies over.
+        let painted = crate::plots::words(app.window.output()).into_iter();
+        for (words, rect) in painted.skip_while(|(words, _)| what == "Shortcuts" && words != what) {
+            for bar in &bars {
+                assert!(
+                    words.is_empty() || !bar.intersects(rect.shrink(0.5)),
+                    "{what}: {words} {rect} {bar}"
+                );
+            }
+        }
+    };
+    for page in ["Boundary", "Plate", "Device"] {
+        app.window.get_by_role_and_label(Role::Button, page).click();
+        app.wait(100);
+        clear(&mut app, pos2(613.0, 300.0), page);
+    }
+    app.window.get_by_label("Plots").click();
+    app.wait(100);
+    let level = app.window.get_all_by_role(Role::ProgressIndicator).next().unwrap().rect();
+    clear(&mut app, level.right_center() + vec2(8.0, 0.0), "meters");
+    for name in ["Level", "Headroom"] {
+        let words = crate::plots::words(app.window.output());
+        let (_, row) = words.iter().find(|(words, _)| words == name).unwrap();
+        let beside = |at: &Rect| (at.center().y - row.center().y).abs() < 3.0 && at.left() > row.right();
+        let (value, _) = words.iter().find(|(_, at)| beside(at)).unwrap();
+        assert!(value.ends_with(" dB"), "{name}: {value}");
+    }
+    app.window.key_press(Key::F1);
+    app.wait(300);
+    let close = app.window.get_by_label("Close").rect();
+    clear(&mut app, pos2(640.0 - close.left() - 4.0, 200.0), "Shortcuts");
+}

@@ -173,7 +173,7 @@ fn the_simulated_device_stays_armed_after_one_press_and_latches_its_fault_after_
     assert!(app.window.query_by_label("State: armed").is_some());
     app.window.key_press(Key::Escape);
     app.wait(400);
-    assert!(app.window.query_by_label("State: fault").is_some());
+    assert!(app.window.query_by_label("State: fault: emergency stop").is_some());
     let status = app.snapshot().status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::EmergencyStop));
     app.window.get_by_label("Clear fault").click();

@@ -36,6 +36,16 @@ impl SourceChoice {
             Self::Sheet => "Wave: 2-D sheet if possible",
         }
     }
+
+    /// What it does, in a sentence.
+    #[must_use]
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            Self::Automatic => "The 2-D sheet where it runs fast enough, else the modal lines",
+            Self::Lines => "The first width mode along the plate: exact where one mode is enough, and quick",
+            Self::Sheet => "The wave equation on the whole sheet, in time, also where it is slow",
+        }
+    }
 }
 
 /// The source from which the wave is drawn.

@@ -78,7 +78,8 @@ impl<'a> Form<'a> {
         ui.push_id("design", |ui| {
             self.sheet(ui);
             self.size(ui);
-            egui::CollapsingHeader::new("More").show_unindented(ui, |ui| self.rest(ui));
+            let more = egui::CollapsingHeader::new("More").show_unindented(ui, |ui| self.rest(ui));
+            more.header_response.on_hover_text("Values that are chosen for you unless you give them");
         });
         self.shown
     }
@@ -116,7 +117,7 @@ impl<'a> Form<'a> {
         &mut self,
         ui: &mut egui::Ui,
         name: &str,
-        now: T,
+        (now, help): (T, &str),
         all: impl Iterator<Item = (T, &'static str)>,
         take: impl FnOnce(&mut Draft, T),
     ) {
@@ -134,6 +135,7 @@ impl<'a> Form<'a> {
             });
             let label = format!("{name}: {shown}");
             menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+            menu.response.on_hover_text(help);
             if let Some(value) = chosen {
                 let mut draft = self.draft.clone();
                 take(&mut draft, value);
@@ -146,7 +148,8 @@ impl<'a> Form<'a> {
     fn sheet(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let materials = material_names().map(|name| (name, name));
-        self.choice(ui, "Material", draft.material, materials, |draft, name| {
+        let help = "What the sheet is made of: its stiffness, density and loss are known";
+        self.choice(ui, "Material", (draft.material, help), materials, |draft, name| {
             draft.material = name;
             draft.loss_factor = None;
         });
@@ -157,7 +160,8 @@ impl<'a> Form<'a> {
         };
         self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
         let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
-        self.choice(ui, "Wave", draft.kind, kinds, |draft, kind| draft.kind = kind);
+        let help = "How the sheet is held at its edges, and so which wave travels on it";
+        self.choice(ui, "Wave", (draft.kind, help), kinds, |draft, kind| draft.kind = kind);
         match draft.kind {
             Kind::Supported | Kind::Clamped => {
                 let mut thin = draft.thin;

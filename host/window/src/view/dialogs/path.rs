@@ -36,6 +36,7 @@ pub(super) fn show(
         info.label = Some("File path".to_owned());
         info
     });
+    let field = field.on_hover_text("A path of this computer, such as /home/me/plate.toml");
     if is_new {
         field.request_focus();
     }
@@ -50,12 +51,14 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         let verb = if is_replacing { "Replace" } else { question.verb };
         let button = egui::Button::new(RichText::new(verb).strong());
-        let is_pressed = ui.add_enabled(!typed.text.trim().is_empty(), button).clicked();
+        let button =
+            ui.add_enabled(!typed.text.trim().is_empty(), button).on_hover_text("Use the typed path");
+        let is_pressed = button.on_disabled_hover_text("Type a path first").clicked();
         // To replace a file, the user must press the button that says so; Enter is not enough.
         if is_pressed || (is_entered && !is_replacing && !typed.text.trim().is_empty()) {
             intents.push(Intent::Path(typed.text.trim().to_owned(), is_replacing));
         }
-        ui.button("Cancel").clicked()
+        ui.button("Cancel").on_hover_text("Open and write nothing").clicked()
     })
     .inner
 }

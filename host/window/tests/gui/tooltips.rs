@@ -1,0 +1,167 @@
+//! Every control and every view says in a sentence what it is for.
+
+use crate::background::open_page;
+use crate::test_app::{TestApp, open_window};
+use crate::{add_tone, fake_files::FakeFiles, real_device};
+use eframe::egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_link::protocol::event::State;
+use slipline_window::app::App;
+use slipline_window::settings::ThemeChoice;
+use std::collections::BTreeMap;
+
+/// The roles of all that can be used or read off.
+const TOLD: [Role; 11] = [
+    Role::Button,
+    Role::Slider,
+    Role::SpinButton,
+    Role::TextInput,
+    Role::ComboBox,
+    Role::CheckBox,
+    Role::RadioButton,
+    Role::Link,
+    Role::ProgressIndicator,
+    Role::Image,
+    Role::MenuItem,
+];
+/// Beginnings of the names of labels that stand for a part of the picture.
+const PARTS: [&str; 9] = [
+    "State: ",
+    "Drag the line",
+    "felt",
+    "Flag: ",
+    "Edge: ",
+    "Clipped samples",
+    "Underruns",
+    "Retries",
+    "CRC errors",
+];
+/// The fewest letters of a sentence.
+const LEAST: usize = 15;
+
+/// Each name with what it says: `None` if that is nothing. A tooltip is also the description for a screen reader.
+type Told = BTreeMap<String, Option<String>>;
+
+fn look(window: &Harness<'_, App>, told: &mut Told) {
+    let parts = |node: &egui_kittest::Node<'_>| {
+        let said =
+            node.accesskit_node().label().or_else(|| node.accesskit_node().value()).unwrap_or_default();
+        TOLD.contains(&node.accesskit_node().role())
+            || (node.accesskit_node().role() == Role::Label
+                && PARTS.iter().any(|part| said.starts_with(part)))
+    };
+    for node in window.root().children_recursive().filter(parts) {
+        let access = node.accesskit_node();
+        let named = access.labelled_by().next().and_then(|by| by.label().or_else(|| by.value()));
+        let name = access.label().or(named).or_else(|| access.value()).unwrap_or_default();
+        told.insert(format!("{:?} {name}", node.accesskit_node().role()), access.description());
+    }
+}
+
+/// What is missing: nothing, too little, or the name once more.
+fn lacks((name, said): (&String, &Option<String>)) -> Option<String> {
+    let word = name.split_once(' ').map_or("", |(_, word)| word).to_lowercase();
+    let Some(said) = said else { return Some(format!("{name}: nothing")) };
+    let rest = said.to_lowercase().replace(&word, "");
+    (said.len() < LEAST || rest.trim().len() < LEAST).then(|| format!("{name}: {said}"))
+}
+
+/// Presses the first control whose name begins like this.
+fn press(app: &mut TestApp, name: &str) {
+    let is_named = |node: &egui_kittest::Node<'_>| {
+        let access = node.accesskit_node();
+        // The line of the boundary has the name of its page.
+        let is_control = TOLD.contains(&access.role()) && access.role() != Role::Slider;
+        is_control && access.label().is_some_and(|label| label.starts_with(name))
+    };
+    app.window.root().children_recursive().find(is_named).unwrap_or_else(|| panic!("no {name}")).click();
+    app.wait(200);
+}
+
+#[test]
+fn every_control_and_view_says_what_it_is_for() {
+    let mut told = Told::new();
+    let mut app = TestApp::driving();
+    look(&app.window, &mut told);
+    crate::finger::choose(&mut app, "Light");
+    add_tone(&mut app);
+    for page in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
+        app.window.get_by_role_and_label(Role::Button, page).click();
+        app.wait(150);
+        look(&app.window, &mut told);
+    }
+    for kind in ["Solid", "Profile", "Stripes", "Beat"] {
+        crate::textures::open_textures(&mut app);
+        crate::textures::choose(&mut app, kind);
+        look(&app.window, &mut told);
+    }
+    for page in ["This plate", "Validity", "Designer"] {
+        open_page(&mut app, page);
+        look(&app.window, &mut told);
+    }
+    open_page(&mut app, "This plate");
+    press(&mut app, "Plate: ");
+    look(&app.window, &mut told);
+    press(&mut app, "Plate: ");
+    press(&mut app, "Boundary");
+    crate::finger::choose(&mut app, "None");
+    for menu in
+        ["File", "Edit", "View", "Help", "More: Drive waveform", "More: Spectrum", "Device: ", "Log level"]
+    {
+        press(&mut app, menu);
+        look(&app.window, &mut told);
+        press(&mut app, menu);
+    }
+    for page in ["Scenes…", "Shortcuts", "Ports and permissions", "About Slipline", "Copy diagnostics"] {
+        press(&mut app, if ["Scenes…", "Copy diagnostics"].contains(&page) { "File" } else { "Help" });
+        press(&mut app, page);
+        look(&app.window, &mut told);
+        press(&mut app, "Close");
+    }
+    app.open("bad.toml", Ok("nonsense".to_owned()));
+    look(&app.window, &mut told);
+    app.window.set_size([640.0, 480.0].into());
+    app.wait(200);
+    look(&app.window, &mut told);
+    app.plug(false);
+    app.wait(3000);
+    look(&app.window, &mut told);
+    for state in [State::Idle, State::Armed, State::Fault] {
+        let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+        let link = Box::new(real_device(state));
+        let mut window = open_window(link, &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        look(&window, &mut told);
+        window.get_by_role_and_label(Role::Button, "Device").click();
+        window.run_steps(5);
+        look(&window, &mut told);
+        if state == State::Idle {
+            window.get_by_label("Arm…").click();
+            window.run_steps(5);
+            look(&window, &mut told);
+        }
+    }
+    assert!(told.len() > 150, "{} were seen", told.len());
+    let lacking: Vec<String> = told.iter().filter_map(lacks).collect();
+    assert!(lacking.is_empty(), "{} of {}:\n{}", lacking.len(), told.len(), lacking.join("\n"));
+}
+
+#[test]
+fn the_strip_and_the_line_say_it_at_the_pointer() {
+    for (name, wanted) in [("felt to", "fingers differ"), ("Boundary", "press the arrow keys")] {
+        let mut app = TestApp::driving();
+        let named = |node: &egui_kittest::Node<'_>| {
+            let access = node.accesskit_node();
+            let is_one = matches!(access.role(), Role::Label | Role::Slider);
+            is_one && access.label().or_else(|| access.value()).is_some_and(|label| label.starts_with(name))
+        };
+        let at = app.window.root().children_recursive().find(named).unwrap().rect().center();
+        // Beside the line, where the strip is alone.
+        let beside = if name == "Boundary" { 0.0 } else { 100.0 };
+        app.window.hover_at(at + eframe::egui::vec2(beside, 0.0));
+        app.wait(2500);
+        let words = crate::plots::words(app.window.output());
+        assert!(words.iter().any(|(words, _)| words.contains(wanted)), "{name}");
+    }
+}
