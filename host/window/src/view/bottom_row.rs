@@ -24,7 +24,7 @@ const METERS: f32 = 170.0;
 /// Shares of the width; each gap between two parts has a separator line.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
 /// The shares in a window narrower than [`NARROW`], in points, where meters and log need more of it.
-const NARROW_SHARES: [f32; 4] = [0.245, 0.245, 0.245, 0.265];
+const NARROW_SHARES: [f32; 4] = [0.25, 0.24, 0.245, 0.265];
 const NARROW: f32 = 760.0;
 const GAP: f32 = 21.0;
 

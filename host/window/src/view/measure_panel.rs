@@ -58,7 +58,7 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
         switch.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_shown, format!("Show {}", entry.name))
         });
-        if switch.on_hover_text("Draw it").changed() {
+        if switch.on_hover_text("Draw its curve beside the others").changed() {
             intents.push(Intent::Measure(MeasureIntent::Show(entry.number, is_shown)));
         }
         let (swatch, _) = ui.allocate_exact_size(vec2(SWATCH, 18.0), Sense::hover());
@@ -71,7 +71,10 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
         let name = egui::Button::selectable(is_chosen, &entry.name).truncate().right_text("");
         let name = ui.add_sized(vec2(room, REMOVE), name);
         name.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_chosen, &entry.name));
-        if name.on_hover_text("Choose it").clicked() {
+        if name
+            .on_hover_text("Choose it: the plate's model is compared with it, and its numbers are told below")
+            .clicked()
+        {
             intents.push(Intent::Measure(MeasureIntent::Choose(entry.number)));
         }
         let remove = ui.add(egui::Button::new("×").frame(false).min_size(vec2(REMOVE, REMOVE)));

@@ -38,6 +38,8 @@ struct Shown {
 
 const WAVEFORM_HELP: &str =
     "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
+/// What a logarithmic axis is for.
+pub(super) const LOGARITHMIC_HELP: &str = "Every decade equally wide, so that low tones are told apart";
 const SPECTRUM_HELP: &str = "Levels of the drive over frequency, in dB of full scale; a peak for each tone";
 
 /// Most points of the waveform plot.
@@ -244,8 +246,7 @@ pub(super) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewStat
     let plots = &mut view.plots;
     let is_reset = head(ui, scene, "Spectrum", intents, |ui| {
         hold(ui, &mut plots.held_spectrum, curve);
-        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency")
-            .on_hover_text("Every decade equally wide, so that low tones are told apart");
+        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency").on_hover_text(LOGARITHMIC_HELP);
     });
     let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
     let palette = theme::palette(ui);

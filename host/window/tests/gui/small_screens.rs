@@ -230,7 +230,7 @@ fn bars(app: &TestApp) -> Vec<Rect> {
 #[test]
 fn no_scroll_bar_lies_over_letters() {
     let mut app = small(SIZES[0]);
-    let mut clear = |app: &mut TestApp, at: eframe::egui::Pos2, what: &str| {
+    let clear = |app: &mut TestApp, at: eframe::egui::Pos2, what: &str| {
         app.window.hover_at(at);
         app.wait(600);
         let bars = bars(app);

@@ -104,6 +104,23 @@ fn every_control_and_view_says_what_it_is_for() {
     press(&mut app, "Plate: ");
     look(&app.window, &mut told);
     press(&mut app, "Plate: ");
+    crate::measure::open_measure(&mut app);
+    let answers = [0.032, 0.176].map(|x| crate::measure::measured(&crate::measure::membrane(1.002), x, 20.0));
+    crate::measure::open(&mut app, "near.csv", &answers[0]);
+    look(&app.window, &mut told);
+    press(&mut app, "More: Measured response");
+    look(&app.window, &mut told);
+    press(&mut app, "More: Measured response");
+    crate::calibrate::open_calibration(&mut app);
+    look(&app.window, &mut told);
+    press(&mut app, "Next");
+    look(&app.window, &mut told);
+    press(&mut app, "Next");
+    look(&app.window, &mut told);
+    press(&mut app, "Cancel");
+    crate::calibrate::go_through(&mut app, &answers);
+    look(&app.window, &mut told);
+    press(&mut app, "Cancel");
     press(&mut app, "Boundary");
     crate::finger::choose(&mut app, "None");
     for menu in

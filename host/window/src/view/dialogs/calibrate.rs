@@ -97,7 +97,8 @@ fn answer(
             let line = egui::Rect::from_center_size(swatch.center(), vec2(12.0, 3.0));
             ui.painter().rect_filled(line, 0.0, ink(entry.number, palette));
             let place = show_place(entry.measurement.place_m);
-            if ui.selectable_label(is_taken, format!("{} at {place}", entry.name)).clicked() {
+            let label = ui.selectable_label(is_taken, format!("{} at {place}", entry.name));
+            if label.on_hover_text("Take this measurement for this place").clicked() {
                 ask(CalibrateIntent::TakeAnswer(sensor, entry.number));
             }
         });
@@ -122,6 +123,7 @@ pub(super) fn steps(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents)
             ask(CalibrateIntent::Cancel);
         }
         let back = ui.add_enabled(step.back().is_some(), egui::Button::new("Back"));
+        let back = back.on_hover_text("The page before; what was opened and typed stays");
         if let Some(back) = step.back().filter(|_| back.clicked()) {
             ask(CalibrateIntent::Page(back));
         }
@@ -129,6 +131,7 @@ pub(super) fn steps(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents)
             let obstacle = shown.calibration.obstacle();
             let button = egui::Button::new(RichText::new("Next").strong());
             let button = ui.add_enabled(obstacle.is_none(), button);
+            let button = button.on_hover_text("The next page; Back returns to this one");
             if button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
                 ask(CalibrateIntent::Page(next));
             }

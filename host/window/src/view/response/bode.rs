@@ -94,8 +94,11 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, strip: Strip, is_last
         painter.galley(at(left), legend, palette.weak);
     }
     let summary = summary(curves, strip);
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &summary));
+    theme::describe(&shown.response, &summary, HELP);
 }
+
+const HELP: &str =
+    "The chosen measurement bright, the others dim, and the plate's model as a line, over the frequency";
 
 /// What a screen reader says of a plot.
 fn summary(curves: &Curves<'_>, strip: Strip) -> String {

@@ -63,7 +63,8 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
             ui.spacing_mut().item_spacing.x = 4.0;
             ui.spacing_mut().button_padding.x = 5.0;
             for (part, name) in PARTS {
-                if ui.selectable_label(response.chosen == part, name).clicked() {
+                let label = ui.selectable_label(response.chosen == part, name);
+                if label.on_hover_text("Show this of the response; a larger window shows all").clicked() {
                     response.chosen = part;
                 }
             }
@@ -72,11 +73,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
         let (shown, menu) = button.ui(ui, |ui| {
             let is_reset = fit(ui, NAME);
             let mut is_logarithmic = !response.is_linear;
-            ui.checkbox(&mut is_logarithmic, "Logarithmic frequency");
+            ui.checkbox(&mut is_logarithmic, "Logarithmic frequency").on_hover_text(plots::LOGARITHMIC_HELP);
             response.is_linear = !is_logarithmic;
             is_reset
         });
         shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {NAME}")));
+        shown.on_hover_text("Show all again, and the scale of the frequencies");
         menu.is_some_and(|menu| menu.inner)
     });
     let shelf = scene.measure.shelf;

@@ -49,8 +49,10 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, is_reset: bool, aspec
     let place = pos2(seen.left() + 5.0, seen.top() + 2.0);
     ui.painter().text(place, Align2::LEFT_TOP, TITLE, font, palette.weak);
     let summary = format!("{TITLE} of {} measurements", curves.shown.len());
-    shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &summary));
+    theme::describe(&shown.response, &summary, HELP);
 }
+
+const HELP: &str = "Measurements and model in the complex plane: a resonance is a circle";
 
 /// The frequency and the value of the chosen measurement's nearest point.
 fn told(curves: &Curves<'_>, at: PlotPoint) -> String {

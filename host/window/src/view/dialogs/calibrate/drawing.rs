@@ -11,6 +11,9 @@ const MARGIN: f32 = 16.0;
 /// Points along an edge.
 const POINTS: usize = 64;
 
+const HELP: &str =
+    "The plate from above, the driven end at the left, with the place where the sensor is to be put";
+
 pub(super) fn show(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
     let palette = theme::palette(ui);
     let plate = calibration.plate();
@@ -57,5 +60,5 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) 
     }
     let place = show_place(calibration.places_m()[sensor]);
     let name = format!("The sensor's place: {place} from the driven end, on the centre line");
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+    theme::describe(&response, &name, HELP);
 }
