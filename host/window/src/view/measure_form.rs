@@ -74,13 +74,17 @@ pub(super) fn show(
                 egui::ComboBox::from_id_salt("sensor kind").selected_text(draft.kind.word()).width(108.0);
             let chosen = chosen.show_ui(ui, |ui| {
                 for kind in SensorKind::ALL {
-                    if ui.selectable_label(kind == draft.kind, kind.word()).clicked() {
+                    let choice = ui.selectable_label(kind == draft.kind, kind.word());
+                    if choice.on_hover_text("The sensor's voltage stands for this of the plate").clicked() {
                         ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
                     }
                 }
             });
             let name = format!("Sensor: {}", draft.kind.word());
             chosen.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+            chosen.response.on_hover_text(
+                "What the sensor tells of the plate's motion, so that its model is compared rightly",
+            );
         });
     });
     if let Some(reason) = reason {
