@@ -17,6 +17,9 @@ fn has(app: &TestApp, part: &str) -> bool {
 }
 
 fn press(app: &mut TestApp, name: &str) {
+    // In a small window it may lie below what is seen of the page.
+    app.window.get_by_role_and_label(Role::Button, name).scroll_to_me();
+    app.wait(400);
     app.window.get_by_role_and_label(Role::Button, name).click();
     app.wait(200);
 }
