@@ -16,9 +16,12 @@ use slipline_protocol::{Command, units::SampleIndex};
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, comb, drive};
 
-/// Notes every block that it samples: its codes, and whether the amplifier was muted.
+/// A block's codes, and whether the amplifier was muted.
+type Note = ([u16; BLOCK as usize], bool);
+
+/// Notes every block that it samples.
 #[derive(Clone, Default)]
-struct Notes(Arc<Mutex<Vec<([u16; BLOCK as usize], bool)>>>);
+struct Notes(Arc<Mutex<Vec<Note>>>);
 
 impl SimulatedInputs for Notes {
     fn inputs(&self) -> usize {
@@ -188,7 +191,7 @@ fn a_capture_has_the_codes_from_the_index_asked_for() {
     }
     assert_eq!(values[..running.values.len()], running.values);
     assert!(captured(&mut rig, 100).values.is_empty() && captured(&mut rig, u16::MAX).values.is_empty());
-    let codes = &rig.recording.from(from)[..];
+    let codes = rig.recording.from(from);
     let before = rig.recording.from(from - LAG as u64);
     assert_eq!(codes.len() + LAG, before.len());
     let sums: Vec<u32> =

@@ -127,14 +127,14 @@ fn a_capture_comes_whole_and_in_order() {
     let before = loopback.samples();
     loopback.perform(Request::Comb(comb()), |codes| sent.extend(codes)).unwrap();
     loopback.pass(10_000, |codes| sent.extend(codes));
-    let from = Some(loopback.samples() + 1000);
-    let request = CaptureRequest { from, input: 1, log2_codes: 3, values: 333 };
+    let from = loopback.samples() + 1000;
+    let request = CaptureRequest { from: Some(from), input: 1, log2_codes: 3, values: 333 };
     loopback.perform(Request::Capture(request), |codes| sent.extend(codes)).unwrap();
     let Some((_, Outcome::Captured(captured))) = loopback.view().outcomes.back().cloned() else { panic!() };
     let codes = &sent[(captured.from - before) as usize..];
     let sums: Vec<u32> =
         codes.chunks(8).take(333).map(|eight| eight.iter().map(|it| u32::from(*it)).sum()).collect();
-    assert_eq!((captured.from, &captured.values), (from.unwrap(), &sums));
+    assert_eq!((captured.from, &captured.values), (from, &sums));
     let first: f64 = codes[..8].iter().map(|code| f64::from(*code) - 2048.0).sum::<f64>() / 8.0;
     assert_eq!(captured.codes().next(), Some(first));
 }

@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn only_what_noise_does_not_explain_is_said_to_differ() {
-        let (is_off, text) = differs(&comparison(60, 3.14, 40.0));
+        let (is_off, text) = differs(&comparison(60, 3.12, 40.0));
         assert!(is_off && text.starts_with("Measured differs: half of the answers are more than 3.1 dB off"));
         assert!(text.contains("noise explains 0.1 dB. Calibrate"), "{text}");
         let (is_off, text) = differs(&comparison(60, 0.3, 2.0));

@@ -87,7 +87,7 @@ impl App {
         match self.prepared_measuring() {
             Err(reason) => self.notices.hinder(reason),
             Ok(_) if self.snapshot.is_simulated() && !self.is_rig_standing() => {
-                self.put_rig_together(answers)
+                self.put_rig_together(answers);
             }
             Ok(measuring) => {
                 self.make_ready();
