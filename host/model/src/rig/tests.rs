@@ -103,7 +103,7 @@ fn the_power_that_the_shunt_measures_is_what_coil_source_and_plate_lose() {
     let impedance = Impedance { resistance_n_s_per_m: 0.22, mass_kg: 1e-4, stiffness_n_per_m: 60.0 };
     let source = Source { impedance, at_frequency_hz: 140.0, slope: None, lead_in: None };
     spec.drive_end = DriveEnd::Source(source);
-    let plate = Plate::new(spec.clone()).expect("a plate");
+    let plate = Plate::new(spec).expect("a plate");
     let rig = rig(&plate, RigOptions::default());
     let motor = Motor::of(&plate);
     let Transducer::Coil { resistance_ohm, force_factor_n_per_a } = motor.transducer else {
@@ -255,13 +255,13 @@ fn what_is_out_of_range_is_refused_by_name_and_range() {
     let refused =
         |options: RigOptions| PreparedRig::new(&plate, &options, RATE_HZ).expect_err("refused").to_string();
     let healthy = RigOptions::default();
-    let error = refused(RigOptions { noise_lsb: 101.0, ..healthy.clone() });
+    let error = refused(RigOptions { noise_lsb: 101.0, ..healthy });
     assert!(error.starts_with("noise = ") && error.contains("0 to 100 LSB"), "{error}");
-    let error = refused(RigOptions { sensor_delay_s: -1e-9, ..healthy.clone() });
+    let error = refused(RigOptions { sensor_delay_s: -1e-9, ..healthy });
     assert!(error.starts_with("sensor delay = ") && error.contains("0 to 0.001 s"), "{error}");
-    let error = refused(RigOptions { full_scale: Some(0.0), ..healthy.clone() });
+    let error = refused(RigOptions { full_scale: Some(0.0), ..healthy });
     assert!(error.starts_with("sensor full scale = "), "{error}");
-    let error = refused(RigOptions { place_m: 0.33, ..healthy.clone() });
+    let error = refused(RigOptions { place_m: 0.33, ..healthy });
     assert!(error.starts_with("sensor place = ") && error.contains("0 to 0.32 m"), "{error}");
     let error = refused(RigOptions { sensor: SensorKind::Strain, ..healthy });
     assert!(error.contains("strains its surface"), "{error}");

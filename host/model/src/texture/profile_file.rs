@@ -21,7 +21,9 @@ pub enum ProfileFileError {
         line: usize,
     },
     /// No line of the CSV is a breakpoint.
-    #[error("no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
+    #[error(
+        "no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5"
+    )]
     Empty,
     /// Not a PNG image that can be read.
     #[error("not a PNG image that can be read: {0}")]

@@ -143,10 +143,8 @@ fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_
     let mut app = TestApp::driving();
     let [near, far] = answers(1.03);
     // The files tell each other's place.
-    let wrong = [
-        Measurement { place_m: far.place_m, ..near.clone() },
-        Measurement { place_m: near.place_m, ..far },
-    ];
+    let wrong =
+        [Measurement { place_m: far.place_m, ..near.clone() }, Measurement { place_m: near.place_m, ..far }];
     go_through(&mut app, &wrong);
     assert!(has(&app, "No plate file was made") && has(&app, "seem to be exchanged"));
     assert!(app.window.query_by_label("Use this plate").is_none());
