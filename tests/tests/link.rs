@@ -246,7 +246,7 @@ fn the_window_asks_for_that_stop_before_it_paints_anything() {
     // It needs a screen to run, so its source is read.
     let path = slipline_tests::source_tree::root().join("host/window/src/app/window.rs");
     let source = std::fs::read_to_string(path).unwrap();
-    let made = source.find("Worker::spawn(").expect("the link's thread");
+    let made = source.find("Worker::spawn").expect("the link's thread");
     let asked = source.find("stop_on_panic(").expect("it is asked for");
     let painted = source.find("App::new(").expect("the window");
     assert!(made < asked && asked < painted);

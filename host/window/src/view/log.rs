@@ -83,7 +83,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             }
         });
         response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Log level"));
-        let response = response.response.on_hover_text("How serious a line must be to be shown and copied");
+        let response = response.response.on_hover_text("The least serious lines that are shown and copied");
         let copy = ui.small_button("Copy").on_hover_text("Copy the lines shown");
         if copy.clicked() {
             let text: Vec<String> = shown.iter().map(ToString::to_string).collect();

@@ -103,15 +103,15 @@ fn measurements_are_overlaid_hidden_removed_and_saved() {
     app.window.get_by_role_and_label(Role::Button, "first.csv").click();
     app.wait(200);
     assert!(has(&app, "Level, dB of 1 measurements") && has(&app, "32.0 mm"));
-    app.window.get_by_label("Export CSV…").click();
+    app.window.get_by_label("Export CSV…").click_accesskit();
     app.wait(200);
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "first.csv");
     assert_eq!(Measurement::from_csv(str::from_utf8(&bytes).unwrap()), Ok(both[0].clone()));
-    app.window.get_by_label("Remove first.csv").click();
+    app.window.get_by_label("Remove first.csv").click_accesskit();
     app.wait(200);
     assert!(app.window.query_by_label("first.csv").is_none() && has(&app, "50.0 mm"));
-    app.window.get_by_label("Remove second.csv").click();
+    app.window.get_by_label("Remove second.csv").click_accesskit();
     app.wait(200);
     assert!(app.window.query_by_label("Export CSV…").is_none());
 }

@@ -66,7 +66,7 @@ pub(crate) fn lock_in_differences(draw: &mut Draw, lock_in: &mut LockIn, codes: 
     const SILENT: usize = 5;
     const JUMPING: usize = 11;
     let (mut portable, mut history) = (LockIn::new(), History::new());
-    let slots = u16::MAX & !(1 << LEFT_OUT);
+    let slots = !(1 << LEFT_OUT);
     let window = Window { begin: 0, blocks: 200, shape: Shape::Hann, slots };
     if lock_in.start(window, 0).is_err() || portable.start(window, 0).is_err() {
         return 1;
