@@ -19,7 +19,8 @@
 //! weights). [`Reading::answer`] takes `m I0`, `m Q0` away, `m = M / (128 W CONSTANT)`.
 //!
 //! ADC code `n` belongs to DAC code `n`; what lies between them ([`SenseStream::delay_ns`](crate::ports::SenseStream))
-//! is left in `psi`, for the host to take out: `psi` falls by `2 pi f delay`.
+//! is left in `psi`, for the host to take out: an input that is held later is farther in its phase, so `psi` rises by
+//! `2 pi f delay`. The DAC holds each code for a sample, which takes `pi f / rate` away.
 //!
 //! **Computation.** With `t = n - 127/2`, `p` a tone's mean phase over the block, `w` its step in the middle and `theta` what
 //! its step changes by over the block, all in radians, the parabola that the bank renders is
