@@ -41,6 +41,7 @@ use slipline_protocol::units::{FinePosition, Gain, Level, Phase, PhaseStep, per_
 pub use self::proof::{Candidate, Extent, Proof};
 use crate::level::master_gain;
 use crate::program::Target;
+use crate::range::in_range;
 
 /// A chord's tones, checked: what each of them sounds as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,14 +81,7 @@ impl ChordTones {
         }
         let (shortest, longest) = CHORD_PERIOD_LOG2;
         let period_log2 = chord.period_log2;
-        if !(shortest..=longest).contains(&period_log2) {
-            return Err(Refusal::out_of_range(
-                Field::ChordPeriod,
-                shortest.into(),
-                longest.into(),
-                period_log2.into(),
-            ));
-        }
+        in_range(Field::ChordPeriod, shortest.into(), longest.into(), period_log2.into())?;
         if chord.tones.is_empty() {
             return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
         }
@@ -116,14 +110,7 @@ impl ChordTones {
         }
         let (shortest, longest) = COMB_PERIOD_BLOCKS;
         let blocks = comb.period_blocks;
-        if !(shortest..=longest).contains(&blocks) {
-            return Err(Refusal::out_of_range(
-                Field::CombPeriod,
-                shortest.into(),
-                longest.into(),
-                blocks.into(),
-            ));
-        }
+        in_range(Field::CombPeriod, shortest.into(), longest.into(), blocks.into())?;
         if comb.tones.is_empty() {
             return Err(Refusal::out_of_range(Field::ToneCount, 1, MAX_TONES as i64, 0));
         }

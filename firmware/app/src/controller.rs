@@ -14,7 +14,6 @@
 mod drive;
 mod excursion;
 mod listening;
-mod range;
 mod status;
 mod tables;
 
@@ -29,7 +28,6 @@ use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use self::range::in_range;
 use crate::boot::Boot;
 use crate::bootloader::BootloaderEntry;
 use crate::capture::Values;
@@ -40,6 +38,7 @@ use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
 use crate::ports::{FlashPages, System};
 use crate::ramp::RampShape;
+use crate::range::in_range;
 use crate::slots::TableRef;
 use crate::thermal::Thermal;
 use crate::timing::{BLOCK_SAMPLES, Timing};

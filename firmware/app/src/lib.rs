@@ -54,6 +54,7 @@ pub mod plan;
 pub mod ports;
 pub mod program;
 pub mod ramp;
+mod range;
 pub mod release;
 pub mod renderer;
 pub mod session;

@@ -16,6 +16,7 @@ use crate::level::master_gain;
 use crate::motion::{Motion, Placement};
 use crate::program::{Program, Target};
 use crate::ramp::RampShape;
+use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
 
@@ -152,15 +153,7 @@ impl Planner<'_> {
                 i64::from(master.0),
             ));
         }
-        if !(timing.min_glide..=timing.max_glide).contains(&glide) {
-            return Err(Refusal::out_of_range(
-                Field::Glide,
-                i64::from(timing.min_glide),
-                i64::from(timing.max_glide),
-                i64::from(glide),
-            ));
-        }
-        Ok(())
+        in_range(Field::Glide, timing.min_glide.into(), timing.max_glide.into(), glide.into())
     }
 
     /// Checks the headroom, stretches the glide, and goes on from where the tones are.

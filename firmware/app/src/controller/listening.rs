@@ -14,11 +14,11 @@ use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use super::range::in_range;
 use crate::capture::{self, Recipe};
 use crate::lock_in::{Shape, Span, State, Window};
 use crate::mailbox::{Inputs, Mailbox};
 use crate::ports::{FlashPages, System};
+use crate::range::in_range;
 use crate::timing::block_at_or_after;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {

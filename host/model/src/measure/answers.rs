@@ -10,6 +10,7 @@
 //! nearest. It falls with the root of a window's length. Rounding to codes leaves 1/sqrt(12) of one at least.
 
 use super::loudness::Tone;
+use crate::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
 use slipline_plate::check::Colour;
@@ -20,8 +21,6 @@ use std::f64::consts::TAU;
 const CODES: f64 = 2048.0;
 /// The last code of an input.
 const LAST_CODE: u16 = 4095;
-/// Free amplitude of an input: less is red, more is amber.
-pub const HEADROOM_DB: (f64, f64) = (6.0, 40.0);
 /// An answer below this multiple of its noise is a weak one.
 const WEAK: f64 = 10.0;
 /// Noise at an input below which the codes of weak tones stand still, codes RMS.
@@ -149,11 +148,7 @@ impl Measured {
     /// The light of the headroom: red below 6 dB, green to 40 dB, amber beyond.
     #[must_use]
     pub fn light(&self) -> Colour {
-        match self.headroom_db {
-            headroom_db if headroom_db < HEADROOM_DB.0 => Colour::Red,
-            headroom_db if headroom_db > HEADROOM_DB.1 => Colour::Amber,
-            _ => Colour::Green,
-        }
+        light(self.headroom_db)
     }
 
     /// From the windows of all combs, and of the one without tones. `lag_s` is the device's own.
@@ -186,9 +181,9 @@ impl Measured {
         let warnings = [
             (clipped > 0).then_some(Warning::Clipped { count: clipped }),
             windows.iter().any(|window| window.span.0 == window.span.1).then_some(Warning::Stuck),
-            (clipped == 0 && headroom_db < HEADROOM_DB.0).then_some(Warning::Loud { headroom_db }),
+            (clipped == 0 && headroom_db < LIGHT_DB.0).then_some(Warning::Loud { headroom_db }),
             (weak > 0).then_some(Warning::Weak { count: weak, of }),
-            (headroom_db > HEADROOM_DB.1).then_some(Warning::Quiet { headroom_db }),
+            (headroom_db > LIGHT_DB.1).then_some(Warning::Quiet { headroom_db }),
             (noise_codes < DITHER).then_some(Warning::NoDither { codes: noise_codes }),
         ];
         let measured = Measurement::at(sensor.place_m, sensor.kind, points);

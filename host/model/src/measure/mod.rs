@@ -13,7 +13,7 @@ mod loudness;
 mod measuring;
 mod plan;
 
-pub use answers::{HEADROOM_DB, Measured, Sensor, Warning};
+pub use answers::{Measured, Sensor, Warning};
 pub use error::MeasureError;
 pub use measuring::{Measuring, Step};
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};

@@ -8,6 +8,16 @@ use slipline_plate::quantity::{show_frequency, ticks};
 /// its loudest answer uses less than a hundredth of it. dB.
 pub const LIGHT_DB: (f64, f64) = (6.0, 40.0);
 
+/// The light of a free amplitude in dB: red below 6 dB, green to 40 dB, amber above.
+#[must_use]
+pub fn light(headroom_db: f64) -> Colour {
+    match headroom_db {
+        db if db < LIGHT_DB.0 => Colour::Red,
+        db if db <= LIGHT_DB.1 => Colour::Green,
+        _ => Colour::Amber,
+    }
+}
+
 /// How full the input of a measurement was, at the frequency that filled it most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Headroom {
@@ -27,12 +37,7 @@ impl Headroom {
     /// Red below 6 dB, green to 40 dB, amber above.
     #[must_use]
     pub fn colour(&self) -> Colour {
-        match self.least {
-            None => Colour::Unchecked,
-            Some((db, _)) if db < LIGHT_DB.0 => Colour::Red,
-            Some((db, _)) if db <= LIGHT_DB.1 => Colour::Green,
-            Some(_) => Colour::Amber,
-        }
+        self.least.map_or(Colour::Unchecked, |(db, _)| light(db))
     }
 
     /// What the light says, and what to do.

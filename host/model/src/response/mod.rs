@@ -12,6 +12,6 @@ mod shelf;
 mod words;
 
 pub use bode::{Bode, SHOWN_OVER_NOISE, levels_db, unwrapped_deg};
-pub use headroom::{Headroom, LIGHT_DB};
+pub use headroom::{Headroom, LIGHT_DB, light};
 pub use shelf::{Entry, MEASUREMENTS_MAX, Shelf};
 pub use words::{differs, is_measurement};

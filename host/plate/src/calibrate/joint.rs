@@ -6,7 +6,7 @@
 
 use super::driven::{Answer, Units, answers};
 use super::error::CalibrateError;
-use super::least_squares::{self, Fit, Problem, slope};
+use super::least_squares::{self, Fit, Problem, minima, slope};
 use super::measurement::SensorKind;
 use super::pairs::MODEL_ERROR;
 use super::refusal::{CHI2_PER_N_MAX, SPEED_MAX};
@@ -284,13 +284,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
                 self.source.suited(&some, &answers, SCAN_ERROR)
             };
             let along: Vec<f64> = (0..=count as usize).map(|i| suited(i).unwrap_or(f64::INFINITY)).collect();
-            for (i, &here) in along.iter().enumerate() {
-                let is_higher =
-                    |at: Option<usize>| at.and_then(|at| along.get(at)).is_none_or(|it| *it >= here);
-                if here.is_finite() && is_higher(i.checked_sub(1)) && is_higher(Some(i + 1)) {
-                    found.push((here, [speed(i), loss]));
-                }
-            }
+            found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         // One valley goes through all losses.

@@ -101,6 +101,14 @@ impl Normal {
     }
 }
 
+/// The finite values that are no higher than their neighbours, with their indices: where valleys of a scan are.
+pub(super) fn minima(along: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    along.iter().copied().enumerate().filter(|&(i, here)| {
+        let is_higher = |at: Option<usize>| at.and_then(|at| along.get(at)).is_none_or(|it| *it >= here);
+        here.is_finite() && is_higher(i.checked_sub(1)) && is_higher(Some(i + 1))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@
 //! with the variances v: the residual of the ratio, which stays finite where one of the two places is a node.
 
 use super::gain::Carried;
-use super::least_squares::{self, Fit, Problem, slope};
+use super::least_squares::{self, Fit, Problem, minima, slope};
 use super::measurement::{Measurement, SensorKind};
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::unknowns::{OF_PLATE, Priors, STEPS, spec_at};
@@ -143,13 +143,7 @@ impl<'a> Ratio<'a> {
         let mut found = Vec::new();
         for loss in LOSSES.map(f64::ln) {
             let along: Vec<f64> = (0..=count as usize).map(|i| chi2([speed(i), loss, 0.0, 0.0])).collect();
-            for (i, &here) in along.iter().enumerate() {
-                let is_higher =
-                    |at: Option<usize>| at.and_then(|at| along.get(at)).is_none_or(|it| *it >= here);
-                if here.is_finite() && is_higher(i.checked_sub(1)) && is_higher(Some(i + 1)) {
-                    found.push((here, [speed(i), loss]));
-                }
-            }
+            found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.into_iter().take(VALLEYS).map(|(_, at)| at).collect()

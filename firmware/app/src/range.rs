@@ -1,9 +1,9 @@
-//! The check of a sample index or a count in a command.
+//! The check of a count, a time or a sample index in a command.
 
 use slipline_protocol::refusal::{Field, Refusal};
 
 /// Refuses a value outside `min..=max`.
-pub(super) fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
+pub(crate) fn in_range(field: Field, min: u64, max: u64, got: u64) -> Result<(), Refusal> {
     if (min..=max).contains(&got) {
         return Ok(());
     }
