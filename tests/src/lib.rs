@@ -29,3 +29,4 @@ pub mod rig;
 pub mod soak;
 pub mod source_tree;
 pub mod transcript;
+pub mod wire;

@@ -3,26 +3,34 @@
 //! ```text
 //! seed -> actions (drives, stops, tables, pauses, sessions) -> Rig -> every code compared with the mirror's
 //!                                                              +--> every status: no fault, counters that add up
+//! codes -> Wire -> inputs -> Listen, Capture: compared with what the wire makes of the codes that were sent
 //! ```
 //! Time is virtual, so a day takes as long as its blocks take to compute. The same seed makes the same day.
+
+mod listening;
 
 use std::sync::Arc;
 
 use slipline_app::{Stop, Timing};
 use slipline_link::mirror::Mirror;
-use slipline_link::simulator::Options;
+use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_protocol::command::Command;
 use slipline_protocol::event::{Event, Fault, Faults, State, Status};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::units::SampleIndex;
 
+use self::listening::{Listening, Sounding};
 use crate::client::Client;
 use crate::rig::{BLOCK, Rig, Table, drive};
+use crate::wire::Wire;
 
 /// The longest time between two keep-alives: below the dead-man's time by a tenth, which covers the blocks that are
 /// rendered ahead.
 const LATEST_BEAT_MS: u32 = DEAD_MAN_MS * 9 / 10;
+/// Blocks by which the device stretches a glide at most: all of a table's way, and a swap's blend, at the largest change of
+/// a step that a block may have (2^-10 turns).
+const STRETCHED: u64 = 1024;
 /// The longest pause of the user while something sounds.
 const LONGEST_PAUSE_MS: u32 = MAX_DRIVE_MS / 4;
 
@@ -41,6 +49,10 @@ pub struct Tally {
     pub stops: u32,
     /// Sessions that began.
     pub sessions: u32,
+    /// Measurements and captures that were read and were right.
+    pub measured: u32,
+    /// Measured tones whose phase was right.
+    pub phases: u32,
     /// The highest temperature seen, per mille of its limit.
     pub hottest_per_mille: u16,
 }
@@ -49,7 +61,10 @@ pub struct Tally {
 pub struct Soak {
     rig: Rig,
     mirror: Mirror,
+    listening: Listening,
     tables: [Table; 3],
+    /// The number of the table in force.
+    table: usize,
     random: Xorshift,
     beat_due: SampleIndex,
     tally: Tally,
@@ -64,6 +79,7 @@ impl Client for Soak {
 
 impl Soak {
     /// A device at this rate in Hz, connected, with a table, armed.
+    /// Its inputs hear what it plays.
     #[must_use]
     pub fn new(sample_rate_hz: u32, seed: u64) -> Self {
         let tables = [
@@ -71,10 +87,13 @@ impl Soak {
             Table::line(33, 25_000.0, 90_000.0, |u| 0.3 + 0.6 * (1.0 - u)),
             Table::line(1025, 500.0, 4_000.0, |u| 0.2 + 0.7 * u * u),
         ];
+        let options = Options { sample_rate_hz, ..Options::default() };
         let mut soak = Self {
-            rig: Rig::new(Options { sample_rate_hz, ..Options::default() }),
+            rig: Rig::of(SimulatedDevice::with_inputs(options, Box::new(Wire::new()))),
             mirror: Mirror::new(sample_rate_hz, 0),
+            listening: Listening::default(),
             tables: tables.map(|table| table.at_rate(sample_rate_hz)),
+            table: 0,
             random: Xorshift(seed | 1),
             beat_due: 0,
             tally: Tally::default(),
@@ -103,7 +122,9 @@ impl Soak {
                 1..4 => self.random.below(10_000),
                 _ => self.random.below(400),
             };
-            self.pass_ms(pause_ms.min(left_ms).max(20));
+            let pause_ms = pause_ms.min(left_ms).max(20);
+            self.measure(pause_ms);
+            self.pass_ms(pause_ms);
         }
         self.tally.samples = self.rig.device.now();
         self.tally
@@ -135,13 +156,21 @@ impl Soak {
                 let number = self.random.below(3) as usize;
                 self.change_table(number);
             }
-            _ => self.drive(),
+            5..8 => {
+                // From silence a tone begins at its frequency: what is measured has nothing else in it.
+                self.stop(&Command::Stop);
+                self.pass_ms(2 * STOP_RAMP_MS);
+                self.drive_alone(0);
+            }
+            8..16 => self.drive_alone(STRETCHED),
+            _ => self.drive_some(),
         }
     }
 
     fn begin_session(&mut self) {
         self.tally.frames += 1;
         self.tally.sessions += 1;
+        self.listening.dropped();
         self.rig.hello();
     }
 
@@ -154,6 +183,7 @@ impl Soak {
     fn stop(&mut self, command: &Command) {
         let kind = if *command == Command::EmergencyStop { Stop::Emergency } else { Stop::Normal };
         let at = self.accepted(command);
+        self.listening.acted();
         self.mirror.acknowledge_stop(kind, at).expect("the mirror is not ahead");
         self.tally.stops += 1;
     }
@@ -170,28 +200,45 @@ impl Soak {
             self.accepted(&Command::TableChunk(chunk));
         }
         let at = self.accepted(&Command::TableCommit);
+        self.listening.acted();
         self.mirror.acknowledge_table(Arc::from(table.knots), at).expect("the mirror is not ahead");
+        self.table = number;
         self.tally.tables += 1;
     }
 
-    fn drive(&mut self) {
+    /// Up to 16 tones anywhere, at any level.
+    fn drive_some(&mut self) {
         let count = 1 + self.random.below(16);
-        let tones: Vec<(u8, f64, f64)> = if self.random.below(4) == 0 {
-            // One tone where the table's gain is full, as loud as it goes: the coil gets warm.
-            vec![(0, if self.random.below(2) == 0 { 0.0 } else { 1.0 }, 1.0)]
-        } else {
-            let level = |share: f64| 0.9 * share / f64::from(count);
-            (0..count).map(|slot| (slot as u8, self.random.share(), level(self.random.share()))).collect()
-        };
+        let level = |share: f64| 0.9 * share / f64::from(count);
+        let tones: Vec<(u8, f64, f64)> =
+            (0..count).map(|slot| (slot as u8, self.random.share(), level(self.random.share()))).collect();
+        self.drive(&tones);
+    }
+
+    /// One tone where the table's gain is full, as loud as it goes: the coil gets warm. Its glide may be longer than asked
+    /// for by so many blocks.
+    fn drive_alone(&mut self, stretched: u64) {
+        let knots = &self.tables[self.table].knots;
+        let (position, knot) =
+            if self.random.below(2) == 0 { (0.0, knots.first()) } else { (1.0, knots.last()) };
+        let step = knot.expect("a table has knots").step;
+        if let Some(end) = self.drive(&[(0, position, 1.0)]) {
+            self.listening.sounds(Sounding { from: end + stretched * BLOCK, step });
+        }
+    }
+
+    /// Returns where the glide that was asked for ends; `None` while a stop is still ramping.
+    fn drive(&mut self, tones: &[(u8, f64, f64)]) -> Option<SampleIndex> {
         let glide = 20 + self.random.below(480);
-        let drive = drive(&tones, self.rig.samples(glide) as u32);
+        let drive = drive(tones, self.rig.samples(glide) as u32);
         match self.send(&Command::Drive(drive.clone())) {
             Event::Accepted(accepted) => {
                 self.mirror.acknowledge_drive(&drive, accepted.at).expect("the mirror is not ahead");
+                self.listening.acted();
                 self.tally.drives += 1;
+                Some(accepted.at + u64::from(drive.glide))
             }
-            // A stop is still ramping.
-            Event::Refused(Refusal::Busy(_)) => {}
+            Event::Refused(Refusal::Busy(_)) => None,
             other => panic!("a drive should be taken or put off, not {other:?}"),
         }
     }
@@ -217,6 +264,7 @@ impl Soak {
             }
             let status = self.status();
             self.compare(&status);
+            self.read_what_was_measured();
         }
     }
 
@@ -234,6 +282,7 @@ impl Soak {
             assert_eq!(sent, Some(&codes[..]), "at sample {first}");
         });
         assert!(self.mirror.is_true());
+        self.listening.pass(recording.first, &recording.codes);
         self.rig.record();
         assert_eq!((status.faults, status.first_fault), (Faults::NONE, None), "at {}", status.now);
         assert!(matches!(status.state, State::Idle | State::Armed | State::Driving | State::Stopping));

@@ -1,6 +1,5 @@
 //! What the device hears: its inputs, measured through the protocol.
 
-use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
@@ -15,6 +14,7 @@ use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::{Command, units::SampleIndex};
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, comb, drive};
+use slipline_tests::wire::Wire;
 
 /// A block's codes, and whether the amplifier was muted.
 type Note = ([u16; BLOCK as usize], bool);
@@ -63,39 +63,9 @@ fn the_inputs_sample_what_is_at_the_pin_whenever_a_block_is_played() {
     }
 }
 
-/// The sensor sees what is at the pin 5 samples later, at half its size and 100 codes above mid-scale. The shunt is stuck.
-struct Wire(VecDeque<u16>);
-
-const LAG: usize = 5;
-const OFFSET: u16 = 100;
-const STUCK: u16 = 1234;
-
-impl SimulatedInputs for Wire {
-    fn inputs(&self) -> usize {
-        2
-    }
-
-    fn delay_ns(&self) -> i32 {
-        -250
-    }
-
-    fn sample(&mut self, codes: &[u16; BLOCK as usize], _: bool, sensed: &mut [[u16; BLOCK as usize]; 2]) {
-        for (code, sensor) in codes.iter().zip(&mut sensed[0]) {
-            self.0.push_back(*code);
-            *sensor = heard(self.0.pop_front().unwrap());
-        }
-        sensed[1] = [STUCK; BLOCK as usize];
-    }
-}
-
-fn heard(code: u16) -> u16 {
-    (code + MID) / 2 + OFFSET
-}
-
 /// An armed device with the wire and a table of gain 1.
 fn wired(options: Options) -> Rig {
-    let wire = Wire(VecDeque::from([MID; LAG]));
-    let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(wire)));
+    let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(Wire::new())));
     rig.hello();
     rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 1.0));
     rig.arm();
@@ -156,14 +126,14 @@ fn every_tone_of_a_comb_is_answered_by_what_the_wire_does_to_it() {
         assert_eq!(answers.len(), 16);
         for (tone, answer) in sixteen().tones.iter().zip(answers) {
             let (re, im) = (answer.in_phase as f64 * scale, answer.quadrature as f64 * scale);
-            let turns = -f64::from(tone.harmonic) / 5120.0 * LAG as f64;
+            let turns = -f64::from(tone.harmonic) / 5120.0 * Wire::LAG as f64;
             let amplitude = 2047.0 * 0.05 / 2.0;
             let off = (re - amplitude * (TAU * turns).cos()).hypot(im - amplitude * (TAU * turns).sin());
             assert!(off < 0.05, "{}: {re} {im}, {off} codes off", tone.harmonic);
         }
-        assert!(lower.lowest < MID && lower.highest > MID + 2 * OFFSET, "{lower:?}");
+        assert!(lower.lowest < MID && lower.highest > MID + 2 * Wire::OFFSET, "{lower:?}");
         let stuck = listened(&mut rig, 1, 0);
-        assert_eq!((stuck.lowest, stuck.highest), (STUCK, STUCK));
+        assert_eq!((stuck.lowest, stuck.highest), (Wire::STUCK, Wire::STUCK));
         let most = stuck.answers.iter().map(|it| it.in_phase.abs().max(it.quadrature.abs())).max().unwrap();
         assert!(most as f64 * scale < 0.01, "a constant answers nothing");
     }
@@ -192,10 +162,10 @@ fn a_capture_has_the_codes_from_the_index_asked_for() {
     assert_eq!(values[..running.values.len()], running.values);
     assert!(captured(&mut rig, 100).values.is_empty() && captured(&mut rig, u16::MAX).values.is_empty());
     let codes = rig.recording.from(from);
-    let before = rig.recording.from(from - LAG as u64);
-    assert_eq!(codes.len() + LAG, before.len());
+    let before = rig.recording.from(from - Wire::LAG as u64);
+    assert_eq!(codes.len() + Wire::LAG, before.len());
     let sums: Vec<u32> =
-        before[..400].chunks(4).map(|four| four.iter().map(|it| u32::from(heard(*it))).sum()).collect();
+        before[..400].chunks(4).map(|four| four.iter().map(|it| u32::from(Wire::heard(*it))).sum()).collect();
     assert_eq!(values, sums);
 }
 
