@@ -26,12 +26,14 @@ def binary() -> Path:
 
 
 class Server:
-    """`slipline serve`, at a socket or at a pseudo-terminal. A context manager; the process is always ended."""
+    """`slipline serve`, at a socket or at a pseudo-terminal, with more arguments. A context manager; the process is always
+    ended."""
 
-    def __init__(self, pty: bool = False) -> None:
+    def __init__(self, pty: bool = False, *arguments: str) -> None:
         self.path = ""
         """Where the device is, once the program has said so."""
         self._pty = pty
+        self._arguments = arguments
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
         self._process: Optional[subprocess.Popen[str]] = None
 
@@ -41,7 +43,7 @@ class Server:
         place = ["--pty"] if self._pty else ["--socket", str(Path(self._folder.name, "device"))]
         try:
             with output.open("w") as file:
-                command = [str(binary()), "serve", *place, "--json"]
+                command = [str(binary()), "serve", *place, *self._arguments, "--json"]
                 streams = {"stdin": subprocess.PIPE, "text": True, "stdout": file, "stderr": subprocess.STDOUT}
                 self._process = subprocess.Popen(command, **streams)
             self.path = self._wait_for_path(output)

@@ -10,6 +10,7 @@ import unittest
 import zlib
 from pathlib import Path
 
+from client import Client
 from device_case import DeviceCase
 from errors import Closed, FieldError, Refused, SliplineError
 from messages import (
@@ -226,6 +227,27 @@ class AtSocket(DriveCase):
         self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (0, 0, 0))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.listen(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.capture(10))
+
+    def test_a_plate_is_heard(self) -> None:
+        server = self.enter(Server(False, "--plate", "membrane", "--sensor", "30mm"))
+        client = self.client = self.enter(Client.at_socket(server.path))
+        told = client.inputs()
+        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (2, 16, 0))
+        self.make_ready()
+        tones = [CombTone(harmonic, 15000, 0) for harmonic in (8, 12, 20)]
+        start = client.comb(40, tones)
+        # 0.3 s: the plate has followed.
+        settled = start + client.device.sample_rate_hz * 3 // 10
+        first = client.listen(400, start=settled)
+        second = client.listen(400, start=settled + 1200 * 128)
+        self.assertEqual([answer is not None for answer in first], [True] * 3 + [False] * 13)
+        for one, other in zip(first[:3], second[:3]):
+            # Whole periods: the same answer, but for noise of 0.7 codes over 51200 of them.
+            self.assertGreater(abs(one), 1)
+            self.assertLess(abs(one - other), 0.05)
+        captured = client.capture(100, log2_codes=4)
+        self.assertEqual(len(captured), 100)
+        self.assertLess(abs(sum(captured) / 100 - 2048), 1000)
 
     def test_the_kept_table(self) -> None:
         client = self.client

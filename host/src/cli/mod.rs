@@ -50,6 +50,7 @@ use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::MAX_SECONDS;
+use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate};
 use std::path::PathBuf;
 
@@ -336,6 +337,17 @@ pub struct ServeArguments {
     /// The device holds this plate's table from the start.
     #[arg(long, value_name = "PLATE")]
     plate: Option<String>,
+    /// The device stands on this plate and hears it: a sensor at this place, from the driven end (30mm), is its first input,
+    /// the drive's current its second.
+    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "plate")]
+    sensor: Option<Typed<f64>>,
+    /// What the sensor shows: displacement, velocity, acceleration or strain.
+    #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
+    kind: SensorKind,
+    /// The plate it stands on, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate that is a few per
+    /// cent off, in everything).
+    #[arg(long, value_name = "TRUTH", requires = "sensor")]
+    actual_plate: Option<String>,
 }
 
 /// `check`.

@@ -14,7 +14,7 @@ impl PortArgument {
     /// it.
     pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
         match self.truth(nominal)? {
-            Some(truth) => self.prepared(&truth, &RigOptions::default()).map(Some),
+            Some(truth) => prepared(&truth, &RigOptions::default()).map(Some),
             None => Ok(None),
         }
     }
@@ -30,7 +30,7 @@ impl PortArgument {
         if self.port != Port::Simulated {
             return Ok(None);
         }
-        self.prepared(truth.as_ref().unwrap_or(nominal), options).map(Some)
+        prepared(truth.as_ref().unwrap_or(nominal), options).map(Some)
     }
 
     /// The plate of `--actual-plate`.
@@ -42,21 +42,23 @@ impl PortArgument {
                 self.port
             )));
         }
-        let Some(seed) = seed(text)? else { return argument::plate(text).map(Some) };
-        let nominal = nominal.ok_or_else(|| {
-            Failure::Usage(format!(
-                "--actual-plate {text} is near the plate of a command, and this one has none"
-            ))
-        })?;
-        secret(nominal, seed)
-            .map(Some)
-            .map_err(|error| Failure::Usage(format!("--actual-plate {text}: {error}")))
+        actual_plate(text, nominal).map(Some)
     }
+}
 
-    fn prepared(&self, truth: &Plate, options: &RigOptions) -> Result<PreparedRig, Failure> {
-        let rate_hz = f64::from(Options::default().sample_rate_hz);
-        PreparedRig::new(truth, options, rate_hz).map_err(Failure::usage)
-    }
+/// The plate that `--actual-plate` names: a file's, a preset, or one near the plate of the command.
+pub(super) fn actual_plate(text: &str, nominal: Option<&Plate>) -> Result<Plate, Failure> {
+    let Some(seed) = seed(text)? else { return argument::plate(text) };
+    let nominal = nominal.ok_or_else(|| {
+        Failure::Usage(format!("--actual-plate {text} is near the plate of a command, and this one has none"))
+    })?;
+    secret(nominal, seed).map_err(|error| Failure::Usage(format!("--actual-plate {text}: {error}")))
+}
+
+/// A rig on this plate, for the simulated device.
+pub(super) fn prepared(truth: &Plate, options: &RigOptions) -> Result<PreparedRig, Failure> {
+    let rate_hz = f64::from(Options::default().sample_rate_hz);
+    PreparedRig::new(truth, options, rate_hz).map_err(Failure::usage)
 }
 
 /// The seed of `secret` or `secret:SEED`; `None` for the name of a plate.

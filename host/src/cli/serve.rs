@@ -1,20 +1,37 @@
 //! `slipline serve`: offers the simulated device to other programs, in real time.
 
 use super::{Failure, ServeArguments};
+#[cfg(unix)]
+use super::{
+    argument::Typed,
+    measuring::place_on,
+    rig::{actual_plate, prepared},
+};
+#[cfg(unix)]
+use slipline_model::rig::{PreparedRig, RigOptions};
+#[cfg(unix)]
+use slipline_plate::Plate;
 
 /// Serves until the program is told to end.
 #[cfg(unix)]
 pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failure> {
-    use super::output;
+    use super::{argument, output};
     use crate::signals;
     use serde_json::json;
     use slipline_link::native::{Server, system_clock};
-    use slipline_link::simulator::SimulatedDevice;
     use slipline_link::simulator::realtime::RealtimeDevice;
+    use slipline_link::simulator::{Options, SimulatedDevice};
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::sync::{Arc, Mutex, PoisonError};
 
-    let options = options(arguments.plate.as_deref())?;
+    let plate = arguments.plate.as_deref().map(argument::plate).transpose()?;
+    let simulated = match (&plate, &arguments.sensor) {
+        (Some(plate), Some(sensor)) => {
+            SimulatedDevice::with_inputs(options(plate)?, rig(arguments, plate, sensor)?.inputs())
+        }
+        (Some(plate), None) => SimulatedDevice::new(options(plate)?),
+        (None, _) => SimulatedDevice::new(Options::default()),
+    };
     let mut server = match &arguments.socket {
         Some(path) => Server::at_socket(path),
         None => Server::at_terminal(),
@@ -29,7 +46,7 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
         writeln!(out, "The simulated device is at {path}, for Slipline --port {port}. Ctrl-C ends it.")?;
         writeln!(out, "Enter raises its trigger input.")
     })?;
-    let device = RealtimeDevice::new(SimulatedDevice::new(options), system_clock());
+    let device = RealtimeDevice::new(simulated, system_clock());
     let device = Arc::new(Mutex::new(device));
     let triggered = Arc::clone(&device);
     // It ends with the input, or with the program.
@@ -41,17 +58,25 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     server.serve(device, &ended).map_err(Failure::failed)
 }
 
-/// A device that holds a plate's table in its flash, if a plate is named.
+/// The plate under the device, and a sensor on it.
 #[cfg(unix)]
-fn options(plate: Option<&str>) -> Result<slipline_link::simulator::Options, Failure> {
-    use super::{argument, progress};
+fn rig(arguments: &ServeArguments, plate: &Plate, sensor: &Typed<f64>) -> Result<PreparedRig, Failure> {
+    let truth = arguments.actual_plate.as_deref().map(|text| actual_plate(text, Some(plate))).transpose()?;
+    let place_m = place_on(plate, sensor)?;
+    let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
+    prepared(truth.as_ref().unwrap_or(plate), &options)
+}
+
+/// A device that holds a plate's table in its flash.
+#[cfg(unix)]
+fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> {
+    use super::progress;
     use slipline_link::Request;
     use slipline_link::simulator::Options;
     use slipline_link::simulator::loopback::Loopback;
 
-    let Some(plate) = plate else { return Ok(Options::default()) };
     let rate_hz = Options::default().sample_rate_hz;
-    let (_, table) = progress::table_for(&argument::plate(plate)?, rate_hz)?;
+    let (_, table) = progress::table_for(plate, rate_hz)?;
     let mut loopback = Loopback::connect(rate_hz).map_err(Failure::failed)?;
     loopback.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
     // An armed device does not write its flash.

@@ -1,7 +1,7 @@
 //! `slipline serve`: another program reaches the simulated device at a socket or a pseudo-terminal.
 #![cfg(unix)]
 
-use crate::{failure, file};
+use crate::{failure, file, json};
 use serde_json::Value;
 use slipline_link::native::Worker;
 use slipline_link::{Outcome, Port, Request};
@@ -87,4 +87,30 @@ fn a_file_that_is_not_a_socket_is_not_replaced() {
     let message = failure(&["serve", "--socket", path.to_str().unwrap()], 1);
     assert!(message.contains("not a socket"), "{message}");
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
+}
+
+#[test]
+fn a_device_with_a_sensor_is_measured_by_another_program() {
+    let path = file("heard.sock");
+    let path = path.to_str().unwrap();
+    let plate = ["--plate", "al-bending", "--sensor", "30mm"];
+    let serving = Serving::start(&[&["--socket", path, "--actual-plate", "secret:5"], &plate[..]].concat());
+    let port = serving.port().to_string();
+    let measured = json(&[&["measure", "--port", &port, "--points", "16"], &plate[..]].concat());
+    let (response, noise) = (measured["response"].as_array().unwrap(), measured["noise"].as_array().unwrap());
+    assert_eq!((response.len(), noise.len()), (16, 16), "{measured}");
+    for (response, noise) in response.iter().zip(noise) {
+        let size = response["re"].as_f64().unwrap().hypot(response["im"].as_f64().unwrap());
+        assert!(size > 10.0 * noise.as_f64().unwrap(), "{measured}");
+    }
+}
+
+#[test]
+fn a_sensor_needs_a_plate_and_a_place_on_it() {
+    let socket = ["serve", "--socket", "nowhere.sock"];
+    let refused = |more: &[&str]| failure(&[&socket[..], more].concat(), 2);
+    assert!(refused(&["--sensor", "30mm"]).contains("--plate"));
+    assert!(refused(&["--plate", "membrane", "--actual-plate", "secret"]).contains("--sensor"));
+    let message = refused(&["--plate", "membrane", "--sensor", "9m"]);
+    assert!(message.contains("on the plate"), "{message}");
 }
