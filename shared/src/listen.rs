@@ -11,7 +11,7 @@ body! {
     pub struct InputsReport {
         /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
         pub inputs: u8 [""],
-        /// Tones that can be measured at once.
+        /// Tones that can be measured at once at one input. Of several inputs at once: this number divided by theirs.
         pub lock_ins: u8 [""],
         /// How long after DAC code n is at its pin an input is held for its code n; negative if before. Filters outside the chip
         /// add to it.
@@ -45,6 +45,8 @@ body! {
         pub shape: WindowShape [""],
         /// Bit n: slot n is measured. At most as many as the device can measure at once.
         pub slots: u16 ["bits"],
+        /// The input that is measured, from 0; none: all at once.
+        pub input: Option<u8> [""],
     }
 }
 
@@ -104,9 +106,9 @@ body! {
         /// The sum of their weights, each 32768 at most.
         pub weight: u32 [""],
         /// Bit n: slot n was asked for, sounded in every block, and its phase ran on without a jump. The answers of other slots
-        /// are 0.
+        /// are 0, and all are of an input that was not measured.
         pub followed: u16 ["bits"],
-        /// The input's lowest code: clipped where it is 0.
+        /// The input's lowest code: clipped where it is 0, unless the input was not measured.
         pub lowest: u16 ["codes"],
         /// Its highest code: clipped where it is 4095, dead or stuck where it is the lowest.
         pub highest: u16 ["codes"],

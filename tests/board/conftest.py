@@ -6,6 +6,7 @@ import pytest
 from bare_chip import Registers
 from boards import BOARDS, F407, name
 from copies import in_copy
+from host import BLOCK
 from images import firmware, mirror_codes
 from pieces import piece
 from rig import Kept, Rig, Sounding
@@ -77,18 +78,38 @@ def image(facts):
 @pytest.fixture(scope="session")
 def mirror():
     """Replays accepted commands and returns the codes from..until."""
-    program = mirror_codes()
 
     def play(accepted, start, until, limit=None, begin=0):
         """`limit`: what the thermal model leaves, per mille, if that is less than all; it must not change meanwhile.
         `begin`: an index at which the device was silent."""
-        lines = "".join(f"{index} {frame.hex()}\n" for index, frame in accepted) + f"play {start} {until}\n"
-        lines = lines if limit is None else f"limit {begin} {limit}\n" + lines
-        lines = f"begin {begin}\n" + lines if begin else lines
-        output = subprocess.run([program], input=lines.encode(), stdout=subprocess.PIPE, check=True).stdout
+        lines = [f"limit {begin} {limit}"] * (limit is not None) + replayed(accepted)
+        output = ask_mirror([f"begin {begin}"] * (begin > 0) + lines + [f"play {start} {until}"])
         return [int.from_bytes(output[i : i + 2], "little") for i in range(0, len(output), 2)]
 
     return play
+
+
+@pytest.fixture(scope="session")
+def mirrored_lock_ins():
+    """Replays accepted commands; returns the weight, the slots that were followed, and each slot's I and Q, by lock-ins on the
+    host, of the codes that an input has sampled from an index on."""
+
+    def listen(accepted, start, codes, hann=False, slots=0xFFFF):
+        coded = b"".join(code.to_bytes(2, "little") for code in codes).hex()
+        output = ask_mirror(replayed(accepted) + [f"listen {start} {len(codes) // BLOCK} {int(hann)} {slots} {coded}"])
+        (weight, followed), *answers = [tuple(map(int, line.split())) for line in output.decode().splitlines()]
+        return weight, followed, answers
+
+    return listen
+
+
+def replayed(accepted):
+    return [f"{index} {frame.hex()}" for index, frame in accepted]
+
+
+def ask_mirror(lines):
+    text = "".join(f"{line}\n" for line in lines)
+    return subprocess.run([mirror_codes()], input=text.encode(), stdout=subprocess.PIPE, check=True).stdout
 
 
 @pytest.fixture(scope="session")

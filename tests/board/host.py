@@ -107,6 +107,10 @@ class Reader:
             if byte < 0x80:
                 return value
 
+    def signed(self):
+        value = self.number()
+        return value >> 1 ^ -(value & 1)
+
     def text(self):
         return self.raw(self.number()).decode()
 
@@ -261,8 +265,8 @@ class Host:
         _, reply, body = self.exchange(INPUTS)
         assert reply == INPUTS_REPLY, f"{reply:#x} {body.hex()}"
         r = Reader(body)
-        count, _, delay, lost = r.byte(), r.byte(), r.number(), r.number()
-        return count, delay >> 1 ^ -(delay & 1), lost
+        count, _, delay, lost = r.byte(), r.byte(), r.signed(), r.number()
+        return count, delay, lost
 
     def capture(self, input, values, at=None):
         """Begins to capture single codes of an input, at an index or with the next block; returns the first one's index."""

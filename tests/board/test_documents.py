@@ -71,7 +71,7 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.accept(DRIVE, drive(tones, 4000))
     host.live(0.005)
     # Sixteen lock-ins with the Hann window, and a capture.
-    host.accept(LISTEN, b"\0" + varint(8) + b"\1" + varint(0xFFFF))
+    listen(host, 8, hann=True)
     host.capture(1, 1000)
     host.live(0.008)
     host.stage(40)

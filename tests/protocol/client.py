@@ -176,7 +176,7 @@ class Client:
         codes against the tone's sine, None for a tone that did not sound on. Waits until the window is over. Raises
         `SliplineError` with a device older than 1.3, and if a block was lost.
         """
-        begin = self._accepted("Listen", Listen(start, blocks, shape, slots))
+        begin = self._accepted("Listen", Listen(start, blocks, shape, slots, input))
         self._wait_for_index(begin + 128 * blocks)
         answers: list[Optional[complex]] = []
         for first in (0, 8):

@@ -255,12 +255,13 @@ class DigestStart(Record):
 
 @dataclass(frozen=True)
 class Listen(Record):
-    """Measures how the inputs answer the tones of these slots (bits), over so many blocks from an index on. Since 1.3."""
+    """Measures how an input, or all, answer the tones of these slots (bits), over so many blocks from an index on. Since 1.3."""
 
     from_: Optional[int] = field(Option(U64))
     blocks: int = field(U16, 1, 65535)
     shape: Choice = field(WINDOW_SHAPE)
     slots: int = field(U16)
+    input: Optional[int] = field(Option(U8))
 
 
 @dataclass(frozen=True)

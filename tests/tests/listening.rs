@@ -101,7 +101,7 @@ fn sixteen() -> Comb {
 }
 
 fn window(from: Option<SampleIndex>, blocks: u16) -> ListenWindow {
-    ListenWindow { from, blocks, shape: WindowShape::Rectangular, slots: u16::MAX }
+    ListenWindow { from, blocks, shape: WindowShape::Rectangular, slots: u16::MAX, input: Some(0) }
 }
 
 #[test]
@@ -132,11 +132,37 @@ fn every_tone_of_a_comb_is_answered_by_what_the_wire_does_to_it() {
             assert!(off < 0.05, "{}: {re} {im}, {off} codes off", tone.harmonic);
         }
         assert!(lower.lowest < MID && lower.highest > MID + 2 * Wire::OFFSET, "{lower:?}");
+        let unheard = listened(&mut rig, 1, 0);
+        assert_eq!((unheard.lowest, unheard.highest), (0, 0));
+        assert!(unheard.answers.iter().all(|answer| *answer == Default::default()), "it was not measured");
+        let from = Some(begin + 200 * BLOCK);
+        rig.accepted(&Command::Listen(ListenWindow { from, input: Some(1), ..window(None, 80) }));
+        rig.live_blocks(200);
         let stuck = listened(&mut rig, 1, 0);
+        assert_eq!((stuck.progress, stuck.followed), (Progress::Finished, u16::MAX));
         assert_eq!((stuck.lowest, stuck.highest), (Wire::STUCK, Wire::STUCK));
         let most = stuck.answers.iter().map(|it| it.in_phase.abs().max(it.quadrature.abs())).max().unwrap();
         assert!(most as f64 * scale < 0.01, "a constant answers nothing");
     }
+}
+
+#[test]
+fn both_inputs_at_once_have_half_of_the_lock_ins() {
+    let mut rig = wired(Options::default());
+    let at = rig.accepted(&Command::Comb(sixteen()));
+    let both = |slots| {
+        let from = Some(at + 20 * BLOCK);
+        Command::Listen(ListenWindow { from, slots, input: None, ..window(None, 40) })
+    };
+    let too_many = |got| Refusal::OutOfRange { field: Field::LockIns, min: 0, max: 8, got };
+    assert_eq!(rig.refused(&both(0x1FF)), too_many(9));
+    assert_eq!(rig.refused(&both(0xFFFF)), too_many(16));
+    rig.accepted(&both(0xFF00));
+    rig.live_blocks(80);
+    let [sensor, stuck] = [0, 1].map(|input| listened(&mut rig, input, 8));
+    assert_eq!((sensor.progress, sensor.followed, stuck.followed), (Progress::Finished, 0xFF00, 0xFF00));
+    assert!(sensor.highest > sensor.lowest && sensor.answers.iter().all(|it| it.in_phase != 0));
+    assert_eq!((stuck.lowest, stuck.highest), (Wire::STUCK, Wire::STUCK));
 }
 
 #[test]
@@ -213,6 +239,7 @@ fn what_the_inputs_are_is_told_and_what_they_cannot_do_is_refused() {
         (Command::Listen(window(None, 0)), out(Field::WindowBlocks, 1, 65_535, 0)),
         (Command::Listen(window(Some(now - 1), 1)), out(Field::ApplyAt, earliest, latest, earliest - 1)),
         (Command::Listen(window(Some(u64::MAX), 1)), out(Field::ApplyAt, earliest, latest, i64::MAX)),
+        (Command::Listen(ListenWindow { input: Some(2), ..window(None, 1) }), out(Field::Input, 0, 1, 2)),
         (Command::ListenRead(ListenPart { input: 2, first_slot: 0 }), out(Field::Input, 0, 1, 2)),
         (Command::ListenRead(ListenPart { input: 0, first_slot: 16 }), out(Field::ToneSlot, 0, 15, 16)),
         (Command::Capture(CaptureWindow { input: 2, ..capture }), out(Field::Input, 0, 1, 2)),

@@ -20,6 +20,7 @@
 use crate::bank::BLOCK;
 use crate::ports::INPUTS;
 use crate::timing::BLOCK_SAMPLES;
+use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
 use slipline_protocol::units::SampleIndex;
 
@@ -196,6 +197,13 @@ impl<'a> Capture<'a> {
         self.progress
     }
 
+    /// The input whose codes it takes next.
+    #[must_use]
+    pub fn wanted_inputs(&self) -> Range<usize> {
+        let input = usize::from(self.recipe.input);
+        if self.progress == Progress::Capturing { input..input.saturating_add(1) } else { 0..0 }
+    }
+
     /// How many values there are so far.
     #[must_use]
     pub const fn filled(&self) -> usize {
@@ -205,6 +213,25 @@ impl<'a> Capture<'a> {
     /// The values so far.
     pub fn values(&self) -> impl Iterator<Item = u32> + '_ {
         self.values.range(0, self.filled)
+    }
+
+    /// Adds codes up, and writes the sums that are whole to the places to come.
+    #[expect(clippy::cast_possible_truncation, reason = "fewer codes than a value has, 1024 at most")]
+    fn sum_up(&mut self, codes_each: u16, places: &[AtomicU32], mut codes: &[u16]) {
+        for place in places {
+            let missing = usize::from(codes_each.wrapping_sub(self.summed));
+            let (now, later) = codes.split_at_checked(missing).unwrap_or((codes, &[]));
+            // 1024 codes of 16 bits: 26 bits.
+            self.sum = now.iter().fold(self.sum, |sum, code| sum.wrapping_add(u32::from(*code)));
+            if now.len() < missing {
+                self.summed = self.summed.wrapping_add(now.len() as u16);
+                return;
+            }
+            place.store(self.sum, Ordering::Relaxed);
+            self.filled = self.filled.wrapping_add(1);
+            (self.sum, self.summed) = (0, 0);
+            codes = later;
+        }
     }
 
     /// Takes a block of codes of each input; `index` is its first sample.
@@ -222,17 +249,15 @@ impl<'a> Capture<'a> {
         self.due = end;
         let codes_each = 1 << self.recipe.log2_codes;
         let places = self.values.0.get(..usize::from(self.recipe.values)).unwrap_or_default();
-        for code in rest {
-            // 1024 codes of 16 bits: 26 bits.
-            self.sum = self.sum.wrapping_add(u32::from(*code));
-            self.summed = self.summed.wrapping_add(1);
-            if self.summed < codes_each {
-                continue;
+        let places = places.get(self.filled..).unwrap_or_default();
+        if codes_each == 1 {
+            // There are no sums to be kept, which saves half of the time.
+            for (value, code) in places.iter().zip(rest) {
+                value.store(u32::from(*code), Ordering::Relaxed);
             }
-            let Some(value) = places.get(self.filled) else { break };
-            value.store(self.sum, Ordering::Relaxed);
-            self.filled = self.filled.wrapping_add(1);
-            (self.sum, self.summed) = (0, 0);
+            self.filled = self.filled.wrapping_add(places.len().min(rest.len()));
+        } else {
+            self.sum_up(codes_each, places, rest);
         }
         if self.filled >= usize::from(self.recipe.values) {
             self.progress = Progress::Finished;

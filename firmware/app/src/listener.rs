@@ -16,6 +16,7 @@ use crate::lock_in::{History, LockIn, State};
 use crate::mailbox::{Captured, ListenOrders, Mailbox, Order};
 use crate::ports::{INPUTS, Overrun, SenseStream};
 use crate::timing::BLOCK_SAMPLES;
+use core::ops::Range;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::units::SampleIndex;
 
@@ -88,17 +89,20 @@ impl<'a> Listener<'a> {
     /// Tells the thread side how far measurement and capture have come.
     pub fn catch_up<M: RawMutex>(&mut self, stream: &mut impl SenseStream, mailbox: &Mailbox<M>) {
         let lost_blocks = self.lost_blocks;
-        loop {
+        let has_worked = loop {
             let is_dear = self.lock_in.works_at(self.next);
-            if !self.listen(stream) || is_dear {
-                break;
+            if !self.listen(stream) {
+                break false;
             }
-        }
+            if is_dear {
+                break true;
+            }
+        };
         if self.lost_blocks != lost_blocks {
             mailbox.set_lost_blocks(self.lost_blocks);
         }
         if self.owes_reading {
-            self.tell_reading(mailbox);
+            self.tell_reading(has_worked, mailbox);
         }
         if self.owes_capture {
             let progress = self.capture.progress();
@@ -108,9 +112,10 @@ impl<'a> Listener<'a> {
         }
     }
 
-    fn tell_reading<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+    /// A reading costs as much time as two tones. So it is told in the turn after the one in which the lock-ins have worked last.
+    fn tell_reading<M: RawMutex>(&mut self, has_worked: bool, mailbox: &Mailbox<M>) {
         let (state, reading) = (self.lock_in.state(), self.lock_in.reading());
-        if state == State::Measuring {
+        if has_worked || state == State::Measuring {
             mailbox.set_measured_blocks(reading.blocks);
             return;
         }
@@ -155,16 +160,22 @@ impl<'a> Listener<'a> {
         }
     }
 
-    /// Whether a measurement or a capture waits for codes.
-    fn is_listening(&self) -> bool {
-        self.lock_in.state() == State::Measuring || self.capture.progress() == Progress::Capturing
+    /// The inputs for whose codes a measurement or a capture waits; one between two of them is among them.
+    fn wanted_inputs(&self) -> Range<usize> {
+        let (measured, captured) = (self.lock_in.wanted_inputs(), self.capture.wanted_inputs());
+        match (measured.is_empty(), captured.is_empty()) {
+            (true, _) => captured,
+            (_, true) => measured,
+            _ => measured.start.min(captured.start)..measured.end.max(captured.end),
+        }
     }
 
     /// Takes one block, if one has been sampled; returns whether there was one. Blocks that were lost take up their
     /// indices: a measurement over them [breaks](crate::lock_in::State::Broken), all others go on.
     pub fn listen(&mut self, stream: &mut impl SenseStream) -> bool {
-        let is_heard = self.is_listening();
-        let taken = if is_heard { stream.take_block(&mut self.codes) } else { stream.skip_block() };
+        let wanted = self.wanted_inputs();
+        let is_heard = !wanted.is_empty();
+        let taken = if is_heard { stream.take_block(wanted, &mut self.codes) } else { stream.skip_block() };
         match taken {
             None => return false,
             Some(Err(Overrun { blocks })) => {

@@ -100,6 +100,7 @@ pub use self::window::{MAX_WINDOW_BLOCKS, Shape, StartError, Window};
 use crate::bank::{BLOCK, TONES};
 use crate::ports::INPUTS;
 use crate::timing::BLOCK_SAMPLES;
+use core::ops::Range;
 use slipline_protocol::units::SampleIndex;
 
 /// How far a measurement has come.
@@ -180,6 +181,12 @@ impl LockIn {
         matches!(self.state, State::Measuring) && index >= self.window.begin && self.reading.followed != 0
     }
 
+    /// The inputs whose codes it takes next.
+    #[must_use]
+    pub const fn wanted_inputs(&self) -> Range<usize> {
+        if matches!(self.state, State::Measuring) { self.window.inputs() } else { 0..0 }
+    }
+
     /// The first sample of the window.
     #[must_use]
     pub const fn begin(&self) -> SampleIndex {
@@ -193,7 +200,7 @@ impl LockIn {
     }
 
     /// Takes a block of codes of each input, and how the tones were rendered in it. Blocks outside the window change
-    /// nothing.
+    /// nothing, nor do the codes of an input that is not measured.
     ///
     /// `index` is the block's first sample. A block of the window that is left out breaks the measurement when the next
     /// one comes; one without `played` breaks it at once. More than [`INPUTS`] inputs are not looked at.
@@ -221,8 +228,10 @@ impl LockIn {
             return;
         };
         let weight = self.weights.at(self.reading.blocks);
-        self.fold::<K>(inputs, weight);
-        self.follow::<K>(played, inputs.len(), weight);
+        let Range { start: first, end } = self.window.inputs();
+        let inputs = inputs.get(first..end.min(inputs.len()).min(INPUTS)).unwrap_or_default();
+        self.fold::<K>(first, inputs, weight);
+        self.follow::<K>(first, inputs.len(), played, weight);
         // At most 2^16 - 1 times 2^15.
         self.reading.weight = self.reading.weight.wrapping_add(weight);
         self.reading.blocks = self.reading.blocks.saturating_add(1);
@@ -231,11 +240,11 @@ impl LockIn {
         }
     }
 
-    /// Folds each input's block, and adds its codes up.
-    fn fold<K: Kernel>(&mut self, inputs: &[[u16; BLOCK]], weight: u32) {
+    /// Folds each input's block, from the `first` one on, and adds its codes up.
+    fn fold<K: Kernel>(&mut self, first: usize, inputs: &[[u16; BLOCK]], weight: u32) {
         let Reading { spans, codes: sums, .. } = &mut self.reading;
-        let totals = spans.iter_mut().zip(sums);
-        for ((codes, folds), (all, total)) in inputs.iter().zip(&mut self.folds).zip(totals) {
+        let totals = self.folds.iter_mut().zip(spans.iter_mut().zip(sums)).skip(first);
+        for (codes, (folds, (all, total))) in inputs.iter().zip(totals) {
             let (span, sum) = K::fold(codes, folds);
             *all = Some(all.map_or(span, |all| all.with(span)));
             // The module's proof: 49 bits.
@@ -248,7 +257,7 @@ impl LockIn {
         clippy::cast_possible_truncation,
         reason = "sixteen slots, and no more inputs than there are places"
     )]
-    fn follow<K: Kernel>(&mut self, played: &Played, inputs: usize, weight: u32) {
+    fn follow<K: Kernel>(&mut self, first: usize, inputs: usize, played: &Played, weight: u32) {
         let Reading { sums, constant, followed, blocks, .. } = &mut self.reading;
         *followed = K::follow(Block {
             tones: &played.tones,
@@ -256,7 +265,8 @@ impl LockIn {
             constant,
             sums,
             folds: &self.folds,
-            inputs: inputs.min(INPUTS) as u32,
+            inputs: inputs as u32,
+            first: first as u32,
             weight: (weight << 3).cast_signed(),
             slots: u32::from(*followed),
             jumps: if *blocks == 0 { 0 } else { u32::MAX },

@@ -4,6 +4,7 @@
 //! takes no decision.
 
 use crate::bank::{BLOCK, TONES};
+use core::ops::Range;
 
 /// What the renderer uses of a board.
 #[derive(Clone, Copy, Debug)]
@@ -59,18 +60,23 @@ pub trait SenseStream {
     /// in it.
     fn delay_ns(&self) -> i32;
 
-    /// Tones that the processor has time to measure at once, on all inputs together with everything else that a block costs.
+    /// Tones that the processor has time to measure at once, of one input, together with everything else that a block costs. Of
+    /// all inputs at once it measures this number divided by theirs.
     fn lock_ins(&self) -> usize {
         TONES
     }
 
-    /// Takes the oldest block that has been sampled whole, a row for each input; rows of inputs that do not exist stay as
-    /// they are. `None` if there is none yet.
+    /// Takes the oldest block that has been sampled whole, a row of codes for each of these inputs. Rows of inputs that do not
+    /// exist stay as they are; the others mean nothing. `None` if there is none yet.
     ///
     /// # Errors
     /// [`Overrun`] if blocks were lost before it: they were sampled and overwritten, or the ADC missed a trigger. The next
     /// call takes the block after them.
-    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>>;
+    fn take_block(
+        &mut self,
+        inputs: Range<usize>,
+        codes: &mut [[u16; BLOCK]; INPUTS],
+    ) -> Option<Result<(), Overrun>>;
 
     /// Takes the oldest block without its codes, for which nobody listens: as [`take_block`](SenseStream::take_block), but it may
     /// come before the block is whole.
@@ -78,7 +84,7 @@ pub trait SenseStream {
     /// # Errors
     /// [`Overrun`] as from `take_block`.
     fn skip_block(&mut self) -> Option<Result<(), Overrun>> {
-        self.take_block(&mut [[0; BLOCK]; INPUTS])
+        self.take_block(0..0, &mut [[0; BLOCK]; INPUTS])
     }
 }
 
@@ -102,7 +108,7 @@ impl SenseStream for () {
         0
     }
 
-    fn take_block(&mut self, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(&mut self, _: Range<usize>, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
         None
     }
 }

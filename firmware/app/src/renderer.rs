@@ -27,6 +27,7 @@ use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
 use crate::foldback::Foldback;
 use crate::listener::Listener;
+use crate::lock_in::{Played, PlayedTone};
 use crate::mailbox::Mailbox;
 use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;
@@ -127,6 +128,16 @@ impl Renderer {
     #[must_use]
     pub const fn index(&self) -> SampleIndex {
         self.index
+    }
+
+    /// How the last block was rendered, for a lock-in on it; silence before the first one.
+    #[must_use]
+    pub fn played(&self) -> Played {
+        let mut tones = self.tones.map(|tone| PlayedTone { phase: tone.block_gain().wrapping_neg(), tone });
+        for (played, phase) in tones.iter_mut().zip(self.bank.phases()) {
+            played.phase = played.phase.wrapping_add(*phase);
+        }
+        Played { index: self.index.saturating_sub(BLOCK_SAMPLES), tones }
     }
 
     /// Whether the amplifier must be muted while the last rendered block sounds.

@@ -76,10 +76,26 @@ static IS_FULL: AtomicBool = AtomicBool::new(false);
 static IS_LOST: AtomicBool = AtomicBool::new(true);
 
 impl Codes {
-    /// The ring's word at a place, counted round and round.
-    fn word(&self, place: usize) -> u32 {
-        // SAFETY: a word of the ring. Volatile, because the compiler does not know that the DMA writes it.
-        unsafe { self.0.get().cast::<u32>().wrapping_add(place % RING).read_volatile() }
+    /// Reads a block of one input, from a place in the ring on, counted round and round. A code has 16 bits of the ADCs' word; the
+    /// upper four of them are 0.
+    #[inline(never)]
+    fn read(&self, place: usize, input: usize, codes: &mut [u16; BLOCK]) {
+        let (place, halves) = (place % RING, self.0.get().cast::<u16>().wrapping_add(input % INPUTS));
+        // SAFETY: half of a word of the ring, for a place in it; the two runs of places end with it. Volatile, because the
+        // compiler does not know that the DMA writes it.
+        let code = |place| unsafe { halves.wrapping_add(INPUTS * place).read_volatile() };
+        let (until_end, from_start) = codes.split_at_mut((RING - place).min(BLOCK));
+        for (codes, mut place) in [(until_end, place), (from_start, 0)] {
+            // Reads in a row take fewer cycles than reads between writes.
+            let (groups, rest) = codes.as_chunks_mut::<4>();
+            for codes in groups {
+                *codes = core::array::from_fn(|n| code(place + n));
+                place += codes.len();
+            }
+            for (n, rest) in rest.iter_mut().enumerate() {
+                *rest = code(place + n);
+            }
+        }
     }
 }
 
@@ -211,20 +227,20 @@ impl SenseStream for Inputs {
         adc::DELAY_NS
     }
 
-    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(
+        &mut self,
+        inputs: Range<usize>,
+        codes: &mut [[u16; BLOCK]; INPUTS],
+    ) -> Option<Result<(), Overrun>> {
         let first = match PLACES.find(self.next, self.sampled()) {
             Search::Pending => return None,
             Search::Lost(blocks) => return self.lost(blocks),
             Search::Found(first) => first,
         };
-        let [sensor, shunt] = codes;
         let place = first.wrapping_sub(ORIGIN.load(Relaxed)) as usize;
-        // Not a `for` loop: a chain of iterators takes fewer cycles.
-        sensor.iter_mut().zip(shunt).enumerate().for_each(|(n, (sensor, shunt))| {
-            let word = CODES.word(place.wrapping_add(n));
-            *sensor = (word & 0xfff) as u16;
-            *shunt = (word >> 16 & 0xfff) as u16;
-        });
+        for (input, codes) in codes.iter_mut().enumerate().filter(|(input, _)| inputs.contains(input)) {
+            CODES.read(place, input, codes);
+        }
         // The DMA may have come round meanwhile, to the word that it writes next.
         if (self.fetched)().wrapping_sub(first) >= RING as u32 {
             return self.lost(1);

@@ -1,17 +1,23 @@
-//! The codes a device at 400 kS/s must send, by the mirror: for tests that are not written in Rust.
+//! The codes a device at 400 kS/s must send, and what its lock-ins must measure, by the mirror: for tests that are not written
+//! in Rust.
 //!
 //! `cargo run -p slipline-link --example mirror_codes`
 //!
 //! Standard input, one line each: first `begin <index>` for a device that is silent there, else at 0; `<index> <frame>`
 //! for a command the device has accepted, where the frame is the command's bytes on the link in hexadecimal and the index
 //! the one the device named (upload commands before the commit have none: any number); `limit <index> <per mille>` for
-//! the thermal limit that a status tells; last, `play <from> <until>`. Standard output: the codes from..until, two bytes
-//! each, little-endian.
+//! the thermal limit that a status tells; last, `play <from> <until>` or `listen <from> <blocks> <shape> <slots> <codes>`.
+//!
+//! Standard output of `play`: the codes from..until, two bytes each, little-endian. Of `listen`, for a window of whole blocks
+//! and the codes that an input has sampled in it, written likewise, in hexadecimal (`shape` is 0 for a rectangular window, 1
+//! for Hann's): the weight and the slots that were followed, and for each slot a line with I and Q, 0 if it was not followed.
 
 use std::io::{self, BufRead, Write};
 use std::sync::Arc;
 
 use slipline_app::Stop;
+use slipline_app::bank::{BLOCK, TONES};
+use slipline_app::lock_in::{InPhaseQuadrature, LockIn, Shape, State, Window};
 use slipline_link::mirror::Mirror;
 use slipline_protocol::table::Knot;
 use slipline_protocol::{Command, Decoder};
@@ -27,6 +33,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         match words[..] {
             ["begin", index] => mirror = Mirror::new(RATE_HZ, index.parse()?),
             ["play", from, until] => return play(&mut mirror, from.parse()?, until.parse()?),
+            ["listen", from, blocks, shape, slots, codes] => {
+                let shape = if shape == "1" { Shape::Hann } else { Shape::Rectangular };
+                let (begin, blocks, slots) = (from.parse()?, blocks.parse()?, slots.parse()?);
+                return listen(
+                    &mut mirror,
+                    Window { begin, blocks, shape, slots, input: None },
+                    &bytes(codes),
+                );
+            }
             ["limit", index, per_mille] => mirror.acknowledge_limit(per_mille.parse()?, index.parse()?)?,
             [index, frame] => {
                 let at = index.parse()?;
@@ -51,10 +66,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// The command in a frame's hexadecimal bytes.
 fn command(hexadecimal: &str) -> Option<Command> {
     let mut decoder = Decoder::new();
-    (0..hexadecimal.len() / 2)
-        .filter_map(|i| u8::from_str_radix(hexadecimal.get(2 * i..2 * i + 2)?, 16).ok())
+    bytes(hexadecimal)
+        .into_iter()
         .find_map(|byte| decoder.push(byte, |frame| Command::decode(frame.header.id, frame.body).ok()))
         .flatten()
+}
+
+fn bytes(hexadecimal: &str) -> Vec<u8> {
+    (0..hexadecimal.len() / 2)
+        .filter_map(|i| u8::from_str_radix(hexadecimal.get(2 * i..2 * i + 2)?, 16).ok())
+        .collect()
 }
 
 fn play(mirror: &mut Mirror, from: u64, until: u64) -> Result<(), Box<dyn std::error::Error>> {
@@ -67,5 +88,26 @@ fn play(mirror: &mut Mirror, from: u64, until: u64) -> Result<(), Box<dyn std::e
         }
     });
     io::stdout().lock().write_all(&bytes)?;
+    Ok(())
+}
+
+fn listen(mirror: &mut Mirror, window: Window, codes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
+    let codes: Vec<u16> = codes.as_chunks().0.iter().map(|code| u16::from_le_bytes(*code)).collect();
+    let mut lock_in = LockIn::new();
+    lock_in.start(window, 0).map_err(|error| format!("{window:?}: {error:?}"))?;
+    mirror.render(window.begin, |_, _| ());
+    for (index, codes) in (window.begin..).step_by(BLOCK).zip(codes.as_chunks::<BLOCK>().0) {
+        mirror.render(index + BLOCK as u64, |_, _| ());
+        lock_in.take_block(index, &[*codes], Some(&mirror.played()));
+    }
+    if lock_in.state() != State::Finished {
+        return Err(format!("{} codes are not the window's", codes.len()).into());
+    }
+    let reading = lock_in.reading();
+    println!("{} {}", reading.weight, reading.followed);
+    for slot in 0..TONES {
+        let InPhaseQuadrature { in_phase, quadrature } = reading.answer(0, slot).unwrap_or_default();
+        println!("{in_phase} {quadrature}");
+    }
     Ok(())
 }

@@ -30,7 +30,13 @@ pub struct ListenRequest {
 
 impl ListenRequest {
     pub(crate) const fn window(&self) -> ListenWindow {
-        ListenWindow { from: self.from, blocks: self.blocks, shape: self.shape, slots: self.slots }
+        ListenWindow {
+            from: self.from,
+            blocks: self.blocks,
+            shape: self.shape,
+            slots: self.slots,
+            input: Some(self.input),
+        }
     }
 }
 

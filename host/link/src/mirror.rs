@@ -15,6 +15,7 @@ use std::sync::Arc;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::chord::ChordTones;
+use slipline_app::lock_in::Played;
 use slipline_app::mailbox::{Mailbox, Stop};
 use slipline_app::plan::Planner;
 use slipline_app::ramp::RampShape;
@@ -118,6 +119,12 @@ impl Mirror {
     #[must_use]
     pub const fn now(&self) -> SampleIndex {
         self.renderer.index()
+    }
+
+    /// How the last block was rendered, for a [lock-in](slipline_app::lock_in) on what an input answered to it.
+    #[must_use]
+    pub fn played(&self) -> Played {
+        self.renderer.played()
     }
 
     /// Whether everything acknowledged so far could be replayed.

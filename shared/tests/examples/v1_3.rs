@@ -32,10 +32,16 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         glide: u32::MAX,
         apply: Apply::At(u64::MAX),
     };
-    let window =
-        ListenWindow { from: Some(256_000), blocks: 400, shape: WindowShape::Rectangular, slots: 0x0003 };
-    let all = ListenWindow { from: None, blocks: u16::MAX, shape: WindowShape::Hann, slots: u16::MAX };
-    let late = ListenWindow { from: Some(u64::MAX), ..all };
+    let window = ListenWindow {
+        from: Some(256_000),
+        blocks: 400,
+        shape: WindowShape::Rectangular,
+        slots: 0x0003,
+        input: Some(0),
+    };
+    let all =
+        ListenWindow { from: None, blocks: u16::MAX, shape: WindowShape::Hann, slots: u16::MAX, input: None };
+    let late = ListenWindow { from: Some(u64::MAX), input: Some(u8::MAX), ..all };
     let capture = CaptureWindow { from: Some(256_000), input: 1, log2_codes: 3, values: 4096 };
     let at_once = CaptureWindow { from: None, input: 0, log2_codes: 0, values: 1 };
     let values =

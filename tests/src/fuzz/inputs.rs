@@ -72,10 +72,11 @@ pub fn inputs(data: &[u8]) {
                     0 => None,
                     near => Some(rig.device.now() + u64::from(byte()) * u64::from(near) * 7),
                 };
-                let shape =
-                    if byte().is_multiple_of(2) { WindowShape::Rectangular } else { WindowShape::Hann };
+                let kind = byte();
+                let shape = if kind.is_multiple_of(2) { WindowShape::Rectangular } else { WindowShape::Hann };
+                let input = (kind / 2 % 4).checked_sub(1);
                 let slots = u16::from_le_bytes([byte(), byte()]);
-                let window = ListenWindow { from: index, blocks: byte().into(), shape, slots };
+                let window = ListenWindow { from: index, blocks: byte().into(), shape, slots, input };
                 order(&mut rig, &Command::Listen(window), |at| ordered.listen = Some((at, window)));
             }
             2 | 3 => {
@@ -167,8 +168,12 @@ fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
         match told.progress {
             Progress::Finished => {
                 let codes = &heard[begin as usize..][..usize::from(window.blocks) * BLOCK as usize];
-                let lowest = if input == 0 { *codes.iter().min().expect("codes") } else { STUCK };
-                let highest = if input == 0 { *codes.iter().max().expect("codes") } else { STUCK };
+                let is_measured = window.input.is_none_or(|measured| measured == input);
+                let (lowest, highest) = match input {
+                    _ if !is_measured => (0, 0),
+                    0 => (*codes.iter().min().expect("codes"), *codes.iter().max().expect("codes")),
+                    _ => (STUCK, STUCK),
+                };
                 assert_eq!((told.lowest, told.highest, told.blocks), (lowest, highest, window.blocks));
                 assert_eq!(told.answers.len(), 8);
             }

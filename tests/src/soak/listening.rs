@@ -46,6 +46,7 @@ pub(super) struct Sounding {
 struct Window {
     begin: SampleIndex,
     blocks: u16,
+    has_both: bool,
     /// The lowest and the highest code.
     span: Option<(u16, u16)>,
     /// The phase step of the only tone, which sounds all the time.
@@ -126,9 +127,11 @@ impl Soak {
         if self.random.below(2) == 0 {
             let blocks = 1 + self.random.below((pause / BLOCK as u32).max(1)).min(LONGEST_WINDOW) as u16;
             let shape = [WindowShape::Rectangular, WindowShape::Hann][self.random.below(2) as usize];
-            let window = ListenWindow { from: self.ahead(pause), blocks, shape, slots: u16::MAX };
+            // Both inputs, with half of the slots, or one with all.
+            let (input, slots) = [(None, 0xFF), (Some(0), u16::MAX)][usize::from(blocks % 2)];
+            let window = ListenWindow { from: self.ahead(pause), blocks, shape, slots, input };
             let begin = self.accepted(&Command::Listen(window));
-            let mut window = Window { begin, blocks, span: None, step: None };
+            let mut window = Window { begin, blocks, has_both: input.is_none(), span: None, step: None };
             window.step = self
                 .listening
                 .sounding
@@ -176,7 +179,8 @@ impl Soak {
         );
         assert_eq!(Some((told.lowest, told.highest)), window.span, "from {} on", window.begin);
         let stuck = self.listened(1);
-        assert_eq!((stuck.lowest, stuck.highest), (Wire::STUCK, Wire::STUCK));
+        let code = if window.has_both { Wire::STUCK } else { 0 };
+        assert_eq!((stuck.lowest, stuck.highest), (code, code));
         assert_eq!(self.inputs().lost_blocks, 0);
         let Some(step) = window.step else { return };
         let answer = told.answers.first().expect("a finished window has answers");

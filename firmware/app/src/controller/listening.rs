@@ -30,14 +30,18 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     ) -> Result<SampleIndex, Refusal> {
         let inputs = existing(mailbox)?;
         in_range(Field::WindowBlocks, 1, u16::MAX.into(), asked.blocks.into())?;
-        in_range(Field::LockIns, 0, inputs.lock_ins as u64, asked.slots.count_ones().into())?;
+        asked.input.map_or(Ok(()), |input| check_input(input, inputs))?;
+        let measured = if asked.input.is_some() { 1 } else { inputs.count };
+        let most = inputs.lock_ins.checked_div(measured).unwrap_or(0);
+        in_range(Field::LockIns, 0, most as u64, asked.slots.count_ones().into())?;
         let shape = match asked.shape {
             WindowShape::Rectangular => Shape::Rectangular,
             WindowShape::Hann => Shape::Hann,
         };
         mailbox.start_measurement(|next| {
             let begin = block_at_or_after(self.ahead(asked.from, next)?);
-            let window = Window { begin, blocks: asked.blocks, shape, slots: asked.slots };
+            let window =
+                Window { begin, blocks: asked.blocks, shape, slots: asked.slots, input: asked.input };
             window.check(next).map_err(|_| beyond_time(next, begin))?;
             Ok(window)
         })

@@ -58,7 +58,7 @@ fn an_amplitude_is_what_the_lock_in_has_measured() {
     for codes in [40.5, 333.0, 1500.0] {
         let (mut lock_in, mut history) = (LockIn::new(), History::new());
         lock_in
-            .start(Window { begin: 0, blocks: 31, shape: Shape::Hann, slots: 1 << 5 }, 0)
+            .start(Window { begin: 0, blocks: 31, shape: Shape::Hann, slots: 1 << 5, input: None }, 0)
             .expect("it can be measured");
         for index in (0..31 * BLOCK as u64).step_by(BLOCK) {
             let mut phases = [0; TONES];

@@ -14,6 +14,7 @@ use crate::slots::{SlotIndex, TableRef};
 use crate::timing::Timing;
 use core::cell::{Cell, RefCell};
 use core::future::Future as _;
+use core::ops::Range;
 use core::task::Poll;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use slipline_protocol::table::Knot;
@@ -33,7 +34,11 @@ impl SenseStream for Stream {
         0
     }
 
-    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(
+        &mut self,
+        _: Range<usize>,
+        codes: &mut [[u16; BLOCK]; INPUTS],
+    ) -> Option<Result<(), Overrun>> {
         Some(self.0.pop_front()?.map(|code| codes[0] = [code; BLOCK]))
     }
 }
@@ -46,7 +51,7 @@ fn lost_blocks_are_counted_and_take_up_their_indices() {
     let mut listener = Listener::starting_at(1280, &values);
     let tones = [ToneBlock::steady(1 << 60, 1); TONES];
     let begin = 1280 + 4 * 128;
-    let window = Window { begin, blocks: 2, shape: Shape::Rectangular, slots: 1 };
+    let window = Window { begin, blocks: 2, shape: Shape::Rectangular, slots: 1, input: None };
     listener.lock_in.start(window, listener.next()).expect("it can be measured");
     let recipe = Recipe { begin: begin + 100, input: 0, log2_codes: 0, values: 100 };
     listener.capture.start(recipe, listener.next(), stream.inputs()).expect("it can be made");
@@ -115,7 +120,11 @@ impl SenseStream for Wire {
         0
     }
 
-    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(
+        &mut self,
+        _: Range<usize>,
+        codes: &mut [[u16; BLOCK]; INPUTS],
+    ) -> Option<Result<(), Overrun>> {
         codes[0] = self.sampled.borrow_mut().pop_front()?;
         Some(Ok(()))
     }
@@ -143,7 +152,8 @@ fn what_the_renderer_plays_is_measured_against_its_own_phase() {
     let mut renderer = Renderer::starting_at(Timing::at(400_000), 1280);
     let values = Values::new();
     let mut listener = Listener::starting_at(renderer.index(), &values);
-    let window = Window { begin: 1280 + 100 * 128, blocks: 40, shape: Shape::Hann, slots: 1 << 3 };
+    let window =
+        Window { begin: 1280 + 100 * 128, blocks: 40, shape: Shape::Hann, slots: 1 << 3, input: None };
     listener.lock_in.start(window, listener.next()).expect("it can be measured");
     let wire = Wire::default();
     let ports =
@@ -193,7 +203,7 @@ fn a_listener_that_measures_nothing_remembers_nothing_and_is_never_behind() {
     listener.catch_up(&mut stream, &mailbox);
     assert_eq!(listener.next(), 3 * 128);
     // While tones are measured, a turn has time for one.
-    let window = Window { begin: 3 * 128, blocks: 9, shape: Shape::Rectangular, slots: 1 };
+    let window = Window { begin: 3 * 128, blocks: 9, shape: Shape::Rectangular, slots: 1, input: None };
     listener.lock_in.start(window, listener.next()).expect("it can be measured");
     for index in [3, 4, 5] {
         listener.block_is_rendered(index * 128, &[(index * 128) << 60; TONES], &tones, &mailbox);
@@ -218,7 +228,7 @@ impl SenseStream for Unheard {
         0
     }
 
-    fn take_block(&mut self, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(&mut self, _: Range<usize>, _: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
         unreachable!("nobody listens")
     }
 
@@ -242,7 +252,7 @@ fn what_waits_for_a_lost_block_breaks_also_if_no_other_ever_comes() {
     let values = Values::new();
     let mut listener = Listener::starting_at(0, &values);
     let mut stream = Stream(std::vec![Err(Overrun { blocks: 1 }); 3].into());
-    let window = Window { begin: 256, blocks: 2, shape: Shape::Rectangular, slots: 1 };
+    let window = Window { begin: 256, blocks: 2, shape: Shape::Rectangular, slots: 1, input: None };
     listener.lock_in.start(window, 0).expect("it can be measured");
     let recipe = Recipe { begin: 300, input: 0, log2_codes: 0, values: 100 };
     listener.capture.start(recipe, 0, 1).expect("it can be made");

@@ -34,6 +34,7 @@ const _: () = {
     assert!(offset_of!(Block, followers) == 4 && offset_of!(Block, constant) == 8 && offset_of!(Block, sums) == 12);
     assert!(offset_of!(Block, folds) == 16 && offset_of!(Block, inputs) == 20 && offset_of!(Block, weight) == 24);
     assert!(offset_of!(Block, slots) == 28 && offset_of!(Block, jumps) == 32 && TONES == 16);
+    assert!(offset_of!(Block, first) == 36 && size_of::<[InPhaseQuadrature; TONES]>() == 256);
     assert!(offset_of!(InPhaseQuadrature, quadrature) == 8 && size_of::<Folds>() == 256);
 };
 

@@ -23,7 +23,7 @@ pub(super) struct Block<'a> {
     pub(super) sums: &'a mut [[InPhaseQuadrature; TONES]; INPUTS],
     /// Each input's block.
     pub(super) folds: &'a [Folds; INPUTS],
-    /// The inputs that there are, the first ones; at most [`INPUTS`].
+    /// How many inputs are measured; with `first` at most [`INPUTS`].
     pub(super) inputs: u32,
     /// Eight times the block's weight.
     pub(super) weight: i32,
@@ -31,6 +31,8 @@ pub(super) struct Block<'a> {
     pub(super) slots: u32,
     /// All bits set if a phase must begin where the last block ended, none in the first block.
     pub(super) jumps: u32,
+    /// The first input that is measured; [`INPUTS`] or less.
+    pub(super) first: u32,
 }
 
 /// The costly computations, for one kind of processor.

@@ -64,8 +64,8 @@ impl Kernel for Portable {
                 basis.rebuild(place.step);
             }
             constant.add(place.turn(basis.constant()), block.weight);
-            let inputs = usize::try_from(block.inputs).unwrap_or(0);
-            for (sums, folds) in block.sums.iter_mut().zip(block.folds).take(inputs) {
+            let [first, inputs] = [block.first, block.inputs].map(|count| count as usize);
+            for (sums, folds) in block.sums.iter_mut().zip(block.folds).skip(first).take(inputs) {
                 if let Some(sums) = sums.get_mut(slot) {
                     sums.add(place.turn(project(basis, folds)), block.weight);
                 }

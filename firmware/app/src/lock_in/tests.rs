@@ -66,7 +66,7 @@ impl Input {
 
 /// A window over `blocks` from 0.
 fn window(blocks: u16, shape: Shape) -> Window {
-    Window { begin: 0, blocks, shape, slots: u16::MAX }
+    Window { begin: 0, blocks, shape, slots: u16::MAX, input: None }
 }
 
 /// Plays `blocks`, made by `next` from the ends of the block before, and measures one input over all of them.

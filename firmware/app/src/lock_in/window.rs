@@ -1,7 +1,9 @@
 //! The samples that a lock-in sums up, and how much each block counts.
 
 use crate::bank::sine::sine_cosine;
+use crate::ports::INPUTS;
 use crate::timing::BLOCK_SAMPLES;
+use core::ops::Range;
 use slipline_protocol::units::SampleIndex;
 
 /// The longest window in blocks: 21 s at 400 kS/s.
@@ -33,10 +35,21 @@ pub struct Window {
     pub shape: Shape,
     /// Bit `n`: slot `n` is measured.
     pub slots: u16,
+    /// The input that is measured, from 0; `None`: all at once.
+    pub input: Option<u8>,
 }
 
 impl Window {
-    pub(super) const NONE: Self = Self { begin: 0, blocks: 0, shape: Shape::Rectangular, slots: 0 };
+    pub(super) const NONE: Self =
+        Self { begin: 0, blocks: 0, shape: Shape::Rectangular, slots: 0, input: None };
+
+    /// The inputs that are measured.
+    pub(crate) const fn inputs(&self) -> Range<usize> {
+        match self.input {
+            Some(input) => input as usize..input as usize + 1,
+            None => 0..INPUTS,
+        }
+    }
 
     /// Whether it can be measured if the block that begins at `next` is the first to be taken.
     pub(crate) const fn check(&self, next: SampleIndex) -> Result<(), StartError> {

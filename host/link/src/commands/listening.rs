@@ -17,6 +17,9 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(5);
 /// Samples in a block.
 const BLOCK: u64 = 128;
+/// The device's clock is that of the block that it renders next. Before what a block has sampled is told, it waits, plays, is taken,
+/// and a reading is told in the turn after that.
+const BEHIND: u64 = 4 * BLOCK;
 
 impl CommandQueue {
     /// The device measures from an index on: asks for the answer when the window is over.
@@ -40,8 +43,9 @@ impl CommandQueue {
         self.read_after(end, Task::new(task.ticket, Job::CaptureRead(Box::new(reading))), recorder, now);
     }
 
-    /// Asks when the device's clock is beyond an index, by the latest status.
+    /// Asks when what was sampled up to an index should have been told, by the latest status.
     fn read_after(&mut self, end: SampleIndex, mut task: Task, recorder: &Recorder, now: Duration) {
+        let end = end.saturating_add(BEHIND);
         let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
         let told = recorder.view.status.map_or(end, |status| status.now);
         let left = end.saturating_sub(told) as f64 / f64::from(rate.max(1));

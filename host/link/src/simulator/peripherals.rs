@@ -3,6 +3,7 @@
 use super::inputs::Inputs;
 use std::collections::VecDeque;
 use std::future::poll_fn;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
 
@@ -226,7 +227,11 @@ impl SenseStream for Peripherals {
         self.lock().inputs.as_ref().map_or(0, Inputs::delay_ns)
     }
 
-    fn take_block(&mut self, codes: &mut [[u16; BLOCK]; INPUTS]) -> Option<Result<(), Overrun>> {
+    fn take_block(
+        &mut self,
+        _: Range<usize>,
+        codes: &mut [[u16; BLOCK]; INPUTS],
+    ) -> Option<Result<(), Overrun>> {
         let taken = self.lock().inputs.as_mut()?.take()?;
         Some(taken.map(|block| *codes = block))
     }

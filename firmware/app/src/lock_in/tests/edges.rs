@@ -13,7 +13,7 @@ fn one_tone() -> [ToneBlock; TONES] {
 /// A lock-in that waits for `blocks` blocks from 256 on.
 fn waiting(blocks: u16) -> (LockIn, History) {
     let mut lock_in = LockIn::new();
-    let window = Window { begin: 256, blocks, shape: Shape::Rectangular, slots: 1 };
+    let window = Window { begin: 256, blocks, shape: Shape::Rectangular, slots: 1, input: None };
     lock_in.start(window, 0).expect("the window can be measured");
     (lock_in, History::new())
 }
@@ -171,6 +171,32 @@ fn the_span_of_the_codes_tells_a_clipped_input() {
     codes[0] = 4095;
     play(&mut lock_in, &mut history, 384, &codes);
     assert_eq!(lock_in.reading().spans, [Some(Span { lowest: 17, highest: 4095 }), None]);
+}
+
+#[test]
+fn an_input_that_is_measured_alone_has_the_sums_that_it_has_beside_the_others() {
+    let sensed = [core::array::from_fn(|n| 1000 + n as u16), core::array::from_fn(|n| 3000 - 7 * n as u16)];
+    let measured = |input| {
+        let (mut lock_in, mut history) = (LockIn::new(), History::new());
+        lock_in.start(Window { input, ..window(1, Shape::Hann) }, 0).expect("the window can be measured");
+        history.record(0, &[1 << 60; TONES], &steady(&frequencies()));
+        lock_in.take_block(0, &sensed, history.at(0));
+        assert_eq!(lock_in.state(), State::Finished);
+        lock_in.reading().clone()
+    };
+    let both = measured(None);
+    assert!(both.sums[0][0] != both.sums[1][0] && both.codes[0] != both.codes[1]);
+    for (alone, other) in [(0, 1), (1, 0)] {
+        let reading = measured(Some(alone as u8));
+        assert_eq!(reading.sums[alone], both.sums[alone]);
+        assert_eq!((reading.codes[alone], reading.spans[alone]), (both.codes[alone], both.spans[alone]));
+        assert_eq!((reading.constant, reading.followed), (both.constant, both.followed));
+        assert_eq!(reading.sums[other], [Default::default(); TONES]);
+        assert_eq!((reading.codes[other], reading.spans[other]), (0, None));
+        assert_eq!(reading.answer(other, 0), None, "it was not measured");
+    }
+    // An input that the board has not.
+    assert_eq!(measured(Some(u8::MAX)).spans, [None, None]);
 }
 
 #[test]

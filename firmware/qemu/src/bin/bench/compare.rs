@@ -58,16 +58,21 @@ pub(crate) fn bank_differences(
     different
 }
 
-/// Measures pseudo-random codes of none, one and two inputs by the assembly and by the portable kernel; returns after how
-/// many of 200 blocks the sums differ, and one more if the wrong slots were given up.
-pub(crate) fn lock_in_differences(draw: &mut Draw, lock_in: &mut LockIn, codes: &mut [u16; BLOCK]) -> u32 {
+/// Measures pseudo-random codes of none, one and two inputs, or of `input` alone, by the assembly and by the portable kernel;
+/// returns after how many of 200 blocks the sums differ, and one more if the wrong slots were given up.
+pub(crate) fn lock_in_differences(
+    draw: &mut Draw,
+    lock_in: &mut LockIn,
+    codes: &mut [u16; BLOCK],
+    input: Option<u8>,
+) -> u32 {
     /// A slot that is not asked for, one that falls silent and one whose phase jumps.
     const LEFT_OUT: usize = 2;
     const SILENT: usize = 5;
     const JUMPING: usize = 11;
     let (mut portable, mut history) = (LockIn::new(), History::new());
     let slots = !(1 << LEFT_OUT);
-    let window = Window { begin: 0, blocks: 200, shape: Shape::Hann, slots };
+    let window = Window { begin: 0, blocks: 200, shape: Shape::Hann, slots, input };
     if lock_in.start(window, 0).is_err() || portable.start(window, 0).is_err() {
         return 1;
     }
