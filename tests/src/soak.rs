@@ -199,7 +199,12 @@ impl Soak {
         for chunk in table.chunks() {
             self.accepted(&Command::TableChunk(chunk));
         }
-        let at = self.accepted(&Command::TableCommit);
+        let at = match self.send(&Command::TableCommit) {
+            Event::Accepted(accepted) => accepted.at,
+            // A stop is still ramping.
+            Event::Refused(Refusal::Busy(_)) => return,
+            other => panic!("a commit should be taken or put off, not {other:?}"),
+        };
         self.listening.acted();
         self.mirror.acknowledge_table(Arc::from(table.knots), at).expect("the mirror is not ahead");
         self.table = number;
