@@ -1,5 +1,6 @@
 //! What a host tells a device.
 
+use crate::hold::HoldSetting;
 use crate::limits::{
     CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, MAX_DIGEST_SAMPLES, MAX_HARMONIC, MAX_KNOTS,
     MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
@@ -98,6 +99,12 @@ messages! {
         0x65 since 3 CaptureRead(CapturePart) -> Captured,
         /// Ends the capture; what has been captured can still be read. Accepted when there is none, too.
         0x66 since 3 CaptureStop -> Accepted,
+        /// Holds the measured amplitudes of tones that sound at these values, until something else changes what sounds. The
+        /// answer names the first window's first sample; to a list without tones, where the levels begin to return to those of
+        /// the drive. Needs a device with inputs.
+        0x67 since 3 Hold(HoldSetting) -> Accepted,
+        /// Asks how the hold stands.
+        0x68 since 3 HoldRead -> Held,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: asks for the coil's resistance.
         0x7f since 4 MeasureCoil(CoilTest) -> CoilMeasured,

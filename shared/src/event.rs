@@ -2,6 +2,7 @@
 
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
+use crate::hold::Held;
 use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
 use crate::listen::{Captured, InputsReport, Listened};
 use crate::message::messages;
@@ -42,6 +43,8 @@ messages! {
         0xe2 since 3 Listened(Listened),
         /// Values of a capture.
         0xe5 since 3 Captured(Captured),
+        /// How the level hold stands.
+        0xe8 since 3 Held(Held),
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: the coil's resistance.
         0xff since 4 CoilMeasured(CoilReport),

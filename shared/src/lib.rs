@@ -25,6 +25,7 @@ pub mod command;
 pub mod event;
 pub mod fault;
 pub mod frame;
+pub mod hold;
 pub mod limits;
 pub mod listen;
 mod message;

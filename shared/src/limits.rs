@@ -46,6 +46,13 @@ pub const MAX_CAPTURE_VALUES: u16 = 4096;
 pub const MAX_CAPTURE_LOG2: u8 = 10;
 /// Values of one `Captured`: 40 of up to 5 bytes and the rest fit into [`MAX_BODY`].
 pub const CAPTURED_VALUES: usize = 40;
+/// The amplitude that a level hold can hold, in 1/256 code: 1/16 code to the 2047 codes that fit the input's range.
+pub const HELD_AMPLITUDE: (u32, u32) = (16, 2047 << 8);
+/// Blocks from the end of a window of a level hold to the beginning of the next: until then the last codes have been sampled,
+/// and the thread side has looked at what they say.
+pub const HOLD_PAUSE_BLOCKS: u16 = 12;
+/// The most that a level hold changes a level by, and that it does so at once, in hundredths of a decibel: a factor of 1024.
+pub const MAX_HOLD_CDB: i16 = 6020;
 /// The largest sum of a chord's amplitudes, in per mille of full scale: `4 sqrt(2)`. Beyond it the RMS of sixteen tones, and so
 /// their peak, exceeds full scale with any phases.
 pub const MAX_CHORD_SUM_PER_MILLE: u32 = 5657;

@@ -52,6 +52,14 @@ choices! {
         21 since 3 CaptureCodes or Self::DigestCount,
         /// The number of values of a capture.
         22 since 3 CaptureValues or Self::DigestCount,
+        /// A plate's time constant in samples.
+        23 since 3 TimeConstant or Self::Glide,
+        /// How far above its drive's level a tone may rise, in hundredths of a decibel.
+        24 since 3 MaxRise or Self::MasterLevel,
+        /// The largest change of a level from one window to the next, in hundredths of a decibel.
+        25 since 3 Slew or Self::MasterLevel,
+        /// The amplitude to hold in 1/256 code.
+        26 since 3 HeldAmplitude or Self::MasterLevel,
     }
 }
 
@@ -83,6 +91,10 @@ impl Field {
             Self::Input => "input",
             Self::CaptureCodes => "codes in a value (log2)",
             Self::CaptureValues => "captured values",
+            Self::TimeConstant => "time constant (samples)",
+            Self::MaxRise => "largest rise (1/100 dB)",
+            Self::Slew => "largest change from window to window (1/100 dB)",
+            Self::HeldAmplitude => "amplitude to hold (1/256 code)",
         }
     }
 }
@@ -99,6 +111,8 @@ choices! {
         2 since 0 TableInUse,
         /// A digest is under way.
         3 since 0 DigestPending,
+        /// The level hold measures: end it first.
+        4 since 3 Holding or Self::DriveActive,
     }
 }
 
@@ -206,9 +220,14 @@ choices! {
             /// The largest sample of the period, in per mille of full scale.
             peak_per_mille: u16 ["1/1000 of full scale"],
         } or Self::Headroom { sum_per_mille: *peak_per_mille },
+        /// A tone that is to be held does not sound.
+        26 since 3 SilentTone {
+            /// Its slot.
+            slot: u8 [""],
+        } or Self::NotSupported,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        26 since 4 CoilOpen or Self::NotSupported,
+        27 since 4 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -238,6 +257,7 @@ impl core::fmt::Display for Refusal {
             Self::Busy(Busy::DriveActive) => f.write_str("only when the output is silent"),
             Self::Busy(Busy::TableInUse) => f.write_str("the last table has not been taken up yet"),
             Self::Busy(Busy::DigestPending) => f.write_str("a digest is under way"),
+            Self::Busy(Busy::Holding) => f.write_str("the level hold measures; end it first"),
             Self::OutOfRange { field, min, max, got } => {
                 write!(f, "{} is {got}; allowed are {min} to {max}", field.name())
             }
@@ -290,6 +310,7 @@ impl core::fmt::Display for Refusal {
                 peak_per_mille / 10,
                 peak_per_mille % 10
             ),
+            Self::SilentTone { slot } => write!(f, "no tone sounds in slot {slot}"),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),
         }

@@ -11,7 +11,7 @@ use examples::{SEQUENCE, SESSION, VERSION, commands_of, events_of};
 use slipline_protocol::command::Hello;
 use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::frame::CRC;
-use slipline_protocol::refusal::Field;
+use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::schema::MessageRow;
 use slipline_protocol::version::{MINOR, Minor, SCHEMA, Version};
 use slipline_protocol::{Command, Decoder, Event, Refusal};
@@ -210,7 +210,9 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
     let seen: Vec<Option<Event>> = events_of(3).iter().map(|(_, event)| told(event, minor(2))).collect();
     // No host of 1.2 sends what these refuse; so none ever gets these.
     let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
-    let mut expected = vec![None; 8];
+    let mut expected = vec![None; 12];
+    expected.push(Some(Event::Refused(Refusal::Busy(Busy::DriveActive))));
+    expected.push(Some(Event::Refused(Refusal::NotSupported)));
     let stand_ins = [
         Field::Glide,
         Field::DigestCount,
@@ -218,6 +220,10 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
         Field::ToneSlot,
         Field::DigestCount,
         Field::DigestCount,
+        Field::Glide,
+        Field::MasterLevel,
+        Field::MasterLevel,
+        Field::MasterLevel,
     ];
     expected.extend(stand_ins.map(refused));
     assert_eq!(seen, expected);

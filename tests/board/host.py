@@ -21,6 +21,7 @@ SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
 COMB = 0x1A
 INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
+HOLD, HOLD_READ, HELD_REPLY = 0x67, 0x68, 0xE8
 # Refusals without a field are their number.
 DISARM_FIRST = b"\x17"
 BUSY_DRIVE_ACTIVE = b"\x07\x01"
@@ -220,7 +221,7 @@ class Host:
             self.board.run(0.0005)
             for session, sequence, reply, reply_body in self.replies():
                 if sequence == self.sequence:
-                    if reply == ACCEPTED and message not in (KEEP_ALIVE, LISTEN, CAPTURE):
+                    if reply == ACCEPTED and message not in (KEEP_ALIVE, LISTEN, CAPTURE, HOLD):
                         self.accepted.append((Reader(reply_body).number(), sent))
                     return session, reply, reply_body
         raise AssertionError(f"no answer to {message:#x} within {patience} s")
@@ -288,6 +289,27 @@ class Host:
             codes += [r.number() for _ in range(told)]
             if not told or len(codes) == count:
                 return progress, at, codes
+
+    def hold(self, tones, blocks):
+        """Holds tones (slot, codes of amplitude) at the sensor, by windows of so many blocks, 12 dB up at most."""
+        listed = b"".join(bytes([slot]) + varint(round(256 * codes)) for slot, codes in tones)
+        body = b"\0\0" + varint(blocks) + zigzag(1200) + zigzag(602) + bytes([len(tones)]) + listed
+        return self.accept(HOLD, body)
+
+    def held(self):
+        """How far the hold has come, how many windows it has taken, and each tone's slot, state and correction in dB."""
+        _, reply, body = self.exchange(HOLD_READ, b"")
+        assert reply == HELD_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        progress, _, _, windows = ("off", "on", "ended", "lost")[r.number()], r.byte(), r.number(), r.number()
+        tones = []
+        for _ in range(r.number()):
+            slot, state = r.byte(), r.number()
+            cause = r.number() if state >= 2 else None
+            correction = r.number()
+            tones.append((slot, (state, cause), (correction >> 1 ^ -(correction & 1)) / 100))
+            r.number()
+        return progress, windows, tones
 
     def upload(self, count=33):
         """Uploads a table and makes it the one in force; returns its CRC."""

@@ -7,8 +7,9 @@ from elftools.elf.elffile import ELFFile
 from boards import RENDERER_IRQ, on_f407
 from images import ROOT, firmware
 from host import (
-    BLOCK, CHORD, COMB, DIGEST_START, DISARM, DRIVE, LISTEN, STOP, STORE, TABLE_COMMIT, chord, comb, drive, varint,
+    BLOCK, CHORD, COMB, DIGEST_START, DISARM, DRIVE, STOP, STORE, TABLE_COMMIT, chord, comb, drive, varint,
 )  # fmt: skip
+from measuring import listen
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -74,6 +75,12 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     listen(host, 8, hann=True)
     host.capture(1, 1000)
     host.live(0.008)
+    # Then the lock-ins are a hold's, of a sensor that hears half of what is played; all levels fall.
+    board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
+    host.hold([(slot, 8) for slot in range(16)], 20)
+    host.live(0.03)
+    progress, windows, held = host.held()
+    assert progress == "on" and windows > 1 and all(correction < 0 for _, _, correction in held), held
     host.stage(40)
     host.accept(TABLE_COMMIT)
     host.accept(DIGEST_START, varint(host.status()["now"] + 4000) + varint(1000))

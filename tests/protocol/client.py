@@ -29,15 +29,17 @@ from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, Capture, CaptureRead, Chord, ChordTone,
-    Comb, CombTone, DigestStart, Drive, Hello, HelloEvent, InputsEvent, KeepAlive, Listen, ListenRead, MaintenanceEvent,
-    SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at, fault_names,
+    Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen,
+    ListenRead, MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
 from stream import Stream
 from table import Table
 
-__all__ = ["AT_TRIGGER", "ChordTone", "Client", "CombTone", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names"]
+__all__ = [
+    "AT_TRIGGER", "ChordTone", "Client", "CombTone", "HoldTone", "Refused", "SliplineError", "Table", "Tone", "at", "fault_names",
+]  # fmt: skip
 
 KEEP_ALIVE_S = 0.2
 _FIRST_SESSION = 0
@@ -197,6 +199,31 @@ class Client:
             told = self._until_over(lambda: self._request("CaptureRead", "Captured", CaptureRead(len(sums)))[1])
             sums.extend(told.values)
         return [value / 2**log2_codes for value in sums]
+
+    def hold(
+        self,
+        tones: Sequence[HoldTone],
+        blocks: int,
+        *,
+        input: int = 0,
+        time_constant: int = 0,
+        max_rise: int = 1200,
+        slew: int = 602,
+    ) -> int:
+        """Holds the measured amplitudes of tones that sound, by windows of so many blocks; returns the first window's first
+        sample. `time_constant` is the plate's in samples; `max_rise` above the drive's level and `slew` from window to window
+        are in 1/100 dB. Raises `FieldError`, and `SliplineError` with a device older than 1.3.
+        """
+        hold = Hold(input, time_constant, blocks, max_rise, slew, tuple(tones))
+        return self._patiently("CommitPending", 0.001, lambda: self._accepted("Hold", hold))
+
+    def end_hold(self) -> int:
+        """Ends the hold: the levels return to those of the drive. Raises `SliplineError` with a device older than 1.3."""
+        return self.hold((), 1)
+
+    def held(self) -> HeldEvent:
+        """How the hold stands. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("HoldRead", "Held")[1]
 
     def stop(self) -> int:
         """Ramps to silence; the device stays armed."""

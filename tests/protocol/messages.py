@@ -17,7 +17,10 @@ APPLY = Enumeration(
     "Apply", "Next", ("At", {"value": U64}),
     "AtTrigger",  # since 1.1
 )  # fmt: skip
-BUSY = Enumeration("Busy", "CommitPending", "DriveActive", "TableInUse", "DigestPending")
+BUSY = Enumeration(
+    "Busy", "CommitPending", "DriveActive", "TableInUse", "DigestPending",
+    "Holding",  # since 1.3
+)  # fmt: skip
 FAULT = Enumeration(
     "Fault", "HostLost", "EmergencyStop", "Underrun", "Overheat", "DriveTime", "Watchdog", "Crash", "BrownOut",
     "StoreDamaged",
@@ -29,6 +32,7 @@ FIELD = Enumeration(
     "Resonance", "Quality", "StaticTravel",  # since 1.1
     "ChordPeriod", "Harmonic",  # since 1.2
     "CombPeriod", "WindowBlocks", "LockIns", "Input", "CaptureCodes", "CaptureValues",  # since 1.3
+    "TimeConstant", "MaxRise", "Slew", "HeldAmplitude",  # since 1.3
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -58,6 +62,7 @@ REFUSAL = Enumeration(
     "DisarmFirst",  # since 1.1
     ("Travel", {"travel_per_mille": U16, "allowed_per_mille": U16}),  # since 1.1
     ("Peak", {"peak_per_mille": U16}),  # since 1.2
+    ("SilentTone", {"slot": U8}),  # since 1.3
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -67,6 +72,12 @@ STATE = Enumeration(
 STORED_CONFIG = Enumeration("StoredConfig", "Empty", "Loaded", "WrongVersion", "Damaged", "FellBack")
 PROGRESS = Enumeration("Progress", "Idle", "Running", "Finished", ("Broken", {"at": U64}))
 WINDOW_SHAPE = Enumeration("WindowShape", "Rectangular", "Hann")
+HOLD_PROGRESS = Enumeration("HoldProgress", "Off", "On", "Ended", "Lost")
+HOLD_LIMIT = Enumeration("HoldLimit", "Rise", "Level", "Headroom", "Thermal", "Travel", "Fall")
+HOLD_LOSS = Enumeration("HoldLoss", "NotFollowed", "TooWeak", "Clipped", "Stuck", "Broken")
+HOLD_STATE = Enumeration(
+    "HoldState", "Settling", "Held", ("AtLimit", {"value": HOLD_LIMIT}), ("Lost", {"value": HOLD_LOSS})
+)
 
 NEXT_BLOCK = Choice("Next")
 AT_TRIGGER = Choice("AtTrigger")
@@ -136,6 +147,24 @@ class InPhaseQuadrature(Record):
 
     in_phase: int = field(I64)
     quadrature: int = field(I64)
+
+
+@dataclass(frozen=True)
+class HoldTone(Record):
+    """A tone to hold, and its amplitude at the input in 1/256 code. Since 1.3."""
+
+    slot: int = field(U8, 0, 15)
+    amplitude: int = field(U32, 16, 2047 << 8)
+
+
+@dataclass(frozen=True)
+class HeldTone(Record):
+    """A held tone: `correction` in 1/100 dB, `amplitude` as the last window measured it in 1/256 code. Since 1.3."""
+
+    slot: int = field(U8, 0, 15)
+    state: Choice = field(HOLD_STATE)
+    correction: int = field(I16)
+    amplitude: int = field(U32)
 
 
 @dataclass(frozen=True)
@@ -290,6 +319,19 @@ class CaptureRead(Record):
 
 
 @dataclass(frozen=True)
+class Hold(Record):
+    """Holds the measured amplitudes of these tones, by windows of so many blocks: `time_constant` of the plate in samples,
+    `max_rise` above the drive's level and `slew` from window to window in 1/100 dB. No tones: the hold ends. Since 1.3."""
+
+    input: int = field(U8)
+    time_constant: int = field(U32)
+    blocks: int = field(U16, 1, 65535)
+    max_rise: int = field(I16, 0, 6020)
+    slew: int = field(I16, 1, 6020)
+    tones: tuple[HoldTone, ...] = field(List(16, Fields(HoldTone)))
+
+
+@dataclass(frozen=True)
 class HelloEvent(Record):
     """Who the device is."""
 
@@ -414,6 +456,17 @@ class CapturedEvent(Record):
     values: tuple[int, ...] = field(List(40, U32))
 
 
+@dataclass(frozen=True)
+class HeldEvent(Record):
+    """How far the level hold has come, and how its tones stand. Since 1.3."""
+
+    progress: Choice = field(HOLD_PROGRESS)
+    input: int = field(U8)
+    begin: int = field(U64)
+    windows: int = field(U32)
+    tones: tuple[HeldTone, ...] = field(List(16, Fields(HeldTone)))
+
+
 # ------------------------------------------------------------------------------------------ messages
 
 
@@ -484,6 +537,8 @@ COMMANDS = {
         Kind(0x64, "Capture", Fields(Capture), since=3),
         Kind(0x65, "CaptureRead", Fields(CaptureRead), since=3),
         Kind(0x66, "CaptureStop", since=3),
+        Kind(0x67, "Hold", Fields(Hold), since=3),
+        Kind(0x68, "HoldRead", since=3),
     )
 }
 
@@ -504,6 +559,7 @@ EVENTS = {
         Kind(0xE0, "Inputs", Fields(InputsEvent), since=3),
         Kind(0xE2, "Listened", Fields(ListenedEvent), since=3),
         Kind(0xE5, "Captured", Fields(CapturedEvent), since=3),
+        Kind(0xE8, "Held", Fields(HeldEvent), since=3),
     )
 }
 

@@ -14,7 +14,7 @@ from client import Client
 from device_case import DeviceCase
 from errors import Closed, FieldError, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ChordTone, CombTone, Drive, Tone, TravelLimit, at,
+    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ChordTone, CombTone, Drive, HoldTone, Tone, TravelLimit, at,
     fault_names,
 )  # fmt: skip
 from records import Choice
@@ -227,6 +227,9 @@ class AtSocket(DriveCase):
         self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (0, 0, 0))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.listen(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.capture(10))
+        self.assert_refused(Choice("NotSupported"), lambda: self.client.hold([HoldTone(0, 1000)], 400))
+        self.assert_refused(Choice("NotSupported"), self.client.held)
+        self.assert_refused(Choice("NotSupported"), self.client.end_hold)
 
     def test_a_plate_is_heard(self) -> None:
         server = self.enter(Server(False, "--plate", "membrane", "--sensor", "30mm"))

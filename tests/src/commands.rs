@@ -1,6 +1,7 @@
 //! One of every command.
 
 use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk, TravelLimit, TravelSetting};
+use slipline_protocol::hold::HoldSetting;
 use slipline_protocol::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow, WindowShape};
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Decoder};
@@ -61,6 +62,8 @@ pub fn every_command() -> Vec<Command> {
         Command::Capture(CaptureWindow { from: None, input: 0, log2_codes: 2, values: 100 }),
         Command::CaptureRead(CapturePart { first: 0 }),
         Command::CaptureStop,
+        Command::Hold(HoldSetting::default()),
+        Command::HoldRead,
     ];
     let ids: Vec<u8> = commands.iter().map(Command::id).collect();
     let all: Vec<u8> = Command::TABLE.iter().map(|row| row.id).collect();

@@ -371,9 +371,12 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Trigger => matches!(event, Event::Trigger(_)),
             Command::Inputs => matches!(event, Event::Inputs(_)),
             // It has none.
-            Command::Listen(_) | Command::ListenRead(_) | Command::Capture(_) | Command::CaptureRead(_) => {
-                event == Event::Refused(Refusal::NotSupported)
-            }
+            Command::Listen(_)
+            | Command::ListenRead(_)
+            | Command::Capture(_)
+            | Command::CaptureRead(_)
+            | Command::Hold(_)
+            | Command::HoldRead => event == Event::Refused(Refusal::NotSupported),
         };
         assert!(expected, "{command:?}: {event:?}");
         rig.live_ms(20);

@@ -5,7 +5,7 @@
 //!            |  plan, publish, stop, arm ... --> Mailbox
 //!            |  upload --> the slot that does not sound
 //!            |  store  --> FlashPages
-//! tick ------+  thermal model, drive time, time-outs
+//! tick ------+  thermal model, drive time, time-outs, level hold
 //! ```
 //! A refused command has changed nothing that sounds or is kept.
 
@@ -13,6 +13,7 @@
 
 mod drive;
 mod excursion;
+mod hold;
 mod listening;
 mod status;
 mod tables;
@@ -80,6 +81,7 @@ pub struct Controller<'a, F, S> {
     excursion: Excursion,
     candidate: &'a mut Candidate,
     captured: &'a Values,
+    holding: hold::Holding,
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
@@ -115,6 +117,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             excursion: Excursion::unlimited(device.sample_rate_hz),
             candidate,
             captured,
+            holding: hold::Holding::NONE,
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
@@ -147,6 +150,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         mailbox.disarm(Stop::Normal);
         mailbox.drop_digest();
         mailbox.drop_listening();
+        self.holding.clear();
         self.upload = None;
         self.excursion.clear();
         self.bootloader.close();
@@ -252,6 +256,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Listen(window) => self.listen(window, mailbox).map(accepted),
             Command::ListenRead(part) => listening::listened(*part, mailbox),
             Command::ListenStop => {
+                self.refresh_hold(mailbox);
+                self.refuse_if_holding()?;
                 mailbox.drop_measurement();
                 Ok(accepted(mailbox.now()))
             }
@@ -261,6 +267,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 mailbox.stop_capture();
                 Ok(accepted(mailbox.now()))
             }
+            Command::Hold(setting) => self.hold(setting, is_stopped, mailbox).map(accepted),
+            Command::HoldRead => self.held(mailbox),
             #[cfg(slipline_next)]
             Command::MeasureCoil(_) => {
                 let milliohms = if self.is_coil_open() { u32::MAX } else { 3200 };
@@ -275,8 +283,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         }
     }
 
-    /// Control-rate work: the thermal model, the drive time, the time-outs.
-    pub fn tick<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+    /// Control-rate work: the thermal model, the drive time, the time-outs, the level hold. That may take as long as a drive, so
+    /// it asks `is_stopped` now and then whether a stop has come, and starts nothing after one.
+    pub fn tick<M: RawMutex>(&mut self, is_stopped: &mut dyn FnMut() -> bool, mailbox: &Mailbox<M>) {
         let view = mailbox.view();
         let now = view.next;
         self.thermal.advance(now, view.report.energy, self.timing.sample_rate_hz);
@@ -299,6 +308,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             self.system.enter_bootloader();
         }
         mailbox.pulse_safety();
+        self.turn_hold(is_stopped, mailbox);
     }
 
     /// Rehearsal of the protocol's next minor: whether no current flows, as the unit's name says.

@@ -33,11 +33,10 @@
 //! tone is lost for good, and goes back to the table's level by the next drive, without slew. Nothing rises while a tone is
 //! that weak: an unplugged sensor does not drive the plate up.
 //!
-//! **Messages.** What a protocol has to carry. *Hold*: input, `tau` in samples, blocks of a window, `max_rise`, `slew`, and
-//! of each tone the slot and the amplitude; no gains, so that no host can make the loop unstable; an empty list ends the
-//! hold. Refused with [`SettingError`], and where nothing sounds. *Read*: of each slot [`Hold::state`],
-//! [`Hold::correction`] and the last amplitude. A drive, a chord, a comb, a stop, a disarm, a fault and a new session end
-//! the hold as they stand. Its own drives do not count as a user's act. While it is on, a host cannot know the codes.
+//! **Messages.** The protocol carries the input, `tau`, the blocks of a window, `max_rise`, `slew`, and of each tone the slot
+//! and the amplitude; no gains, so that no host can make the loop unstable. `controller/hold.rs` takes them, has the windows
+//! measured, and hands the levels to the planner. A drive, a chord, a comb, a table, a stop, a disarm, a fault and a new session
+//! end the hold as they stand. Its own drives do not count as a user's act. While it is on, a host cannot know the codes.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
@@ -143,23 +142,43 @@ pub struct Hold {
 }
 
 impl Hold {
+    /// No tone is held.
+    pub const NONE: Self = Self { law: Law::NONE, glide: 0, tones: [None; TONES] };
+
     /// A hold of tones that sound at their table's levels. `min_glide` is the shortest glide of a drive, in samples.
     ///
     /// # Errors
     /// [`SettingError`], with what is out of range.
     pub fn new(setting: &Setting, held: &[HeldTone], min_glide: u32) -> Result<Self, SettingError> {
+        let mut hold = Self::NONE;
+        hold.set(setting, held, min_glide).map(|()| hold)
+    }
+
+    /// As [`Hold::new`], in place: a firmware has no room for another copy on its stack. After an error it is as before.
+    ///
+    /// # Errors
+    /// As [`Hold::new`].
+    pub fn set(&mut self, setting: &Setting, held: &[HeldTone], min_glide: u32) -> Result<(), SettingError> {
         setting.check(min_glide)?;
-        let mut tones = [None; TONES];
+        let mut slots = 0_u16;
         for tone in held {
+            let slot = tone.slot;
             tone.check()?;
-            let place =
-                tones.get_mut(usize::from(tone.slot)).ok_or(SettingError::Slot { slot: tone.slot })?;
-            if place.replace(Tone::new(tone)).is_some() {
-                return Err(SettingError::SlotTwice { slot: tone.slot });
+            let bit = 1_u16.checked_shl(slot.into()).ok_or(SettingError::Slot { slot })?;
+            if slots & bit != 0 {
+                return Err(SettingError::SlotTwice { slot });
+            }
+            slots |= bit;
+        }
+        self.tones.fill(None);
+        for tone in held {
+            if let Some(place) = self.tones.get_mut(usize::from(tone.slot)) {
+                *place = Some(Tone::new(tone));
             }
         }
-        let law = Law::new(setting.tau, setting.period, setting.max_rise, setting.slew);
-        Ok(Self { law, glide: setting.period / 2, tones })
+        self.law = Law::new(setting.tau, setting.period, setting.max_rise, setting.slew);
+        self.glide = setting.period / 2;
+        Ok(())
     }
 
     /// The glide of the drives that bring new levels, in samples.
@@ -220,6 +239,18 @@ impl Hold {
     #[must_use]
     pub fn correction(&self, slot: usize) -> Option<Octaves> {
         Some(self.tones.get(slot)?.as_ref()?.correction())
+    }
+
+    /// The levels in force of the held slots.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.tones.map(|tone| tone.map(|tone| tone.level_in_force()))
+    }
+
+    /// The levels of the drive, as they were given.
+    #[must_use]
+    pub fn drive_levels(&self) -> Levels {
+        self.tones.map(|tone| tone.map(|tone| tone.drive_level()))
     }
 
     /// Whether there is nothing left to do: every tone is lost, and back at the table's level.

@@ -56,7 +56,7 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
     /// 3. bytes to send;
     /// 4. the first command in the queue.
     ///
-    /// A command that takes long looks for received bytes meanwhile.
+    /// A command or a tick that takes long looks for received bytes meanwhile.
     ///
     /// Nothing waits for the host to read. `read` and `write` must lose nothing when their futures are dropped. When
     /// `read` fails or ends, the port is gone: the loop tries it again at the next tick. When `write` fails, the reply
@@ -84,7 +84,16 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
             match select4(mailbox.tick(), bytes, room, work).await {
                 Either4::First(()) => {
                     gone = false;
-                    controller.tick(mailbox);
+                    poll_fn(|context| {
+                        let stops = inbox.stops();
+                        let mut is_stopped = || {
+                            receive_now(inbox, &mut read, &mut packet, context, mailbox);
+                            inbox.stops() != stops
+                        };
+                        controller.tick(&mut is_stopped, mailbox);
+                        Poll::Ready(())
+                    })
+                    .await;
                     session.expire(mailbox.now(), controller.timing().transmit);
                 }
                 Either4::Second(Ok(count)) if count > 0 => {
@@ -101,11 +110,8 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
                 Either4::Third(_) => session.drop_first(mailbox.now()),
                 Either4::Fourth(()) => {
                     poll_fn(|context| {
-                        // A port that is gone is noticed by the loop.
                         let receive = |inbox: &mut Inbox| {
-                            if let Some(count) = read_now(&mut read, &mut packet, context) {
-                                inbox.receive(packet.get(..count).unwrap_or_default(), mailbox);
-                            }
+                            receive_now(inbox, &mut read, &mut packet, context, mailbox);
                         };
                         session.step(inbox, receive, controller, mailbox);
                         Poll::Ready(())
@@ -114,6 +120,19 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
                 }
             }
         }
+    }
+}
+
+/// Gives the inbox what has come already. A port that is gone is noticed by the loop.
+fn receive_now<M: RawMutex>(
+    inbox: &mut Inbox,
+    read: &mut impl Read,
+    packet: &mut [u8; PACKET],
+    context: &mut Context<'_>,
+    mailbox: &Mailbox<M>,
+) {
+    if let Some(count) = read_now(read, packet, context) {
+        inbox.receive(packet.get(..count).unwrap_or_default(), mailbox);
     }
 }
 

@@ -29,6 +29,7 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
+mod course;
 mod interrupt_side;
 mod listening;
 mod orders;
@@ -51,6 +52,7 @@ use slipline_protocol::event::{Fault, Faults};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
+pub use self::course::Course;
 pub use self::listening::{Captured, Inputs, Measurement};
 pub(crate) use self::listening::{ListenOrders, Order};
 pub use self::orders::Orders;

@@ -23,6 +23,7 @@ mod placement;
 pub(crate) mod trajectory;
 
 use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::table::Setting;
 use slipline_protocol::units::{Gain, SampleIndex};
 
 use self::evaluation::place;
@@ -100,6 +101,18 @@ impl Motion {
         })
     }
 
+    /// As [`Motion::goals`], but a tone that has a step and a gain of its own, as a chord's has, keeps them.
+    #[must_use]
+    pub fn goals_as_set(&self) -> [Option<Target>; MAX_TONES] {
+        let mut goals = self.goals();
+        for (goal, tone) in goals.iter_mut().zip(&self.tones) {
+            if let (Some(goal), SettingTrajectory::Hold { step, gain }) = (goal, tone.setting) {
+                goal.setting = Some(Setting { step, gain });
+            }
+        }
+        goals
+    }
+
     /// How each tone moves.
     pub(crate) const fn trajectories(&self) -> &[ToneTrajectory; MAX_TONES] {
         &self.tones
@@ -164,7 +177,9 @@ impl Motion {
                     to: target.position,
                     from_level: placement.level,
                     to_level: target.level,
-                    setting: if self.table() == outline.table && old.setting == SettingTrajectory::Along {
+                    setting: if let Some(setting) = target.setting {
+                        SettingTrajectory::hold(setting)
+                    } else if self.table() == outline.table && old.setting == SettingTrajectory::Along {
                         // It follows this table already.
                         SettingTrajectory::Along
                     } else {

@@ -7,7 +7,7 @@
 use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
-use slipline_protocol::units::{CentiDecibel, SampleIndex};
+use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
 use crate::chord::ChordTones;
@@ -65,6 +65,28 @@ impl Planner<'_> {
         let left = u32::try_from(motion.end().saturating_sub(at)).unwrap_or(u32::MAX);
         let glide = self.timing.table_glide.max(left);
         self.complete(Program { at, glide, table, targets: motion.goals() }, motion)
+    }
+
+    /// Makes the motion that brings tones that sound to other levels, by the rules of a drive: their places, steps and gains
+    /// stay as they are, and so do the tones for which there is no level. Where no tone sounds nothing changes.
+    ///
+    /// # Errors
+    /// [`Refusal::OutOfRange`] for the glide, [`Refusal::Headroom`], and [`Busy::DriveActive`] as [`Planner::drive`].
+    pub fn levels(
+        &mut self,
+        levels: &[Option<Gain>; MAX_TONES],
+        at: SampleIndex,
+        glide: u32,
+        motion: &Motion,
+    ) -> Result<Motion, Refusal> {
+        self.check_glide(glide)?;
+        let mut targets = motion.goals_as_set();
+        for (target, level) in targets.iter_mut().zip(levels) {
+            if let (Some(target), Some(level)) = (target, level) {
+                target.level = *level;
+            }
+        }
+        self.complete(Program { at, glide, table: motion.table(), targets }, motion)
     }
 
     /// Checks a chord's fields and places its tones by a table.
@@ -144,7 +166,6 @@ impl Planner<'_> {
     }
 
     fn check_ranges(&self, master: CentiDecibel, glide: u32) -> Result<(), Refusal> {
-        let timing = self.timing;
         if !(MIN_MASTER_CDB..=0).contains(&master.0) {
             return Err(Refusal::out_of_range(
                 Field::MasterLevel,
@@ -153,6 +174,11 @@ impl Planner<'_> {
                 i64::from(master.0),
             ));
         }
+        self.check_glide(glide)
+    }
+
+    fn check_glide(&self, glide: u32) -> Result<(), Refusal> {
+        let timing = self.timing;
         in_range(Field::Glide, timing.min_glide.into(), timing.max_glide.into(), glide.into())
     }
 
@@ -168,8 +194,8 @@ impl Planner<'_> {
             if number % TONES_AT_ONCE == TONES_AT_ONCE - 1 {
                 self.refuse_if_stopped()?;
             }
-            // A tone that starts from silence starts at its target.
-            if let Some(target) = target.filter(|_| !placement.is_silent()) {
+            // A tone that starts from silence starts at its target, and one that keeps its setting stays where it is.
+            if let Some(target) = target.filter(|target| !placement.is_silent() && target.setting.is_none()) {
                 *way = slots.extremes(program.table, placement.position, target.position);
                 needed = needed.max(shortest_glide(&program, placement, &target, way.steepest, slots));
             }

@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             Change::Drive(_) => "drive",
             Change::Chord(_) => "chord",
             Change::Comb(_) => "comb",
+            Change::Hold => "level hold",
             Change::Stop => "stop",
             Change::EmergencyStop => "emergency stop",
             Change::Table(_) => "table",

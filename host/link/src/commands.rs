@@ -1,6 +1,7 @@
 //! The commands to one device: what to send next ([`queue`]), what the replies mean ([`replies`], and [`numbered`] for
 //! what the tasks send), a table's way onto the device ([`upload`]).
 
+mod holding;
 mod listening;
 mod numbered;
 mod queue;

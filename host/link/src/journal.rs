@@ -36,6 +36,8 @@ pub enum Change {
     Chord(Arc<Chord>),
     /// A comb, in the device's own units.
     Comb(Arc<Comb>),
+    /// A level hold began, so the levels follow what the device measures: the codes are unknown until the next silence.
+    Hold,
     /// A stop: a ramp to silence.
     Stop,
     /// An emergency stop: a fast ramp to silence.

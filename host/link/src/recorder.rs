@@ -12,6 +12,7 @@ use crate::undecided::{Held, Undecided};
 use crate::upkeep;
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::{Maintenance, State, Status, TableReport, TriggerReport};
+use slipline_protocol::hold;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
 use std::collections::VecDeque;
@@ -110,7 +111,7 @@ impl Recorder {
         let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
             Change::Drive(_) | Change::Chord(_) | Change::Comb(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
-            Change::Armed | Change::Table(_) | Change::Limit(_) => None,
+            Change::Armed | Change::Table(_) | Change::Hold | Change::Limit(_) => None,
         });
         if latest == Some(true) {
             self.enter(at, Change::Stop, false);
@@ -199,6 +200,14 @@ impl Recorder {
         };
         self.log(Severity::Info, line);
         self.touch();
+    }
+
+    /// Takes how the level hold stands.
+    pub(crate) fn hold(&mut self, told: Option<hold::Held>) {
+        if self.view.hold.as_deref() != told.as_ref() {
+            self.view.hold = told.map(Arc::new);
+            self.touch();
+        }
     }
 
     /// Takes a status that came from the device.
@@ -290,6 +299,7 @@ impl Recorder {
         view.identity = None;
         view.maintenance = None;
         view.inputs = None;
+        view.hold = None;
         view.compatibility = None;
         view.status = None;
         view.settled = None;

@@ -3,6 +3,7 @@
 use crate::chord::ChordRequest;
 use crate::comb::CombRequest;
 use crate::drive::DriveRequest;
+use crate::hold::HoldRequest;
 use crate::listen::{CaptureRequest, Captured, ListenRequest, Listened};
 use crate::log::Severity;
 use crate::port::Port;
@@ -36,6 +37,8 @@ pub enum Request {
     Listen(ListenRequest),
     /// Capture the codes of an input.
     Capture(CaptureRequest),
+    /// Hold the measured amplitudes of tones that sound, or end the hold.
+    Hold(HoldRequest),
     /// Ramp to silence; stay armed.
     Stop,
     /// Ramp to silence at once, mute, latch a fault.
@@ -81,6 +84,7 @@ impl Request {
             Self::Comb(_) => "comb",
             Self::Listen(_) => "listen",
             Self::Capture(_) => "capture",
+            Self::Hold(_) => "level hold",
             Self::Stop => "stop",
             Self::EmergencyStop => "emergency stop",
             Self::ClearFaults => "clear faults",

@@ -12,6 +12,7 @@ use slipline_protocol::Command;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Identity, Maintenance, Status, TableReport, TriggerReport};
 use slipline_protocol::frame::DecoderCounters;
+use slipline_protocol::hold::{Held, HoldProgress};
 use slipline_protocol::listen::InputsReport;
 use slipline_protocol::version::{Compatibility, Version};
 use std::collections::VecDeque;
@@ -123,6 +124,9 @@ pub struct Snapshot {
     pub maintenance: Option<Maintenance>,
     /// What its inputs can do, while connected; `None` with a device of an older protocol than 1.3. Told at the start.
     pub inputs: Option<InputsReport>,
+    /// How the level hold stands, or stood when it ended; `None` before the first one of a connection and after its end by
+    /// [`HoldRequest::OFF`](crate::HoldRequest::OFF). Asked for ten times a second while it is on.
+    pub hold: Option<Arc<Held>>,
     /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
     pub status_time: Duration,
     /// The device's table, as it was last read back.
@@ -193,6 +197,12 @@ impl Snapshot {
     #[must_use]
     pub fn can_listen(&self) -> bool {
         self.inputs.is_some_and(|inputs| inputs.inputs > 0)
+    }
+
+    /// Whether a level hold is on, by the device's last word.
+    #[must_use]
+    pub fn is_holding(&self) -> bool {
+        self.hold.as_ref().is_some_and(|hold| hold.progress == HoldProgress::On)
     }
 
     /// Whether the device limits the actuator's travel as a table asks for, or cannot.

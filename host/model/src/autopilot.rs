@@ -244,7 +244,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }
-            Change::Limit(_) => {}
+            Change::Hold | Change::Limit(_) => {}
             // The tones glide to the new table's places and gains.
             Change::Table(_) => latest = latest.map(|(_, played)| (entry.number, played)),
         }

@@ -1,13 +1,16 @@
-//! What minor 3 adds: the comb, and what the inputs measure.
+//! What minor 3 adds: the comb, what the inputs measure, and the level hold.
 
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::command::{Apply, Comb, CombTone};
+use slipline_protocol::hold::{
+    Held, HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone,
+};
 use slipline_protocol::listen::{
     CapturePart, CaptureWindow, Captured, InPhaseQuadrature, InputsReport, ListenPart, ListenWindow,
     Listened, Progress, WindowShape,
 };
-use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 use slipline_protocol::{Command, Event};
 
@@ -61,7 +64,81 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("capture-read", Command::CaptureRead(CapturePart { first: 40 })),
         ("capture-stop", Command::CaptureStop),
     ];
-    commands.map(|(label, command)| (label.to_owned(), command)).into()
+    commands.into_iter().chain(holds()).map(|(label, command)| (label.to_owned(), command)).collect()
+}
+
+/// The commands of the level hold.
+fn holds() -> [(&'static str, Command); 4] {
+    let tones = [HoldTone { slot: 0, amplitude: 128_000 }, HoldTone { slot: 5, amplitude: 16 }];
+    let hold = HoldSetting {
+        input: 0,
+        time_constant: 3200,
+        blocks: 400,
+        max_rise: CentiDecibel(1200),
+        slew: CentiDecibel(602),
+        tones: Vec::from_slice(&tones).unwrap(),
+    };
+    let tone = HoldTone { slot: u8::MAX, amplitude: u32::MAX };
+    let largest = HoldSetting {
+        input: u8::MAX,
+        time_constant: u32::MAX,
+        blocks: u16::MAX,
+        max_rise: CentiDecibel(i16::MAX),
+        slew: CentiDecibel(i16::MIN),
+        tones: Vec::from_slice(&[tone; 16]).unwrap(),
+    };
+    [
+        ("hold", Command::Hold(hold)),
+        ("hold-off", Command::Hold(HoldSetting::default())),
+        ("hold-largest", Command::Hold(largest)),
+        ("hold-read", Command::HoldRead),
+    ]
+}
+
+/// What is told of the level hold: every state, and the largest.
+fn held() -> [(&'static str, Event); 4] {
+    let states = [
+        HoldState::Settling,
+        HoldState::Held,
+        HoldState::AtLimit(HoldLimit::Rise),
+        HoldState::AtLimit(HoldLimit::Level),
+        HoldState::AtLimit(HoldLimit::Headroom),
+        HoldState::AtLimit(HoldLimit::Thermal),
+        HoldState::AtLimit(HoldLimit::Travel),
+        HoldState::AtLimit(HoldLimit::Fall),
+        HoldState::Lost(HoldLoss::NotFollowed),
+        HoldState::Lost(HoldLoss::TooWeak),
+        HoldState::Lost(HoldLoss::Clipped),
+        HoldState::Lost(HoldLoss::Stuck),
+        HoldState::Lost(HoldLoss::Broken),
+    ];
+    let tone = |(slot, state)| HeldTone { slot, state, correction: CentiDecibel(-312), amplitude: 127_500 };
+    let held = Held {
+        progress: HoldProgress::On,
+        input: 1,
+        begin: 256_000,
+        windows: 70,
+        tones: (0..).zip(states).map(tone).collect(),
+    };
+    let most = HeldTone {
+        slot: u8::MAX,
+        state: HoldState::Lost(HoldLoss::Broken),
+        correction: CentiDecibel(i16::MIN),
+        amplitude: u32::MAX,
+    };
+    let largest = Held {
+        progress: HoldProgress::Lost,
+        input: u8::MAX,
+        begin: u64::MAX,
+        windows: u32::MAX,
+        tones: Vec::from_slice(&[most; 16]).unwrap(),
+    };
+    [
+        ("held", Event::Held(held.clone())),
+        ("held-nothing", Event::Held(Held::default())),
+        ("held-ended", Event::Held(Held { progress: HoldProgress::Ended, tones: Vec::new(), ..held })),
+        ("held-largest", Event::Held(largest)),
+    ]
 }
 
 /// The events of minor 3.
@@ -131,7 +208,14 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         ("input", Field::Input),
         ("capture-codes", Field::CaptureCodes),
         ("capture-values", Field::CaptureValues),
+        ("time-constant", Field::TimeConstant),
+        ("max-rise", Field::MaxRise),
+        ("slew", Field::Slew),
+        ("held-amplitude", Field::HeldAmplitude),
     ];
+    events.extend(held().map(|(label, event)| (label.to_owned(), event)));
+    events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));
+    events.push(("refused-silent-tone".to_owned(), Event::Refused(Refusal::SilentTone { slot: 7 })));
     for (label, field) in fields {
         let refusal = Refusal::OutOfRange { field, min: 0, max: 1, got: 2 };
         events.push((format!("refused-out-of-range-{label}"), Event::Refused(refusal)));

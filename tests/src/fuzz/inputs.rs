@@ -1,15 +1,16 @@
-//! A target on the device's inputs: whatever is measured of them, and whatever fails meanwhile.
+//! A target on the device's inputs: whatever is measured of them, whatever is held by them, and whatever fails meanwhile.
 
 use std::sync::{Arc, Mutex};
 
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_protocol::Command;
 use slipline_protocol::event::Event;
+use slipline_protocol::hold::{HoldProgress, HoldSetting, HoldTone};
 use slipline_protocol::listen::{
     CapturePart, CaptureWindow, ListenPart, ListenWindow, Progress, WindowShape,
 };
-use slipline_protocol::refusal::Refusal;
-use slipline_protocol::units::SampleIndex;
+use slipline_protocol::refusal::{Busy, Refusal};
+use slipline_protocol::units::{CentiDecibel, SampleIndex};
 
 use crate::client::Client;
 use crate::rig::{BLOCK, MID, Rig, Table, comb, drive};
@@ -44,10 +45,13 @@ struct Ordered {
     /// Whether the capture was stopped, or a block was lost since one of the two was ordered.
     is_cut: bool,
     lost: u32,
+    /// Whether a hold has changed what sounds, or may have.
+    has_held: bool,
 }
 
-/// Measurements, captures, lost blocks and sound, each of one byte that chooses it and some more: what is read is what the
-/// inputs have sampled, and a device that measures sends the codes of one that does not.
+/// Measurements, captures, holds, lost blocks and sound, each of one byte that chooses it and some more: what is read is what
+/// the inputs have sampled, a device that measures sends the codes of one that does not, and one that holds is never above full
+/// scale.
 ///
 /// # Panics
 /// If that does not hold.
@@ -89,8 +93,12 @@ pub fn inputs(data: &[u8]) {
                 order(&mut rig, &Command::Capture(window), |at| ordered.capture = Some((at, window)));
             }
             4 => {
-                rig.accepted(&Command::ListenStop);
-                ordered.listen = None;
+                if is_holding(&mut rig) {
+                    assert_eq!(rig.refused(&Command::ListenStop), Refusal::Busy(Busy::Holding));
+                } else {
+                    rig.accepted(&Command::ListenStop);
+                    ordered.listen = None;
+                }
             }
             5 => {
                 rig.accepted(&Command::CaptureStop);
@@ -105,13 +113,31 @@ pub fn inputs(data: &[u8]) {
             7 => {
                 let sound =
                     drive(&[(byte() % 16, f64::from(byte()) / 255.0, f64::from(byte()) / 255.0)], 2000);
-                both(&mut rig, &mut deaf, &Command::Drive(sound));
+                both(&mut rig, &mut deaf, &Command::Drive(sound), &ordered);
             }
             8 => {
                 let tones = [1, 2, 3].map(|n| (n * (1 + u16::from(byte())), f64::from(byte()) / 800.0, 0.0));
-                both(&mut rig, &mut deaf, &Command::Comb(comb(1 + u16::from(byte()), &tones)));
+                both(&mut rig, &mut deaf, &Command::Comb(comb(1 + u16::from(byte()), &tones)), &ordered);
             }
-            9 => both(&mut rig, &mut deaf, &Command::Stop),
+            9 => both(&mut rig, &mut deaf, &Command::Stop, &ordered),
+            10 => {
+                let tones = (0..byte() % 4)
+                    .map(|_| HoldTone { slot: byte() % 17, amplitude: u32::from(byte()) << (byte() % 14) });
+                let tones = tones.collect();
+                let setting = HoldSetting {
+                    input: byte() % 3,
+                    time_constant: u32::from(byte()) << (byte() % 8),
+                    blocks: byte().into(),
+                    max_rise: CentiDecibel(i16::from_le_bytes([byte(), byte() % 32])),
+                    slew: CentiDecibel(i16::from_le_bytes([byte(), byte() % 32])),
+                    tones,
+                };
+                let begins = !setting.tones.is_empty();
+                if matches!(rig.send(&Command::Hold(setting)), Event::Accepted(_)) && begins {
+                    ordered.has_held = true;
+                    ordered.listen = None;
+                }
+            }
             _ => {}
         }
         let blocks = u64::from(byte() % 64);
@@ -123,7 +149,9 @@ pub fn inputs(data: &[u8]) {
     for rig in [&mut rig, &mut deaf] {
         rig.live_blocks(10);
     }
-    assert!(rig.recording.codes == deaf.recording.codes, "to measure changes nothing that sounds");
+    if !ordered.has_held {
+        assert!(rig.recording.codes == deaf.recording.codes, "to measure changes nothing that sounds");
+    }
     let Event::Inputs(report) = rig.send(&Command::Inputs) else { panic!("the inputs are told") };
     assert_eq!(report.lost_blocks, ordered.lost);
     rig.hello();
@@ -138,19 +166,32 @@ pub fn inputs(data: &[u8]) {
 fn order(rig: &mut Rig, command: &Command, taken: impl FnOnce(SampleIndex)) {
     match rig.send(command) {
         Event::Accepted(accepted) => taken(accepted.at),
-        Event::Refused(Refusal::OutOfRange { .. }) => {}
+        Event::Refused(Refusal::OutOfRange { .. } | Refusal::Busy(Busy::Holding)) => {}
         other => panic!("{command:?}: {other:?}"),
     }
 }
 
-/// Gives both devices a command; they answer alike.
-fn both(rig: &mut Rig, deaf: &mut Rig, command: &Command) {
+/// Gives both devices a command; they answer alike, unless a hold has changed what sounds.
+fn both(rig: &mut Rig, deaf: &mut Rig, command: &Command, ordered: &Ordered) {
     let (answer, other) = (rig.send(command), deaf.send(command));
-    assert_eq!(answer, other, "{command:?}");
+    if !ordered.has_held {
+        assert_eq!(answer, other, "{command:?}");
+    }
+}
+
+fn is_holding(rig: &mut Rig) -> bool {
+    let Event::Held(held) = rig.send(&Command::HoldRead) else { panic!("the hold is told") };
+    held.progress == HoldProgress::On
 }
 
 /// Compares what is told with what the first input has sampled.
 fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
+    let status = rig.status();
+    assert!(status.sum_per_mille <= 1000 && status.counters.clips == 0, "{status:?}");
+    if is_holding(rig) {
+        // The measurement is the hold's.
+        return;
+    }
     for input in 0..2 {
         let Event::Listened(told) = rig.send(&Command::ListenRead(ListenPart { input, first_slot: 3 }))
         else {

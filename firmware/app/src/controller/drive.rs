@@ -41,7 +41,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(mailbox.arm())
     }
 
-    fn refuse_unless_armed(&self, armed: bool, faults: FaultLatch) -> Result<(), Refusal> {
+    pub(super) fn refuse_unless_armed(&self, armed: bool, faults: FaultLatch) -> Result<(), Refusal> {
         self.refuse_if_unfit(faults)?;
         if armed { Ok(()) } else { Err(Refusal::NotArmed) }
     }
@@ -63,6 +63,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped }
     }
 
+    /// Never inlined: its motions would lie on the stack under every other command, and under the level hold.
+    #[inline(never)]
     pub(super) fn drive<M: RawMutex>(
         &mut self,
         drive: &Drive,
@@ -77,6 +79,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
+        self.end_hold(mailbox);
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
     }
@@ -135,6 +138,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
+        self.end_hold(mailbox);
         self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
     }

@@ -24,11 +24,13 @@ use crate::timing::block_at_or_after;
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Begins a measurement; returns its first sample.
     pub(super) fn listen<M: RawMutex>(
-        &self,
+        &mut self,
         asked: &ListenWindow,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         let inputs = existing(mailbox)?;
+        self.refresh_hold(mailbox);
+        self.refuse_if_holding()?;
         in_range(Field::WindowBlocks, 1, u16::MAX.into(), asked.blocks.into())?;
         asked.input.map_or(Ok(()), |input| check_input(input, inputs))?;
         let measured = if asked.input.is_some() { 1 } else { inputs.count };
@@ -148,11 +150,11 @@ pub(super) fn listened<M: RawMutex>(part: ListenPart, mailbox: &Mailbox<M>) -> R
 }
 
 /// The inputs of a device that has any.
-fn existing<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<Inputs, Refusal> {
+pub(super) fn existing<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<Inputs, Refusal> {
     Some(mailbox.inputs()).filter(|inputs| inputs.count > 0).ok_or(Refusal::NotSupported)
 }
 
-fn check_input(input: u8, inputs: Inputs) -> Result<(), Refusal> {
+pub(super) fn check_input(input: u8, inputs: Inputs) -> Result<(), Refusal> {
     in_range(Field::Input, 0, (inputs.count as u64).saturating_sub(1), input.into())
 }
 

@@ -12,8 +12,9 @@ use crate::ports::{FlashPages, System};
 use crate::slots::TableRef;
 use crate::store;
 
-// What reads and writes the flash is never inlined: its buffers would lie on the stack under every other command.
+// What makes a motion, and what reads and writes the flash, is never inlined: it would lie on the stack under every other command.
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
+    #[inline(never)]
     pub(super) fn commit_table<M: RawMutex>(
         &mut self,
         is_stopped: &mut dyn FnMut() -> bool,
@@ -38,6 +39,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
+        self.end_hold(mailbox);
         self.table = Some(header);
         self.active = table;
         self.upload = None;

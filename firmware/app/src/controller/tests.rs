@@ -1,6 +1,7 @@
 //! What no message alone can bring about: a fold-back that does not hold the coil, a memory that flips, an interrupt
 //! between two steps of a command.
 
+mod holding;
 mod interleaving;
 mod stops;
 
@@ -187,7 +188,7 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     let ticks_of_two_minutes = 120 * u64::from(RATE) / (TICK_BLOCKS * BLOCK as u64);
     let hot = (0..ticks_of_two_minutes).find(|_| {
         rig.render(TICK_BLOCKS);
-        rig.controller.tick(&rig.mailbox);
+        rig.controller.tick(&mut || false, &rig.mailbox);
         let is_hot = rig.faults().contains(Fault::Overheat);
         // As if no amplitude obeyed.
         rig.mailbox.set_limit(1000);
@@ -196,13 +197,13 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
     assert!(hot.is_some(), "a full sine is over the limit within two minutes");
     let first = rig.mailbox.view().faults.first();
     rig.render(8 * TICK_BLOCKS);
-    rig.controller.tick(&rig.mailbox);
+    rig.controller.tick(&mut || false, &rig.mailbox);
     assert!(rig.mailbox.view().is_silent() && rig.renderer.borrow().is_muted());
     assert_eq!(rig.mailbox.view().faults.first(), first);
     assert_eq!(rig.execute(&Command::ClearFaults).map(|_| rig.faults()), Ok(rig.faults()));
     assert!(rig.faults().contains(Fault::Overheat), "it is still warm");
     rig.render(1000 * TICK_BLOCKS);
-    rig.controller.tick(&rig.mailbox);
+    rig.controller.tick(&mut || false, &rig.mailbox);
     rig.accepted(&Command::ClearFaults);
     assert_eq!(rig.faults(), Faults::NONE, "it has cooled");
 }
@@ -247,7 +248,7 @@ fn who_arms_after_the_token_was_shown_stays() {
         rig.accepted(&Command::Arm);
         for _ in 0..100 {
             rig.render(TICK_BLOCKS);
-            rig.controller.tick(&rig.mailbox);
+            rig.controller.tick(&mut || false, &rig.mailbox);
         }
         assert!(!*rig.rom.0.borrow());
         assert!(rig.mailbox.view().armed);
@@ -264,7 +265,7 @@ fn a_takeover_keeps_the_application_running() {
     rig.controller.begin_session(&rig.mailbox);
     for _ in 0..100 {
         rig.render(TICK_BLOCKS);
-        rig.controller.tick(&rig.mailbox);
+        rig.controller.tick(&mut || false, &rig.mailbox);
     }
     assert!(!*rig.rom.0.borrow());
 }
@@ -276,7 +277,7 @@ fn a_table_swap_after_a_long_armed_silence_is_no_drive() {
     let blocks = rig.controller.timing().max_drive / BLOCK as u64 + 2 * TICK_BLOCKS;
     rig.render(blocks);
     rig.upload();
-    rig.controller.tick(&rig.mailbox);
+    rig.controller.tick(&mut || false, &rig.mailbox);
     assert_eq!(rig.faults(), Faults::NONE);
 }
 

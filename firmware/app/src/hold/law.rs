@@ -46,6 +46,9 @@ pub(super) struct Law {
 }
 
 impl Law {
+    /// Answers nothing.
+    pub(super) const NONE: Self = Self { proportional: 0, integral: 0, max_rise: 0, slew: 0, patience: 0 };
+
     /// `tau` and `period` in samples, `period` not 0.
     pub(super) fn new(tau: u32, period: u32, max_rise: Octaves, slew: Octaves) -> Self {
         let (tau, period) = (i64::from(tau), i64::from(period).max(1));

@@ -2,12 +2,13 @@
 
 use super::octaves::Octaves;
 use crate::bank::TONES;
+use slipline_protocol::limits::HELD_AMPLITUDE;
 use slipline_protocol::units::Gain;
 
 /// The least amplitude that can be held: 1/16 code, in 1/256 code.
-pub const MIN_AMPLITUDE: u32 = 16;
+pub const MIN_AMPLITUDE: u32 = HELD_AMPLITUDE.0;
 /// The largest amplitude that fits the inputs' range, 2047 codes, in 1/256 code.
-pub const MAX_AMPLITUDE: u32 = 2047 << 8;
+pub const MAX_AMPLITUDE: u32 = HELD_AMPLITUDE.1;
 
 /// How the loops work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,8 @@ pub enum SettingError {
     Amplitude {
         /// Whose.
         slot: u8,
+        /// What was asked for.
+        amplitude: u32,
     },
     /// The level is 0 or above 1: a silent tone cannot be measured.
     Level {
@@ -91,7 +94,7 @@ impl HeldTone {
             return Err(SettingError::Slot { slot });
         }
         if !(MIN_AMPLITUDE..=MAX_AMPLITUDE).contains(&self.amplitude) {
-            return Err(SettingError::Amplitude { slot });
+            return Err(SettingError::Amplitude { slot, amplitude: self.amplitude });
         }
         if !(1..=Gain::FULL.0).contains(&self.level.0) {
             return Err(SettingError::Level { slot });

@@ -244,7 +244,7 @@ fn a_setting_out_of_range_is_refused_by_its_field() {
     assert_eq!(refused(good, &[tone(2), tone(2)]), Some(SettingError::SlotTwice { slot: 2 }));
     for amplitude in [MIN_AMPLITUDE - 1, MAX_AMPLITUDE + 1] {
         let tone = HeldTone { amplitude, ..tone(2) };
-        assert_eq!(refused(good, &[tone]), Some(SettingError::Amplitude { slot: 2 }));
+        assert_eq!(refused(good, &[tone]), Some(SettingError::Amplitude { slot: 2, amplitude }));
     }
     for level in [Gain(0), Gain(Gain::FULL.0 + 1)] {
         assert_eq!(refused(good, &[HeldTone { level, ..tone(2) }]), Some(SettingError::Level { slot: 2 }));

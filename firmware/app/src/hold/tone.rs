@@ -143,6 +143,16 @@ impl Tone {
         level(self.level, self.proposed) != level(self.level, self.accepted)
     }
 
+    /// The level of the drive.
+    pub(super) const fn drive_level(&self) -> Gain {
+        self.level
+    }
+
+    /// The level in force.
+    pub(super) fn level_in_force(&self) -> Gain {
+        level(self.level, self.accepted)
+    }
+
     /// The level that is proposed.
     pub(super) fn level(&self) -> Gain {
         level(self.level, self.proposed)

@@ -10,7 +10,7 @@ use crate::slots::{SlotIndex, TableRef};
 /// When a motion takes place, by which table, and whether it matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Outline {
-    pub(super) start: SampleIndex,
+    pub(crate) start: SampleIndex,
     /// Its length in samples, at least 1.
     pub(super) glide: u32,
     /// `2^63 / glide`, rounded down: what a sample is of the whole.
@@ -19,7 +19,7 @@ pub(crate) struct Outline {
     /// Every tone starts from silence.
     pub(super) begins_silent: bool,
     /// Every tone goes to silence.
-    pub(super) ends_silent: bool,
+    pub(crate) ends_silent: bool,
 }
 
 impl Outline {

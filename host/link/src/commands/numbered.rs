@@ -83,6 +83,11 @@ impl CommandQueue {
             {
                 self.try_drive_again(task, recorder, now);
             }
+            Event::Refused(refusal::Refusal::Busy(Busy::CommitPending))
+                if matches!(task.job, Job::Hold(_)) && task.tries < BUSY_TRIES =>
+            {
+                self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + DRIVE_PAUSE, ..task });
+            }
             // The user has not asked for it and will not try again, so the link does.
             Event::Refused(refusal::Refusal::Busy(_))
                 if matches!(task.job, Job::ArmUnasked) && task.tries < BUSY_TRIES =>
@@ -131,6 +136,7 @@ impl CommandQueue {
             }
             Event::Listened(told) => self.listened(task, &told, recorder, now),
             Event::Captured(told) => self.captured(task, &told, recorder, now),
+            Event::Held(told) => self.held(&task, told, recorder, now),
             #[cfg(slipline_next)]
             Event::CoilMeasured(report) => {
                 recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
@@ -203,6 +209,7 @@ impl CommandQueue {
                 self.captures(&task, at, recorder, now);
                 return Next::Continue;
             }
+            Command::Hold(setting) => self.holds(&setting, at, recorder, now),
             Command::ClearFaults => self.arm_unasked(recorder),
             Command::DigestStart(_) => {
                 let mut read = Task::new(task.ticket, Job::DigestRead);
@@ -236,6 +243,7 @@ impl CommandQueue {
             | Command::ListenStop
             | Command::CaptureRead(_)
             | Command::CaptureStop
+            | Command::HoldRead
             | Command::BootloaderToken
             | Command::Hello(_)
             | Command::KeepAlive(_)

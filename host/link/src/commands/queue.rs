@@ -140,6 +140,7 @@ impl CommandQueue {
             }
             Request::Listen(listen) => Job::Listen(listen),
             Request::Capture(capture) => Job::Capture(capture),
+            Request::Hold(hold) => Job::Hold(hold),
             // The connection deals with these itself.
             Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
                 return;
@@ -302,10 +303,18 @@ impl CommandQueue {
             Job::ArmUnasked => Command::Arm,
             Job::FirstReadBack => Command::TableDigest,
             Job::DigestRead => Command::DigestRead,
+            Job::HoldRead => Command::HoldRead,
             Job::Listen(request) => Command::Listen(request.window()),
             Job::Capture(request) => Command::Capture(request.window()),
             Job::ListenRead(reading) => Command::ListenRead(reading.part()),
             Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
+            Job::Hold(request) => {
+                let Some(identity) = recorder.view.identity.clone() else { return true };
+                match request.for_device(&identity) {
+                    Ok(setting) => Command::Hold(setting),
+                    Err(error) => return refuse(&task, error, recorder),
+                }
+            }
             Job::BeginUpload(upload) => {
                 self.uploads.begin(upload, recorder);
                 return true;

@@ -145,6 +145,7 @@ impl CommandQueue {
             | Event::Inputs(_)
             | Event::Listened(_)
             | Event::Captured(_)
+            | Event::Held(_)
             | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
             #[cfg(slipline_next)]
             Event::CoilMeasured(_) => Outcome::Refused(Refusal::UnexpectedReply),
@@ -176,6 +177,7 @@ impl CommandQueue {
             | Event::Inputs(_)
             | Event::Listened(_)
             | Event::Captured(_)
+            | Event::Held(_)
             | Event::BootloaderToken(_) => {}
             #[cfg(slipline_next)]
             Event::CoilMeasured(_) => {}

@@ -5,6 +5,7 @@ use super::upload::Upload;
 use crate::chord::ChordRequest;
 use crate::comb::CombRequest;
 use crate::drive::DriveRequest;
+use crate::hold::HoldRequest;
 use crate::listen::{CaptureRequest, ListenRequest};
 use crate::request::Ticket;
 use slipline_protocol::Command;
@@ -22,11 +23,13 @@ pub(super) enum Job {
     Comb(CombRequest),
     Listen(ListenRequest),
     Capture(CaptureRequest),
+    Hold(HoldRequest),
     BeginUpload(Upload),
     CancelUpload,
     DigestRead,
     ListenRead(Box<ListenReading>),
     CaptureRead(Box<CaptureReading>),
+    HoldRead,
     /// Read the table's digest to complete the handshake.
     FirstReadBack,
 }
@@ -39,13 +42,13 @@ impl Job {
 
     /// Whether it asks for a result that may not be there yet: others go before it.
     pub(super) const fn asks_for_result(&self) -> bool {
-        matches!(self, Self::DigestRead | Self::ListenRead(_) | Self::CaptureRead(_))
+        matches!(self, Self::DigestRead | Self::ListenRead(_) | Self::CaptureRead(_) | Self::HoldRead)
     }
 
     /// Whether this stop, emergency stop or disarm undoes it.
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
-            Self::Drive(_) | Self::Chord(_) | Self::Comb(_) => true,
+            Self::Drive(_) | Self::Chord(_) | Self::Comb(_) | Self::Hold(_) => true,
             Self::ArmUnasked | Self::Send(Command::Arm | Command::ClearFaults) => {
                 matches!(stop, Command::EmergencyStop)
             }

@@ -206,6 +206,7 @@ impl Uploads {
                 | Event::Inputs(_)
                 | Event::Listened(_)
                 | Event::Captured(_)
+                | Event::Held(_)
                 | Event::BootloaderToken(_),
                 _,
             ) => {

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | a step of the thermal fold-back was dropped or is not exact | the next known step, once the renderer has settled |
 //! | entries of any kind were dropped, or the device stopped by itself | the next silence |
+//! | a level hold began | the next silence |
 //! | the mirror could not take a change | the next silence |
 
 mod exactness;
@@ -212,7 +213,7 @@ impl Replay {
                 self.exactness.silent(entry.at);
                 Ok(())
             }
-            Change::Armed => Ok(()),
+            Change::Armed | Change::Hold => Ok(()),
             Change::Drive(drive) => mirror.acknowledge_drive(drive, entry.at),
             Change::Chord(chord) => mirror.acknowledge_chord(chord, entry.at),
             Change::Comb(comb) => mirror.acknowledge_comb(comb, entry.at),
@@ -233,8 +234,8 @@ impl Replay {
                     self.exactness.foldback_known(entry.at);
                 }
             }
+            (Change::Hold, _) | (_, false) => self.exactness.miss_sound(),
             (_, true) => {}
-            (_, false) => self.exactness.miss_sound(),
         }
     }
 

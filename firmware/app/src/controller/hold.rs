@@ -1,0 +1,334 @@
+//! The level hold: what a host orders of it, and the turn of the loop at the end of each window.
+//!
+//! ```text
+//! tick --window over--> answers, room --> Hold --levels--> Planner --> travel --> Mailbox::publish
+//!  |                                       ^                 |           |              |
+//!  |                                       +---- refused ----+-----------+   accepted --+
+//!  +-- what sounds is not the hold's own any more --> it has ended
+//! ```
+//! A window is over some blocks after its last sample; the tick finds that out, so a turn takes place on the thread side, where
+//! a stop is looked for all the while. What sounds is the hold's own as long as nothing but the hold has changed it: the mailbox
+//! counts the changes. So a stop, a fault or a lost host need not tell the hold that it is over. The renderer knows nothing of it.
+
+mod turn;
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use heapless::Vec;
+use slipline_protocol::Event;
+use slipline_protocol::hold::{self as wire, Held, HoldProgress, HoldSetting};
+use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_HOLD_CDB, MAX_TONES};
+use slipline_protocol::refusal::{Busy, Field, Refusal};
+use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
+
+use super::Controller;
+use super::listening::{check_input, existing};
+use crate::bank::TONES;
+use crate::excursion::shortest_glide;
+use crate::hold::{HeldTone, Hold, Limit, Loss, Octaves, Setting, SettingError, State};
+use crate::lock_in::{Shape, Window};
+use crate::mailbox::{Course, Mailbox};
+use crate::ports::{FlashPages, System};
+use crate::range::in_range;
+use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
+
+/// The highest slot.
+const HIGHEST_SLOT: i64 = MAX_TONES as i64 - 1;
+
+/// The hold that was ordered last.
+#[derive(Clone, Debug)]
+pub(super) struct Holding {
+    progress: HoldProgress,
+    input: u8,
+    /// The window under way, or the last one.
+    window: Window,
+    windows: u32,
+    hold: Hold,
+    /// What the last window has measured, in 1/256 code.
+    amplitudes: [u32; TONES],
+    /// What each slot's level is multiplied by, and the amplitudes of the slots that are not held, Q1.31.
+    gains: [Gain; TONES],
+    others: u64,
+    /// How often the motion in force had changed when it was the hold's own last.
+    changes: u32,
+    /// Where the levels begin that were published last, until they are in force.
+    published: Option<SampleIndex>,
+}
+
+impl Holding {
+    /// None was ordered.
+    pub(super) const NONE: Self = Self {
+        progress: HoldProgress::Off,
+        input: 0,
+        window: Window { begin: 0, blocks: 0, shape: Shape::Hann, slots: 0, input: None },
+        windows: 0,
+        hold: Hold::NONE,
+        amplitudes: [0; TONES],
+        gains: [Gain(0); TONES],
+        others: 0,
+        changes: 0,
+        published: None,
+    };
+
+    /// Forgets the hold.
+    pub(super) const fn clear(&mut self) {
+        self.progress = HoldProgress::Off;
+    }
+
+    /// Whether what sounds is the hold's own: the drive that it began with, or what it has published.
+    fn is_undisturbed(&mut self, course: &Course) -> bool {
+        if !course.armed || course.stopping || course.ends_silent {
+            return false;
+        }
+        let Some(at) = self.published else { return course.changes == self.changes };
+        let has_begun = course.changes == self.changes.wrapping_add(1) && course.start == at;
+        if has_begun {
+            self.changes = course.changes;
+            self.published = None;
+        }
+        has_begun || (course.changes == self.changes && course.is_pending)
+    }
+
+    const fn is_on(&self) -> bool {
+        matches!(self.progress, HoldProgress::On)
+    }
+}
+
+impl<F: FlashPages, S: System> Controller<'_, F, S> {
+    /// Begins a hold, or ends the one that is on; returns the first sample of the first window, or the index from which the
+    /// levels return to those of the drive.
+    ///
+    /// Never inlined: the loops of all tones would lie on the stack under every other command.
+    #[inline(never)]
+    pub(super) fn hold<M: RawMutex>(
+        &mut self,
+        asked: &HoldSetting,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let inputs = existing(mailbox)?;
+        self.refresh_hold(mailbox);
+        if asked.tones.is_empty() {
+            return self.release(is_stopped, mailbox);
+        }
+        check_input(asked.input, inputs)?;
+        let (armed, faults) = mailbox.standing();
+        self.refuse_unless_armed(armed, faults)?;
+        self.refuse_if_holding()?;
+        in_range(Field::LockIns, 1, inputs.lock_ins as u64, asked.tones.len() as u64)?;
+        in_range(Field::TimeConstant, 0, self.timing.max_apply_ahead, asked.time_constant.into())?;
+        let setting = self.setting(asked)?;
+        self.hold_what_sounds(asked, &setting, mailbox)?;
+        let window = self.holding.window;
+        // What has changed since the view was taken ends the hold at the next tick: it goes by the view's count of changes.
+        let begin = mailbox.start_measurement(|next| {
+            let begin = window.begin.max(next);
+            Ok::<_, Refusal>(Window { begin, ..window })
+        })?;
+        self.holding.window.begin = begin;
+        self.holding.progress = HoldProgress::On;
+        Ok(begin)
+    }
+
+    /// How the loops work.
+    fn setting(&self, asked: &HoldSetting) -> Result<Setting, Refusal> {
+        let timing = &self.timing;
+        let shortest =
+            self.excursion.limit().map_or(timing.min_glide, |limit| shortest_glide(&limit, timing));
+        // The levels glide for half a period.
+        let blocks = |glide: u32| u64::from(glide).saturating_mul(2).div_ceil(BLOCK_SAMPLES);
+        let pause = u64::from(HOLD_PAUSE_BLOCKS);
+        let least = blocks(shortest).saturating_sub(pause).max(1);
+        let most = blocks(timing.max_glide).saturating_sub(pause).min(u16::MAX.into());
+        in_range(Field::WindowBlocks, least, most, asked.blocks.into())?;
+        let level = |field, least: i16, asked: CentiDecibel| {
+            if (least..=MAX_HOLD_CDB).contains(&asked.0) {
+                return Ok(octaves(asked));
+            }
+            Err(Refusal::out_of_range(field, least.into(), MAX_HOLD_CDB.into(), asked.0.into()))
+        };
+        Ok(Setting {
+            period: u32::from(asked.blocks.saturating_add(HOLD_PAUSE_BLOCKS)).saturating_mul(128),
+            tau: asked.time_constant,
+            max_rise: level(Field::MaxRise, 0, asked.max_rise)?,
+            slew: level(Field::Slew, 1, asked.slew)?,
+        })
+    }
+
+    /// Prepares the hold of tones that sound, or go to where they will.
+    ///
+    /// Never inlined: the view would lie on the stack under what comes after.
+    #[inline(never)]
+    fn hold_what_sounds<M: RawMutex>(
+        &mut self,
+        asked: &HoldSetting,
+        setting: &Setting,
+        mailbox: &Mailbox<M>,
+    ) -> Result<(), Refusal> {
+        let view = mailbox.view();
+        if view.stopping || view.is_silent() {
+            return Err(Refusal::SilentTone { slot: asked.tones.first().map_or(0, |tone| tone.slot) });
+        }
+        if view.pending.is_some() {
+            return Err(Refusal::Busy(Busy::CommitPending));
+        }
+        let end = view.motion.end().max(view.next);
+        let places = view.motion.at(end, mailbox.slots(), &self.shape);
+        let mut tones: Vec<HeldTone, MAX_TONES> = Vec::new();
+        let mut slots = 0;
+        for &wire::HoldTone { slot, amplitude } in &asked.tones {
+            // A slot that does not exist is refused below, as one that is silent is.
+            let level = places.get(usize::from(slot)).map_or(Gain::FULL, |place| place.level);
+            // There is room: just as many are asked for.
+            let _ = tones.push(HeldTone { slot, amplitude, level });
+            slots |= 1_u16.checked_shl(slot.into()).unwrap_or(0);
+        }
+        let holding = &mut self.holding;
+        holding.hold.set(setting, &tones, self.timing.min_glide).map_err(refusal)?;
+        // A refusal has left the last hold to be told.
+        holding.others = 0;
+        for ((slot, place), gain) in places.iter().enumerate().zip(&mut holding.gains) {
+            *gain = place.setting.gain;
+            if holding.hold.state(slot).is_none() {
+                // Sixteen 32-bit numbers: far from the end of 64 bits.
+                holding.others = holding.others.saturating_add(place.amplitude().0.into());
+            }
+        }
+        let begin = block_at_or_after(end.saturating_add(setting.tau.into()));
+        let input = Some(asked.input);
+        holding.window = Window { begin, blocks: asked.blocks, shape: Shape::Hann, slots, input };
+        (holding.input, holding.windows) = (asked.input, 0);
+        (holding.changes, holding.published) = (view.changes, None);
+        holding.amplitudes.fill(0);
+        Ok(())
+    }
+
+    /// Ends the hold by the host's word: the levels return to those of the drive.
+    fn release<M: RawMutex>(
+        &mut self,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let mut at = mailbox.now();
+        if self.holding.is_on() {
+            let (levels, in_force) = (self.holding.hold.drive_levels(), self.holding.hold.levels());
+            if levels != in_force {
+                at = self.publish_levels(&levels, is_stopped, mailbox)?;
+            }
+            mailbox.drop_measurement();
+        }
+        self.holding.clear();
+        Ok(at)
+    }
+
+    /// Something else sounds from now on, or will.
+    pub(super) fn end_hold<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        if self.holding.is_on() {
+            self.holding.progress = HoldProgress::Ended;
+            mailbox.drop_measurement();
+        }
+    }
+
+    /// Finds out whether the hold is on still.
+    pub(super) fn refresh_hold<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        if self.holding.is_on() && !self.holding.is_undisturbed(&mailbox.course()) {
+            self.end_hold(mailbox);
+        }
+    }
+
+    /// The lock-ins are the hold's while it is on.
+    pub(super) fn refuse_if_holding(&self) -> Result<(), Refusal> {
+        if self.holding.is_on() { Err(Refusal::Busy(Busy::Holding)) } else { Ok(()) }
+    }
+
+    /// How the hold stands.
+    pub(super) fn held<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
+        existing(mailbox)?;
+        self.refresh_hold(mailbox);
+        let holding = &self.holding;
+        if holding.progress == HoldProgress::Off {
+            return Ok(Event::Held(Held::default()));
+        }
+        let mut tones = Vec::new();
+        for ((slot, number), amplitude) in (0..TONES).zip(0..).zip(holding.amplitudes) {
+            let (Some(state), Some(correction)) = (holding.hold.state(slot), holding.hold.correction(slot))
+            else {
+                continue;
+            };
+            let correction = centi_decibel(correction);
+            // There is room for all slots.
+            let _ = tones.push(wire::HeldTone { slot: number, state: told(state), correction, amplitude });
+        }
+        Ok(Event::Held(Held {
+            progress: holding.progress,
+            input: holding.input,
+            begin: holding.window.begin,
+            windows: holding.windows,
+            tones,
+        }))
+    }
+}
+
+/// A level as a ratio, rounded towards none.
+fn octaves(level: CentiDecibel) -> Octaves {
+    Octaves(i32::from(level.0).saturating_mul(Octaves::DECIBEL.0) / 100)
+}
+
+/// A ratio as a level, rounded to the nearest hundredth of a decibel.
+fn centi_decibel(ratio: Octaves) -> CentiDecibel {
+    const DECIBEL: i32 = Octaves::DECIBEL.0;
+    let half = if ratio < Octaves::NONE { -DECIBEL / 2 } else { DECIBEL / 2 };
+    let hundredths = ratio.0.saturating_mul(100).saturating_add(half) / DECIBEL;
+    CentiDecibel(i16::try_from(hundredths).unwrap_or(i16::MAX))
+}
+
+fn refusal(error: SettingError) -> Refusal {
+    let (least, most) = HELD_AMPLITUDE;
+    match error {
+        SettingError::Slot { slot } => Refusal::out_of_range(Field::ToneSlot, 0, HIGHEST_SLOT, slot.into()),
+        SettingError::SlotTwice { slot } => Refusal::SlotTwice { slot },
+        SettingError::Amplitude { amplitude, .. } => {
+            Refusal::out_of_range(Field::HeldAmplitude, least.into(), most.into(), amplitude.into())
+        }
+        SettingError::Level { slot } => Refusal::SilentTone { slot },
+        // Checked before, by the fields of the message.
+        SettingError::Period { .. } | SettingError::MaxRise | SettingError::Slew => Refusal::Malformed,
+    }
+}
+
+const fn told(state: State) -> wire::HoldState {
+    match state {
+        State::Settling => wire::HoldState::Settling,
+        State::Held => wire::HoldState::Held,
+        State::AtLimit(limit) => wire::HoldState::AtLimit(match limit {
+            Limit::Rise => wire::HoldLimit::Rise,
+            Limit::Level => wire::HoldLimit::Level,
+            Limit::Headroom => wire::HoldLimit::Headroom,
+            Limit::Thermal => wire::HoldLimit::Thermal,
+            Limit::Travel => wire::HoldLimit::Travel,
+            Limit::Fall => wire::HoldLimit::Fall,
+        }),
+        State::Lost(loss) => wire::HoldState::Lost(match loss {
+            Loss::NotFollowed => wire::HoldLoss::NotFollowed,
+            Loss::TooWeak => wire::HoldLoss::TooWeak,
+            Loss::Clipped => wire::HoldLoss::Clipped,
+            Loss::Stuck => wire::HoldLoss::Stuck,
+            Loss::Broken => wire::HoldLoss::Broken,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_the_same_both_ways_to_a_hundredth_of_a_decibel() {
+        for cdb in -MAX_HOLD_CDB..=MAX_HOLD_CDB {
+            let ratio = octaves(CentiDecibel(cdb));
+            assert!(ratio >= Octaves(-Octaves::MAX.0) && ratio <= Octaves::MAX, "{cdb}");
+            assert_eq!(centi_decibel(ratio), CentiDecibel(cdb));
+            let exact = f64::from(cdb) / 2000.0 * 10_f64.log2() * 65_536.0;
+            assert!((f64::from(ratio.0) - exact).abs() < 53.0, "{cdb}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! A level hold in seconds, decibels and codes, and its form in the device's units.
+
+use crate::drive::DriveError;
+use crate::out_of_range::OutOfRange;
+use slipline_protocol::event::Identity;
+pub use slipline_protocol::hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldState};
+use slipline_protocol::hold::{HoldSetting, HoldTone};
+use slipline_protocol::limits::{HELD_AMPLITUDE, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB};
+use slipline_protocol::units::CentiDecibel;
+
+/// Parts of a code in which an amplitude is told.
+const CODE: f64 = 256.0;
+
+/// A tone to hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoldToneRequest {
+    /// Its slot, 0..16. It must sound.
+    pub slot: u8,
+    /// The amplitude to hold, in codes at the input, 1/16..=2047: what a [`ListenRequest`](crate::ListenRequest) measures.
+    pub amplitude_codes: f64,
+}
+
+/// Hold the measured amplitudes of tones that sound at these values, until something else changes what sounds. While it is on
+/// [`Snapshot::hold`](crate::Snapshot::hold) tells how it stands, a [`ListenRequest`](crate::ListenRequest) is refused, and the
+/// mirror does not know the codes. To change a hold, end it first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HoldRequest {
+    /// The input, from 0.
+    pub input: u8,
+    /// The plate's time constant `2 / (loss factor * angular frequency)` in seconds, 0..=60; of several tones the longest.
+    pub time_constant_s: f64,
+    /// The length of a window in blocks of 128 samples.
+    pub blocks: u16,
+    /// How far above its drive's level a tone may rise, in dB, 0..=60.2.
+    pub max_rise_db: f64,
+    /// The largest change of a level from one window to the next, in dB, 0.01..=60.2. Less than 6 dB makes the hold slower than
+    /// it could be.
+    pub slew_db: f64,
+    /// The tones, at most 16 and each in its own slot; none ends the hold.
+    pub tones: Vec<HoldToneRequest>,
+}
+
+impl HoldRequest {
+    /// The end of the hold: the levels return to those of the drive.
+    pub const OFF: Self = Self {
+        input: 0,
+        time_constant_s: 0.0,
+        blocks: 1,
+        max_rise_db: 0.0,
+        slew_db: 6.02,
+        tones: Vec::new(),
+    };
+
+    /// The hold in a device's own units.
+    ///
+    /// # Errors
+    /// [`DriveError`], naming the value and its range. Whether the tones sound is for the device to say.
+    pub fn for_device(&self, identity: &Identity) -> Result<HoldSetting, DriveError> {
+        let longest_s = f64::from(MAX_APPLY_AHEAD_MS) / 1000.0;
+        OutOfRange::check("time constant (s)", self.time_constant_s, 0.0, longest_s)?;
+        let level = |field, got, least| {
+            OutOfRange::check(field, got, least, f64::from(MAX_HOLD_CDB) / 100.0)?;
+            Ok::<_, OutOfRange>(CentiDecibel((got * 100.0).round() as i16))
+        };
+        let (least, most) = HELD_AMPLITUDE;
+        let mut tones = heapless::Vec::new();
+        for tone in &self.tones {
+            let (least, most) = (f64::from(least) / CODE, f64::from(most) / CODE);
+            let checked = OutOfRange::check("amplitude to hold (codes)", tone.amplitude_codes, least, most);
+            checked.map_err(|value| DriveError::Tone { slot: tone.slot, value })?;
+            let amplitude = (tone.amplitude_codes * CODE).round() as u32;
+            let too_many = |_| DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
+            tones.push(HoldTone { slot: tone.slot, amplitude }).map_err(too_many)?;
+        }
+        Ok(HoldSetting {
+            input: self.input,
+            time_constant: (self.time_constant_s * f64::from(identity.sample_rate_hz)).round() as u32,
+            blocks: self.blocks,
+            max_rise: level("largest rise (dB)", self.max_rise_db, 0.0)?,
+            slew: level("largest change from window to window (dB)", self.slew_db, 0.01)?,
+            tones,
+        })
+    }
+}
