@@ -4,6 +4,7 @@
 //! rig::Rig            test client -> [FaultyLink] -> simulated device -> recorded DAC codes -> measurements
 //! link_rig::LinkRig   the host's link -> FaultyPorts -> simulated device
 //! qemu::Emulator      test client -> serial port -> firmware image in QEMU -> DAC codes on a second serial port
+//! bench::Bench        a sensor on a secret plate -> simulated device -> link -> measurement -> calibration
 //! CommandProxy        host program -> Unix socket -> changed commands -> any device
 //! ```
 //! A rig runs the production code; only its inputs and outputs differ. Hardware, time and random numbers are arguments,
@@ -12,6 +13,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod bench;
 pub mod client;
 #[cfg(unix)]
 pub mod command_proxy;
@@ -29,4 +31,5 @@ pub mod rig;
 pub mod soak;
 pub mod source_tree;
 pub mod transcript;
+pub mod truths;
 pub mod wire;

@@ -1,90 +1,24 @@
 //! A plate that nobody knows is measured through the protocol and the device application, and calibrated: the simulated rig
 //! stands on it.
 
-use slipline_link::simulator::loopback::Loopback;
-use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::{Outcome, Request, Snapshot};
-use slipline_model::field::simulation::table_for;
-use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
-use slipline_model::rig::{PreparedRig, RigFault, RigHand, RigOptions, secret};
-use slipline_plate::calibrate::{CalibrateError, Measurement, Priors, SensorKind, departure, from_ratio};
+use slipline_link::Request;
+use slipline_model::measure::{MeasureError, Measured};
+use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;
 use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
+use slipline_tests::bench::{Bench, RATE_HZ};
+use slipline_tests::truths::{self, Noise};
 use std::f64::consts::PI;
 
-const RATE_HZ: f64 = 400e3;
 /// Positions of a field.
 const POINTS: usize = 1601;
 
-/// A device whose inputs sense a plate, armed, with the table of the plate that its user believes in.
-struct Bench {
-    nominal: Plate,
-    truth: Plate,
-    hand: RigHand,
-    loopback: Loopback,
-    wanted: Wanted,
-}
-
-impl Bench {
-    fn new(name: &str, seed: u64, points: usize) -> Self {
-        let nominal = preset(name).unwrap();
-        let truth = secret(&nominal, seed).unwrap();
-        let options = RigOptions { place_m: 0.1 * nominal.length_m(), ..RigOptions::default() };
-        let rig = PreparedRig::new(&truth, &options, RATE_HZ).unwrap();
-        let device = SimulatedDevice::with_inputs(Options::default(), rig.inputs());
-        let mut loopback = Loopback::connect_to(device).unwrap();
-        let (_, table) = table_for(&nominal, RATE_HZ as u32).unwrap();
-        loopback.perform(Request::Upload(table), |_| ()).unwrap();
-        let wanted = Wanted { points, ..Wanted::of(&nominal) };
-        Self { nominal, truth, hand: rig.hand(), loopback, wanted }
-    }
-
-    /// Measures with the sensor at its told place; `change` may do something at each step.
-    fn measure(
-        &mut self,
-        place_m: f64,
-        mut change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
-    ) -> Result<Measured, MeasureError> {
-        let (_, table) = table_for(&self.nominal, RATE_HZ as u32).unwrap();
-        let inputs = self.loopback.view().inputs.unwrap();
-        let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into()).unwrap();
-        let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0 };
-        let mut measuring = Measuring::new(plan, table, sensor, &inputs)?;
-        let mut ticket = None;
-        for steps in 0.. {
-            assert!(steps < 1_000_000, "it never ends");
-            let step = measuring.step();
-            let asked = if let Step::Ask(request) = &step { Some(request) } else { None };
-            change(&mut self.loopback, &mut measuring, steps, asked);
-            match step {
-                Step::Ask(request) => {
-                    ticket = Some(self.loopback.hand_over(request));
-                }
-                Step::Wait => {
-                    self.loopback.pass(1, |_| ());
-                    let view: &Snapshot = self.loopback.view();
-                    measuring.watch(view);
-                    let outcome: Option<Outcome> = ticket.and_then(|ticket| view.outcome(ticket).cloned());
-                    if let Some(outcome) = outcome {
-                        measuring.take(&outcome);
-                    }
-                }
-                Step::Ended => break,
-            }
-        }
-        measuring.finish()
-    }
-
-    fn places_m(&self) -> [f64; 2] {
-        [0.1, 0.55].map(|share| share * self.nominal.length_m())
-    }
-
-    fn at_both(&mut self) -> [Measurement; 2] {
-        self.places_m().map(|place_m| {
-            self.hand.put_sensor(place_m).unwrap();
-            self.measure(place_m, |_, _, _, _| ()).unwrap().measurement
-        })
-    }
+/// A preset, a plate near it that nobody knows, and a healthy rig.
+fn bench(name: &str, seed: u64, points: usize) -> Bench {
+    let nominal = preset(name).unwrap();
+    let truth = secret(&nominal, seed).unwrap();
+    Bench::new(&nominal, &truth, &RigOptions::default(), points)
 }
 
 /// What the frequency domain says of a displacement sensor on the truth, per DAC code of 1.
@@ -103,7 +37,7 @@ fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex
 #[test]
 fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
     for name in ["al-bending", "membrane"] {
-        let mut bench = Bench::new(name, 3, 32);
+        let mut bench = bench(name, 3, 32);
         let place_m = bench.places_m()[0];
         let measured = bench.measure(place_m, |_, _, _, _| ()).unwrap();
         assert_eq!(measured.light(), Colour::Green, "{name}: {} dB", measured.headroom_db);
@@ -125,7 +59,7 @@ fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
 
 #[test]
 fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
-    let mut bench = Bench::new("al-bending", 1, 200);
+    let mut bench = bench("al-bending", 1, 200);
     let before = bench.loopback.samples();
     let place_m = bench.places_m()[0];
     bench.measure(place_m, |_, _, _, _| ()).unwrap();
@@ -134,16 +68,19 @@ fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
     assert!(seconds < 1.5, "{seconds}");
 }
 
+/// All twenty of each preset are a program for a nightly run: `src/bin/truths.rs`.
 #[test]
-fn a_secret_plate_is_calibrated_from_two_places() {
-    let mut bench = Bench::new("al-bending", 5, 150);
-    let sensors = bench.at_both();
-    let found = from_ratio(&bench.nominal, [&sensors[0], &sensors[1]], &Priors::default()).unwrap();
-    let before = departure(&bench.nominal, &bench.truth, RATE_HZ).unwrap();
-    let after = departure(&found.plate, &bench.truth, RATE_HZ).unwrap();
-    println!("{before:?} -> {after:?}, chi^2 {}", found.chi2_per_n);
-    assert!(after.boundary_m < 1e-3 && after.level_db < 2.0, "{after:?}");
-    assert!(after.boundary_m < 0.5 * before.boundary_m && after.level_db < 0.5 * before.level_db);
+fn secret_plates_are_calibrated_from_two_places() {
+    for (name, seeds) in [("al-bending", 0..2), ("membrane", 0..2)] {
+        for seed in seeds {
+            let judged = truths::calibrate(name, seed, Noise::Input)
+                .unwrap_or_else(|error| panic!("{name} {seed}: {error}"));
+            println!("{name} {}", judged.line());
+            let (before, after) = (judged.before, judged.after);
+            assert!(after.boundary_m < 1e-3 && after.level_db < 2.0, "{name} {seed}: {after:?}");
+            assert!(after.boundary_m < 0.5 * before.boundary_m && after.level_db < 0.5 * before.level_db);
+        }
+    }
 }
 
 #[test]
@@ -153,7 +90,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
         bench.loopback.pass(20_000, |block| codes = block.to_vec());
         assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
     };
-    let mut bench = Bench::new("al-bending", 1, 48);
+    let mut bench = bench("al-bending", 1, 48);
     let place_m = bench.places_m()[0];
     // Lost samples are measured again: so many that a window cannot miss them.
     let mut windows = 0;
@@ -182,7 +119,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
 
 #[test]
 fn an_unplugged_and_a_clipped_sensor_are_told() {
-    let mut bench = Bench::new("al-bending", 1, 32);
+    let mut bench = bench("al-bending", 1, 32);
     let place_m = bench.places_m()[0];
     let good = bench.measure(place_m, |_, _, _, _| ()).unwrap();
     bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();

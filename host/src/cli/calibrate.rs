@@ -154,6 +154,7 @@ fn touched(
         parameters: found.parameters,
         chi2_per_n: found.chi2_per_n,
         boundary: None,
+        caution: None,
         level_tolerance_db: None,
     }))
 }

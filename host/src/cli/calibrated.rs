@@ -17,6 +17,8 @@ pub(super) struct Found {
     pub(super) chi2_per_n: f64,
     /// Half of the 95 % interval of the boundary, metres, and what a misplaced sensor does to it per metre.
     pub(super) boundary: Option<(f64, Vec<f64>)>,
+    /// What no measurement shows and a person must look after.
+    pub(super) caution: Option<String>,
     /// Half of the 95 % interval of the level, dB; nothing where no levels were measured.
     pub(super) level_tolerance_db: Option<f64>,
 }
@@ -24,6 +26,7 @@ pub(super) struct Found {
 impl From<Calibrated> for Found {
     fn from(found: Calibrated) -> Self {
         Self {
+            caution: found.caution(),
             plate: found.plate,
             parameters: found.parameters,
             chi2_per_n: found.chi2_per_n,
@@ -90,6 +93,7 @@ fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
         "boundary_tolerance_m": found.boundary.as_ref().map(|it| it.0),
         "boundary_per_place": found.boundary.as_ref().map(|it| &it.1),
         "level_tolerance_db": found.level_tolerance_db,
+        "caution": found.caution,
         "before": {
             "boundary_error_m": before.boundary_m,
             "level_error_db": found.level_tolerance_db.map(|_| before.level_db),
@@ -118,18 +122,13 @@ fn lines<'a>(
     lines.push(("Before", format!("the boundary is up to {boundary_m} off over the span{was}")));
     let is = level.map_or(String::new(), |db| format!(", the level to {}", decibel(db)));
     match &found.boundary {
-        Some((boundary_m, per_place)) => {
+        Some((boundary_m, _)) => {
             lines
                 .push(("After", format!("the boundary is known to {}{is} (95 %)", show_length(*boundary_m))));
-            let ways: Vec<String> = per_place.iter().map(|share| show_length(1e-3 * share.abs())).collect();
-            let told = match &ways[..] {
-                [near, far] => format!("moves the boundary by {near} (the first) or {far} (the second)"),
-                ways => format!("moves the boundary by {}", ways.join(", ")),
-            };
-            lines.push(("A sensor 1 mm off", told));
         }
         None => lines.push(("Levels", "not measured: those of the file stay".to_owned())),
     }
+    lines.extend(found.caution.iter().map(|sentence| ("Note", sentence.clone())));
     lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
     lines
 }

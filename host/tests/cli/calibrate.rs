@@ -69,6 +69,8 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     assert!((number(before, "boundary_error_m") - 6e-3).abs() < 1.5e-3, "{before}");
     assert!(number(&value, "boundary_tolerance_m") < 1e-3 && number(&value, "level_tolerance_db") < 1.0);
     assert!(number(before, "level_error_db") > 0.0);
+    let caution = value["caution"].as_str().expect("what no measurement shows");
+    assert!(caution.contains("1.0 mm from its mark moves the boundary by up to"), "{caution}");
 
     let fitted = Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).unwrap();
     let turning = |plate: &Plate| plate.turning_point_m(150.0).unwrap();
@@ -80,7 +82,9 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     assert!(message.contains("fitted.toml") && message.contains("--force"), "{message}");
     let text = slipline(&[&arguments[..], &["--force"]].concat());
     let text = String::from_utf8(text.stdout).unwrap();
-    for wanted in ["model.wave_speed_m_per_s", "Before", "After", "mm off over the span", "Written to"] {
+    for wanted in
+        ["model.wave_speed_m_per_s", "Before", "After", "mm off over the span", "Written to", caution]
+    {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
 }
@@ -201,7 +205,7 @@ fn two_touches_give_places_and_no_levels() {
     let finger = &value["parameters"][1];
     assert_eq!(finger["name"], "feeling.threshold");
     assert!((0.8..1.25).contains(&number(finger, "value")), "{value}");
-    assert!(value["before"]["level_error_db"].is_null());
+    assert!(value["before"]["level_error_db"].is_null() && value["caution"].is_null());
     assert!(Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).is_ok());
     let text = slipline(&[&arguments[..], &["--force"]].concat());
     assert!(String::from_utf8(text.stdout).unwrap().contains("Levels"));

@@ -1,4 +1,14 @@
 //! What goes wrong while a person measures: it is refused by its name, or the table is good all the same.
+//!
+//! | what | here, with two places | one place (`one_sensor.rs`) | through the protocol (`tests/tests/measuring.rs`) |
+//! |---|---|---|---|
+//! | sensor 1 mm or 10 mm from its mark | `a_sensor_at_another_place..`, told by `how_far_a_misplaced..` | `what_goes_wrong..` | |
+//! | at a node, or beyond the last boundary | `a_sensor_at_a_node..`, `a_sensor_where_nothing..` | `what_goes_wrong..` | |
+//! | unplugged, clipped | `an_unplugged..` | `what_goes_wrong..` | `an_unplugged..` |
+//! | places swapped | `an_unplugged..` | | |
+//! | 20 dB over the noise | `at_twenty_decibels..` | `what_goes_wrong..` | |
+//! | plate file wrong by 20 % | `the_file_of_another_plate..` | `what_goes_wrong..` | |
+//! | finger on the plate | `a_finger..` | `what_goes_wrong..` | |
 
 use crate::rig::{Random, Rig, Solver};
 use crate::{PLACES, calibrated, count, measured};
@@ -111,6 +121,41 @@ fn a_sensor_where_nothing_is_to_be_seen_is_noticed() {
             let not_carried = matches!(error, Some(CalibrateError::NotCarried { .. }));
             assert_eq!(not_carried, is_refused, "{name} {shares:?}: {error:?}");
         }
+    }
+}
+
+/// Places at which the true plate hardly moves at a frequency, beyond the near field of the driven end, metres.
+fn nodes_m(rig: &Rig, frequency_hz: f64) -> Vec<f64> {
+    let field: Vec<f64> = rig.fields(&[frequency_hz])[0].iter().map(|f| f.norm()).collect();
+    let turning_m = rig.truth.turning_point_m(frequency_hz).expect("enters");
+    let place_m = |i: usize| i as f64 * rig.truth.length_m() / (field.len() - 1) as f64;
+    (field.len() / 16..field.len() - 1)
+        .filter(|&i| field[i] < field[i - 1] && field[i] <= field[i + 1] && place_m(i) < turning_m)
+        .map(place_m)
+        .collect()
+}
+
+#[test]
+fn a_sensor_at_a_node_is_refused_or_the_other_frequencies_carry_it() {
+    for name in NAMES {
+        let (rig, mut random) = rig(name, 35);
+        let (low_hz, high_hz) = rig.nominal.band_hz();
+        let mut refused = 0;
+        for frequency_hz in [0.7, 0.9].map(|share| low_hz + share * (high_hz - low_hz)) {
+            let nodes = nodes_m(&rig, frequency_hz);
+            let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+            assert!(last - first > 0.02, "{name}: {nodes:?}");
+            let far_m = PLACES[1] * rig.nominal.length_m();
+            for places in [[first, last], [first, far_m], [PLACES[0] * rig.nominal.length_m(), last]] {
+                let sensors = rig.measure(places, count(name), &mut random);
+                let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {places:?} m"));
+                let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+                assert!(is_told, "{name} {places:?}: {error:?}");
+                refused += usize::from(error.is_some());
+            }
+        }
+        println!("{name}: {refused} of 6 with a sensor at a node are refused");
+        assert!(refused < 6, "{name}: a node at one frequency is none at the others");
     }
 }
 

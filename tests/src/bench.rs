@@ -1,0 +1,117 @@
+//! A plate that nobody knows, under a simulated device with a sensor, measured through the protocol and the device
+//! application.
+
+use slipline_link::protocol::listen::InputsReport;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::{DeviceTable, Request, Snapshot};
+use slipline_model::field::simulation::table_for;
+use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_model::rig::{PreparedRig, RigHand, RigOptions};
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{Measurement, SensorKind};
+use std::sync::Arc;
+
+/// The sample rate of the device, Hz.
+pub const RATE_HZ: f64 = 400e3;
+/// Shares of the length at which the sensor stands.
+pub const PLACES: [f64; 2] = [0.1, 0.55];
+/// Steps after which a measurement never ends.
+const STEPS: usize = 1_000_000;
+
+/// A device whose inputs sense a plate, armed, with the table of the plate that its user believes in.
+pub struct Bench {
+    /// What the user believes in.
+    pub nominal: Plate,
+    /// The plate under the device.
+    pub truth: Plate,
+    /// The person at the rig.
+    pub hand: RigHand,
+    /// The link and the device, in virtual time.
+    pub loopback: Loopback,
+    /// What is measured.
+    pub wanted: Wanted,
+    table: Arc<DeviceTable>,
+}
+
+impl Bench {
+    /// A rig with these options under `truth`, its sensor at the nearer place; `points` frequencies are measured.
+    ///
+    /// # Panics
+    /// If the plate cannot be simulated, or the device refuses the table.
+    #[must_use]
+    pub fn new(nominal: &Plate, truth: &Plate, options: &RigOptions, points: usize) -> Self {
+        let options = RigOptions { place_m: PLACES[0] * nominal.length_m(), ..options.clone() };
+        let rig = PreparedRig::new(truth, &options, RATE_HZ).expect("a rig");
+        let device = SimulatedDevice::with_inputs(Options::default(), rig.inputs());
+        let mut loopback = Loopback::connect_to(device).expect("a device");
+        let (_, table) = table_for(nominal, RATE_HZ as u32).expect("a table");
+        loopback.perform(Request::Upload(table.clone()), |_| ()).expect("takes the table");
+        let wanted = Wanted { points, ..Wanted::of(nominal) };
+        Self { nominal: nominal.clone(), truth: truth.clone(), hand: rig.hand(), loopback, wanted, table }
+    }
+
+    /// The two places of the sensor, metres.
+    #[must_use]
+    pub fn places_m(&self) -> [f64; 2] {
+        PLACES.map(|share| share * self.nominal.length_m())
+    }
+
+    /// What the device tells of its inputs.
+    ///
+    /// # Panics
+    /// If it tells nothing.
+    #[must_use]
+    pub fn inputs(&self) -> InputsReport {
+        self.loopback.view().inputs.expect("a device with inputs")
+    }
+
+    /// Measures with the sensor, which was told to stand at `place_m`; `change` may do something at each step.
+    ///
+    /// # Errors
+    /// Why there is no measurement.
+    ///
+    /// # Panics
+    /// If it never ends.
+    pub fn measure(
+        &mut self,
+        place_m: f64,
+        mut change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
+    ) -> Result<Measured, MeasureError> {
+        let inputs = self.inputs();
+        let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into())?;
+        let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0 };
+        let mut measuring = Measuring::new(plan, self.table.clone(), sensor, &inputs)?;
+        let mut ticket = None;
+        for steps in 0.. {
+            assert!(steps < STEPS, "it never ends");
+            let step = measuring.step();
+            let asked = if let Step::Ask(request) = &step { Some(request) } else { None };
+            change(&mut self.loopback, &mut measuring, steps, asked);
+            match step {
+                Step::Ask(request) => ticket = Some(self.loopback.hand_over(request)),
+                Step::Wait => {
+                    self.loopback.pass(1, |_| ());
+                    let view: &Snapshot = self.loopback.view();
+                    measuring.watch(view);
+                    if let Some(outcome) = ticket.and_then(|ticket| view.outcome(ticket)) {
+                        measuring.take(outcome);
+                    }
+                }
+                Step::Ended => break,
+            }
+        }
+        measuring.finish()
+    }
+
+    /// The same sensor at both places, one after the other.
+    ///
+    /// # Panics
+    /// If something goes wrong.
+    pub fn at_both(&mut self) -> [Measurement; 2] {
+        self.places_m().map(|place_m| {
+            self.hand.put_sensor(place_m).expect("on the plate");
+            self.measure(place_m, |_, _, _, _| ()).expect("measured").measurement
+        })
+    }
+}
