@@ -173,3 +173,19 @@ fn lost_codes_and_a_device_without_inputs_are_told() {
     let refused = deaf.perform(Request::Listen(WINDOW), |_| ()).unwrap_err();
     assert_eq!(refused.to_string(), "this device cannot do that");
 }
+
+#[test]
+fn a_window_that_has_passed_is_refused_and_the_log_says_nothing_of_it() {
+    let mut loopback = connected();
+    loopback.pass(20_000, |_| ());
+    let logged = |loopback: &Loopback| loopback.view().log.len();
+    let before = logged(&loopback);
+    let late = Request::Listen(ListenRequest { from: Some(128), ..WINDOW });
+    assert!(loopback.perform(late, |_| ()).is_err());
+    assert_eq!(logged(&loopback), before, "{:?}", loopback.view().log);
+    // Who asks goes on from now; what else is refused is in the log.
+    listened(&mut loopback, WINDOW);
+    let none = Request::Listen(ListenRequest { blocks: 0, ..WINDOW });
+    assert!(loopback.perform(none, |_| ()).is_err());
+    assert_eq!(logged(&loopback), before + 1, "{:?}", loopback.view().log);
+}

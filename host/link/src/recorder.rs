@@ -158,9 +158,16 @@ impl Recorder {
     pub(crate) fn finish(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(refusal) = &outcome {
             self.log(Severity::Warning, refusal.to_string());
-            if let Some(ticket) = ticket {
-                self.view.last_refusal = Some((ticket, refusal.clone()));
-            }
+        }
+        self.finish_unlogged(ticket, outcome);
+    }
+
+    /// As [`Recorder::finish`], where whoever asked goes on in another way, or says himself what was refused.
+    pub(crate) fn finish_unlogged(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
+        if let Outcome::Refused(refusal) = &outcome
+            && let Some(ticket) = ticket
+        {
+            self.view.last_refusal = Some((ticket, refusal.clone()));
         }
         if let Outcome::DeviceTooOld = outcome {
             self.log(Severity::Warning, Compatibility::DeviceOlder.sentence());

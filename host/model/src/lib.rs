@@ -22,6 +22,7 @@ pub mod export;
 pub mod field;
 pub mod jobs;
 pub mod measure;
+pub mod measured_file;
 pub mod played;
 pub mod recording;
 pub mod response;

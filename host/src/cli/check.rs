@@ -27,6 +27,9 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
         other => other,
     };
     output::print(as_json, &value, |out| {
+        if let Some(known) = report.known() {
+            writeln!(out, "By its calibration {known} (95 %).")?;
+        }
         for light in &report.lights {
             writeln!(out, "{:<9}  {:<16}  {}", light.colour.name(), light.name, light.sentence)?;
         }

@@ -4,13 +4,11 @@ use super::Failure;
 use super::argument::{self, Typed};
 use clap::Args;
 use slipline_model::atomic_file::{read_bytes, said};
+use slipline_model::measured_file::{BYTES_MAX, Told, Untold, measurement};
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{File, Foreign, Measurement, SNR, SNR_DB, SensorKind, band_hz};
+use slipline_plate::calibrate::{File, Foreign, Measurement, SNR, SNR_DB, SensorKind};
 use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
 use std::path::{Path, PathBuf};
-
-/// Bytes of a file of a measurement: a universal file of half a million points.
-const BYTES_MAX: usize = 32 << 20;
 
 /// What a file of another program does not tell.
 #[derive(Debug, Args)]
@@ -82,12 +80,12 @@ fn told(
     let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
     let on_plate = Range::new(0.0, plate.length_m(), "m");
     let place_m = place.within("--sensor", on_plate, Measure::Length, ", on the plate")?;
-    let kind = sensor.kind.or(foreign.sensor).ok_or_else(|| {
-        refused(
+    let told = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
+    measurement(plate, foreign, &told).map_err(|error| match error {
+        Untold::Kind => refused(
             "it does not tell what its sensor shows: write --kind acceleration, or whichever it is"
                 .to_owned(),
-        )
-    })?;
-    let measured = foreign.measurement(place_m, kind, sensor.snr, band_hz(plate));
-    measured.map_err(|error| refused(error.to_string()))
+        ),
+        Untold::Place(_) | Untold::Band { .. } | Untold::Data(_) => refused(error.to_string()),
+    })
 }

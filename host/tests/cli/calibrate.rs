@@ -78,6 +78,19 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     let table = json(&["table", "--plate", out.to_str().unwrap()]);
     assert_eq!(table["knots"].as_array().unwrap().len(), 1025);
 
+    // The lights use how well it is known; at the levels that were measured.
+    let check = ["check", "--plate", out.to_str().unwrap(), "--boundary", "160mm"];
+    let checked = String::from_utf8(slipline(&[&check[..], &["--json"]].concat()).stdout).unwrap();
+    let checked: Value = serde_json::from_str(&checked).unwrap();
+    let known_m = number(&checked, "boundary_tolerance_m");
+    assert!(known_m > 0.0 && known_m <= 1.5 * number(&value, "boundary_tolerance_m"), "{checked}");
+    assert!((number(&checked, "level_tolerance_db") - number(&value, "level_tolerance_db")).abs() < 1e-9);
+    let width = checked["lights"].as_array().unwrap().iter().find(|it| it["name"] == "width").unwrap();
+    assert!(number(width, "low") < number(width, "value") && number(width, "value") < number(width, "high"));
+    let text = String::from_utf8(slipline(&check).stdout).unwrap();
+    assert!(text.starts_with("By its calibration the boundary is known to ±"), "{text}");
+    assert!(text.contains("It holds over the calibrated interval"), "{text}");
+
     let message = failure(&arguments, 2);
     assert!(message.contains("fitted.toml") && message.contains("--force"), "{message}");
     let text = slipline(&[&arguments[..], &["--force"]].concat());

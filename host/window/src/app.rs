@@ -25,6 +25,7 @@ mod perform;
 mod playback;
 mod replay;
 mod setup;
+mod signal;
 mod sound;
 mod start;
 mod stop_presses;

@@ -3,6 +3,7 @@
 mod native;
 
 use slipline_model::atomic_file::{self, said};
+use slipline_model::measured_file;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use std::io::{self, Write as _};
@@ -30,6 +31,10 @@ pub enum FileJob {
     Choose,
     /// Read this file.
     Open(PathBuf),
+    /// Let the user choose a file of a measurement and read it.
+    ChooseMeasurement,
+    /// Read this file of a measurement.
+    OpenMeasurement(PathBuf),
     /// Let the user choose a profile (CSV or PNG) and read it.
     ChooseProfile,
     /// Read this profile.
@@ -54,11 +59,28 @@ pub enum FileJob {
 /// The extensions of profiles: breakpoints, and images whose middle row is one.
 pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
+/// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files.
+pub const MEASUREMENT_EXTENSIONS: [&str; 4] = ["txt", "frd", "uff", "unv"];
+
+/// Whether a file of this name is a measurement by another program.
+#[must_use]
+pub fn is_measurement(path: &Path) -> bool {
+    has_extension(path, &MEASUREMENT_EXTENSIONS)
+}
+
+/// Whether the name ends with one of these, in small or capital letters.
+#[must_use]
+pub fn has_extension(path: &Path, known: &[&str]) -> bool {
+    path.extension().is_some_and(|extension| known.iter().any(|known| extension.eq_ignore_ascii_case(known)))
+}
+
 /// The result of a job.
 #[derive(Clone, Debug)]
 pub enum FileEvent {
     /// A file was read, or the reason why not.
     Opened(PathBuf, Result<String, String>),
+    /// A file of a measurement was read, or the reason why not.
+    Measurement(PathBuf, Result<Vec<u8>, String>),
     /// A profile was read, or the reason why not.
     Profile(PathBuf, Result<Vec<u8>, String>),
     /// A file was written, or the reason why not.
@@ -122,23 +144,34 @@ impl Files for SystemFiles {
 
 /// Runs a job; `None` when the user cancelled the dialog.
 fn perform(job: FileJob) -> Option<FileEvent> {
-    let needs_dialog =
-        matches!(job, FileJob::Choose | FileJob::ChooseProfile | FileJob::Save(_) | FileJob::SaveFolder(_));
+    let needs_dialog = matches!(
+        job,
+        FileJob::Choose
+            | FileJob::ChooseMeasurement
+            | FileJob::ChooseProfile
+            | FileJob::Save(_)
+            | FileJob::SaveFolder(_)
+    );
     if needs_dialog && !native::is_there() {
         return Some(FileEvent::NoDialog(job));
     }
     match job {
         FileJob::Choose => {
             let path = rfd::FileDialog::new()
-                .add_filter("Setup, plate, measurement or recorded drag", &["toml", "csv"])
+                .add_filter(
+                    "Setup, plate, measurement or recorded drag",
+                    &[&["toml", "csv"][..], &MEASUREMENT_EXTENSIONS].concat(),
+                )
                 .pick_file()?;
-            let text = read_text(&path);
-            Some(FileEvent::Opened(path, text))
+            Some(open(path))
         }
-        FileJob::Open(path) => {
-            let text = read_text(&path);
-            Some(FileEvent::Opened(path, text))
+        FileJob::Open(path) => Some(open(path)),
+        FileJob::ChooseMeasurement => {
+            let extensions = [&["csv"][..], &MEASUREMENT_EXTENSIONS].concat();
+            let dialog = rfd::FileDialog::new().add_filter("Measurement", &extensions);
+            Some(open_measurement(dialog.add_filter("Any file", &["*"]).pick_file()?))
         }
+        FileJob::OpenMeasurement(path) => Some(open_measurement(path)),
         FileJob::ChooseProfile => {
             let path = rfd::FileDialog::new().add_filter("Profile", &PROFILE_EXTENSIONS).pick_file()?;
             Some(open_profile(path))
@@ -157,6 +190,20 @@ fn perform(job: FileJob) -> Option<FileEvent> {
         FileJob::SaveAs { path, save, may_replace } => Some(save_as(path, save, may_replace)),
         FileJob::SaveInto(folder, files) => Some(save_into(folder, &files)),
     }
+}
+
+/// A file of a measurement by its name, or of anything else.
+fn open(path: PathBuf) -> FileEvent {
+    if is_measurement(&path) {
+        return open_measurement(path);
+    }
+    let text = read_text(&path);
+    FileEvent::Opened(path, text)
+}
+
+fn open_measurement(path: PathBuf) -> FileEvent {
+    let bytes = atomic_file::read_bytes(&path, measured_file::BYTES_MAX).map_err(|error| said(&error));
+    FileEvent::Measurement(path, bytes)
 }
 
 fn open_profile(path: PathBuf) -> FileEvent {

@@ -19,13 +19,15 @@ use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::jobs::texture::Textured;
+use slipline_model::measure::Signal;
+use slipline_model::measured_file::Told;
 use slipline_model::response::Shelf;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
 use slipline_model::texture::WishDraft;
 use slipline_model::waveform::Waveform;
-use slipline_plate::calibrate::Comparison;
+use slipline_plate::calibrate::{Comparison, Foreign};
 use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
 
@@ -191,8 +193,23 @@ pub struct MeasureScene<'a> {
     pub shelf: &'a Shelf,
     /// The chosen one beside the model of the plate on the screen; `None` until that is computed.
     pub compared: Option<&'a Compared>,
+    /// A file by another program that waits for what it does not tell.
+    pub asked: Option<&'a Asked>,
     /// The measurement with the device.
     pub live: LiveScene<'a>,
+}
+
+/// A file by another program that waits for what it does not tell.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// The name of the file.
+    pub name: String,
+    /// What is in it.
+    pub foreign: Foreign,
+    /// What is told so far.
+    pub told: Told,
+    /// Why it was no measurement as it was told last.
+    pub refused: Option<String>,
 }
 
 /// The measurement with the device.
@@ -202,6 +219,8 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// The share that is done, 0..=1, while one is under way.
     pub progress: Option<f32>,
+    /// What the sensor shows now, while a page wants to know.
+    pub signal: Option<Signal>,
     /// Whether the simulated device stands on a plate that nobody knows.
     pub is_secret: bool,
 }

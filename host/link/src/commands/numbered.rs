@@ -11,7 +11,7 @@ use crate::refusal::Refusal;
 use crate::request::Outcome;
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Digest, State};
-use slipline_protocol::refusal::Busy;
+use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
@@ -168,7 +168,14 @@ impl CommandQueue {
         if self.closing.is_some() && *command == Command::Disarm {
             return Next::Close;
         }
-        recorder.finish(task.ticket, Outcome::Refused(refusal));
+        // Who asks for a window whose beginning has passed asks again for one from now on.
+        let is_late = matches!(command, Command::Listen(_))
+            && matches!(refusal, Refusal::Device(refusal::Refusal::OutOfRange { field: Field::ApplyAt, .. }));
+        if is_late {
+            recorder.finish_unlogged(task.ticket, Outcome::Refused(refusal));
+        } else {
+            recorder.finish(task.ticket, Outcome::Refused(refusal));
+        }
         self.status_stale = true;
         Next::Continue
     }

@@ -91,6 +91,9 @@ pub struct Felt {
     pub strength: Vec<f64>,
     /// Where it ends.
     pub edge: FeltEdge,
+    /// Half of the interval of that place on a calibrated plate, metres: how well the boundary is known, and how far the
+    /// level's interval takes the edge. `None` for a plate that nobody has measured, and where there is no edge.
+    pub tolerance_m: Option<f64>,
     /// Why nothing is felt, if nothing is.
     pub not_felt: Option<NotFelt>,
 }
@@ -112,16 +115,31 @@ impl Felt {
             .iter()
             .map(|(_, wave)| wave.iter().map(|amplitude| 0.5 * amplitude.norm_sqr()).collect())
             .collect();
-        let felt: Vec<FeltTone<'_>> = tones
-            .iter()
-            .zip(&squares)
-            .map(|(&(frequency_hz, _), squares)| FeltTone { frequency_hz, squares })
-            .collect();
-        let strength = feeling.strength(plate, &felt);
+        let strength_of = |squares: &[Vec<f64>]| {
+            let tones = tones.iter().zip(squares);
+            let felt: Vec<FeltTone<'_>> =
+                tones.map(|(&(frequency_hz, _), squares)| FeltTone { frequency_hz, squares }).collect();
+            feeling.strength(plate, &felt)
+        };
+        let strength = strength_of(&squares);
         let edge = Feeling::edge(plate, &strength);
+        let tolerance_m = edge.place_m().and_then(|edge_m| {
+            let boundary_m = plate.boundary_tolerance_m(edge_m)?;
+            let level_db = plate.spec().calibration.as_ref()?.level_tolerance_db;
+            // Where it ends if the level is at an end of its interval.
+            let moved_m = |db: f64| {
+                let louder =
+                    |squares: &Vec<f64>| squares.iter().map(|it| it * 10_f64.powf(0.1 * db)).collect();
+                let squares: Vec<Vec<f64>> = squares.iter().map(louder).collect();
+                let edge = Feeling::edge(plate, &strength_of(&squares));
+                edge.place_m().map_or(0.0, |moved_m| (moved_m - edge_m).abs())
+            };
+            let by_level_m = level_db.map_or(0.0, |db| moved_m(db).max(moved_m(-db)));
+            Some(boundary_m + by_level_m)
+        });
         let highest_hz = tones.iter().map(|&(frequency_hz, _)| frequency_hz).fold(0.0, f64::max);
         let not_felt = (edge == FeltEdge::Nowhere).then(|| NotFelt::of(plate, highest_hz));
-        Self { length_m: plate.length_m(), strength, edge, not_felt }
+        Self { length_m: plate.length_m(), strength, edge, tolerance_m, not_felt }
     }
 
     /// How strongly a place is felt; 0 off the plate.
@@ -135,6 +153,7 @@ impl Felt {
 mod tests {
     use super::*;
     use crate::field::steady_field::SteadyTone;
+    use slipline_plate::Calibration;
 
     fn felt(name: &str, hertz: &[f64], peak_m: f64) -> Felt {
         let plate = slipline_plate::preset(name).unwrap();
@@ -161,6 +180,38 @@ mod tests {
         let over = 1e-5 / slipline_plate::sensation::threshold_m(150.0);
         assert!((0.97..1.0).contains(&(strongest / over)), "{strongest} {over}");
         assert!(felt.edge.place_m().unwrap() < plate.length_m());
+    }
+
+    #[test]
+    fn a_calibrated_edge_is_known_as_well_as_its_boundary_and_its_level() {
+        let nominal = slipline_plate::preset("membrane").unwrap();
+        let felt = |speed: f64, level_tolerance_db: Option<f64>, peak_m: f64| {
+            let mut spec = nominal.spec().clone();
+            spec.wave_speed_tolerance = speed;
+            spec.calibration = Some(Calibration {
+                chi2_per_n: 1.0,
+                half_width_tolerance: 0.0,
+                taper_tolerance: 0.0,
+                level_tolerance_db,
+                source_tolerance: None,
+                correction: None,
+            });
+            let plate = Plate::new(spec).unwrap();
+            let tones = [SteadyTone { slot: 0, frequency_hz: 150.0, peak_m }];
+            Felt::of(&plate, &Feeling::default(), &SteadyField::solve(&plate, &tones))
+        };
+        assert_eq!(self::felt("membrane", &[150.0], 1e-5).tolerance_m, None, "nobody has measured it");
+        let edge_m = |peak_m: f64| felt(0.0, None, peak_m).edge.place_m().unwrap();
+        // 1 % of wave speed is 1 % of 1/d, about 2.2 mm.
+        let by_speed_m = felt(0.01, None, 1e-5).tolerance_m.unwrap();
+        assert!((1.8e-3..2.6e-3).contains(&by_speed_m), "{by_speed_m}");
+        let louder = 10_f64.powf(1.0 / 20.0);
+        let by_level_m = felt(0.0, Some(1.0), 1e-5).tolerance_m.unwrap();
+        let wanted_m = (edge_m(1e-5 * louder) - edge_m(1e-5)).max(edge_m(1e-5) - edge_m(1e-5 / louder));
+        assert!(wanted_m > 1e-4 && (by_level_m / wanted_m - 1.0).abs() < 1e-3, "{by_level_m} {wanted_m}");
+        let both_m = felt(0.01, Some(1.0), 1e-5).tolerance_m.unwrap();
+        assert!((both_m - by_speed_m - by_level_m).abs() < 1e-9);
+        assert_eq!(felt(0.01, Some(1.0), 1e-9).tolerance_m, None, "nothing is felt");
     }
 
     #[test]

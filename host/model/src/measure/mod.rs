@@ -12,8 +12,10 @@ mod error;
 mod loudness;
 mod measuring;
 mod plan;
+mod signal;
 
 pub use answers::{Measured, Sensor, Warning};
 pub use error::MeasureError;
 pub use measuring::{Measuring, Step};
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
+pub use signal::Signal;

@@ -2,16 +2,25 @@
 
 use super::fault::RigFault;
 use slipline_plate::Output;
+use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The rig as it stands.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) struct Bench {
     /// The sensor's mark, metres.
     pub(super) place_m: f64,
     /// What the sensor shows where it stands.
     pub(super) sensor: Arc<Output>,
     pub(super) fault: Option<RigFault>,
+}
+
+impl fmt::Debug for Bench {
+    /// Without what the sensor shows of some thousand modes.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut told = f.debug_struct("Bench");
+        told.field("place_m", &self.place_m).field("fault", &self.fault).finish_non_exhaustive()
+    }
 }
 
 pub(super) fn lock(bench: &Mutex<Bench>) -> MutexGuard<'_, Bench> {

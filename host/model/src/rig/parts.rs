@@ -4,9 +4,9 @@ use super::error::RigError;
 use super::fault::RigFault;
 use super::options::RigOptions;
 use slipline_plate::{Output, SensedPlate};
+use std::fmt;
 
 /// The computed parts of a rig.
-#[derive(Debug)]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
     pub(super) options: RigOptions,
@@ -16,6 +16,16 @@ pub(super) struct Parts {
     pub(super) full_scale: [f64; 2],
     /// Samples by which the sensor is late, and the rest of its delay in seconds.
     pub(super) late: (usize, f64),
+}
+
+impl fmt::Debug for Parts {
+    /// The plate by its name: the rest is some thousand numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut told = f.debug_struct("Parts");
+        told.field("plate", &self.plate.plate().name())
+            .field("options", &self.options)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Parts {

@@ -10,7 +10,7 @@ use super::refusal::{self, CHI2_PER_N_MAX};
 use super::spread::Spread;
 use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, Priors, TAPER, spec_at};
 use crate::quantity::show_length;
-use crate::spec::{Calibration, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
+use crate::spec::{Calibration, Impedance, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
 
 /// Standard deviations of a 95 % interval.
 pub(super) const INTERVAL: f64 = 1.96;
@@ -119,6 +119,7 @@ pub fn from_ratio(
         places_m: &ratio.places_m,
         correction,
         noise_db,
+        source_tolerance: None,
         measured_hz: (ratio.pairs[0].frequency_hz, ratio.pairs[last].frequency_hz),
     };
     refusal::check_carried(plate, &sensors, found.open())?;
@@ -138,6 +139,8 @@ pub(super) struct Found<'a> {
     pub(super) correction: ResponseCurve,
     /// What noise leaves of the correction, dB.
     pub(super) noise_db: f64,
+    /// Halves of the intervals of the source; `None` where it was not fitted.
+    pub(super) source_tolerance: Option<Impedance>,
     /// Lowest and highest frequency of the fit, Hz.
     pub(super) measured_hz: (f64, f64),
 }
@@ -174,6 +177,9 @@ impl Found<'_> {
             chi2_per_n: self.chi2_per_n,
             half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
             taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
+            level_tolerance_db: Some(INTERVAL * level_db)
+                .filter(|db| limits::LEVEL_TOLERANCE_DB.contains(*db)),
+            source_tolerance: self.source_tolerance,
             correction: Some(self.correction.clone()),
         });
         let mut parameters = parameters_of_plate(self.nominal.spec(), coordinates, &deviation);

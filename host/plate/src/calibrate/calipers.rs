@@ -1,6 +1,6 @@
 //! The plate's widths and length by calipers and a rule.
 
-use super::unknowns::{Priors, stretched};
+use super::unknowns::Priors;
 use crate::quantity::Range;
 use crate::spec::limits;
 use crate::spec::{Plate, PlateError, Taper};
@@ -37,9 +37,8 @@ impl Calipers {
         spec.taper = match &spec.taper {
             Taper::Exponential { .. } => Taper::Exponential { half_width_m, rate_per_m: fall / length_m },
             Taper::Linear { .. } => Taper::Linear { half_width_m, end_half_width_m },
-            Taper::Sampled { points } => {
-                let start = plate.half_width_m(0.0);
-                stretched(points, start, half_width_m / start, fall / nominal)
+            taper @ Taper::Sampled { .. } => {
+                taper.stretched(half_width_m / plate.half_width_m(0.0), fall / nominal)
             }
         };
         let ends = tolerance_m / half_width_m;

@@ -81,6 +81,8 @@ mod tests {
             chi2_per_n: 1.0,
             half_width_tolerance: 0.0,
             taper_tolerance: 0.0,
+            level_tolerance_db: None,
+            source_tolerance: None,
             correction: Some(ResponseCurve { points }),
         };
         let actual = Plate::new(PlateSpec { calibration: Some(calibration), ..spec }).expect("valid");

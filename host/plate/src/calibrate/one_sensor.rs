@@ -8,7 +8,9 @@ use super::joint::{Datum, Joint, Place, SourceModel};
 use super::measurement::{MeasuredPoint, Measurement, SensorKind};
 use super::refusal;
 use super::sensed::{CURVE, DELAY, RISE, Sensed};
-use super::source_file::{parameters_of_actuator, parameters_of_impedance, with_actuator, with_source};
+use super::source_file::{
+    parameters_of_actuator, parameters_of_impedance, source_tolerance, with_actuator, with_source,
+};
 use super::spread::Spread;
 use super::unknowns::{Priors, spec_at};
 use crate::frequency::respond_range;
@@ -89,6 +91,7 @@ pub fn from_one_sensor(
         places_m: &places_m,
         correction,
         noise_db,
+        source_tolerance: None,
         measured_hz,
     };
     refusal::check_carried(plate, &[sensor], found.open())?;
@@ -97,7 +100,8 @@ pub fn from_one_sensor(
     of_source.extend(parameters_of_actuator(units, actuator, [RISE, CURVE].map(half)));
     let delay = fit.parameters[first + DELAY] / units.omega;
     of_source.push(Parameter::about("delay_s", delay, half(DELAY) / units.omega));
-    let mut calibrated = found.into_calibrated()?;
+    let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
+    let mut calibrated = Found { source_tolerance, ..found }.into_calibrated()?;
     calibrated.parameters.extend(of_source);
     Ok(calibrated)
 }

@@ -9,7 +9,9 @@ use super::joint::Joint;
 use super::measurement::{Measurement, SensorKind};
 use super::one_sensor::{droop, entering, normalised};
 use super::refusal;
-use super::source_file::{parameters_of_actuator, parameters_of_impedance, with_actuator, with_source};
+use super::source_file::{
+    parameters_of_actuator, parameters_of_impedance, source_tolerance, with_actuator, with_source,
+};
 use super::spread::Spread;
 use super::unknowns::{Priors, spec_at};
 use crate::spec::Plate;
@@ -85,13 +87,15 @@ pub fn from_shunt(
         places_m: &[],
         correction,
         noise_db: 0.0,
+        source_tolerance: None,
         measured_hz,
     };
     refusal::check_carried_by_current(plate, found.open())?;
     let half = |i: usize| INTERVAL * found.deviation(first + i);
     let mut of_source: Vec<Parameter> = parameters_of_impedance(units, impedance, [0, 1, 2].map(half));
     of_source.extend(parameters_of_actuator(units, actuator, [ACTUATOR, ACTUATOR + 1].map(half)));
-    let mut calibrated = found.into_calibrated()?;
+    let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
+    let mut calibrated = Found { source_tolerance, ..found }.into_calibrated()?;
     calibrated.parameters.extend(of_source);
     Ok(calibrated)
 }

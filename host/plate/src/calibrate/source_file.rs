@@ -46,6 +46,14 @@ pub(super) fn parameters_of_impedance(units: Units, values: [f64; 3], halves: [f
     (0..3).map(|i| Parameter::about(names[i], values[i], halves[i])).collect()
 }
 
+/// Halves of the intervals of resistance, mass and stiffness, at most the highest that a file may have.
+pub(super) fn source_tolerance(units: Units, halves: [f64; 3]) -> Impedance {
+    let of_file = units.impedance(halves);
+    let [resistance_n_s_per_m, mass_kg, stiffness_n_per_m] =
+        of_file.fields().map(|(_, half, range)| half.min(range.high));
+    Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m }
+}
+
 /// Resonance and quality with their names, from a1 and a2 with half of their intervals; none where they are no
 /// resonator's.
 pub(super) fn parameters_of_actuator(units: Units, a: [f64; 2], halves: [f64; 2]) -> Vec<Parameter> {

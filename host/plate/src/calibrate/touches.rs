@@ -108,6 +108,8 @@ pub fn from_touches(
         chi2_per_n,
         half_width_tolerance: (1.96 * priors.half_width).min(1.0),
         taper_tolerance: (1.96 * priors.taper).min(1.0),
+        level_tolerance_db: None,
+        source_tolerance: None,
         correction: None,
     });
     Ok(Touched {

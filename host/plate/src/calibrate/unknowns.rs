@@ -10,7 +10,7 @@
 
 use crate::quantity::{OutOfRange, Range};
 use crate::spec::limits;
-use crate::spec::{Model, PlateSpec, Taper};
+use crate::spec::{Model, PlateSpec};
 
 /// Coordinates of the plate; those of the sensors follow.
 pub(super) const SPEED: usize = 0;
@@ -42,12 +42,6 @@ impl Default for Priors {
     }
 }
 
-/// W(x) becomes `scale` W0 (W/W0)^`power`.
-pub(super) fn stretched(points: &[[f64; 2]], start: f64, scale: f64, power: f64) -> Taper {
-    let points = points.iter().map(|[x, width]| [*x, scale * start * (width / start).powf(power)]);
-    Taper::Sampled { points: points.collect() }
-}
-
 impl Priors {
     /// Refuses a standard deviation that is out of its range.
     pub(super) fn check(&self) -> Result<(), OutOfRange> {
@@ -72,16 +66,7 @@ pub(super) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     // A lossless file has nothing to multiply: its coordinate is taken from a small loss.
     spec.loss_factor = (loss_of(nominal) * coordinates[LOSS].exp()).min(limits::LOSS_FACTOR.high);
     let (scale, power) = (coordinates[HALF_WIDTH].exp(), 1.0 + coordinates[TAPER]);
-    spec.taper = match &spec.taper {
-        Taper::Exponential { half_width_m, rate_per_m } => {
-            Taper::Exponential { half_width_m: scale * half_width_m, rate_per_m: power * rate_per_m }
-        }
-        Taper::Linear { half_width_m, end_half_width_m } => Taper::Linear {
-            half_width_m: scale * half_width_m,
-            end_half_width_m: scale * half_width_m * (end_half_width_m / half_width_m).powf(power),
-        },
-        Taper::Sampled { points } => stretched(points, points.first().map_or(1.0, |p| p[1]), scale, power),
-    };
+    spec.taper = spec.taper.stretched(scale, power);
     spec
 }
 

@@ -3,6 +3,7 @@
 use super::conditions::Conditions;
 use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
+use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{actuator, drive, sensitivity, shape, sound, thickness, touch, wave};
 use super::prepared::{Prepared, SPAN_PLACES, places};
@@ -83,6 +84,8 @@ impl Checker {
         Ok(Report {
             plate: self.plate().name().to_owned(),
             boundary_m: Some(boundary_m),
+            boundary_tolerance_m: self.plate().boundary_tolerance_m(boundary_m),
+            level_tolerance_db: self.level_tolerance_db(),
             frequency_hz: (frequency_hz, frequency_hz),
             lights: findings.map(|finding| finding.light).collect(),
         })
@@ -125,9 +128,18 @@ impl Checker {
         Ok(Report {
             plate: self.plate().name().to_owned(),
             boundary_m: None,
+            boundary_tolerance_m: boundaries_m
+                .iter()
+                .filter_map(|&x| self.plate().boundary_tolerance_m(x))
+                .reduce(f64::max),
+            level_tolerance_db: self.level_tolerance_db(),
             frequency_hz: self.plate().band_hz(),
             lights: worst.into_iter().map(|finding| finding.light).collect(),
         })
+    }
+
+    fn level_tolerance_db(&self) -> Option<f64> {
+        self.plate().spec().calibration.as_ref()?.level_tolerance_db
     }
 
     /// What the lights need at each boundary, computed for all of them together.
@@ -148,6 +160,7 @@ impl Checker {
             plate,
             boundary_m,
             frequency_hz: response.frequency_hz,
+            interval: Interval::new(plate, boundary_m, response.frequency_hz),
             response,
             levels,
         };

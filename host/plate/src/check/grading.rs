@@ -1,5 +1,6 @@
 //! Turns a number found at a boundary into a light with a colour and a sentence.
 
+use super::interval::Interval;
 use super::levels::SiteLevels;
 use super::prepared::Prepared;
 use super::report::{Colour, Light, Limit};
@@ -23,6 +24,8 @@ pub(super) struct Site<'a> {
     /// The amplitude over the plate at that frequency.
     pub(super) response: Response,
     pub(super) levels: SiteLevels,
+    /// What a calibration leaves open here; `None` for a plate that nobody has measured.
+    pub(super) interval: Option<Interval>,
 }
 
 impl Finding {
@@ -82,6 +85,8 @@ impl Site<'_> {
             light: Light {
                 name,
                 value,
+                low: None,
+                high: None,
                 unit,
                 limit: None,
                 colour,
@@ -101,6 +106,17 @@ pub(super) fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
         Colour::Green | Colour::Unchecked => green,
         Colour::Amber => amber,
         Colour::Red => red,
+    }
+}
+
+/// Green from the first limit on, amber from the second on.
+pub(super) fn colour_at_least(measure: f64, limits: Limits) -> Colour {
+    if measure >= limits.green {
+        Colour::Green
+    } else if measure >= limits.amber {
+        Colour::Amber
+    } else {
+        Colour::Red
     }
 }
 

@@ -29,6 +29,9 @@ pub(super) struct Variants {
     detuned: Vec<usize>,
     /// Of the others: those with the lowest and the highest loss that the plate may have.
     lossy: Vec<usize>,
+    /// Of the others, for a calibrated plate: those at the ends of its intervals of wave speed and loss, and with the speeds
+    /// between.
+    calibrated: Option<Vec<usize>>,
 }
 
 /// A plate in bending with the near field at its end, which the file leaves out.
@@ -55,8 +58,29 @@ pub(super) struct SiteLevels {
     pub(super) by_loss_db: f64,
     /// How much higher than here the peak is where the wave speed is off by up to 1 %, dB; 0 or more.
     pub(super) rise_db: f64,
-    /// Whether the peak is the largest amplitude on the plate, with its whole end, and at all these speeds.
+    /// Whether the peak is the largest amplitude on the plate, with its whole end, and at all these speeds; on a calibrated
+    /// plate over its intervals instead.
     pub(super) peak_largest: bool,
+    /// What the intervals of a calibrated plate do; `None` for a plate that nobody has measured.
+    pub(super) calibrated: Option<Calibrated>,
+}
+
+/// Levels over the intervals of a calibrated plate, at one boundary.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Calibrated {
+    /// How far the peak may be from the table's level, dB.
+    pub(super) off_db: f64,
+    /// Whether every plate has a peak.
+    pub(super) peak_present: bool,
+}
+
+impl SiteLevels {
+    /// How far the peak of a calibrated plate may be from the table's level, dB: as measured, or by the intervals of wave speed
+    /// and loss where no levels were measured. `None` for a plate that nobody has measured.
+    pub(super) fn open_db(&self, plate: &Plate) -> Option<f64> {
+        let measured = plate.spec().calibration.as_ref()?.level_tolerance_db;
+        measured.or(self.calibrated.map(|levels| levels.off_db))
+    }
 }
 
 impl Variants {
@@ -81,12 +105,26 @@ impl Variants {
         let loss = 1.0 + plate.spec().loss_tolerance.unwrap_or(LOSS_TOLERANCE);
         let losses = [loss.recip(), loss].into_iter().filter_map(|factor| real.with_loss(factor).ok());
         let lossy = losses.map(&mut number_of).collect();
+        let calibrated = plate.spec().calibration.as_ref().map(|_| {
+            let tolerance = plate.spec().wave_speed_tolerance;
+            let speeds = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|way| 1.0 + way * tolerance);
+            let speeds = speeds.into_iter().filter_map(|factor| real.with_wave_speed(factor).ok());
+            let losses = |plate: Plate| {
+                let others = [loss.recip(), loss].map(|factor| plate.with_loss(factor).ok());
+                std::iter::once(plate).chain(others.into_iter().flatten())
+            };
+            let plates = speeds.flat_map(losses).filter(|other| other.spec() != plate.spec());
+            let mut numbers: Vec<usize> = plates.map(&mut number_of).collect();
+            numbers.sort_unstable();
+            numbers.dedup();
+            numbers
+        });
         // The band of another plate may end a little above what the sample rate carries; the boundaries' frequencies
         // do not.
         let others: Vec<_> =
             plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect();
         let whole = whole.map(|plate| Whole { plate, above_db: 0.0 });
-        Ok(Self { nominal, others, levelled, whole, detuned, lossy })
+        Ok(Self { nominal, others, levelled, whole, detuned, lossy, calibrated })
     }
 
     /// The plate's own levels at the frequencies of the whole span. The mean of the real plate's over them is the factor
@@ -130,19 +168,24 @@ impl Variants {
             plates.iter().map(apart).fold(0.0, f64::max)
         };
         let whole: Vec<usize> = self.whole.iter().map(|whole| whole.plate).collect();
-        let of_site = |(number, (level, &hz)): (usize, (&Level, &f64))| SiteLevels {
-            nominal: level.amplitude,
-            rise_db: {
-                let real =
-                    self.whole.map_or(level.amplitude, |whole| of_others[whole.plate][number].amplitude);
-                let others = self.detuned.iter().map(|&plate| of_others[plate][number].amplitude);
-                db(others.fold(real, f64::max) / real)
-            },
-            peak_largest: level.peak_largest
-                && whole.iter().chain(&self.detuned).all(|&plate| of_others[plate][number].peak_largest),
-            by_end_db: worst_db(&whole, number, hz),
-            by_speed_db: worst_db(&self.detuned, number, hz),
-            by_loss_db: worst_db(&self.lossy, number, hz),
+        let within = self.calibrated.as_ref().unwrap_or(&self.detuned);
+        let of_site = |(number, (level, &hz)): (usize, (&Level, &f64))| {
+            let at_site = |&plate: &usize| of_others[plate][number];
+            let real = self.whole.map_or(level.amplitude, |whole| at_site(&whole.plate).amplitude);
+            let others = within.iter().map(|plate| at_site(plate).amplitude);
+            SiteLevels {
+                nominal: level.amplitude,
+                rise_db: db(others.fold(real, f64::max) / real),
+                peak_largest: level.peak_largest
+                    && whole.iter().chain(within).all(|plate| at_site(plate).peak_largest),
+                by_end_db: worst_db(&whole, number, hz),
+                by_speed_db: worst_db(&self.detuned, number, hz),
+                by_loss_db: worst_db(&self.lossy, number, hz),
+                calibrated: self.calibrated.as_ref().map(|plates| Calibrated {
+                    off_db: worst_db(plates, number, hz),
+                    peak_present: plates.iter().all(|plate| at_site(plate).peak_present),
+                }),
+            }
         };
         Ok(nominal.iter().zip(frequencies_hz).enumerate().map(of_site).collect())
     }

@@ -18,6 +18,7 @@ mod checker;
 mod conditions;
 mod error;
 mod grading;
+mod interval;
 mod levels;
 mod lights;
 mod prepared;

@@ -1,8 +1,9 @@
 //! The report of a check: lights, each with a number, a colour and a sentence.
 
+use super::interval;
 use super::stretch::Stretch;
 use super::thresholds::Limits;
-use crate::quantity::number_format::typed;
+use crate::quantity::number_format::{significant, typed, with_decimals};
 use serde::{Serialize, Serializer};
 
 /// Colour of a light, in rising order of concern.
@@ -70,6 +71,13 @@ pub struct Light {
     pub name: &'static str,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
+    /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for a plate that nobody
+    /// has measured, and where the number does not depend on what was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
+    /// The highest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
     pub unit: &'static str,
     /// What `value` must be; `None` where a number does not decide, or not this one alone.
@@ -85,6 +93,23 @@ pub struct Light {
     pub stretches: Vec<Stretch>,
 }
 
+impl Light {
+    /// The number with its unit and, where it is known, its interval: `0.31 fingertips (0.30 to 0.32)`. `None` without a
+    /// number.
+    #[must_use]
+    pub fn number(&self) -> Option<String> {
+        let number = format!("{} {}", significant(self.value?, 3), self.unit).trim_end().to_owned();
+        let range = self.low.zip(self.high).and_then(|(low, high)| range(low, high));
+        Some(range.map_or(number.clone(), |range| format!("{number} ({range})")))
+    }
+}
+
+/// An interval with three digits, `0.30 to 0.32`; `None` where three digits do not tell its ends apart.
+pub(super) fn range(low: f64, high: f64) -> Option<String> {
+    let (low, high) = (significant(low, 3), significant(high, 3));
+    (low != high).then(|| format!("{low} to {high}"))
+}
+
 /// All lights of a plate at one boundary or over its span.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -92,6 +117,13 @@ pub struct Report {
     pub plate: String,
     /// The boundary, metres; `None` over the span.
     pub boundary_m: Option<f64>,
+    /// How well the boundary is known, the largest over what was checked: half of the 95 % interval, metres; `None` for a plate
+    /// that nobody has measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub boundary_tolerance_m: Option<f64>,
+    /// The same of the level of the peak, dB; `None` where no levels were measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level_tolerance_db: Option<f64>,
     /// Lowest and highest frequency of the checked boundaries, Hz.
     pub frequency_hz: (f64, f64),
     /// The lights, always in the same order.
@@ -99,6 +131,16 @@ pub struct Report {
 }
 
 impl Report {
+    /// What a calibration knows of boundary and level, in words; `None` for a plate that nobody has measured.
+    #[must_use]
+    pub fn known(&self) -> Option<String> {
+        let boundary = interval::boundary_words(self.boundary_tolerance_m?);
+        let level = self
+            .level_tolerance_db
+            .map(|db| format!(", the level of the peak to ±{} dB", with_decimals(db, 2)));
+        Some(format!("{boundary}{}", level.unwrap_or_default()))
+    }
+
     /// The worst colour of all lights; green if there is none.
     pub fn worst(&self) -> Colour {
         self.lights.iter().map(|light| light.colour).max().unwrap_or(Colour::Green)

@@ -2,8 +2,13 @@
 //! over what the rest of the file says of it.
 
 use crate::spec::error::PlateError;
+use crate::spec::impedance::Impedance;
 use crate::spec::limits;
 use crate::spec::response_curve::ResponseCurve;
+
+/// The fields of a plate file for the source's intervals, in the order of [`Impedance::fields`].
+pub(crate) const SOURCE_TOLERANCE: [&str; 3] =
+    ["resistance_tolerance_n_s_per_m", "mass_tolerance_kg", "stiffness_tolerance_n_per_m"];
 
 /// The record of a calibration.
 ///
@@ -17,6 +22,10 @@ pub struct Calibration {
     pub half_width_tolerance: f64,
     /// How well ln(W0/W(L)) is known, as a fraction (0 to 1); for an exponential taper, its rate.
     pub taper_tolerance: f64,
+    /// Half of the 95 % interval of the level of the peak, dB (0 to 40). `None` if no levels were measured.
+    pub level_tolerance_db: Option<f64>,
+    /// Halves of the 95 % intervals of the source's resistance, mass and stiffness. `None` if the source was not fitted.
+    pub source_tolerance: Option<Impedance>,
     /// Measured gain from the DAC to the peak over what the rest of the file gives; its phase counts, too. It multiplies
     /// every steady amplitude. `None` if no levels were measured.
     pub correction: Option<ResponseCurve>,
@@ -27,6 +36,14 @@ impl Calibration {
         limits::CHI2_PER_N.check("calibration.chi2_per_n", self.chi2_per_n)?;
         limits::CALIBRATED.check("calibration.half_width_tolerance", self.half_width_tolerance)?;
         limits::CALIBRATED.check("calibration.taper_tolerance", self.taper_tolerance)?;
+        if let Some(level_db) = self.level_tolerance_db {
+            limits::LEVEL_TOLERANCE_DB.check("calibration.level_tolerance_db", level_db)?;
+        }
+        if let Some(source) = &self.source_tolerance {
+            for (field, (_, half, range)) in SOURCE_TOLERANCE.into_iter().zip(source.fields()) {
+                range.check(&format!("calibration.{field}"), half)?;
+            }
+        }
         self.correction.as_ref().map_or(Ok(()), |curve| curve.validate("calibration.points"))
     }
 }

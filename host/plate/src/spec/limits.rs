@@ -52,6 +52,8 @@ pub const TENSION: Range = Range::new(1e-9, 1e13, "N/m");
 pub const CHI2_PER_N: Range = Range::new(0.0, 1e6, "");
 /// How well a calibration knows a width, as a fraction.
 pub const CALIBRATED: Range = Range::new(0.0, 1.0, "");
+/// How well a calibration knows the level of the peak.
+pub const LEVEL_TOLERANCE_DB: Range = Range::new(0.0, 40.0, "dB");
 /// Mechanical resistance of a driven end or of the damper behind a lead-in.
 pub const MECHANICAL_RESISTANCE: Range = Range::new(0.0, 1e9, "N s/m");
 /// Mass that moves with a driven end.

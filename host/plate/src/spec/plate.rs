@@ -271,6 +271,14 @@ impl Plate {
         Self::new(spec)
     }
 
+    /// The same plate with another taper.
+    ///
+    /// # Errors
+    /// As [`Plate::new`].
+    pub(crate) fn with_taper(&self, taper: Taper) -> Result<Self, PlateError> {
+        Self::sharing(PlateSpec { taper, ..self.spec.clone() }, self.strip.clone())
+    }
+
     /// The same plate with another end, which must be valid for it.
     pub(crate) fn with_drive_end(&self, drive_end: DriveEnd) -> Self {
         let mut plate = self.clone();

@@ -42,6 +42,24 @@ pub enum Taper {
 }
 
 impl Taper {
+    /// W(x) becomes `scale` W0 (W/W0)^`power`: another width at the driven end, and another ln(W0/W(L)).
+    pub(crate) fn stretched(&self, scale: f64, power: f64) -> Self {
+        match self {
+            Self::Exponential { half_width_m, rate_per_m } => {
+                Self::Exponential { half_width_m: scale * half_width_m, rate_per_m: power * rate_per_m }
+            }
+            Self::Linear { half_width_m, end_half_width_m } => Self::Linear {
+                half_width_m: scale * half_width_m,
+                end_half_width_m: scale * half_width_m * (end_half_width_m / half_width_m).powf(power),
+            },
+            Self::Sampled { points } => {
+                let start = points.first().map_or(1.0, |point| point[1]);
+                let stretched = |[x, width]: &[f64; 2]| [*x, scale * start * (width / start).powf(power)];
+                Self::Sampled { points: points.iter().map(stretched).collect() }
+            }
+        }
+    }
+
     /// Checks that the taper narrows and that its half-widths are in range on a plate of the given length.
     pub(crate) fn validate(&self, length_m: f64) -> Result<(), PlateError> {
         match self {

@@ -40,6 +40,15 @@ impl Plate {
         (place.is_finite() && place > 0.0).then_some(place)
     }
 
+    /// How well a calibration knows where a wave turns whose boundary is at `x` metres: half of the 95 % interval, metres.
+    /// `None` for a plate that nobody has measured.
+    ///
+    /// A calibration tells the error of the wave speed that would move the boundary by as much: with K s = q, dV/V = s'/s dx.
+    pub fn boundary_tolerance_m(&self, x: f64) -> Option<f64> {
+        self.spec().calibration.as_ref()?;
+        Some(self.spec().wave_speed_tolerance / self.turning.at(x).slope.abs())
+    }
+
     /// kappa of the Airy form at the turning point, 1/m; `None` if the wave cannot enter.
     pub fn kappa_per_m(&self, frequency_hz: f64) -> Option<f64> {
         self.turning_point_m(frequency_hz).map(|x0| self.width_mode(1).fall(x0).cbrt())

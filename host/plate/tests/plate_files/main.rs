@@ -255,6 +255,26 @@ fn a_calibration_is_read_written_and_corrects_the_drive() {
     assert!((plate.drive_response(100.0) / plain.drive_response(100.0) - 10.0).norm() < 1e-9);
     let peak = |plate: &Plate| DriveTable::build(plate, 400e3, 17).expect("a table").peak_at_full_scale_m;
     assert!((peak(&plate) / peak(&plain) - 10.0).abs() < 1e-9, "what the table levels");
+    let known = read(
+        "level_tolerance_db = 0.4\nresistance_tolerance_n_s_per_m = 0.1\nmass_tolerance_kg = 1e-4\nstiffness_tolerance_n_per_m = 20.0\n",
+    );
+    let known = known.expect("intervals of level and source");
+    assert_eq!(Plate::from_toml(&known.to_toml()).as_ref(), Ok(&known));
+    let calibration = known.spec().calibration.as_ref().expect("calibrated");
+    let source = calibration.source_tolerance.expect("told");
+    assert_eq!(
+        (calibration.level_tolerance_db, source.mass_kg, source.stiffness_n_per_m),
+        (Some(0.4), 1e-4, 20.0)
+    );
+    let loud = read("level_tolerance_db = 41\n").expect_err("out of range").to_string();
+    assert!(loud.contains("calibration.level_tolerance_db = 41: must be 0 to 40 dB"), "{loud}");
+    let part = read("mass_tolerance_kg = 1e-4\n").expect_err("a part of a source").to_string();
+    assert!(part.contains("calibration.resistance_tolerance_n_s_per_m is missing"), "{part}");
+    let light = read(
+        "resistance_tolerance_n_s_per_m = 0.1\nmass_tolerance_kg = -1\nstiffness_tolerance_n_per_m = 0\n",
+    );
+    let light = light.expect_err("out of range").to_string();
+    assert!(light.contains("calibration.mass_tolerance_kg = -1: must be 0 to 1000 kg"), "{light}");
     let falling = read("points = [[50.0, 0.0, 0.0], [40.0, 0.0, 0.0]]\n").expect_err("falls");
     assert!(falling.to_string().contains("calibration.points[1][0] = 40"), "{falling}");
     let half = GOOD.to_owned() + "[calibration]\nchi2_per_n = 0.9\n";

@@ -28,6 +28,18 @@ impl Calibrating {
         self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref())
     }
 
+    /// Where the open page has the sensor stand, metres; `None` without a calibration, and on pages without a sensor.
+    pub(super) fn place_m(&self) -> Option<f64> {
+        let calibration = self.calibration.as_ref()?;
+        Some(calibration.places_m()[calibration.step.sensor()?])
+    }
+
+    /// Whether the open page has the sensor put in its place or measured.
+    pub(super) fn has_sensor_in_hand(&self) -> bool {
+        let step = self.calibration.as_ref().map(|calibration| calibration.step);
+        matches!(step, Some(Step::FirstPlace | Step::FirstAnswer | Step::SecondPlace))
+    }
+
     fn found(&self) -> Option<&Arc<Found>> {
         self.current()?.result.as_ref().ok()
     }
@@ -59,7 +71,7 @@ impl App {
                     self.fail(reason);
                 }
             }
-            CalibrateIntent::OpenAnswer => self.parts.files.begin(FileJob::Choose),
+            CalibrateIntent::OpenAnswer => self.parts.files.begin(FileJob::ChooseMeasurement),
             CalibrateIntent::TakeAnswer(sensor, number) => self.take_answer(sensor, number),
             CalibrateIntent::Exchange => calibration.exchange(),
             CalibrateIntent::Use => {

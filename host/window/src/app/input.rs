@@ -1,7 +1,7 @@
 //! Input from keys, pointer and dropped files, processed before anything is painted.
 
 use super::App;
-use crate::files::{FileJob, PROFILE_EXTENSIONS};
+use crate::files::{FileJob, PROFILE_EXTENSIONS, has_extension, is_measurement};
 use crate::intent::{Dialog, Grab, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
@@ -134,10 +134,15 @@ impl App {
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if let Some(file) = dropped.first() {
             let path = file.path().to_owned();
-            let is_profile = path.extension().is_some_and(|extension| {
-                PROFILE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
-            });
-            let job = if is_profile { FileJob::OpenProfile(path) } else { FileJob::Open(path) };
+            // On the page of measurements a table is one.
+            let is_table = has_extension(&path, &["csv"]) && self.view.is_measuring();
+            let job = if is_table || is_measurement(&path) {
+                FileJob::OpenMeasurement(path)
+            } else if has_extension(&path, &PROFILE_EXTENSIONS) {
+                FileJob::OpenProfile(path)
+            } else {
+                FileJob::Open(path)
+            };
             self.parts.files.begin(job);
         }
     }

@@ -1,12 +1,14 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
 use super::App;
+use crate::files::FileJob;
 use crate::intent::MeasureIntent;
-use crate::scene::{LiveScene, MeasureScene};
+use crate::scene::{Asked, LiveScene, MeasureScene};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
+use slipline_model::measured_file::{self, Told};
 use slipline_model::response::{Entry, Shelf};
-use slipline_plate::calibrate::Measurement;
+use slipline_plate::calibrate::{File, Measurement};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -16,6 +18,8 @@ pub(super) struct Measures {
     shelf: Shelf,
     asked: Option<CompareJob>,
     latest: Option<Compared>,
+    /// A file by another program that waits for what it does not tell.
+    foreign: Option<Asked>,
 }
 
 impl Measures {
@@ -35,7 +39,7 @@ impl Measures {
 
     pub(super) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
         let compared = self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref());
-        MeasureScene { shelf: &self.shelf, compared, live }
+        MeasureScene { shelf: &self.shelf, compared, asked: self.foreign.as_ref(), live }
     }
 }
 
@@ -61,6 +65,14 @@ impl App {
             MeasureIntent::Begin(answers) => self.begin_measuring(answers),
             MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
             MeasureIntent::Cancel => self.cancel_measuring(),
+            MeasureIntent::OpenFile => self.parts.files.begin(FileJob::ChooseMeasurement),
+            MeasureIntent::Tell(told) => {
+                if let Some(asked) = &mut self.measures.foreign {
+                    (asked.told, asked.refused) = (told, None);
+                }
+            }
+            MeasureIntent::TakeAsked => self.take_asked(),
+            MeasureIntent::LeaveAsked => self.measures.foreign = None,
             MeasureIntent::Save(number) => {
                 let Some(entry) = shelf.entry(number) else { return };
                 let stem = Path::new(&entry.name).file_stem().unwrap_or_default().to_string_lossy();
@@ -70,18 +82,44 @@ impl App {
         }
     }
 
-    /// Takes the text of a measurement's file, and opens its page.
-    pub(super) fn open_measurement(&mut self, name: &str, text: &str) {
-        let read = Measurement::from_csv(text).map_err(|error| error.to_string());
-        match read.and_then(|measurement| self.measures.shelf.add(name, measurement)) {
-            Ok(number) => {
-                if !self.answered(number) {
+    /// Takes a measurement's file, and opens its page. By another program, it is asked what the file does not tell.
+    pub(super) fn open_measurement(&mut self, name: &str, bytes: &[u8]) {
+        match File::read(bytes) {
+            Ok(File::Own(measurement)) => {
+                if let Err(reason) = self.take_opened(name, measurement) {
+                    self.not_opened(name, &reason);
+                }
+            }
+            Ok(File::Foreign(foreign)) => {
+                // In the calibration the sensor is where its pages have it put.
+                let place_m = self.calibrating.place_m().unwrap_or(self.live.place_m());
+                let told = Told::by(&foreign, place_m);
+                self.measures.foreign = Some(Asked { name: name.to_owned(), foreign, told, refused: None });
+                if self.dialog.is_none() {
                     self.view.open_measure();
                 }
-                self.note(Severity::Info, format!("Opened {name}."));
-                self.notices.tell(format!("Opened {name}"));
             }
-            Err(reason) => self.not_opened(name, &reason),
+            Err(error) => self.not_opened(name, &error.to_string()),
         }
+    }
+
+    /// Takes the file that waits, as it was told; what is wrong is said where it was told.
+    fn take_asked(&mut self) {
+        let Some(asked) = self.measures.foreign.take() else { return };
+        let measured = measured_file::measurement(&self.setup.plate, &asked.foreign, &asked.told);
+        let taken = measured.map_err(|error| error.to_string());
+        if let Err(reason) = taken.and_then(|measurement| self.take_opened(&asked.name, measurement)) {
+            self.measures.foreign = Some(Asked { refused: Some(reason), ..asked });
+        }
+    }
+
+    fn take_opened(&mut self, name: &str, measurement: Measurement) -> Result<(), String> {
+        let number = self.measures.shelf.add(name, measurement)?;
+        if !self.answered(number) {
+            self.view.open_measure();
+        }
+        self.note(Severity::Info, format!("Opened {name}."));
+        self.notices.tell(format!("Opened {name}"));
+        Ok(())
     }
 }

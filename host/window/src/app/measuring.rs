@@ -2,6 +2,7 @@
 //! lost device and another plate end it; its last request is a stop.
 
 use super::App;
+use super::signal::Looks;
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui;
@@ -17,7 +18,7 @@ use std::time::Duration;
 /// Time between two looks at the progress.
 const LOOK: Duration = Duration::from_millis(50);
 /// The input of the sensor.
-const SENSOR_INPUT: u8 = 0;
+pub(super) const SENSOR_INPUT: u8 = 0;
 
 /// A measurement under way.
 struct Run {
@@ -41,6 +42,8 @@ struct Rig {
     standing: Option<(RigJob, RigHand)>,
     /// The measurement that begins once the rig is put together.
     awaited_for: Option<Option<usize>>,
+    /// The one that is being put together for a look at its sensor.
+    looked_for: Option<RigJob>,
 }
 
 /// The state of the measurements with the device.
@@ -49,6 +52,8 @@ pub(super) struct Live {
     draft: MeasureDraft,
     run: Option<Run>,
     rig: Rig,
+    /// The looks at the sensor while it is put in its place.
+    pub(super) looks: Looks,
     /// Runs so far: each has a name of its own.
     count: u32,
 }
@@ -57,11 +62,21 @@ impl Live {
     pub(super) fn scene(&self, now: u64) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
         let progress = run.or(self.rig.awaited_for.map(|_| 0.0));
-        LiveScene { draft: &self.draft, progress, is_secret: self.rig.truth.is_some() }
+        LiveScene {
+            draft: &self.draft,
+            progress,
+            signal: self.looks.latest(),
+            is_secret: self.rig.truth.is_some(),
+        }
     }
 
     pub(super) fn draft(&mut self, draft: MeasureDraft) {
         self.draft = draft;
+    }
+
+    /// Where the sensor stands, metres.
+    pub(super) const fn place_m(&self) -> f64 {
+        self.draft.place_m
     }
 
     pub(super) fn put_at(&mut self, place_m: f64) {
@@ -70,7 +85,7 @@ impl Live {
 
     /// Whether the measurement under way deals with this request's outcome.
     pub(super) fn awaits(&self, ticket: Ticket) -> bool {
-        self.run.as_ref().is_some_and(|run| run.awaited == Some(ticket))
+        self.run.as_ref().is_some_and(|run| run.awaited == Some(ticket)) || self.looks.awaits(ticket)
     }
 
     pub(super) fn is_under_way(&self) -> bool {
@@ -151,7 +166,8 @@ impl App {
     fn is_rig_standing(&self) -> bool {
         let job = self.rig_job();
         let standing = self.live.rig.standing.as_ref().filter(|(standing, _)| standing.serves(&job));
-        standing.is_some_and(|(_, hand)| hand.put_sensor(job.place_m).is_ok())
+        standing
+            .is_some_and(|(_, hand)| hand.place_m() == job.place_m || hand.put_sensor(job.place_m).is_ok())
     }
 
     fn put_rig_together(&mut self, answers: Option<usize>) {
@@ -159,15 +175,33 @@ impl App {
         self.parts.rigs.ask(self.rig_job());
     }
 
+    /// Has the rig of a simulated device stand where its sensor is looked at.
+    pub(super) fn put_rig_up(&mut self) {
+        if !self.snapshot.is_simulated() || self.is_rig_standing() {
+            return;
+        }
+        let job = self.rig_job();
+        if self.live.rig.looked_for.as_ref().is_none_or(|looked_for| !looked_for.serves(&job)) {
+            self.live.rig.looked_for = Some(job.clone());
+            self.parts.rigs.ask(job);
+        }
+    }
+
     /// Takes a rig that was put together, and begins what waits for it.
     pub(super) fn take_rig(&mut self) {
         let Some(RigPrepared { job, result }) = self.parts.rigs.take() else { return };
-        let Some(answers) = self.live.rig.awaited_for.take() else { return };
+        let looked_for = self.live.rig.looked_for.take();
+        let awaited_for = self.live.rig.awaited_for.take();
+        if awaited_for.is_none() && looked_for.is_none_or(|looked_for| !looked_for.serves(&job)) {
+            return;
+        }
         match result {
             Ok(rig) => {
                 self.parts.bench.put(&rig);
                 self.live.rig.standing = Some((job, rig.hand()));
-                self.begin_measuring(answers);
+                if let Some(answers) = awaited_for {
+                    self.begin_measuring(answers);
+                }
             }
             Err(reason) => self.fail(format!("The simulated plate cannot be measured: {reason}")),
         }
@@ -184,6 +218,9 @@ impl App {
     /// Hands over what the device has answered, and sends what comes next.
     pub(super) fn update_measuring(&mut self, ctx: &egui::Context) {
         self.take_rig();
+        if self.update_signal() {
+            ctx.request_repaint_after(LOOK);
+        }
         let Some(run) = &mut self.live.run else { return };
         if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
             run.measuring.cancel();

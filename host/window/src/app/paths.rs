@@ -10,13 +10,16 @@ impl App {
     pub(super) fn ask_for_path(&mut self, job: FileJob, existing: Option<&Path>) {
         let (title, verb, name) = match &job {
             FileJob::Choose => ("Open a setup, a plate or a measurement", "Open", ""),
+            FileJob::ChooseMeasurement => ("Open a measurement", "Open", ""),
             FileJob::ChooseProfile => ("Open a profile (CSV or PNG)", "Open", ""),
             FileJob::Save(save) => ("Save as", "Save", save.name.as_str()),
             FileJob::SaveFolder(_) => ("A folder for the files", "Save", ""),
             // These jobs have a path already.
-            FileJob::Open(_) | FileJob::OpenProfile(_) | FileJob::SaveAs { .. } | FileJob::SaveInto(..) => {
-                return;
-            }
+            FileJob::Open(_)
+            | FileJob::OpenMeasurement(_)
+            | FileJob::OpenProfile(_)
+            | FileJob::SaveAs { .. }
+            | FileJob::SaveInto(..) => return,
         };
         let existing = existing.map(|path| path.display().to_string());
         let offered =
@@ -34,11 +37,16 @@ impl App {
         let path = self.typed_path(text);
         let job = match self.asked.take() {
             Some(FileJob::Choose) => FileJob::Open(path),
+            Some(FileJob::ChooseMeasurement) => FileJob::OpenMeasurement(path),
             Some(FileJob::ChooseProfile) => FileJob::OpenProfile(path),
             Some(FileJob::Save(save)) => FileJob::SaveAs { path, save, may_replace },
             Some(FileJob::SaveFolder(files)) => FileJob::SaveInto(path, files),
             Some(
-                FileJob::Open(_) | FileJob::OpenProfile(_) | FileJob::SaveAs { .. } | FileJob::SaveInto(..),
+                FileJob::Open(_)
+                | FileJob::OpenMeasurement(_)
+                | FileJob::OpenProfile(_)
+                | FileJob::SaveAs { .. }
+                | FileJob::SaveInto(..),
             )
             | None => return,
         };

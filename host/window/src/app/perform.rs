@@ -1,7 +1,7 @@
 //! Carries out the intents of the views.
 
 use super::{App, first_setup, set_theme};
-use crate::files::{FileEvent, FileJob, Save};
+use crate::files::{FileEvent, FileJob, Save, has_extension};
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
 use crate::settings::{Part, SPEEDS};
@@ -280,8 +280,13 @@ impl App {
         match event {
             FileEvent::Opened(path, text) => {
                 let name = name_of(&path);
-                if text.as_ref().is_ok_and(|text| self.opened_table(&name, text)) {
-                    return;
+                if let Ok(text) = &text {
+                    if self.opened_table(&name, text) {
+                        return;
+                    }
+                    if has_extension(&path, &["csv"]) {
+                        return self.open_measurement(&name, text.as_bytes());
+                    }
                 }
                 let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
                 match opened {
@@ -292,6 +297,18 @@ impl App {
                 self.settings.used(&path);
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}"));
+            }
+            FileEvent::Measurement(path, bytes) => {
+                let name = name_of(&path);
+                match bytes {
+                    Ok(bytes) => {
+                        let text = str::from_utf8(&bytes).unwrap_or_default();
+                        if !self.opened_table(&name, text) {
+                            self.open_measurement(&name, &bytes);
+                        }
+                    }
+                    Err(reason) => self.not_opened(&name, &reason),
+                }
             }
             FileEvent::Profile(path, bytes) => {
                 let text = bytes.as_ref().ok().and_then(|bytes| str::from_utf8(bytes).ok());
@@ -321,7 +338,7 @@ impl App {
         if Recording::is_one(text) {
             self.open_recording(name, Recording::from_csv(text).map_err(|error| error.to_string()));
         } else if is_measurement(text) {
-            self.open_measurement(name, text);
+            self.open_measurement(name, text.as_bytes());
         } else {
             return false;
         }

@@ -1,5 +1,6 @@
 //! The requests of the page of measurements.
 
+use slipline_model::measured_file::Told;
 use slipline_plate::calibrate::SensorKind;
 
 /// What is to be measured with the device.
@@ -28,6 +29,14 @@ pub enum MeasureIntent {
     Show(u64, bool),
     /// Remove one from the list.
     Remove(u64),
+    /// Choose a file of a measurement.
+    OpenFile,
+    /// Tell what a file by another program does not.
+    Tell(Told),
+    /// Take that file as it was told.
+    TakeAsked,
+    /// Leave that file.
+    LeaveAsked,
     /// Save one as CSV.
     Save(u64),
     /// Change what is to be measured with the device.

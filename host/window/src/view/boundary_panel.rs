@@ -68,6 +68,10 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if let Some(Holds::FeltEdge | Holds::PlateEnd) = scene.line(slot).map(|line| line.holds) {
         row(ui, "Turning point", show_place(tone.position_m));
     }
+    if let Some(half_m) = plate.boundary_tolerance_m(tone.position_m) {
+        row(ui, "Calibrated to", format!("± {}", show_length(half_m)))
+            .on_hover_text("The boundary lies within this of its place, in 95 of 100 calibrations");
+    }
     if let Some(wave) = scene.predicted.tone(slot) {
         row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
         let height_m =

@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 use slipline_model::field::felt::{Felt, Zone};
 use slipline_plate::feeling::FeltEdge;
-use slipline_plate::quantity::show_place;
+use slipline_plate::quantity::{show_length, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 /// The share of the colour while nothing is driven.
@@ -86,7 +86,10 @@ fn said(scene: &Scene<'_>) -> String {
     match scene.felt {
         None => "felt: not known yet".to_owned(),
         Some(Felt { not_felt: Some(why), .. }) => why.words(),
-        Some(Felt { edge: FeltEdge::At(edge_m), .. }) => format!("felt to {}", show_place(*edge_m)),
+        Some(Felt { edge: FeltEdge::At(edge_m), tolerance_m, .. }) => {
+            let known = tolerance_m.map_or(String::new(), |half_m| format!(" ± {}", show_length(half_m)));
+            format!("felt to {}{known}", show_place(*edge_m))
+        }
         Some(_) => "felt to the plate's end".to_owned(),
     }
 }

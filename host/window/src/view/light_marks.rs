@@ -6,7 +6,6 @@ use crate::axis::Axis;
 use crate::intent::Intents;
 use eframe::egui::{self, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2};
 use slipline_plate::check::{Light, Stretch};
-use slipline_plate::quantity::number_format::significant;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use theme::HANDLE;
@@ -165,9 +164,8 @@ fn places(light: &Light) -> String {
 /// Name, colour, place, number with its limits, and the sentence with what can be done.
 fn help(light: &Light, is_current: bool) -> String {
     let mut help = format!("{}: {}, {}", validity::title(light), light.colour.name(), places(light));
-    if let Some(value) = light.value {
-        let number = format!("{} {}", significant(value, 3), light.unit);
-        help.push_str(&format!("\n{}", number.trim_end()));
+    if let Some(number) = light.number() {
+        help.push_str(&format!("\n{number}"));
         if let Some(limit) = light.limit {
             help.push_str(&format!("; {}", limit.words(light.unit)));
         }

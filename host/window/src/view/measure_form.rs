@@ -1,12 +1,12 @@
 //! What is measured with the device: the sensor's place and kind, the level; the button, and the progress with Cancel.
 
-use super::field::InputField;
-use super::{Scene, ViewState, theme};
+use super::sensor_fields::{kind, number, place, refusal};
+use super::{Scene, ViewState};
 use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use eframe::egui::{self, RichText};
-use slipline_plate::calibrate::SensorKind;
+use slipline_model::measure::LEVEL;
 use slipline_plate::number_format::with_decimals;
-use slipline_plate::quantity::{self, OutOfRange, Range, show_place};
+use slipline_plate::quantity;
 
 /// Shows the form. `answers` is the calibration's place that the measurement is for.
 pub(super) fn show(
@@ -33,63 +33,22 @@ pub(super) fn show(
     let draft = *live.draft;
     let mut reason = None;
     ui.horizontal_top(|ui| {
-        let length_m = scene.setup.plate.length_m();
-        let place = show_place(draft.place_m);
-        let hint = "Where the sensor stands, from the driven end (32 mm)";
-        let field = InputField {
-            name: "Sensor at",
-            value: &place,
-            hint,
-            width: 72.0,
-            caption: Some("Sensor at"),
-            is_live: false,
-        };
-        let taken = field.show_apart(ui, &mut view.fields, &mut reason, |text| {
-            let place_m = quantity::length_m(text).map_err(|error| error.to_string())?;
-            let on_plate = Range::new(0.0, length_m, "m");
-            OutOfRange::check("sensor", place_m, on_plate).map_err(|error| error.in_suitable_units())?;
-            Ok(MeasureDraft { place_m, ..draft })
-        });
-        taken.into_iter().for_each(|draft| ask(MeasureIntent::Draft(draft)));
-        let level = with_decimals(draft.level, 2);
-        let hint = "What all tones together may be of full scale: 0.001 to 1, or in dB";
-        let field = InputField {
-            name: "Level",
-            value: &level,
-            hint,
-            width: 52.0,
-            caption: Some("Level"),
-            is_live: false,
-        };
-        let taken = field.show_apart(ui, &mut view.fields, &mut reason, |text| {
-            let level = quantity::level(text).map_err(|error| error.to_string())?;
-            let allowed = slipline_model::measure::LEVEL;
-            OutOfRange::check("level", level, allowed).map_err(|error| error.in_suitable_units())?;
-            Ok(MeasureDraft { level, ..draft })
-        });
-        taken.into_iter().for_each(|draft| ask(MeasureIntent::Draft(draft)));
-        ui.vertical(|ui| {
-            ui.label(RichText::new("It shows").small().color(theme::palette(ui).weak));
-            let chosen =
-                egui::ComboBox::from_id_salt("sensor kind").selected_text(draft.kind.word()).width(108.0);
-            let chosen = chosen.show_ui(ui, |ui| {
-                for kind in SensorKind::ALL {
-                    let choice = ui.selectable_label(kind == draft.kind, kind.word());
-                    if choice.on_hover_text("The sensor's voltage stands for this of the plate").clicked() {
-                        ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
-                    }
-                }
-            });
-            let name = format!("Sensor: {}", draft.kind.word());
-            chosen.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-            chosen.response.on_hover_text(
-                "What the sensor tells of the plate's motion, so that its model is compared rightly",
-            );
-        });
+        let field = ("Sensor at", "Where the sensor stands, from the driven end (32 mm)", 72.0);
+        let at = (draft.place_m, scene.setup.plate.length_m());
+        if let Some(place_m) = place(ui, &mut view.fields, &mut reason, field, at) {
+            ask(MeasureIntent::Draft(MeasureDraft { place_m, ..draft }));
+        }
+        let field = ("Level", "What all tones together may be of full scale: 0.001 to 1, or in dB", 52.0);
+        let shown = with_decimals(draft.level, 2);
+        let of_level = (shown.as_str(), "level", LEVEL);
+        if let Some(level) = number(ui, &mut view.fields, &mut reason, field, of_level, quantity::level) {
+            ask(MeasureIntent::Draft(MeasureDraft { level, ..draft }));
+        }
+        if let Some(kind) = kind(ui, "It shows", Some(draft.kind)) {
+            ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
+        }
     });
-    if let Some(reason) = reason {
-        ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
-    }
+    refusal(ui, reason.as_deref());
     if scene.snapshot.is_simulated() {
         let mut is_secret = live.is_secret;
         let switch = ui.checkbox(&mut is_secret, "A secret plate, a few per cent off");

@@ -2,13 +2,13 @@
 
 use super::field::row;
 use super::response::inks::ink;
-use super::{Scene, ViewState, measure_form, theme, validity};
+use super::{Scene, ViewState, foreign_form, measure_form, theme, validity};
 use crate::intent::{CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_model::response::{Entry, Headroom, differs};
 use slipline_plate::quantity::{show_frequency, show_place};
 
-const OPEN_HELP: &str = "A CSV of frequency_hz,re,im,noise with the lines # place_m = … and # sensor = … above it; or drop it on the window";
+const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58); or drop it on the window";
 const CALIBRATE_HELP: &str =
     "Fit the plate to what a sensor answers at two places: its speed, its loss, the gain of its drive";
 /// Width of a measurement's colour in the list, in points.
@@ -21,13 +21,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let shelf = scene.measure.shelf;
     ui.horizontal(|ui| {
         if ui.button("Open measurement…").on_hover_text(OPEN_HELP).clicked() {
-            intents.push(Intent::OpenDialog);
+            intents.push(Intent::Measure(MeasureIntent::OpenFile));
         }
         if ui.button("Calibrate…").on_hover_text(CALIBRATE_HELP).clicked() {
             intents.push(Intent::Calibrate(CalibrateIntent::Open));
         }
     });
     if scene.dialog != Some(&Dialog::Calibrate) {
+        foreign_form::show(ui, scene, view, intents);
         measure_form::show(ui, scene, view, None, intents);
     }
     if shelf.entries().is_empty() {

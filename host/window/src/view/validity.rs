@@ -119,6 +119,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
             ui.label(RichText::new(reason).color(palette.warn));
         }
         Ok(report) => {
+            if let Some(known) = report.known() {
+                let text = format!("By its calibration {known}.");
+                ui.add(egui::Label::new(RichText::new(text).color(palette.weak)).wrap());
+                ui.add_space(4.0);
+            }
             let mut lights: Vec<&Light> = report.lights.iter().collect();
             // Problems come first; lights of the same colour keep their order.
             lights.sort_by_key(|light| std::cmp::Reverse(light.colour));

@@ -36,7 +36,11 @@ impl Files for FakeFiles {
     fn begin(&mut self, job: FileJob) {
         let asks = matches!(
             job,
-            FileJob::Choose | FileJob::ChooseProfile | FileJob::Save(_) | FileJob::SaveFolder(_)
+            FileJob::Choose
+                | FileJob::ChooseMeasurement
+                | FileJob::ChooseProfile
+                | FileJob::Save(_)
+                | FileJob::SaveFolder(_)
         );
         if asks && self.stays_open.get() {
             return;
@@ -46,6 +50,18 @@ impl Files for FakeFiles {
             FileJob::Choose => {
                 let (path, text) = self.contents.borrow()[0].clone();
                 FileEvent::Opened(path, text)
+            }
+            FileJob::ChooseMeasurement => {
+                let (path, text) = self.contents.borrow()[0].clone();
+                FileEvent::Measurement(path, text.map(String::into_bytes))
+            }
+            FileJob::OpenMeasurement(path) => {
+                let profiles = self.profiles.borrow();
+                let contents = self.contents.borrow();
+                let dropped = profiles.iter().find(|it| it.0 == path).map(|it| it.1.clone());
+                let typed = || contents.iter().find(|it| it.0 == path).map(|it| it.1.clone());
+                let bytes = dropped.or_else(|| typed().map(|text| text.map(String::into_bytes)));
+                FileEvent::Measurement(path, bytes.unwrap_or_else(|| Err("no such file".to_owned())))
             }
             FileJob::ChooseProfile => {
                 let (path, bytes) = self.profiles.borrow()[0].clone();

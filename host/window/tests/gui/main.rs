@@ -13,6 +13,7 @@ mod finger;
 mod finger_trace;
 mod fixed_link;
 mod focus;
+mod foreign;
 mod glyphs;
 mod hang;
 mod light_marks;

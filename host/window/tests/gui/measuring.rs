@@ -145,6 +145,34 @@ fn what_a_device_or_a_typed_value_does_not_allow_is_told() {
 }
 
 #[test]
+fn the_sensor_is_seen_while_it_is_put_in_its_place() {
+    let mut app = TestApp::sensed(Box::new(Half(3)), Bench::default());
+    crate::calibrate::open_calibration(&mut app);
+    assert!(!has(&app, "The sensor now:"), "no sensor on the first page");
+    press(&mut app, "Next");
+    app.wait(1500);
+    // Half of what is driven, and nothing else was asked of the device.
+    assert!(
+        has(&app, "The sensor now:") && has(&app, "dB of full scale. Tap on the plate"),
+        "{:?}",
+        app.snapshot().log
+    );
+    assert!(app.is_driving(), "looking stops nothing");
+    app.take_sent();
+    app.wait(1000);
+    let looks = app.take_sent().iter().filter(|request| matches!(request, Request::Listen(_))).count();
+    assert!((2..=10).contains(&looks), "{looks} in a second");
+    app.window.key_press(Key::Escape);
+    app.wait(1000);
+    app.take_sent();
+    app.wait(500);
+    assert!(
+        !app.take_sent().iter().any(|request| matches!(request, Request::Listen(_))),
+        "the pages are closed"
+    );
+}
+
+#[test]
 fn the_calibrations_pages_measure_too() {
     let mut app = TestApp::sensed(Box::new(Half(2)), Bench::default());
     crate::calibrate::open_calibration(&mut app);

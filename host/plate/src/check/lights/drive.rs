@@ -1,11 +1,14 @@
 //! The light for the driven end: how much of the returning wave it sends back.
 
 use crate::check::grading::{Finding, Site, colour};
+use crate::check::interval::{End, Interval};
 use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::DRIVE_REFLECTION;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
+use crate::quantity::show_si;
 use crate::spec::drive::DriveEnd;
 use crate::spec::impedance::Impedance;
+use crate::spec::model::Model;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
 
@@ -17,15 +20,17 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
     let end = site.plate.spec().drive_end;
     let is_one_mode_bending =
         site.plate.spec().model.bending().is_some() && matches!(end, DriveEnd::Resistance { .. });
-    let value = if is_one_mode_bending {
-        resistance_reflection(site.plate, site.frequency_hz).map(|r| r.norm())
-    } else {
-        Some(in_equation)
+    let value_of = |plate: &Plate, in_equation: f64| {
+        if is_one_mode_bending {
+            resistance_reflection(plate, site.frequency_hz).map(|r| r.norm())
+        } else {
+            Some(in_equation)
+        }
     };
-    let mut judged = colour(in_equation, DRIVE_REFLECTION);
-    if is_one_mode_bending {
-        judged = judged.max(Colour::Amber);
-    }
+    let value = value_of(site.plate, in_equation);
+    let at_least = if is_one_mode_bending { Colour::Amber } else { Colour::Green };
+    let colour_of = |in_equation: f64| colour(in_equation, DRIVE_REFLECTION).max(at_least);
+    let judged = colour_of(in_equation);
     let percent = 100.0 * value.unwrap_or(in_equation);
     let sentence = match (judged, end) {
         (_, DriveEnd::Resistance { .. }) if is_one_mode_bending => {
@@ -62,9 +67,68 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             "The drive end sends {percent:.0} % of the returning wave back: give it the wave's resistance, and less mass and stiffness."
         ),
     };
-    let found = site.judged("drive match", value, "", judged, in_equation, sentence).at(0.0);
+    let found = site
+        .judged("drive match", value, "", judged, in_equation, sentence)
+        .over_corners(
+            site,
+            |interval| known(site, interval),
+            |end| {
+                let plates = with_losses(site, end);
+                let plates = plates.iter().flat_map(|plate| with_sources(plate, source_tolerance(site)));
+                let judged = plates.map(|plate| {
+                    let in_equation = reflected(&plate);
+                    let value = value_of(&plate, in_equation).unwrap_or(in_equation);
+                    (value, colour_of(in_equation))
+                });
+                judged.collect()
+            },
+        )
+        .at(0.0);
     // What a damper in bending sends back in the equation is not what its light tells.
     if is_one_mode_bending { found } else { found.limited(Limit::AtMost(DRIVE_REFLECTION)) }
+}
+
+fn source_tolerance(site: &Site<'_>) -> Option<Impedance> {
+    site.plate.spec().calibration.as_ref()?.source_tolerance
+}
+
+/// How well what the light depends on is known.
+fn known(site: &Site<'_>, interval: &Interval) -> String {
+    match source_tolerance(site) {
+        Some(half) => format!(
+            "{}, the drive's resistance to ±{}",
+            interval.boundary(),
+            show_si(half.resistance_n_s_per_m, "N s/m")
+        ),
+        None => format!("{}; the drive is what the file says, it was not measured", interval.boundary()),
+    }
+}
+
+/// The plate with the lowest and the highest loss of the interval. Between clamped edges a loss takes a law of its own, which is
+/// long to make, and the share that comes back hardly depends on it: there it is the plate itself.
+fn with_losses(site: &Site<'_>, end: &End) -> Vec<Plate> {
+    let is_clamped = matches!(end.plate.spec().model, Model::BendingClamped(_));
+    let factor = site.interval.as_ref().filter(|_| !is_clamped).map_or(1.0, |interval| interval.loss);
+    let lossy = [factor.recip(), factor].into_iter().filter_map(|factor| end.plate.with_loss(factor).ok());
+    if is_clamped { vec![end.plate.clone()] } else { lossy.collect() }
+}
+
+/// The plate with its source at the corners of the interval. The impedances that send back at most a share below 1 fill a disc
+/// in the plane of resistance and reactance, so what holds at the corners holds between them.
+fn with_sources(plate: &Plate, half: Option<Impedance>) -> Vec<Plate> {
+    let (Some(half), DriveEnd::Source(source)) = (half, plate.spec().drive_end) else {
+        return vec![plate.clone()];
+    };
+    let Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m } = source.impedance;
+    let at_corner = |[resists, reacts]: [f64; 2]| {
+        let impedance = Impedance {
+            resistance_n_s_per_m: (resistance_n_s_per_m + resists * half.resistance_n_s_per_m).max(0.0),
+            mass_kg: (mass_kg + reacts * half.mass_kg).max(0.0),
+            stiffness_n_per_m: (stiffness_n_per_m - reacts * half.stiffness_n_per_m).max(0.0),
+        };
+        plate.with_drive_end(DriveEnd::Source(Source { impedance, ..source }))
+    };
+    [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]].map(at_corner).to_vec()
 }
 
 /// Whether the end would match without its own mass and stiffness.

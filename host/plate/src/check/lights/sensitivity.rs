@@ -1,11 +1,16 @@
 //! The light for what the table cannot know: the true wave speed and the true loss.
 
-use crate::check::grading::{Finding, Site};
+use super::sound::level_words;
+use crate::check::grading::{Finding, Site, colour};
+use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::SENSITIVITY_DB;
 use crate::quantity::number_format::with_decimals;
 
 /// The peak against the table's level where the plate is not quite the file's: the worst of its end, of speed and of loss.
 pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
+    if let Some(open_db) = site.levels.open_db(site.plate) {
+        return calibrated_light(site, open_db);
+    }
     let (end, speed, loss) = (site.levels.by_end_db, site.levels.by_speed_db, site.levels.by_loss_db);
     let worst = end.max(speed).max(loss);
     // Both others include what the end does.
@@ -42,4 +47,34 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
         ],
     )
     .at(site.peak_m())
+}
+
+/// On a calibrated plate: what its calibration leaves open. Temperature and tension go on after it, so it is amber where a drift
+/// of 1 % would leave nothing of the table.
+fn calibrated_light(site: &Site<'_>, open_db: f64) -> Finding {
+    let drift_db = site.levels.by_speed_db;
+    let drifts = colour(drift_db, SENSITIVITY_DB) == Colour::Red;
+    let judged = colour(open_db, SENSITIVITY_DB).max(if drifts { Colour::Amber } else { Colour::Green });
+    let known = level_words(open_db);
+    let drift = format!("a wave speed that drifts by 1 % changes it by {} dB", with_decimals(drift_db, 1));
+    let sentence = match (colour(open_db, SENSITIVITY_DB), drifts) {
+        (Colour::Green, false) => format!("By the calibration {known}: the table can be trusted; {drift}."),
+        (Colour::Green, true) => {
+            format!(
+                "By the calibration {known}, but {drift}: calibrate again when the plate is warmer or colder."
+            )
+        }
+        (Colour::Amber, _) => {
+            format!("By the calibration {known}: measure it again with less noise; {drift}.")
+        }
+        _ => format!("By the calibration {known}: no table holds that, measure it again with less noise."),
+    };
+    let found = site.judged("sensitivity", Some(open_db), "dB", judged, open_db, sentence);
+    // Where the drift decides it is not this number.
+    let found = if judged > colour(open_db, SENSITIVITY_DB) {
+        found
+    } else {
+        found.limited(Limit::AtMost(SENSITIVITY_DB))
+    };
+    found.at(site.peak_m())
 }

@@ -1,6 +1,7 @@
 //! Lights that depend only on the taper and the turning point.
 
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site, colour, colour_at_least, pick};
+use crate::check::interval::Interval;
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
@@ -83,6 +84,10 @@ pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
             ),
         ],
     )
+    .over_interval(site, Interval::boundary, |end| {
+        let slope = edge_slope(&end.plate, end.boundary_m);
+        (slope, colour(slope, limits))
+    })
     .at(site.boundary_m)
 }
 
@@ -107,18 +112,16 @@ pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
             ),
         ],
     )
+    .over_interval(site, Interval::boundary, |end| {
+        let curvature = edge_curvature(&end.plate, end.boundary_m);
+        (curvature, colour(curvature, EDGE_CURVATURE))
+    })
     .over(|| vec![Stretch::about(at_m, site.boundary_m, fails)])
 }
 
 pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
     let count = wavelengths(site.plate, site.boundary_m);
-    let colour = if count >= WAVELENGTHS.green {
-        Colour::Green
-    } else if count >= WAVELENGTHS.amber {
-        Colour::Amber
-    } else {
-        Colour::Red
-    };
+    let colour = colour_at_least(count, WAVELENGTHS);
     site.judged(
         "wavelengths",
         Some(count),
@@ -136,6 +139,10 @@ pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
         ]),
     )
     .limited(Limit::AtLeast(WAVELENGTHS))
+    .over_interval(site, Interval::boundary, |end| {
+        let count = wavelengths(&end.plate, end.boundary_m);
+        (count, colour_at_least(count, WAVELENGTHS))
+    })
     .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 
@@ -158,6 +165,10 @@ pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
             ),
         ],
     )
+    .over_interval(site, Interval::boundary, |end| {
+        let fingers = end.plate.edge_width_m(site.frequency_hz).unwrap_or(f64::NAN) / FINGERTIP_M;
+        (fingers, colour(fingers, EDGE_WIDTH))
+    })
     .over(|| {
         let peak_m = site.peak_m();
         let reaches_m = if edge_m.is_finite() { peak_m + edge_m } else { site.boundary_m };
@@ -169,18 +180,20 @@ pub(in crate::check) fn edge_light(site: &Site<'_>) -> Finding {
 pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
     let off_centre = site.prepared.conditions.off_centre;
     let (first, stride) = if off_centre { (2, 1) } else { (3, 2) };
-    let ghosts: Vec<(u32, f64)> = (first..=MODES_MAX)
-        .step_by(stride)
-        .filter_map(|mode| site.plate.ghost_boundary_m(site.frequency_hz, mode).map(|x| (mode, x)))
-        .collect();
+    let ghosts_on = |plate: &Plate| -> Vec<(u32, f64)> {
+        let modes = (first..=MODES_MAX).step_by(stride);
+        modes.filter_map(|mode| plate.ghost_boundary_m(site.frequency_hz, mode).map(|x| (mode, x))).collect()
+    };
+    let ghosts = ghosts_on(site.plate);
     let nearest = ghosts.first().map_or(f64::NAN, |ghost| ghost.1);
     // A mode that enters is never green, because the shape of the drive over the width is not known: a point on the
     // centre line drives all odd modes equally, and a uniform drive drives mode m with 1/m of the first.
-    let colour = match (ghosts.is_empty(), off_centre) {
+    let colour_of = |ghosts: &[(u32, f64)]| match (ghosts.is_empty(), off_centre) {
         (true, _) => Colour::Green,
         (false, false) => Colour::Amber,
         (false, true) => Colour::Red,
     };
+    let colour = colour_of(&ghosts);
     let listed: Vec<String> =
         ghosts.iter().map(|(mode, x)| format!("{:.0} mm (mode {mode})", x * 1e3)).collect();
     let listed = listed.join(", ");
@@ -200,5 +213,14 @@ pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
             ),
         ]),
     )
-    .over(|| ghosts.iter().map(|ghost| Stretch::at(ghost.1)).collect())
+    .over_interval(site, Interval::boundary, |end| {
+        let ghosts = ghosts_on(&end.plate);
+        // Where no mode enters there is no number, and it is green.
+        (ghosts.first().map_or(f64::NAN, |ghost| ghost.1), colour_of(&ghosts))
+    })
+    .over(|| match &ghosts[..] {
+        // One that only an end of the interval has enters at the driven end.
+        [] => vec![Stretch::at(0.0)],
+        ghosts => ghosts.iter().map(|ghost| Stretch::at(ghost.1)).collect(),
+    })
 }

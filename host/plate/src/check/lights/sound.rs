@@ -1,12 +1,13 @@
 //! Lights for sound: the sound level of one tone and the beat of two.
 
-use crate::check::grading::{Finding, Site};
+use crate::check::grading::{Finding, Site, colour};
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
     AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, Limits, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
     ULTRASOUND_DB,
 };
+use crate::quantity::number_format::with_decimals;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Density of air at 20 degrees C, kg/m^3.
@@ -70,6 +71,11 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
     };
     // At level 0 the sound level is minus infinity; 0 dB stands for it.
     let value = value.max(0.0);
+    let open_db = site.levels.open_db(site.plate);
+    let at_ends = open_db.map_or(Vec::new(), |open_db| {
+        [value - open_db, value + open_db].map(|level| (level.max(0.0), colour(level, limits))).to_vec()
+    });
+    let known = open_db.map_or(String::new(), level_words);
     site.graded(
         "sound level",
         value,
@@ -85,6 +91,12 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
             ),
         ],
     )
+    .between(&at_ends, &known)
+}
+
+/// How well the level of the peak is known, in words.
+pub(in crate::check) fn level_words(open_db: f64) -> String {
+    format!("the level of the peak is known to ±{} dB", with_decimals(open_db, 2))
 }
 
 pub(in crate::check) fn beat_light(site: &Site<'_>) -> Finding {

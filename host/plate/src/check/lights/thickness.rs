@@ -1,11 +1,13 @@
 //! The light for a plate that is too thick for its wave or for its own width.
 
 use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::interval::Interval;
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{THICKNESS_SHARE, THIN_PLATE_PERCENT};
 use crate::quantity::number_format::with_decimals;
-use crate::spec::model::Model;
+use crate::spec::model::{Bending, Model};
+use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
 /// Its value is what the wavenumber misses, in %: Mindlin's relation against the thin plate's, both for K h. Where the plate
@@ -19,18 +21,20 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
             return site.judged(name, None, "%", Colour::Green, 0.0, sentence);
         }
     };
-    let mut thick = bending.clone();
-    thick.thick_plate = true;
-    let mut thin = bending.clone();
-    thin.thick_plate = false;
-    let omega = TAU * site.frequency_hz;
     // The plate is narrowest, and the wave shortest, at the boundary.
-    let share_at = |x: f64| bending.thickness_m / (2.0 * site.plate.half_width_m(x));
+    let share_on = |plate: &Plate, x: f64| bending.thickness_m / (2.0 * plate.half_width_m(x));
+    let share_at = |x: f64| share_on(site.plate, x);
     let share = share_at(site.boundary_m);
-    let percent = 100.0 * ((thick.wavenumber_squared(omega) / thin.wavenumber_squared(omega)).sqrt() - 1.0);
+    let percent = missed_percent(bending, site.frequency_hz);
     let by_width = colour(share, THICKNESS_SHARE);
-    let by_wave = if bending.thick_plate { Colour::Green } else { colour(percent, THIN_PLATE_PERCENT) };
-    let missed = if bending.thick_plate { 0.0 } else { percent };
+    let missed_by = |percent: f64| {
+        if bending.thick_plate {
+            (0.0, Colour::Green)
+        } else {
+            (percent, colour(percent, THIN_PLATE_PERCENT))
+        }
+    };
+    let (missed, by_wave) = missed_by(percent);
     // By how much each number exceeds its green limit, so that the two can be compared over a span.
     let severity = (share / THICKNESS_SHARE.green).max(missed / THIN_PLATE_PERCENT.green);
     let shares = format!("the plate is {} times as thick as it is wide here", with_decimals(share, 2));
@@ -63,7 +67,13 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
             ],
         )
     };
-    let found = site.judged(name, Some(missed), "%", by_wave.max(by_width), severity, sentence);
+    let found = site
+        .judged(name, Some(missed), "%", by_wave.max(by_width), severity, sentence)
+        .over_interval(site, Interval::boundary, |end| {
+            let bending = end.plate.spec().model.bending().unwrap_or(bending);
+            let (missed, by_wave) = missed_by(missed_percent(bending, site.frequency_hz));
+            (missed, by_wave.max(colour(share_on(&end.plate, end.boundary_m), THICKNESS_SHARE)))
+        });
     if by_width > by_wave {
         let fails = |x: f64| colour(share_at(x), THICKNESS_SHARE) > Colour::Green;
         found.over(|| vec![Stretch::about(site.boundary_m, site.boundary_m, fails)])
@@ -72,4 +82,11 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
         let whole = || vec![Stretch { from_m: 0.0, to_m: site.boundary_m }];
         found.limited(Limit::AtMost(THIN_PLATE_PERCENT)).over(whole)
     }
+}
+
+/// How much larger Mindlin's wavenumber is than the thin plate's, %.
+fn missed_percent(bending: &Bending, frequency_hz: f64) -> f64 {
+    let squared =
+        |thick_plate: bool| Bending { thick_plate, ..bending.clone() }.wavenumber_squared(TAU * frequency_hz);
+    100.0 * ((squared(true) / squared(false)).sqrt() - 1.0)
 }

@@ -1,6 +1,7 @@
 //! Lights for the finger on the plate: whether it finds room between the edges, and whether the peak survives it.
 
-use crate::check::grading::{Finding, Site, colour, pick};
+use crate::check::grading::{Finding, Site, colour, colour_at_least, pick};
+use crate::check::interval::{End, Interval};
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{FINGER_DB, FINGER_LOAD, FINGERTIP_M, WIDTH};
@@ -12,13 +13,7 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     let fingers_at = |x: f64| 2.0 * site.plate.half_width_m(x) / FINGERTIP_M;
     let fingers = fingers_at(site.boundary_m);
     let millimetres = with_decimals(fingers * FINGERTIP_M * 1e3, 1);
-    let colour = if fingers >= WIDTH.green {
-        Colour::Green
-    } else if fingers >= WIDTH.amber {
-        Colour::Amber
-    } else {
-        Colour::Red
-    };
+    let colour = colour_at_least(fingers, WIDTH);
     let told = match colour {
         Colour::Green | Colour::Unchecked => "a fingertip rests between the edges",
         Colour::Amber => {
@@ -31,6 +26,10 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     let sentence = format!("The plate is {millimetres} mm wide at the boundary: {told}.");
     site.judged("width", Some(fingers), "fingertips", colour, -fingers, sentence)
         .limited(Limit::AtLeast(WIDTH))
+        .over_interval(site, Interval::boundary, |end| {
+            let fingers = 2.0 * end.plate.half_width_m(end.boundary_m) / FINGERTIP_M;
+            (fingers, colour_at_least(fingers, WIDTH))
+        })
         .over(|| {
             let fails = |x: f64| fingers_at(x) < WIDTH.green;
             vec![Stretch::about(site.boundary_m, site.boundary_m, fails)]
@@ -53,10 +52,16 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
             "A light touch has {} times the impedance of the wave; there is no peak for it to take.",
             with_decimals(load, 2)
         );
-        return site.judged(name, Some(load), "", by_load, load, sentence).limited(limit).at(place_m);
+        return site
+            .judged(name, Some(load), "", by_load, load, sentence)
+            .limited(limit)
+            .over_interval(site, Interval::boundary, |end| load_at(site, &finger, end, Colour::Green))
+            .at(place_m);
     }
     let [light_db, firm_db] = touched_db(site, &finger);
-    let judged = by_load.max(colour(light_db, FINGER_DB));
+    // The dB are those of the highest peak over the interval already.
+    let by_db = colour(light_db, FINGER_DB);
+    let judged = by_load.max(by_db);
     let costs = format!(
         "A light touch takes up to {} dB from the peak under it, a firm press {} dB",
         with_decimals(light_db, 1),
@@ -71,8 +76,17 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
             format!("{costs}: a finger stops the wave that it should feel, take a heavier plate."),
         ],
     );
-    let found = site.judged(name, Some(load), "", judged, severity, sentence).at(place_m);
+    let found = site
+        .judged(name, Some(load), "", judged, severity, sentence)
+        .over_interval(site, Interval::boundary, |end| load_at(site, &finger, end, by_db))
+        .at(place_m);
     if judged > by_load { found } else { found.limited(limit) }
+}
+
+/// |Z_f|/Z at an end of the interval, and its colour, at least `by_db`.
+fn load_at(site: &Site<'_>, finger: &Finger, end: &End, by_db: Colour) -> (f64, Colour) {
+    let load = finger.load(&end.plate, site.frequency_hz).unwrap_or(f64::NAN);
+    (load, colour(load, FINGER_LOAD).max(by_db))
 }
 
 /// By how many dB a light touch and a firm press at the place of `light` lower the amplitude under them, at most.

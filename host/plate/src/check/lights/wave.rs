@@ -2,6 +2,7 @@
 
 use super::shape::wavelengths;
 use crate::check::grading::{Finding, Site, pick};
+use crate::check::interval::Interval;
 use crate::check::report::Colour;
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
@@ -41,7 +42,7 @@ pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
     };
     if loss <= LOSS_SMALL {
         let sentence = format!("{arrives}: little is lost on the way.");
-        return site.judged(name, Some(loss), "", Colour::Green, loss, sentence);
+        return over_losses(site.judged(name, Some(loss), "", Colour::Green, loss, sentence), site);
     }
     let colour = peak_colour(site);
     let sentence = pick(
@@ -56,13 +57,37 @@ pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
             ),
         ],
     );
-    site.judged(name, Some(loss), "", colour, loss, sentence)
+    over_losses(site.judged(name, Some(loss), "", colour, loss, sentence), site)
         .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
+}
+
+/// The loss light over the interval of the calibration: the integral is proportional to the loss.
+fn over_losses(found: Finding, site: &Site<'_>) -> Finding {
+    let factor = site.interval.as_ref().map_or(1.0, |interval| interval.loss);
+    found.over_corners(site, Interval::boundary_and_loss, |end| {
+        let loss = loss_integral(&end.plate, end.boundary_m);
+        let judged = |loss: f64| {
+            (loss, if loss <= LOSS_SMALL { Colour::Green } else { peak_colour_over_interval(site) })
+        };
+        vec![judged(loss / factor), judged(loss * factor)]
+    })
+}
+
+/// The worst [`peak_colour`] over the interval of the calibration.
+fn peak_colour_over_interval(site: &Site<'_>) -> Colour {
+    let here = peak_colour(site);
+    let ends = site.interval.iter().flat_map(|interval| &interval.ends);
+    let has_room = ends.into_iter().all(|end| wavelengths(&end.plate, end.boundary_m) >= PEAK_ROOM);
+    match site.levels.calibrated {
+        Some(levels) if !levels.peak_present => Colour::Red,
+        Some(_) if !has_room => here.max(Colour::Amber),
+        _ => here,
+    }
 }
 
 /// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
 /// none. It has to be the largest with the near field of a driven end that the file leaves out, and where the wave speed is
-/// 1 % off: between two resonances what the drive moves beside it may be larger.
+/// 1 % off (on a calibrated plate: anywhere in its intervals): between two resonances what the drive moves beside it may be larger.
 fn peak_colour(site: &Site<'_>) -> Colour {
     match site.response.peak {
         Some(_) if site.levels.peak_largest && has_room(site) => Colour::Green,
@@ -78,6 +103,12 @@ fn has_room(site: &Site<'_>) -> bool {
 pub(in crate::check) fn peak_light(site: &Site<'_>) -> Finding {
     let (value, colour) = (site.response.peak.map(|peak| peak.amplitude), peak_colour(site));
     let amplitude = value.unwrap_or(0.0);
+    let at_ends: Vec<(f64, Colour)> = match site.levels.calibrated {
+        // How high it is goes with the widths, too, and decides nothing.
+        Some(_) => vec![(f64::NAN, peak_colour_over_interval(site))],
+        None => Vec::new(),
+    };
+    let known = site.interval.as_ref().map_or(String::new(), Interval::boundary_and_loss);
     let times = with_decimals(amplitude, 2);
     let at_mm = site.response.peak.map_or(0.0, |peak| peak.position_m * 1e3);
     site.judged(
@@ -96,5 +127,6 @@ pub(in crate::check) fn peak_light(site: &Site<'_>) -> Finding {
             "There is no peak before this boundary: the amplitude just falls from the drive on, see wavelengths and loss.".to_owned(),
         ]),
     )
+    .between(&at_ends, &known)
     .at(site.peak_m())
 }

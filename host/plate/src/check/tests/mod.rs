@@ -1,6 +1,7 @@
 //! The lights on the presets, a file for each group of lights; here what holds for all of them.
 
 mod actuator;
+mod calibrated;
 mod drive;
 mod sensitivity;
 mod shape;

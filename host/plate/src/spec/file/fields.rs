@@ -257,6 +257,26 @@ pub(super) const CALIBRATION: Section = Section {
             "how well the half-width at the driven end is known",
         ),
         field("taper_tolerance", FieldType::Number(limits::CALIBRATED), "how well ln(W0/W(L)) is known"),
+        field(
+            "level_tolerance_db",
+            FieldType::Number(limits::LEVEL_TOLERANCE_DB),
+            "how well the level of the peak is known",
+        ),
+        field(
+            "resistance_tolerance_n_s_per_m",
+            FieldType::Number(limits::MECHANICAL_RESISTANCE),
+            "how well the drive's resistance is known",
+        ),
+        field(
+            "mass_tolerance_kg",
+            FieldType::Number(limits::MOVING_MASS),
+            "how well the drive's moving mass is known",
+        ),
+        field(
+            "stiffness_tolerance_n_per_m",
+            FieldType::Number(limits::END_STIFFNESS),
+            "how well the drive's stiffness is known",
+        ),
         field("points", FieldType::Points(&CURVE), "the measured gain over what the file gives"),
     ],
 };

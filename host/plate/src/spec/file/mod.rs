@@ -6,7 +6,7 @@ mod written;
 
 use crate::quantity::{Count, Counted, Range, WrongCount};
 use crate::spec::actuator::{Actuator, Resonator};
-use crate::spec::calibration::Calibration;
+use crate::spec::calibration::{Calibration, SOURCE_TOLERANCE};
 use crate::spec::drive::DriveEnd;
 use crate::spec::error::{Origin, PlateError, PlateFileError};
 use crate::spec::impedance::Impedance;
@@ -264,8 +264,23 @@ fn calibration_of(given: &Given<'_>) -> Result<Calibration, PlateError> {
         chi2_per_n: given.required("chi2_per_n")?,
         half_width_tolerance: given.required("half_width_tolerance")?,
         taper_tolerance: given.required("taper_tolerance")?,
+        level_tolerance_db: given.number("level_tolerance_db")?,
+        source_tolerance: source_tolerance_of(given)?,
         correction: correction.map(|points| ResponseCurve { points }),
     })
+}
+
+/// Who gives one of the three fields is told of the others.
+fn source_tolerance_of(given: &Given<'_>) -> Result<Option<Impedance>, PlateError> {
+    if !SOURCE_TOLERANCE.iter().any(|field| given.has(field)) {
+        return Ok(None);
+    }
+    let [resistance, mass, stiffness] = SOURCE_TOLERANCE;
+    Ok(Some(Impedance {
+        resistance_n_s_per_m: given.required(resistance)?,
+        mass_kg: given.required(mass)?,
+        stiffness_n_per_m: given.required(stiffness)?,
+    }))
 }
 
 /// Half a limit is none: who gives one of the two fields is told of the other.

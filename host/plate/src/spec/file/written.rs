@@ -1,6 +1,7 @@
 //! Writes a plate as TOML text.
 
 use crate::spec::actuator::Actuator;
+use crate::spec::calibration::Calibration;
 use crate::spec::drive::DriveEnd;
 use crate::spec::model::{Bending, Model};
 use crate::spec::plate::Plate;
@@ -110,6 +111,14 @@ struct CalibrationText {
     half_width_tolerance: f64,
     taper_tolerance: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    level_tolerance_db: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resistance_tolerance_n_s_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mass_tolerance_kg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness_tolerance_n_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<Vec<[f64; 3]>>,
 }
 
@@ -132,12 +141,7 @@ impl Plate {
             model: model_text(&spec.model),
             drive: drive_text(spec.drive_end),
             actuator: spec.actuator.as_ref().map(actuator_text),
-            calibration: spec.calibration.as_ref().map(|calibration| CalibrationText {
-                chi2_per_n: calibration.chi2_per_n,
-                half_width_tolerance: calibration.half_width_tolerance,
-                taper_tolerance: calibration.taper_tolerance,
-                points: calibration.correction.as_ref().map(|curve| curve.points.clone()),
-            }),
+            calibration: spec.calibration.as_ref().map(calibration_text),
         };
         // `PlateText` holds only strings, numbers and lists of numbers, which TOML can always represent.
         toml::to_string(&text).unwrap_or_default()
@@ -227,6 +231,20 @@ fn source_text(source: Source, slope: Option<&'static str>, text: DriveText) -> 
             end_resistance_n_s_per_m: lead_in.end_resistance_n_s_per_m,
         }),
         ..text
+    }
+}
+
+fn calibration_text(calibration: &Calibration) -> CalibrationText {
+    let source = calibration.source_tolerance.as_ref();
+    CalibrationText {
+        chi2_per_n: calibration.chi2_per_n,
+        half_width_tolerance: calibration.half_width_tolerance,
+        taper_tolerance: calibration.taper_tolerance,
+        level_tolerance_db: calibration.level_tolerance_db,
+        resistance_tolerance_n_s_per_m: source.map(|half| half.resistance_n_s_per_m),
+        mass_tolerance_kg: source.map(|half| half.mass_kg),
+        stiffness_tolerance_n_per_m: source.map(|half| half.stiffness_n_per_m),
+        points: calibration.correction.as_ref().map(|curve| curve.points.clone()),
     }
 }
 

@@ -3,11 +3,12 @@
 mod drawing;
 mod known;
 mod result;
+mod signal;
 
 use crate::intent::{CalibrateIntent, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::response::inks::ink;
-use crate::view::{ViewState, measure_form, theme, validity};
+use crate::view::{ViewState, foreign_form, measure_form, theme, validity};
 use eframe::egui::{self, Label, RichText, Sense, vec2};
 use slipline_model::calibration::{Calibration, Step};
 use slipline_model::response::Headroom;
@@ -26,10 +27,14 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.add_space(6.0);
     match step {
         Step::Plate => known::show(ui, calibration, view, intents),
-        Step::FirstPlace => place(ui, calibration, 0),
+        Step::FirstPlace => {
+            place(ui, calibration, 0);
+            signal::show(ui, scene);
+        }
         Step::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
         Step::SecondPlace => {
             place(ui, calibration, 1);
+            signal::show(ui, scene);
             ui.add_space(6.0);
             answer(ui, scene, view, calibration, 1, intents);
         }
@@ -84,8 +89,11 @@ fn answer(
     }
     measure_form::show(ui, scene, view, Some(sensor), intents);
     ui.add_space(4.0);
+    if foreign_form::show(ui, scene, view, intents) {
+        return;
+    }
     let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
-    if ui.button("Open file…").on_hover_text("A measurement as the page Measure reads it").clicked() {
+    if ui.button("Open file…").on_hover_text("A measurement, by this app or by another program").clicked() {
         ask(CalibrateIntent::OpenAnswer);
     }
     let taken = calibration.answer(sensor);

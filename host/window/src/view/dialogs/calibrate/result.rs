@@ -87,10 +87,10 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
     let chi2 = with_decimals(calibrated.chi2_per_n, 2);
     let text = format!("χ² per answer is {chi2}: about 1 where the model misses no more than the noise.");
     wrapped(ui, weak(&text));
-    let moved = calibrated.boundary_per_place.iter().map(|share| share.abs()).fold(0.0, f64::max);
-    let text =
-        format!("A sensor 1 mm from its place takes the boundary with it by {}.", show_length(1e-3 * moved));
-    wrapped(ui, weak(&text));
+    if let Some(caution) = calibrated.caution() {
+        ui.add_space(2.0);
+        wrapped(ui, RichText::new(caution).color(palette.warn));
+    }
 }
 
 /// What can be done with the plate.

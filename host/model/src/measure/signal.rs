@@ -1,0 +1,112 @@
+//! What an input shows right now: how full it is, and whether anything is connected to it.
+
+use slipline_link::protocol::listen::InputsReport;
+use slipline_link::{ListenRequest, Listened, Request, WindowShape};
+use slipline_plate::check::Colour;
+use slipline_plate::number_format::with_decimals;
+
+/// Half of an input's range, codes.
+const HALF_RANGE: f64 = 2047.5;
+/// The highest code.
+const HIGHEST: u16 = 4095;
+/// Length of a look: long enough for a tap on the plate, short enough to follow it. Seconds.
+const LOOK_S: f64 = 0.12;
+
+/// The lowest and the highest code of an input over a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Signal {
+    /// The lowest code.
+    pub lowest: u16,
+    /// The highest code.
+    pub highest: u16,
+}
+
+impl Signal {
+    /// The request for a look at an input, which measures no tone; `None` if the device has not as many inputs.
+    #[must_use]
+    pub fn look(inputs: &InputsReport, input: u8, rate_hz: f64) -> Option<Request> {
+        let blocks = (LOOK_S * rate_hz / 128.0).clamp(1.0, f64::from(u16::MAX)) as u16;
+        (input < inputs.inputs).then_some(Request::Listen(ListenRequest {
+            from: None,
+            blocks,
+            shape: WindowShape::Rectangular,
+            slots: 0,
+            input,
+        }))
+    }
+
+    /// What a look has shown.
+    #[must_use]
+    pub const fn of(listened: &Listened) -> Self {
+        Self { lowest: listened.lowest, highest: listened.highest }
+    }
+
+    /// Half of the span over half of the range (0 to 1).
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        f64::from(self.highest.saturating_sub(self.lowest)) / (2.0 * HALF_RANGE)
+    }
+
+    /// The same in dB of full scale; minus infinity for an input that shows one code.
+    #[must_use]
+    pub fn level_db(&self) -> f64 {
+        20.0 * self.share().log10()
+    }
+
+    /// Red for an input that shows one code or is clipped, green otherwise.
+    #[must_use]
+    pub fn colour(&self) -> Colour {
+        if self.is_stuck() || self.is_clipped() { Colour::Red } else { Colour::Green }
+    }
+
+    const fn is_stuck(self) -> bool {
+        self.highest <= self.lowest
+    }
+
+    const fn is_clipped(self) -> bool {
+        self.lowest == 0 || self.highest == HIGHEST
+    }
+
+    /// What it is, in a sentence.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        if self.is_stuck() {
+            return "The input shows one code alone: nothing is connected to it, or its amplifier is off."
+                .to_owned();
+        }
+        let level = format!("{} dB of full scale", with_decimals(self.level_db(), 0));
+        if self.is_clipped() {
+            return format!("{level}: the input is clipped, lower its gain.");
+        }
+        format!("{level}. Tap on the plate: it must rise.")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_code_is_no_signal_and_the_ends_of_the_range_are_clipped() {
+        for (lowest, highest, colour, words) in [
+            (2048, 2048, Colour::Red, "one code alone"),
+            (0, 2500, Colour::Red, "clipped"),
+            (1500, 4095, Colour::Red, "clipped"),
+            (2047, 2049, Colour::Green, "-66 dB of full scale. Tap"),
+            (1, 4094, Colour::Green, "dB of full scale. Tap"),
+        ] {
+            let signal = Signal { lowest, highest };
+            let sentence = signal.sentence();
+            assert!(signal.colour() == colour && sentence.contains(words), "{lowest} {highest}: {sentence}");
+        }
+        assert_eq!(Signal { lowest: 0, highest: 4095 }.level_db(), 0.0);
+    }
+
+    #[test]
+    fn a_look_asks_for_codes_alone_and_only_for_an_input_that_is_there() {
+        let inputs = InputsReport { inputs: 1, lock_ins: 16, delay_ns: 0, lost_blocks: 0, now: 0 };
+        let Some(Request::Listen(look)) = Signal::look(&inputs, 0, 400e3) else { panic!("a look") };
+        assert_eq!((look.slots, look.blocks, look.from), (0, 375, None));
+        assert!(Signal::look(&inputs, 1, 400e3).is_none());
+    }
+}

@@ -1,0 +1,98 @@
+//! Files of measurements by other programs: what such a file does not tell, and the measurement when a person does.
+
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{CalibrateError, Foreign, Measurement, POINTS, SNR_DB, SensorKind, band_hz};
+use slipline_plate::quantity::{OutOfRange, Range, show_frequency};
+use thiserror::Error;
+
+/// Bytes of a file of a measurement, at most: a universal file of half a million points.
+pub const BYTES_MAX: usize = 32 << 20;
+
+/// What a person tells of a measurement by another program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    /// Where the sensor stood, metres from the driven end.
+    pub place_m: f64,
+    /// What it showed; `None` while nobody has said.
+    pub kind: Option<SensorKind>,
+    /// Signal over noise, dB (0 to 140).
+    pub snr_db: f64,
+}
+
+impl Told {
+    /// What the file itself tells, with the place that is offered.
+    #[must_use]
+    pub const fn by(foreign: &Foreign, place_m: f64) -> Self {
+        Self { place_m, kind: foreign.sensor, snr_db: SNR_DB }
+    }
+}
+
+/// Why a file with what was told of it is no measurement of a plate.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Untold {
+    /// The place is not on the plate.
+    #[error("{0}, on the plate")]
+    Place(OutOfRange),
+    /// Nobody has said what the sensor shows.
+    #[error("the file does not tell what its sensor shows")]
+    Kind,
+    /// The file is of other frequencies.
+    #[error(
+        "{count} of its frequencies are between {} and {}, where this plate is measured: at least {} are needed",
+        show_frequency(.band_hz.0), show_frequency(.band_hz.1), POINTS.least
+    )]
+    Band {
+        /// How many are of use.
+        count: usize,
+        /// The frequencies that are, Hz.
+        band_hz: (f64, f64),
+    },
+    /// The numbers are no measurement.
+    #[error(transparent)]
+    Data(#[from] CalibrateError),
+}
+
+/// The measurement of a foreign file, within the frequencies that a calibration of `plate` uses.
+///
+/// # Errors
+/// [`Untold`]: what is missing or out of its range.
+pub fn measurement(plate: &Plate, foreign: &Foreign, told: &Told) -> Result<Measurement, Untold> {
+    let on_plate = Range::new(0.0, plate.length_m(), "m");
+    OutOfRange::check("sensor", told.place_m, on_plate).map_err(Untold::Place)?;
+    let kind = told.kind.ok_or(Untold::Kind)?;
+    let band_hz = band_hz(plate);
+    let count = foreign.points.iter().filter(|point| (band_hz.0..=band_hz.1).contains(&point.0)).count();
+    if count < POINTS.least {
+        return Err(Untold::Band { count, band_hz });
+    }
+    Ok(foreign.measurement(told.place_m, kind, told.snr_db, band_hz)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::calibrate::File;
+
+    #[test]
+    fn a_foreign_file_is_a_measurement_once_its_place_and_kind_are_told() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let lines: String = (60..300).map(|hz| format!("{hz} -20.0 10.0\n")).collect();
+        let Ok(File::Foreign(foreign)) = File::read(lines.as_bytes()) else { panic!("a table") };
+        let told = Told::by(&foreign, 0.05);
+        assert_eq!(measurement(&plate, &foreign, &told), Err(Untold::Kind));
+        let told = Told { kind: Some(SensorKind::Velocity), ..told };
+        let found = measurement(&plate, &foreign, &told).unwrap();
+        assert_eq!((found.place_m, found.sensor), (0.05, SensorKind::Velocity));
+        let (low, high) = band_hz(&plate);
+        assert!(found.points.iter().all(|point| (low..=high).contains(&point.frequency_hz)));
+        let refused = |told: Told| measurement(&plate, &foreign, &told).unwrap_err().to_string();
+        assert!(refused(Told { place_m: 0.5, ..told }).contains("0 to 0.32 m, on the plate"));
+        let high = Foreign { points: vec![(40e3, foreign.points[0].1); 40], sensor: None };
+        let words = measurement(&plate, &high, &told).unwrap_err().to_string();
+        assert!(
+            words.starts_with("0 of its frequencies are between") && words.contains("at least 8"),
+            "{words}"
+        );
+        assert!(refused(Told { snr_db: 150.0, ..told }).contains("snr = 150"), "the noise is checked, too");
+    }
+}

@@ -1,0 +1,56 @@
+//! What the sensor shows while its place is looked for: one short look at its input after the other, while a page wants it.
+
+use super::App;
+use super::measuring::SENSOR_INPUT;
+use crate::intent::Dialog;
+use slipline_link::{Outcome, Ticket};
+use slipline_model::measure::Signal;
+
+/// The looks at the sensor's input.
+#[derive(Default)]
+pub(super) struct Looks {
+    awaited: Option<Ticket>,
+    latest: Option<Signal>,
+}
+
+impl Looks {
+    /// What the latest look has shown.
+    pub(super) const fn latest(&self) -> Option<Signal> {
+        self.latest
+    }
+
+    /// Whether this request is a look.
+    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+        self.awaited == Some(ticket)
+    }
+}
+
+impl App {
+    /// Takes what the last look has shown, and looks again; whether looks go on.
+    pub(super) fn update_signal(&mut self) -> bool {
+        let is_wanted = self.dialog == Some(Dialog::Calibrate)
+            && self.calibrating.has_sensor_in_hand()
+            && self.snapshot.is_connected()
+            && !self.live.is_under_way();
+        let inputs = self.snapshot.inputs.filter(|_| is_wanted);
+        let look = inputs.and_then(|inputs| Signal::look(&inputs, SENSOR_INPUT, self.sample_rate_hz()));
+        let Some(look) = look else {
+            self.live.looks = Looks::default();
+            return false;
+        };
+        self.put_rig_up();
+        let told = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
+        if let Some(outcome) = told {
+            // What was refused shows nothing; the next look may.
+            self.live.looks.latest = match outcome {
+                Outcome::Listened(listened) => Some(Signal::of(listened)),
+                _ => None,
+            };
+            self.live.looks.awaited = None;
+        }
+        if self.live.looks.awaited.is_none() {
+            self.live.looks.awaited = Some(self.parts.link.send(look));
+        }
+        true
+    }
+}

@@ -1,0 +1,71 @@
+//! What a file by another program does not tell: the sensor's place and kind, and the noise. The person who measured is asked.
+
+use super::sensor_fields::{kind, number, place, refusal};
+use super::{Scene, ViewState, theme};
+use crate::intent::{Intent, Intents, MeasureIntent};
+use eframe::egui::{self, Label, RichText};
+use slipline_model::measured_file::Told;
+use slipline_plate::calibrate::SNR;
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{plain, show_frequency};
+
+/// Shows the questions, while a file waits for its answers; returns whether one does.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) -> bool {
+    let Some(asked) = scene.measure.asked else { return false };
+    let palette = theme::palette(ui);
+    let mut ask = |intent: MeasureIntent| intents.push(Intent::Measure(intent));
+    let wrapped = |ui: &mut egui::Ui, text: RichText| {
+        ui.add(Label::new(text).wrap());
+    };
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        wrapped(ui, RichText::new(&asked.name).strong());
+        let frequencies = || asked.foreign.points.iter().map(|point| point.0);
+        let (low, high) =
+            frequencies().fold((f64::INFINITY, 0.0), |(low, high), hz| (hz.min(low), hz.max(high)));
+        let text = format!(
+            "By another program: {} frequencies from {} to {}. Its file does not tell where the sensor stood.",
+            asked.foreign.points.len(),
+            show_frequency(low),
+            show_frequency(high)
+        );
+        wrapped(ui, RichText::new(text).small().color(palette.weak));
+        ui.add_space(2.0);
+        let told = asked.told;
+        let mut reason = None;
+        ui.horizontal_top(|ui| {
+            let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 72.0);
+            let at = (told.place_m, scene.setup.plate.length_m());
+            if let Some(place_m) = place(ui, &mut view.fields, &mut reason, field, at) {
+                ask(MeasureIntent::Tell(Told { place_m, ..told }));
+            }
+            let field = ("Over the noise, dB", "How far the answers are above the noise: 0 to 140 dB", 52.0);
+            let shown = with_decimals(told.snr_db, 0);
+            let of_noise = (shown.as_str(), "signal over noise", SNR);
+            let read = |text: &str| plain(text, "dB");
+            if let Some(snr_db) = number(ui, &mut view.fields, &mut reason, field, of_noise, read) {
+                ask(MeasureIntent::Tell(Told { snr_db, ..told }));
+            }
+            if let Some(kind) = kind(ui, "It showed", told.kind) {
+                ask(MeasureIntent::Tell(Told { kind: Some(kind), ..told }));
+            }
+        });
+        refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
+        ui.horizontal(|ui| {
+            let add = ui.add_enabled(told.kind.is_some(), egui::Button::new(RichText::new("Take it").strong()));
+            let add = add.on_hover_text("Put it in the list, as it was told here");
+            if add.on_disabled_hover_text("Choose what the sensor showed first").clicked() {
+                ask(MeasureIntent::TakeAsked);
+            }
+            if ui.button("Leave it").on_hover_text("Close the file; nothing is kept of it").clicked() {
+                ask(MeasureIntent::LeaveAsked);
+            }
+        });
+    });
+    ui.add_space(4.0);
+    true
+}

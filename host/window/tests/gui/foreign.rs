@@ -1,0 +1,131 @@
+//! Files by other programs on the page of measurements and in the calibration: what they do not tell is asked for.
+
+use crate::measure::{Dropped, measured, membrane, open_measure};
+use crate::test_app::TestApp;
+use crate::type_into;
+use eframe::egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_plate::calibrate::Measurement;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+fn has(app: &TestApp, part: &str) -> bool {
+    app.window.query_all_by_label_contains(part).next().is_some()
+}
+
+fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
+    let path = PathBuf::from(name);
+    *app.files.profiles.borrow_mut() = vec![(path.clone(), Ok(bytes.to_vec()))];
+    app.window.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
+    app.wait(300);
+}
+
+fn press(app: &mut TestApp, name: &str) {
+    app.window.get_by_role_and_label(Role::Button, name).click_accesskit();
+    app.wait(300);
+}
+
+fn is_enabled(app: &TestApp, name: &str) -> bool {
+    !app.window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
+}
+
+fn choose_kind(app: &mut TestApp, now: &str, kind: &str) {
+    app.window.get_by_role_and_label(Role::ComboBox, &format!("Sensor: {now}")).click();
+    app.wait(200);
+    app.window.get_by_role_and_label(Role::Button, kind).click();
+    app.wait(200);
+}
+
+/// What an acceleration sensor measures at the first place of the calibration.
+fn near(share: f64) -> Measurement {
+    measured(&membrane(share), 0.032, 12.0)
+}
+
+/// The text of REW for these answers.
+fn rew(measurement: &Measurement) -> String {
+    let frd = measurement.to_frd();
+    let rows = frd.lines().filter(|line| !line.starts_with('*'));
+    let head =
+        "* Measurement data measured by REW V5.20\n* Source: microphone\n* Freq(Hz) SPL(dB) Phase(degrees)\n";
+    head.to_owned() + &rows.map(|row| format!("{row}\n")).collect::<String>()
+}
+
+#[test]
+fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
+    let files: [(&str, fn(&Measurement) -> String); 3] =
+        [("room.frd", Measurement::to_frd), ("rew.txt", rew), ("table.csv", |it| it.to_frd())];
+    for (name, text) in files {
+        let mut app = TestApp::driving();
+        open_measure(&mut app);
+        drop_file(&mut app, name, text(&near(1.04)).as_bytes());
+        assert!(has(&app, "By another program: 60 frequencies from"), "{name}");
+        assert!(!is_enabled(&app, "Take it") && !has(&app, "Measured differs"), "{name}");
+        type_into(&mut app, "Sensor stood at", "32 mm");
+        choose_kind(&mut app, "choose…", "acceleration");
+        press(&mut app, "Take it");
+        assert!(!has(&app, "By another program") && has(&app, "Measured differs"), "{name}");
+        assert!(app.window.query_by_label(name).is_some() && has(&app, "32.0 mm ±"), "{name}");
+    }
+}
+
+#[test]
+fn a_universal_file_tells_its_sensor_and_what_cannot_be_is_said_where_it_was_told() {
+    let mut app = TestApp::driving();
+    // Dropped on any page: its name says what it is.
+    drop_file(&mut app, "hammer.UFF", near(1.0).to_uff58().as_bytes());
+    assert!(has(&app, "Sensor: acceleration") && is_enabled(&app, "Take it"));
+    type_into(&mut app, "Sensor stood at", "900 mm");
+    assert!(has(&app, "320 mm"));
+    type_into(&mut app, "Sensor stood at", "32 mm");
+    type_into(&mut app, "Over the noise, dB", "150");
+    assert!(has(&app, "140"));
+    type_into(&mut app, "Over the noise, dB", "46");
+    press(&mut app, "Take it");
+    assert!(has(&app, "The plate's model fits"));
+    // A file of other frequencies has none that this plate uses, and stays to be told otherwise or left.
+    let high: String = (0..40).map(|i| format!("{} -20\n", 40_000 + 100 * i)).collect();
+    drop_file(&mut app, "high.frd", high.as_bytes());
+    choose_kind(&mut app, "choose…", "velocity");
+    press(&mut app, "Take it");
+    assert!(has(&app, "By another program: 40 frequencies"));
+    assert!(has(&app, "0 of its frequencies are between") && has(&app, "at least 8 are needed"));
+    press(&mut app, "Leave it");
+    assert!(!has(&app, "By another program") && app.window.query_by_label("high.frd").is_none());
+}
+
+#[test]
+fn a_file_that_is_no_measurement_is_refused_by_its_line() {
+    let mut app = TestApp::driving();
+    open_measure(&mut app);
+    for (name, bytes, reason) in [
+        ("words.txt", &b"nothing to see\n"[..], "no line has a frequency and a level"),
+        ("half.frd", b"100 -20 3\n101 x\n", "line 2"),
+        ("voice.txt", b"RIFF....WAVE", "is a sound"),
+    ] {
+        drop_file(&mut app, name, bytes);
+        let notice = app.window.state().notice().cloned().unwrap();
+        assert!(notice.is_error && notice.text.contains(name) && notice.text.contains(reason), "{notice:?}");
+        assert!(!has(&app, "By another program"));
+    }
+}
+
+#[test]
+fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
+    let mut app = TestApp::driving();
+    crate::calibrate::open_calibration(&mut app);
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    for (share_m, next) in [(0.032, "Next"), (0.176, "Next")] {
+        let measurement = measured(&membrane(1.02), share_m, 12.0);
+        *app.files.contents.borrow_mut() = vec![(PathBuf::from("answer.frd"), Ok(measurement.to_frd()))];
+        press(&mut app, "Open file…");
+        let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor stood at").value().unwrap();
+        assert_eq!(place, format!("{:.1} mm", 1e3 * share_m), "where the page has it put");
+        assert!(!is_enabled(&app, next));
+        choose_kind(&mut app, "choose…", "acceleration");
+        press(&mut app, "Take it");
+        press(&mut app, next);
+    }
+    assert_eq!(crate::calibrate::page(&app), Some(5));
+    assert!(has(&app, "Boundary off by"));
+}
