@@ -1,12 +1,10 @@
-//! What a calibration leaves open of a plate, and what that does to a light.
+//! What a calibration leaves open of a plate.
 //!
 //! The intervals of wave speed, widths and loss go together: each alone moves the boundary much farther than all of them may.
 //! So the ends of the interval are the plates with the widths at both ends of theirs and the wave speed that puts the boundary
 //! at an end of its own. A light that depends on nothing else is monotone in each of these over so short a way, so what holds
 //! at these corners holds between them.
 
-use super::grading::{Finding, Site};
-use super::report::{Colour, range};
 use crate::quantity::number_format::with_decimals;
 use crate::quantity::show_length;
 use crate::spec::limits;
@@ -23,7 +21,7 @@ pub(super) struct Interval {
     /// The plates at its corners.
     pub(super) ends: Vec<End>,
     /// Whether all corners are plates that can be computed.
-    is_whole: bool,
+    pub(super) is_whole: bool,
 }
 
 /// A plate at an end of the interval.
@@ -83,75 +81,4 @@ fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency
     let wavenumber = plate.spec().model.wavenumber_squared(TAU * frequency_hz).sqrt();
     let turning = plate.width_mode(1).number / plate.turning_half_width_m(place_m);
     plate.with_wave_speed(wavenumber / turning).ok()
-}
-
-impl Finding {
-    /// Judges the light over the interval of the calibration, too: `at` is its number and colour on a plate. `words` say how well
-    /// that is known which the light depends on.
-    pub(super) fn over_interval(
-        self,
-        site: &Site<'_>,
-        words: impl Fn(&Interval) -> String,
-        at: impl Fn(&End) -> (f64, Colour),
-    ) -> Self {
-        self.over_corners(site, words, |end| vec![at(end)])
-    }
-
-    /// As [`Finding::over_interval`], where the light has several numbers at each end: it depends on more than boundary and widths.
-    pub(super) fn over_corners(
-        self,
-        site: &Site<'_>,
-        words: impl Fn(&Interval) -> String,
-        at: impl Fn(&End) -> Vec<(f64, Colour)>,
-    ) -> Self {
-        let Some(interval) = &site.interval else { return self };
-        let all: Vec<(f64, Colour)> = interval.ends.iter().flat_map(at).collect();
-        let found = self.between(&all, &words(interval));
-        if interval.is_whole || found.light.colour != Colour::Green {
-            found
-        } else {
-            found.beyond_any_plate()
-        }
-    }
-
-    /// Judges the light by its numbers and colours at the ends of an interval, too: green only if it is green there. The interval
-    /// of its number is told only where there is a number at every end.
-    pub(super) fn between(mut self, at_ends: &[(f64, Colour)], words: &str) -> Self {
-        let light = &mut self.light;
-        if light.colour == Colour::Unchecked || at_ends.is_empty() {
-            return self;
-        }
-        let worst = at_ends.iter().map(|end| end.1).max().unwrap_or(light.colour);
-        let mut told = String::new();
-        let is_told = at_ends.iter().all(|end| end.0.is_finite());
-        if let Some(value) = light.value.filter(|_| is_told) {
-            let low = at_ends.iter().map(|end| end.0).fold(value, f64::min);
-            let high = at_ends.iter().map(|end| end.0).fold(value, f64::max);
-            (light.low, light.high) = (Some(low), Some(high));
-            told = range(low, high).map_or(told, |range| format!(" ({range} {})", light.unit));
-        }
-        let told = told.replace(" )", ")");
-        let more = match (light.colour, worst) {
-            (Colour::Green, Colour::Green) => {
-                format!("It holds over the calibrated interval{told}: {words}.")
-            }
-            (Colour::Green, _) => {
-                light.colour = Colour::Amber;
-                format!(
-                    "It does not hold at an end of the calibrated interval{told}: {words}, measure it again with less noise."
-                )
-            }
-            _ => format!("Over the calibrated interval{told}: {words}."),
-        };
-        light.sentence = format!("{} {more}", light.sentence);
-        self
-    }
-
-    fn beyond_any_plate(mut self) -> Self {
-        self.light.colour = Colour::Amber;
-        self.light
-            .sentence
-            .push_str(" An end of the interval is no plate that can be computed: calibrate it more exactly.");
-        self
-    }
 }

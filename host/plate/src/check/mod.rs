@@ -21,6 +21,7 @@ mod grading;
 mod interval;
 mod levels;
 mod lights;
+mod over_interval;
 mod prepared;
 mod report;
 pub mod sensation;

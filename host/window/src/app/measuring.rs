@@ -2,7 +2,7 @@
 //! lost device and another plate end it; its last request is a stop.
 
 use super::App;
-use super::signal::Looks;
+use super::signal::{Looks, SENSOR_INPUT};
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui;
@@ -17,8 +17,6 @@ use std::time::Duration;
 
 /// Time between two looks at the progress.
 const LOOK: Duration = Duration::from_millis(50);
-/// The input of the sensor.
-pub(super) const SENSOR_INPUT: u8 = 0;
 
 /// A measurement under way.
 struct Run {

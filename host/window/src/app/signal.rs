@@ -1,10 +1,12 @@
 //! What the sensor shows while its place is looked for: one short look at its input after the other, while a page wants it.
 
 use super::App;
-use super::measuring::SENSOR_INPUT;
 use crate::intent::Dialog;
 use slipline_link::{Outcome, Ticket};
 use slipline_model::measure::Signal;
+
+/// The input of the sensor.
+pub(super) const SENSOR_INPUT: u8 = 0;
 
 /// The looks at the sensor's input.
 #[derive(Default)]

@@ -52,12 +52,13 @@ fn rew(measurement: &Measurement) -> String {
 
 #[test]
 fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
-    let files: [(&str, fn(&Measurement) -> String); 3] =
-        [("room.frd", Measurement::to_frd), ("rew.txt", rew), ("table.csv", |it| it.to_frd())];
+    let measured = near(1.04);
+    let files =
+        [("room.frd", measured.to_frd()), ("rew.txt", rew(&measured)), ("table.csv", measured.to_frd())];
     for (name, text) in files {
         let mut app = TestApp::driving();
         open_measure(&mut app);
-        drop_file(&mut app, name, text(&near(1.04)).as_bytes());
+        drop_file(&mut app, name, text.as_bytes());
         assert!(has(&app, "By another program: 60 frequencies from"), "{name}");
         assert!(!is_enabled(&app, "Take it") && !has(&app, "Measured differs"), "{name}");
         type_into(&mut app, "Sensor stood at", "32 mm");

@@ -69,6 +69,10 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
             ui.end_row();
         }
     });
+    if let Some(caution) = calibrated.caution() {
+        ui.add_space(4.0);
+        wrapped(ui, RichText::new(caution).color(palette.warn));
+    }
     ui.add_space(6.0);
     grid("calibration parameters").show(ui, |ui| {
         for head in ["", "fitted", "95 % interval"] {
@@ -87,10 +91,6 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
     let chi2 = with_decimals(calibrated.chi2_per_n, 2);
     let text = format!("χ² per answer is {chi2}: about 1 where the model misses no more than the noise.");
     wrapped(ui, weak(&text));
-    if let Some(caution) = calibrated.caution() {
-        ui.add_space(2.0);
-        wrapped(ui, RichText::new(caution).color(palette.warn));
-    }
 }
 
 /// What can be done with the plate.
