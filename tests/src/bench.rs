@@ -6,7 +6,7 @@ use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::{DeviceTable, Request, Snapshot};
 use slipline_model::field::simulation::table_for;
-use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
 use slipline_model::rig::{PreparedRig, RigHand, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind};
@@ -25,13 +25,16 @@ pub struct Bench {
     pub nominal: Plate,
     /// The plate under the device.
     pub truth: Plate,
+    /// The rig.
+    pub rig: PreparedRig,
     /// The person at the rig.
     pub hand: RigHand,
     /// The link and the device, in virtual time.
     pub loopback: Loopback,
     /// What is measured.
     pub wanted: Wanted,
-    table: Arc<DeviceTable>,
+    /// The table of the nominal plate.
+    pub table: Arc<DeviceTable>,
 }
 
 impl Bench {
@@ -48,7 +51,15 @@ impl Bench {
         let (_, table) = table_for(nominal, RATE_HZ as u32).expect("a table");
         loopback.perform(Request::Upload(table.clone()), |_| ()).expect("takes the table");
         let wanted = Wanted { points, ..Wanted::of(nominal) };
-        Self { nominal: nominal.clone(), truth: truth.clone(), hand: rig.hand(), loopback, wanted, table }
+        Self {
+            nominal: nominal.clone(),
+            truth: truth.clone(),
+            hand: rig.hand(),
+            rig,
+            loopback,
+            wanted,
+            table,
+        }
     }
 
     /// The two places of the sensor, metres.
@@ -76,32 +87,47 @@ impl Bench {
     pub fn measure(
         &mut self,
         place_m: f64,
-        mut change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
+        change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
     ) -> Result<Measured, MeasureError> {
         let inputs = self.inputs();
         let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into())?;
         let sensor = Sensor { place_m, kind: SensorKind::Displacement, input: 0 };
-        let mut measuring = Measuring::new(plan, self.table.clone(), sensor, &inputs)?;
+        let measuring = Measuring::new(plan, self.table.clone(), sensor, &inputs)?;
+        self.run(measuring, change)
+    }
+
+    /// Runs a procedure to its end; `change` may do something at each step.
+    ///
+    /// # Errors
+    /// Why it found nothing.
+    ///
+    /// # Panics
+    /// If it never ends.
+    pub fn run<P: Procedure>(
+        &mut self,
+        mut procedure: P,
+        mut change: impl FnMut(&mut Loopback, &mut P, usize, Option<&Request>),
+    ) -> Result<P::Found, MeasureError> {
         let mut ticket = None;
         for steps in 0.. {
             assert!(steps < STEPS, "it never ends");
-            let step = measuring.step();
+            let step = procedure.step();
             let asked = if let Step::Ask(request) = &step { Some(request) } else { None };
-            change(&mut self.loopback, &mut measuring, steps, asked);
+            change(&mut self.loopback, &mut procedure, steps, asked);
             match step {
                 Step::Ask(request) => ticket = Some(self.loopback.hand_over(request)),
                 Step::Wait => {
                     self.loopback.pass(1, |_| ());
                     let view: &Snapshot = self.loopback.view();
-                    measuring.watch(view);
+                    procedure.watch(view);
                     if let Some(outcome) = ticket.and_then(|ticket| view.outcome(ticket)) {
-                        measuring.take(outcome);
+                        procedure.take(outcome);
                     }
                 }
                 Step::Ended => break,
             }
         }
-        measuring.finish()
+        procedure.finish()
     }
 
     /// The same sensor at both places, one after the other.

@@ -2,7 +2,7 @@
 //! stands on it.
 
 use slipline_link::Request;
-use slipline_model::measure::{MeasureError, Measured};
+use slipline_model::measure::{MeasureError, Measured, Procedure};
 use slipline_model::rig::{RigFault, RigOptions, secret};
 use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;

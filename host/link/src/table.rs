@@ -143,6 +143,12 @@ impl DeviceTable {
         Ok(Self { travel_limit: Some(travel_limit), ..self })
     }
 
+    /// The same table with the actuator of another one.
+    #[must_use]
+    pub fn with_travel_limit_of(self, other: &Self) -> Self {
+        Self { travel_limit: other.travel_limit, ..self }
+    }
+
     /// The limit of the actuator's travel that the device gets with the table; `None` if the travel is not limited.
     #[must_use]
     pub const fn travel_limit(&self) -> Option<TravelLimit> {

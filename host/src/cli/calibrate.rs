@@ -1,15 +1,17 @@
 //! `slipline calibrate`.
 
-use super::calibrated::{Found, finish};
+use super::calibrated::{Found, Way, finish};
 use super::destination::Destination;
-use super::measured_file::{SensorArgument, measurements};
-use super::measuring::{BandArgument, at_places};
+use super::known_drive::KnownDriveArgument;
+use super::measured_file::{SensorArgument, current_of, measurements};
+use super::measuring::{BandArgument, ByDevice, at_places, current};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress};
 use argument::TouchArgument;
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueEnum};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Priors, Touch, from_one_sensor, from_ratio, from_touches,
+    CalibrateError, Calipers, Measurement, Priors, Touch, Transducer, from_one_sensor, from_ratio,
+    from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::{Measure, Range, must_be};
@@ -43,6 +45,8 @@ pub struct CalibrateArguments {
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true)]
     level: Option<f64>,
     #[command(flatten)]
+    known: KnownDriveArgument,
+    #[command(flatten)]
     arming: ArmingArgument,
     /// How far a felt edge may be from where it was told, one standard deviation, 10um to 50mm.
     #[arg(long, value_name = "LENGTH", value_parser = argument::length(TOUCH_TOLERANCE), allow_hyphen_values = true, default_value = "2mm")]
@@ -64,10 +68,23 @@ struct MeasuredArgument {
     /// other programs REW's text, .frd, any table of frequency and level, and universal files (58) are read.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
+    /// Measure the current of the drive, with nothing on the plate, in place of a sensor; or the file of --data is one of it.
+    /// Tell what drives the plate.
+    #[arg(long, value_enum, value_name = "DRIVE", conflicts_with_all = ["places", "touches"])]
+    current: Option<CurrentOf>,
     /// Without a sensor: the boundary that was asked for (or its frequency), and where the finger felt the edge
     /// (120mm:118mm); name at least two, far apart. This gives places and no levels.
     #[arg(long = "touch", value_name = "X:EDGE", value_parser = argument::touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
+}
+
+/// What the current flows through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CurrentOf {
+    /// A voice coil.
+    Coil,
+    /// A piezo.
+    Piezo,
 }
 
 /// The plate's widths and length by calipers and a rule: all three or none.
@@ -106,10 +123,24 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let (nominal, priors) = arguments.calipers.applied_to(file.clone())?;
     let found = match &arguments.measured.touches[..] {
-        [] => match &measured(&nominal, arguments)?[..] {
-            [one] => from_one_sensor(&nominal, one, &priors).map(Found::from),
-            [near, far, ..] => from_ratio(&nominal, [near, far], &priors).map(Found::from),
-            [] => return Err(Failure::Usage("--data names no file".to_owned())),
+        [] => match (&measured(&nominal, arguments)?[..], arguments.measured.current) {
+            ([one], Some(drive)) => {
+                let transducer = match drive {
+                    CurrentOf::Coil => Transducer::Coil,
+                    CurrentOf::Piezo => Transducer::Piezo,
+                };
+                let found = from_shunt(&nominal, one, transducer, &priors);
+                found.map(|found| Found::by(Way::Current, found))
+            }
+            ([one], None) => {
+                let found = from_one_sensor(&nominal, one, &priors);
+                found.map(|found| Found::by(Way::OneSensor, found))
+            }
+            ([near, far, ..], _) => {
+                let found = from_ratio(&nominal, [near, far], &priors);
+                found.map(|found| Found::by(Way::TwoPlaces, found))
+            }
+            ([], _) => return Err(Failure::Usage("--data names no file".to_owned())),
         },
         touches => touched(&nominal, touches, arguments, &priors)?,
     };
@@ -120,13 +151,32 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
 fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measurement>, Failure> {
     let data = &arguments.measured.data;
     let Some(port) = &arguments.port else {
+        if arguments.measured.current.is_some() {
+            return match &data[..] {
+                [file] => Ok(vec![current_of(nominal, file, &arguments.sensor)?]),
+                more => {
+                    let given = format_args!("{} files of --data with --current", more.len());
+                    Err(Failure::Usage(must_be(given, "1: the current, with nothing on the plate")))
+                }
+            };
+        }
         if data.len() > 2 {
             let given = format_args!("{} files of --data", data.len());
             return Err(Failure::Usage(must_be(given, "1 or 2, of the same sensor at one place or at two")));
         }
         return measurements(nominal, data, &arguments.sensor);
     };
-    at_places(nominal, port, &arguments.sensor, &arguments.band, arguments.level, &arguments.arming)
+    let by = ByDevice {
+        port,
+        band: &arguments.band,
+        level: arguments.level,
+        known: &arguments.known,
+        arming: &arguments.arming,
+    };
+    match arguments.measured.current {
+        Some(_) => Ok(vec![current(nominal, &by)?]),
+        None => at_places(nominal, &by, &arguments.sensor),
+    }
 }
 
 /// The calibration by felt edges.
@@ -150,6 +200,7 @@ fn touched(
     let peak_m = arguments.level.unwrap_or(TOUCH_LEVEL) * table.peak_at_full_scale_m;
     let found = from_touches(nominal, &touches, peak_m, &Feeling::default(), priors);
     Ok(found.map(|found| Found {
+        way: Way::Touches,
         plate: found.plate,
         parameters: found.parameters,
         chi2_per_n: found.chi2_per_n,

@@ -10,8 +10,48 @@ use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::show_length;
 use std::io::Write;
 
+/// What a plate is calibrated by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Way {
+    TwoPlaces,
+    OneSensor,
+    Current,
+    Touches,
+}
+
+impl Way {
+    /// The word for it in JSON.
+    const fn word(self) -> &'static str {
+        match self {
+            Self::TwoPlaces => "two places",
+            Self::OneSensor => "one sensor",
+            Self::Current => "current",
+            Self::Touches => "touches",
+        }
+    }
+
+    /// What it has reached on simulated plates: the table of PHYSICS.md, section 9.
+    const fn reaches(self) -> &'static str {
+        match self {
+            Self::TwoPlaces => {
+                "two places of one sensor: on simulated plates the boundary came within 0.2 mm, 0.8 mm at worst, and the level within 0.3 dB"
+            }
+            Self::OneSensor => {
+                "one sensor and a model of the source: on simulated plates the boundary came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
+            }
+            Self::Current => {
+                "the current alone: on simulated plates the boundary came within 0.5 mm, 1.2 mm at worst; the level is the model's, nothing has measured it"
+            }
+            Self::Touches => {
+                "felt edges alone: on simulated plates whose drive was known the felt edge came within 1.5 mm; nothing has measured the level"
+            }
+        }
+    }
+}
+
 /// A calibrated plate, and what is told of it.
 pub(super) struct Found {
+    pub(super) way: Way,
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
     pub(super) chi2_per_n: f64,
@@ -23,10 +63,12 @@ pub(super) struct Found {
     pub(super) level_tolerance_db: Option<f64>,
 }
 
-impl From<Calibrated> for Found {
-    fn from(found: Calibrated) -> Self {
+impl Found {
+    /// What a calibration has found.
+    pub(super) fn by(way: Way, found: Calibrated) -> Self {
         Self {
             caution: found.caution(),
+            way,
             plate: found.plate,
             parameters: found.parameters,
             chi2_per_n: found.chi2_per_n,
@@ -83,6 +125,7 @@ fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
     json!({
         "plate": file.name(),
         "accepted": true,
+        "by": found.way.word(),
         "parameters": found.parameters.iter().map(|it| json!({
             "name": it.name,
             "value": it.value,
@@ -108,7 +151,7 @@ fn lines<'a>(
     out: Option<&Destination>,
 ) -> Vec<(&'a str, String)> {
     let number = |value: f64| significant(value, 5);
-    let mut lines = vec![("Plate", file.name().to_owned())];
+    let mut lines = vec![("Plate", file.name().to_owned()), ("By", found.way.reaches().to_owned())];
     for it in &found.parameters {
         let interval = format!("{} ({} to {})", number(it.value), number(it.low), number(it.high));
         lines.push((it.name, interval));

@@ -1,6 +1,8 @@
 //! `slipline drive`.
 
+use super::bench::Bench;
 use super::device::Device;
+use super::known_drive;
 use super::{Begin, DriveArguments, Failure, argument, output};
 use crate::signals;
 use serde_json::json;
@@ -30,7 +32,9 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     if arguments.clear_faults {
         device.perform(Request::ClearFaults)?;
     }
-    let table = device.use_table(&plate)?;
+    let bench = Bench::new(&device, &plate)?;
+    known_drive::check(&bench, arguments.known.known(None))?;
+    let table = bench.table;
     let chord = match setup.as_ref().and_then(|setup| chord_of(setup, &table)) {
         Some(chord) if device.snapshot().can_play_chords() => {
             let identity = device.identity()?;

@@ -2,16 +2,17 @@
 
 use super::destination::Destination;
 use super::device::Device;
+use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::kind;
-use super::measuring::{BandArgument, Bench, place_on};
+use super::measuring::{BandArgument, Measurer, place_on};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use argument::Typed;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use slipline_model::measure::{Measured, Sensor};
+use slipline_model::measure::{Measured, Sensor, current_sensor};
 use slipline_model::rig::RigOptions;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{Measurement, SensorKind};
+use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{must_be, show_frequency, show_place};
 use std::io::Write;
@@ -24,9 +25,12 @@ pub struct MeasureArguments {
     port: PortArgument,
     #[command(flatten)]
     plate: PlateArgument,
+    /// What is measured: the sensor at the device's first input, or the current of the drive at its second.
+    #[arg(long, value_enum, default_value_t = Input::Sensor)]
+    input: Input,
     /// Where the sensor stands, from the driven end (30mm).
-    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
-    sensor: Typed<f64>,
+    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, required_if_eq("input", "sensor"))]
+    sensor: Option<Typed<f64>>,
     /// What the sensor shows: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = kind, default_value = "displacement")]
     kind: SensorKind,
@@ -41,7 +45,18 @@ pub struct MeasureArguments {
     #[command(flatten)]
     force: ForceArgument,
     #[command(flatten)]
+    known: KnownDriveArgument,
+    #[command(flatten)]
     arming: ArmingArgument,
+}
+
+/// An input of the device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Input {
+    /// The sensor.
+    Sensor,
+    /// The current of the drive.
+    Current,
 }
 
 /// How a measurement is written as text.
@@ -70,30 +85,47 @@ fn measurement_file(text: &str) -> Result<PathBuf, String> {
 
 pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let place_m = place_on(&plate, &arguments.sensor)?;
+    let sensor = match (&arguments.sensor, arguments.input) {
+        (_, Input::Current) => current_sensor(),
+        (Some(place), Input::Sensor) => {
+            Sensor { place_m: place_on(&plate, place)?, kind: arguments.kind, input: 0 }
+        }
+        (None, Input::Sensor) => {
+            return Err(Failure::Usage("tell where the sensor stands: --sensor PLACE".to_owned()));
+        }
+    };
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
-    let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
+    let options = RigOptions { place_m: sensor.place_m, sensor: sensor.kind, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
     let device = Device::connect(&arguments.port.port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
-    let bench = Bench::new(&device, &plate, &arguments.band, Some(arguments.level))?;
-    let measured = bench.measure(Sensor { place_m, kind: arguments.kind, input: 0 })?;
+    let measurer = Measurer::new(&device, &plate, &arguments.band, Some(arguments.level))?;
+    let drive = known_drive::check(&measurer.bench, arguments.known.known(rig.as_ref()))?;
+    let measured = measurer.measure(sensor)?;
+    let told = Told { plate: &plate, input: arguments.input, drive, measured: &measured };
     if let Some(out) = &out {
         let text = form(out.path()).unwrap_or(Measurement::to_csv)(&measured.measurement);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&plate, &measured), |writer| {
-        output::lines(writer, &lines(&plate, &measured, out.as_ref()))
-    })
+    output::print(as_json, &value(&told), |writer| output::lines(writer, &lines(&told, out.as_ref())))
 }
 
-fn value(plate: &Plate, measured: &Measured) -> Value {
+/// What is told of a measurement.
+struct Told<'a> {
+    plate: &'a Plate,
+    input: Input,
+    drive: Option<DriveCheck>,
+    measured: &'a Measured,
+}
+
+fn value(&Told { plate, input, drive, measured }: &Told<'_>) -> Value {
     let measurement = &measured.measurement;
     let points = || measurement.points.iter();
     json!({
         "plate": plate.name(),
         "place_m": measurement.place_m,
-        "sensor": measurement.sensor.word(),
+        "input": if input == Input::Current { "current" } else { "sensor" },
+        "sensor": (input == Input::Sensor).then(|| measurement.sensor.word()),
         "sample_rate_hz": measurement.sample_rate_hz,
         "frequency_hz": points().map(|it| it.frequency_hz).collect::<Vec<_>>(),
         "response": points().map(|it| json!({ "re": it.response.re, "im": it.response.im })).collect::<Vec<_>>(),
@@ -102,6 +134,7 @@ fn value(plate: &Plate, measured: &Measured) -> Value {
         "least_headroom_db": measured.headroom_db,
         "headroom_light": measured.light().name(),
         "noise_codes": measured.noise_codes,
+        "drive": drive.map(|drive| drive.to_string()),
         "warnings": warnings(measured),
     })
 }
@@ -111,7 +144,10 @@ pub(super) fn warnings(measured: &Measured) -> Vec<String> {
     measured.warnings.iter().map(slipline_model::measure::Warning::sentence).collect()
 }
 
-fn lines(plate: &Plate, measured: &Measured, out: Option<&Destination>) -> Vec<(&'static str, String)> {
+fn lines(
+    &Told { plate, input, drive, measured }: &Told<'_>,
+    out: Option<&Destination>,
+) -> Vec<(&'static str, String)> {
     let measurement = &measured.measurement;
     let points = &measurement.points;
     let hertz = |point: Option<&slipline_plate::calibrate::MeasuredPoint>| {
@@ -124,7 +160,12 @@ fn lines(plate: &Plate, measured: &Measured, out: Option<&Destination>) -> Vec<(
     let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
     let mut lines = vec![
         ("Plate", plate.name().to_owned()),
-        ("Sensor", format!("{} at {}", measurement.sensor.word(), show_place(measurement.place_m))),
+        match input {
+            Input::Sensor => {
+                ("Sensor", format!("{} at {}", measurement.sensor.word(), show_place(measurement.place_m)))
+            }
+            Input::Current => ("Input", "the current of the drive".to_owned()),
+        },
         (
             "Frequencies",
             format!("{} from {} to {}", points.len(), hertz(points.first()), hertz(points.last())),
@@ -132,6 +173,7 @@ fn lines(plate: &Plate, measured: &Measured, out: Option<&Destination>) -> Vec<(
         ("Answers", format!("{} above the noise in the middle", decibel(middle_db))),
         ("Headroom", format!("{}, {}", decibel(measured.headroom_db), measured.light().name())),
     ];
+    lines.extend(drive.map(|drive| ("Drive", drive.to_string())));
     lines.extend(warnings(measured).into_iter().map(|sentence| ("Note", sentence)));
     lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
     lines

@@ -8,13 +8,14 @@ use slipline_model::measured_file::{BYTES_MAX, Told, Untold, measurement};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{File, Foreign, Measurement, SNR, SNR_DB, SensorKind};
 use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// What a file of another program does not tell.
 #[derive(Debug, Args)]
 pub(super) struct SensorArgument {
-    /// Where the sensor stands or stood, from the driven end (30mm): twice with --port, and once for each file of another
-    /// program, in their order.
+    /// Where the sensor stands or stood, from the driven end (30mm): twice or once with --port, and once for each file of another
+    /// program, in their order. Once with --port calibrates by one place, and needs a model of the source.
     #[arg(long = "sensor", value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) places: Vec<Typed<f64>>,
     /// What the sensor shows: displacement, velocity, acceleration or strain. Universal files tell it; with --port it is
@@ -44,17 +45,14 @@ pub(super) fn measurements(
     sensor: &SensorArgument,
 ) -> Result<Vec<Measurement>, Failure> {
     let mut places = sensor.places.iter();
-    let read = files.iter().map(|path| {
-        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-        let bytes = read_bytes(path, BYTES_MAX).map_err(|error| refused(said(&error)))?;
-        match File::read(&bytes).map_err(|error| refused(error.to_string()))? {
-            File::Own(measurement) => Ok(measurement),
-            File::Foreign(foreign) => {
-                let place = places.next().ok_or_else(|| {
-                    refused("by another program: tell where its sensor stood with --sensor PLACE".to_owned())
-                })?;
-                told(plate, &foreign, place, sensor, path)
-            }
+    let read = files.iter().map(|path| match read(path)? {
+        File::Own(measurement) => Ok(measurement),
+        File::Foreign(foreign) => {
+            let place = places.next().ok_or_else(|| {
+                let why = "by another program: tell where its sensor stood with --sensor PLACE";
+                refused(path, why)
+            })?;
+            told(plate, &foreign, place, sensor, path)
         }
     });
     let read = read.collect::<Result<Vec<_>, Failure>>()?;
@@ -69,6 +67,30 @@ pub(super) fn measurements(
     }
 }
 
+/// Reads the file of the current through the drive: its place and its kind do not count.
+pub(super) fn current_of(
+    plate: &Plate,
+    path: &Path,
+    sensor: &SensorArgument,
+) -> Result<Measurement, Failure> {
+    match read(path)? {
+        File::Own(measurement) => Ok(measurement),
+        File::Foreign(foreign) => {
+            let told = Told { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
+            measurement(plate, &foreign, &told).map_err(|error| refused(path, error))
+        }
+    }
+}
+
+fn refused(path: &Path, why: impl Display) -> Failure {
+    Failure::Usage(format!("{}: {why}", path.display()))
+}
+
+fn read(path: &Path) -> Result<File, Failure> {
+    let bytes = read_bytes(path, BYTES_MAX).map_err(|error| refused(path, said(&error)))?;
+    File::read(&bytes).map_err(|error| refused(path, error))
+}
+
 /// The measurement of a foreign file with what was told of it.
 fn told(
     plate: &Plate,
@@ -77,15 +99,14 @@ fn told(
     sensor: &SensorArgument,
     path: &Path,
 ) -> Result<Measurement, Failure> {
-    let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
     let on_plate = Range::new(0.0, plate.length_m(), "m");
     let place_m = place.within("--sensor", on_plate, Measure::Length, ", on the plate")?;
     let told = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
     measurement(plate, foreign, &told).map_err(|error| match error {
         Untold::Kind => refused(
-            "it does not tell what its sensor shows: write --kind acceleration, or whichever it is"
-                .to_owned(),
+            path,
+            "it does not tell what its sensor shows: write --kind acceleration, or whichever it is",
         ),
-        Untold::Place(_) | Untold::Band { .. } | Untold::Data(_) => refused(error.to_string()),
+        Untold::Place(_) | Untold::Band { .. } | Untold::Data(_) => refused(path, error),
     })
 }

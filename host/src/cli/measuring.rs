@@ -1,25 +1,19 @@
 //! A measurement with a device: for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
+use super::bench::{Bench, run};
 use super::device::Device;
+use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
-use super::{ArmingArgument, Failure, PortArgument, progress};
+use super::{ArmingArgument, Failure, PortArgument};
 use clap::Args;
-use slipline_link::protocol::event::State;
-use slipline_link::{DeviceTable, Request};
-use slipline_model::measure::{MeasureError, Measured, Measuring, POINTS, Plan, Sensor, Step, Wanted};
+use slipline_model::measure::{
+    MeasureError, Measured, Measuring, POINTS, Plan, Sensor, SweepPlan, Sweeping, Wanted, current_sensor,
+};
 use slipline_model::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
-use std::sync::Arc;
-use std::time::Duration;
-
-/// Time between two looks at the device.
-const GLANCE: Duration = Duration::from_millis(50);
-
-/// Looks until what sounds must have faded.
-const FADING: usize = 100;
 
 /// Which frequencies, and how loud.
 #[derive(Debug, Args)]
@@ -33,6 +27,10 @@ pub(super) struct BandArgument {
     /// How many frequencies, 8 to 1600; without it, as many as calibrate the plate.
     #[arg(long, value_parser = argument::count(POINTS.low as usize, POINTS.high as usize), allow_hyphen_values = true)]
     points: Option<usize>,
+    /// One tone that glides through the band and a capture of the input, in place of a comb of tones at a time. It has less
+    /// noise, and leaves out what amplifier and sensor bend.
+    #[arg(long)]
+    sweep: bool,
 }
 
 impl BandArgument {
@@ -54,74 +52,88 @@ pub(super) fn place_on(plate: &Plate, place: &Typed<f64>) -> Result<f64, Failure
     place.within("--sensor", on_plate, Measure::Length, ", on the plate")
 }
 
-/// A device that holds a plate's table, and the combs that measure that plate.
-pub(super) struct Bench<'a> {
-    device: &'a Device,
-    plan: Plan,
-    table: Arc<DeviceTable>,
+/// How a plate is measured.
+enum Method {
+    Steps(Plan),
+    Sweep(SweepPlan),
 }
 
-impl<'a> Bench<'a> {
-    /// Has the device hold the plate's table.
+/// A device, and how it measures a plate.
+pub(super) struct Measurer<'a> {
+    pub(super) bench: Bench<'a>,
+    method: Method,
+}
+
+impl<'a> Measurer<'a> {
+    /// Plans the measurement, and has the device hold the plate's table.
     pub(super) fn new(
         device: &'a Device,
-        plate: &Plate,
+        plate: &'a Plate,
         band: &BandArgument,
         level: Option<f64>,
     ) -> Result<Self, Failure> {
+        let refused = |error: MeasureError| match error {
+            MeasureError::NoInputs => Failure::failed(error),
+            error => Failure::usage(error),
+        };
+        let wanted = band.wanted(plate, level);
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
-        let plan =
-            Plan::new(plate, &band.wanted(plate, level), rate_hz, lock_ins).map_err(|error| match error {
-                MeasureError::NoInputs => Failure::failed(error),
-                error => Failure::usage(error),
-            })?;
-        let table = device.use_table(plate)?;
-        Ok(Self { device, plan, table })
+        // What cannot be measured is said before the device gets a table.
+        let steps = Plan::new(plate, &wanted, rate_hz, lock_ins).map_err(refused);
+        let steps = if band.sweep { None } else { Some(steps?) };
+        let bench = Bench::new(device, plate)?;
+        let method = match steps {
+            Some(plan) => Method::Steps(plan),
+            None => Method::Sweep(SweepPlan::new(plate, &bench.table, &wanted, rate_hz).map_err(refused)?),
+        };
+        Ok(Self { bench, method })
     }
 
     /// Arms the device, measures, and disarms it.
     pub(super) fn measure(&self, sensor: Sensor) -> Result<Measured, Failure> {
-        let inputs = self.device.snapshot().inputs.unwrap_or_default();
-        let mut measuring = Measuring::new(self.plan.clone(), self.table.clone(), sensor, &inputs)
-            .map_err(Failure::failed)?;
-        self.device.arm()?;
-        progress::watched("measuring", |progress| {
-            let mut ticket = None;
-            loop {
-                let snapshot = self.device.snapshot();
-                measuring.watch(&snapshot);
-                // Nobody asks for an end by the progress.
-                let _ = progress.at(measuring.progress(snapshot.status.map_or(0, |status| status.now)));
-                match measuring.step() {
-                    Step::Ask(request) => ticket = Some(self.device.handle().send(request)),
-                    Step::Wait => {
-                        let outcome = ticket.and_then(|ticket| self.device.wait(ticket, GLANCE));
-                        if let Some(outcome) = outcome {
-                            measuring.take(&outcome);
-                        }
-                    }
-                    Step::Ended => break,
-                }
+        let Bench { device, table, .. } = &self.bench;
+        let inputs = self.bench.inputs();
+        match &self.method {
+            Method::Steps(plan) => {
+                let measuring = Measuring::new(plan.clone(), table.clone(), sensor, &inputs);
+                run(device, "measuring", measuring.map_err(Failure::failed)?)
             }
-        });
-        self.device.check_attended()?;
-        let measured = measuring.finish().map_err(Failure::failed)?;
-        self.disarm()?;
-        Ok(measured)
-    }
-
-    /// Disarms the device, and waits until what sounded has faded: it is armed again in silence only.
-    fn disarm(&self) -> Result<(), Failure> {
-        self.device.perform(Request::Disarm)?;
-        for _ in 0..FADING {
-            self.device.perform(Request::Refresh)?;
-            if self.device.snapshot().status.is_some_and(|status| status.state != State::Stopping) {
-                break;
+            Method::Sweep(plan) => {
+                let sweeping = Sweeping::new(plan.clone(), table.clone(), sensor, &inputs);
+                run(device, "sweep", sweeping.map_err(Failure::failed)?)
             }
-            self.device.pause(GLANCE);
         }
-        Ok(())
+    }
+}
+
+/// How a device measures.
+pub(super) struct ByDevice<'a> {
+    pub(super) port: &'a PortArgument,
+    pub(super) band: &'a BandArgument,
+    pub(super) level: Option<f64>,
+    pub(super) known: &'a KnownDriveArgument,
+    pub(super) arming: &'a ArmingArgument,
+}
+
+/// Measures the current of the drive.
+pub(super) fn current(plate: &Plate, by: &ByDevice<'_>) -> Result<Measurement, Failure> {
+    let rig = by.port.rig_with_sensor(plate, &RigOptions::default())?;
+    let device = by.connect(rig.as_ref())?;
+    let measurer = Measurer::new(&device, plate, by.band, by.level)?;
+    known_drive::check(&measurer.bench, by.known.known(rig.as_ref()))?;
+    let measured = measurer.measure(current_sensor())?;
+    for warning in &measured.warnings {
+        eprintln!("slipline: the current: {}", warning.sentence());
+    }
+    Ok(measured.measurement)
+}
+
+impl ByDevice<'_> {
+    fn connect(&self, rig: Option<&PreparedRig>) -> Result<Device, Failure> {
+        let device = Device::connect(&self.port.port, rig)?;
+        device.may_be_armed(self.arming)?;
+        Ok(device)
     }
 }
 
@@ -129,11 +141,8 @@ impl<'a> Bench<'a> {
 /// of a device.
 pub(super) fn at_places(
     plate: &Plate,
-    port: &PortArgument,
+    by: &ByDevice<'_>,
     sensor: &SensorArgument,
-    band: &BandArgument,
-    level: Option<f64>,
-    arming: &ArmingArgument,
 ) -> Result<Vec<Measurement>, Failure> {
     let places: Vec<f64> =
         sensor.places.iter().map(|place| place_on(plate, place)).collect::<Result<_, Failure>>()?;
@@ -143,13 +152,14 @@ pub(super) fn at_places(
         return Err(Failure::Usage(must_be(given, "1 or 2: two places of one sensor, or one")));
     };
     let kind = sensor.kind.unwrap_or(SensorKind::Displacement);
-    let rig = port.rig_with_sensor(plate, &RigOptions { place_m, sensor: kind, ..RigOptions::default() })?;
-    let device = Device::connect(&port.port, rig.as_ref())?;
-    device.may_be_armed(arming)?;
-    let bench = Bench::new(&device, plate, band, level)?;
+    let options = RigOptions { place_m, sensor: kind, ..RigOptions::default() };
+    let rig = by.port.rig_with_sensor(plate, &options)?;
+    let device = by.connect(rig.as_ref())?;
+    let measurer = Measurer::new(&device, plate, by.band, by.level)?;
+    known_drive::check(&measurer.bench, by.known.known(rig.as_ref()))?;
     let measure = |&place_m: &f64| {
         put_sensor(&device, rig.as_ref(), place_m)?;
-        let measured = bench.measure(Sensor { place_m, kind, input: 0 })?;
+        let measured = measurer.measure(Sensor { place_m, kind, input: 0 })?;
         for warning in &measured.warnings {
             eprintln!("slipline: the sensor at {}: {}", show_place(place_m), warning.sentence());
         }

@@ -5,6 +5,7 @@
 //! already are replaced with `--force` only.
 
 mod argument;
+mod bench;
 mod calibrate;
 mod calibrated;
 mod check;
@@ -18,6 +19,7 @@ mod failure;
 mod figure_file;
 mod figures;
 mod info;
+mod known_drive;
 mod measure;
 mod measured_file;
 mod measuring;
@@ -114,9 +116,10 @@ pub enum Command {
     Texture(TextureArguments),
     /// Tell how sharp, how fast and how many a plate's boundaries are: contrast, ripple, edge, switching, bits per second.
     Merit(MeritArguments),
-    /// Measure how a sensor on the plate answers the device's tones.
+    /// Measure how a sensor on the plate, or the current of the drive, answers the device's tones.
     Measure(MeasureArguments),
-    /// Correct a plate file by what a sensor at two places measured, or by where a finger felt two edges.
+    /// Correct a plate file by what a sensor at two places measured, or at one, or by the current of the drive, or by where a
+    /// finger felt two edges.
     Calibrate(CalibrateArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
@@ -197,6 +200,8 @@ pub struct DriveArguments {
     /// Clear the device's latched faults first.
     #[arg(long)]
     clear_faults: bool,
+    #[command(flatten)]
+    known: known_drive::KnownDriveArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }

@@ -100,3 +100,68 @@ fn what_cannot_be_measured_is_named_with_what_is_allowed() {
         assert!(message.contains(told), "{more:?}: {message}");
     }
 }
+
+#[test]
+fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
+    let out = file("current.csv");
+    let more = ["--input", "current", "--sweep", "--out", out.to_str().unwrap()];
+    let value = json(&[&["measure"], &ALUMINIUM[..], &more].concat());
+    assert_eq!((&value["input"], &value["sensor"]), (&Value::from("current"), &Value::Null), "{value}");
+    assert_eq!(value["drive"], "The drive is connected and takes the current that it should.");
+    let responses = value["response"].as_array().unwrap();
+    // The shunt's range is 1.25 times the largest current of the band.
+    let largest = responses.iter().map(|it| number(it, "re").hypot(number(it, "im"))).fold(0.0, f64::max);
+    assert!((0.6..0.9).contains(&largest), "{largest}");
+    let plate = ["calibrate", "--plate", "al-bending", "--current", "piezo"];
+    let found = json(&[&plate[..], &["--data", out.to_str().unwrap()]].concat());
+    assert_eq!((&found["by"], &found["accepted"]), (&Value::from("current"), &Value::Bool(true)), "{found}");
+    assert!(number(&found["before"], "boundary_error_m") > 1e-3, "{found}");
+    assert!(number(&found, "boundary_tolerance_m") < 1.5e-3, "{found}");
+    let output = slipline(&[&plate[..], &["--data", out.to_str().unwrap()]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.contains("the current alone: on simulated plates the boundary came within 0.5 mm"),
+        "{text}"
+    );
+    assert!(!text.contains("A sensor 1 mm off"), "{text}");
+}
+
+#[test]
+fn one_place_of_a_sensor_calibrates_with_a_model_of_the_source_and_says_so() {
+    let found = json(&[&["calibrate"], &ALUMINIUM[..], &["--sensor", "34mm"]].concat());
+    assert_eq!(
+        (&found["by"], &found["accepted"]),
+        (&Value::from("one sensor"), &Value::Bool(true)),
+        "{found}"
+    );
+    assert!(number(&found, "boundary_tolerance_m") < 2e-3, "{found}");
+}
+
+#[test]
+fn a_drive_that_is_another_one_is_told_before_anything_loud() {
+    let wrong = ["--amplifier", "60V", "--piezo", "1nF", "--shunt", "1mA"];
+    for command in [&["measure", "--sensor", "34mm"][..], &["calibrate", "--sensor", "34mm"]] {
+        let message = failure(&[command, &ALUMINIUM[..], &wrong].concat(), 1);
+        assert!(message.contains("The piezo has") && message.contains("where 1 nF are told"), "{message}");
+    }
+    let drive = ["drive", "--boundary", "240mm", "--for", "100ms"];
+    let message = failure(&[&drive, &ALUMINIUM[..], &wrong].concat(), 1);
+    assert!(message.contains("where 1 nF are told"), "{message}");
+    for (more, told) in [
+        (&["--amplifier", "2V"][..], "--shunt"),
+        (&["--amplifier", "2V", "--coil", "4ohm", "--piezo", "1nF", "--shunt", "1A"], "--piezo"),
+        (&["--amplifier", "2V", "--coil", "0ohm", "--shunt", "1A"], "0.01 to 100000 ohm"),
+        (&["--amplifier", "2V", "--piezo", "1F", "--shunt", "1A"], "F"),
+        (&["--input", "voltage"], "sensor, current"),
+    ] {
+        let message = failure(&[&["measure", "--sensor", "34mm"], &ALUMINIUM[..], more].concat(), 2);
+        assert!(message.contains(told), "{more:?}: {message}");
+    }
+    let message =
+        failure(&[&["calibrate", "--current", "piezo", "--sensor", "34mm"], &ALUMINIUM[..]].concat(), 2);
+    assert!(message.contains("--current") && message.contains("--sensor"), "{message}");
+    let twice =
+        ["calibrate", "--plate", "membrane", "--current", "coil", "--data", "a.csv", "--data", "b.csv"];
+    let message = failure(&twice, 2);
+    assert!(message.contains("2 files of --data with --current: must be 1"), "{message}");
+}

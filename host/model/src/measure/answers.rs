@@ -18,9 +18,9 @@ use slipline_plate::number_format::with_decimals;
 use std::f64::consts::TAU;
 
 /// Codes of an input from mid-scale to the end.
-const CODES: f64 = 2048.0;
+pub(super) const CODES: f64 = 2048.0;
 /// The last code of an input.
-const LAST_CODE: u16 = 4095;
+pub(super) const LAST_CODE: u16 = 4095;
 /// An answer below this multiple of its noise is a weak one.
 const WEAK: f64 = 10.0;
 /// Noise at an input below which the codes of weak tones stand still, codes RMS.
@@ -154,14 +154,12 @@ impl Measured {
     /// From the windows of all combs, and of the one without tones. `lag_s` is the device's own.
     pub(super) fn of(sensor: &Sensor, rate_hz: f64, lag_s: f64, quiet: &Window, windows: &[Window]) -> Self {
         let mut points = Vec::new();
-        let mut weak = 0;
         for window in windows {
             let headroom_db = window.headroom_db();
             for (tone, answer) in window.tones.iter().zip(&window.answers) {
                 let codes = noise_codes(quiet, tone.frequency_hz).max(12_f64.sqrt().recip());
                 // Of each part of b, by the mean of so many samples times a sine.
                 let noise = codes * (2.0 / window.samples as f64).sqrt();
-                weak += usize::from(answer.norm() < WEAK * noise);
                 let scale = (CODES * tone.amplitude).recip();
                 points.push(MeasuredPoint {
                     frequency_hz: tone.frequency_hz,
@@ -175,12 +173,25 @@ impl Measured {
         let all = quiet.answers.iter().map(Complex64::norm_sqr);
         let noise_codes =
             (all.sum::<f64>() / quiet.answers.len().max(1) as f64 * 0.25 * quiet.samples as f64).sqrt();
-        let headroom_db = windows.iter().map(Window::headroom_db).fold(f64::INFINITY, f64::min);
+        let is_stuck = windows.iter().any(|window| window.span.0 == window.span.1);
+        Self::told(sensor, rate_hz, points, noise_codes, is_stuck)
+    }
+
+    /// What is to be told of these points; the noise is that of an input's codes.
+    pub(super) fn told(
+        sensor: &Sensor,
+        rate_hz: f64,
+        points: Vec<MeasuredPoint>,
+        noise_codes: f64,
+        is_stuck: bool,
+    ) -> Self {
+        let headroom_db = points.iter().filter_map(|point| point.headroom_db).fold(f64::INFINITY, f64::min);
         let clipped = points.iter().filter(|point| point.headroom_db == Some(0.0)).count();
+        let weak = points.iter().filter(|point| point.response.norm() < WEAK * point.noise).count();
         let of = points.len();
         let warnings = [
             (clipped > 0).then_some(Warning::Clipped { count: clipped }),
-            windows.iter().any(|window| window.span.0 == window.span.1).then_some(Warning::Stuck),
+            is_stuck.then_some(Warning::Stuck),
             (clipped == 0 && headroom_db < LIGHT_DB.0).then_some(Warning::Loud { headroom_db }),
             (weak > 0).then_some(Warning::Weak { count: weak, of }),
             (headroom_db > LIGHT_DB.1).then_some(Warning::Quiet { headroom_db }),

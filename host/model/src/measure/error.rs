@@ -1,7 +1,8 @@
 //! Why a plate was not measured.
 
-use slipline_link::Refusal;
+use slipline_link::{DeviceTableError, Refusal};
 use slipline_plate::calibrate::CalibrateError;
+use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{OutOfRange, show_frequency};
 
 /// Why a plate was not measured.
@@ -23,6 +24,21 @@ pub enum MeasureError {
         /// Highest, Hz.
         high_hz: f64,
     },
+    /// The plate rings for too long for a sweep.
+    #[error("the plate rings for {} s, too long for a sweep over this band: measure it by steps, or over a narrower band", with_decimals(*.seconds, 2))]
+    Rings {
+        /// For so long.
+        seconds: f64,
+    },
+    /// What the device has played is not known code by code.
+    #[error("it is not known which codes the device has played: the link lost some of what it told")]
+    Unknown,
+    /// The same sweep was not played twice.
+    #[error("the device turned its tones down between two sweeps: let it cool, or lower the level")]
+    TurnedDown,
+    /// No device takes the table of the sweep.
+    #[error(transparent)]
+    Table(#[from] DeviceTableError),
     /// The device or the link refused a step.
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -42,7 +42,7 @@ pub(super) fn tones(comb: &Comb, table: &DeviceTable, rate_hz: f64, level: f64) 
 }
 
 /// The table's gain at so many turns a sample, that of its end beyond it, as the device takes it.
-fn gain(table: &DeviceTable, turns: f64) -> f64 {
+pub(super) fn gain(table: &DeviceTable, turns: f64) -> f64 {
     let of = |gain: Gain| f64::from(gain.0) / f64::from(Gain::FULL.0);
     if let Some(place) = table.place_of_turns(turns) {
         return of(table.setting(place).gain);

@@ -10,11 +10,11 @@ use super::answers::{Measured, Sensor, Window};
 use super::error::MeasureError;
 use super::loudness::{self, Tone};
 use super::plan::{Comb, Plan};
+use super::procedure::{self, Procedure, Step};
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{
-    CombRequest, CombToneRequest, DeviceTable, LinkState, ListenRequest, Listened, Outcome, Refusal, Request,
-    Snapshot, WindowShape,
+    CombRequest, CombToneRequest, DeviceTable, ListenRequest, Listened, Outcome, Refusal, Request, Snapshot,
+    WindowShape,
 };
 use slipline_plate::Complex64;
 use std::sync::Arc;
@@ -23,20 +23,6 @@ use std::sync::Arc;
 const SILENT_DB: f64 = -96.0;
 /// How often a comb is tried.
 const TRIES: u32 = 4;
-/// What is left of the travel that a device allows: its numbers are rounded.
-const TRAVEL: f64 = 0.99;
-
-/// What to do next.
-#[derive(Debug, Clone)]
-pub enum Step {
-    /// Send this request, and hand its outcome over by [`Measuring::take`].
-    Ask(Request),
-    /// The outcome of the last request is awaited.
-    Wait,
-    /// It is over: call [`Measuring::finish`].
-    Ended,
-}
-
 /// Where a measurement stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
@@ -110,89 +96,6 @@ impl Measuring {
         self.plan.combs.get(self.windows.len())
     }
 
-    /// What to do next.
-    pub fn step(&mut self) -> Step {
-        if self.stage == Stage::Ended {
-            return Step::Ended;
-        }
-        if std::mem::replace(&mut self.is_asked, true) {
-            return Step::Wait;
-        }
-        let Some(comb) = self.comb().cloned() else { return Step::Ask(Request::Stop) };
-        Step::Ask(match self.stage {
-            Stage::Silence | Stage::Ending | Stage::Ended => Request::Stop,
-            Stage::Begin => {
-                let level = self.plan.level * self.scale;
-                self.tones = loudness::tones(&comb, &self.table, self.plan.rate_hz, level);
-                let tones = comb.harmonics.iter().zip(&self.tones).map(|(&harmonic, tone)| CombToneRequest {
-                    harmonic,
-                    level: tone.level,
-                    phase_turns: tone.phase_turns,
-                });
-                Request::Comb(CombRequest {
-                    master_db: if self.quiet.is_none() { SILENT_DB } else { 0.0 },
-                    glide_s: comb.rise_s,
-                    ..CombRequest::of(comb.period_blocks, tones.collect())
-                })
-            }
-            Stage::Listen { from } => Request::Listen(ListenRequest {
-                from: (!self.is_late).then_some(from),
-                blocks: comb.period_blocks,
-                shape: WindowShape::Rectangular,
-                // As many bits as tones, 16 at most.
-                slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
-                input: self.sensor.input,
-            }),
-        })
-    }
-
-    /// Takes the outcome of the last request.
-    pub fn take(&mut self, outcome: &Outcome) {
-        self.is_asked = false;
-        match (self.stage, outcome) {
-            (Stage::Ending | Stage::Ended, _) => self.stage = Stage::Ended,
-            (Stage::Silence, Outcome::Done { .. }) => {
-                let is_over = self.comb().is_none();
-                self.stage = if is_over { Stage::Ended } else { Stage::Begin };
-            }
-            (Stage::Begin, Outcome::Done { at }) => {
-                let from = at + self.until_window();
-                self.stage = Stage::Listen { from };
-                self.is_late = false;
-            }
-            (Stage::Listen { .. }, Outcome::Listened(listened)) => self.listened(listened),
-            (
-                Stage::Begin,
-                Outcome::Refused(Refusal::Device(DeviceRefusal::Travel { allowed_per_mille, .. })),
-            ) if *allowed_per_mille > 0 && self.tries < TRIES => {
-                self.tries += 1;
-                self.scale *= TRAVEL * f64::from(*allowed_per_mille) / 1000.0;
-            }
-            (Stage::Listen { .. }, Outcome::Refused(Refusal::InputLost { .. })) => {
-                self.tries += 1;
-                if self.tries >= TRIES {
-                    self.fail(MeasureError::Overrun { tries: self.tries });
-                } else {
-                    self.stage = Stage::Silence;
-                }
-            }
-            // All tones had settled at that sample, so they have now.
-            (
-                Stage::Listen { .. },
-                Outcome::Refused(Refusal::Device(DeviceRefusal::OutOfRange {
-                    field: Field::ApplyAt, ..
-                })),
-            ) if !self.is_late => self.is_late = true,
-            (_, Outcome::Refused(refusal)) => self.fail(MeasureError::Refused(refusal.clone())),
-            (_, Outcome::DeviceTooOld) => self.fail(MeasureError::TooOld),
-            (_, Outcome::NotConnected) => self.fail(MeasureError::Lost),
-            (_, Outcome::Superseded) => self.fail(MeasureError::Stopped),
-            (_, Outcome::Done { .. } | Outcome::Listened(_) | Outcome::Captured(_) | Outcome::Digest(_)) => {
-                self.fail(MeasureError::Refused(Refusal::UnexpectedReply));
-            }
-        }
-    }
-
     /// Samples from the beginning of a comb to its window.
     fn until_window(&self) -> u64 {
         let Some(comb) = self.comb() else { return 0 };
@@ -233,34 +136,94 @@ impl Measuring {
         self.stage = Stage::Ending;
         self.is_asked = false;
     }
+}
 
-    /// Looks at what the link knows: a fault or a lost device ends the measurement. Call it until the end: a fault explains why
-    /// the tones were stopped.
-    pub fn watch(&mut self, snapshot: &Snapshot) {
-        let faults = snapshot.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
-        if let (Some(MeasureError::Stopped), Some(faults)) = (&self.error, faults) {
-            self.error = Some(MeasureError::Fault(faults.to_string()));
+impl Procedure for Measuring {
+    type Found = Measured;
+
+    fn step(&mut self) -> Step {
+        if self.stage == Stage::Ended {
+            return Step::Ended;
         }
-        if matches!(self.stage, Stage::Ending | Stage::Ended) {
-            return;
+        if std::mem::replace(&mut self.is_asked, true) {
+            return Step::Wait;
         }
-        match (&snapshot.link, faults) {
-            (LinkState::Connected, Some(faults)) => self.fail(MeasureError::Fault(faults.to_string())),
-            (LinkState::Connected, None) => {}
-            _ => self.fail(MeasureError::Lost),
+        let Some(comb) = self.comb().cloned() else { return Step::Ask(Request::Stop) };
+        Step::Ask(match self.stage {
+            Stage::Silence | Stage::Ending | Stage::Ended => Request::Stop,
+            Stage::Begin => {
+                let level = self.plan.level * self.scale;
+                self.tones = loudness::tones(&comb, &self.table, self.plan.rate_hz, level);
+                let tones = comb.harmonics.iter().zip(&self.tones).map(|(&harmonic, tone)| CombToneRequest {
+                    harmonic,
+                    level: tone.level,
+                    phase_turns: tone.phase_turns,
+                });
+                Request::Comb(CombRequest {
+                    master_db: if self.quiet.is_none() { SILENT_DB } else { 0.0 },
+                    glide_s: comb.rise_s,
+                    ..CombRequest::of(comb.period_blocks, tones.collect())
+                })
+            }
+            Stage::Listen { from } => Request::Listen(ListenRequest {
+                from: (!self.is_late).then_some(from),
+                blocks: comb.period_blocks,
+                shape: WindowShape::Rectangular,
+                // As many bits as tones, 16 at most.
+                slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
+                input: self.sensor.input,
+            }),
+        })
+    }
+
+    fn take(&mut self, outcome: &Outcome) {
+        self.is_asked = false;
+        match (self.stage, outcome) {
+            (Stage::Ending | Stage::Ended, _) => self.stage = Stage::Ended,
+            (Stage::Silence, Outcome::Done { .. }) => {
+                let is_over = self.comb().is_none();
+                self.stage = if is_over { Stage::Ended } else { Stage::Begin };
+            }
+            (Stage::Begin, Outcome::Done { at }) => {
+                let from = at + self.until_window();
+                self.stage = Stage::Listen { from };
+                self.is_late = false;
+            }
+            (Stage::Listen { .. }, Outcome::Listened(listened)) => self.listened(listened),
+            (Stage::Begin, Outcome::Refused(_))
+                if procedure::quieter(outcome).is_some() && self.tries < TRIES =>
+            {
+                self.tries += 1;
+                self.scale *= procedure::quieter(outcome).unwrap_or(1.0);
+            }
+            (Stage::Listen { .. }, Outcome::Refused(Refusal::InputLost { .. })) => {
+                self.tries += 1;
+                if self.tries >= TRIES {
+                    self.fail(MeasureError::Overrun { tries: self.tries });
+                } else {
+                    self.stage = Stage::Silence;
+                }
+            }
+            // All tones had settled at that sample, so they have now.
+            (Stage::Listen { .. }, late) if procedure::is_late(late) && !self.is_late => self.is_late = true,
+            (_, other) => self.fail(procedure::ended_by(other)),
         }
     }
 
-    /// Gives it up: the next step is a stop.
-    pub fn cancel(&mut self) {
+    fn watch(&mut self, snapshot: &Snapshot) {
+        let trouble = procedure::trouble(&mut self.error, snapshot);
+        if let Some(trouble) = trouble.filter(|_| !matches!(self.stage, Stage::Ending | Stage::Ended)) {
+            self.fail(trouble);
+        }
+    }
+
+    fn cancel(&mut self) {
         if self.stage != Stage::Ended {
             self.fail(MeasureError::Cancelled);
         }
     }
 
-    /// The share that is done (0 to 1), when the device is at sample `now`.
-    #[must_use]
-    pub fn progress(&self, now: u64) -> f64 {
+    fn progress(&self, now: u64) -> f64 {
         if self.stage == Stage::Ended {
             return 1.0;
         }
@@ -276,11 +239,7 @@ impl Measuring {
         (done as f64 / self.plan.samples().max(1) as f64).min(1.0)
     }
 
-    /// What was measured.
-    ///
-    /// # Errors
-    /// [`MeasureError`]: why it was not.
-    pub fn finish(self) -> Result<Measured, MeasureError> {
+    fn finish(self) -> Result<Measured, MeasureError> {
         if let Some(error) = self.error {
             return Err(error);
         }

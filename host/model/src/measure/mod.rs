@@ -1,21 +1,29 @@
 //! Measuring a plate with the device's own inputs: which tones, how loud, for how long, and what the answers tell.
 //!
 //! ```text
-//! Plate, Wanted --Plan--> combs --Measuring--> requests to the link
-//!                                     ^--------- outcomes
-//!                          Window of each comb --answers--> Measured (Measurement, headroom, warnings)
+//! Plate, Wanted --Plan------> combs --Measuring--> requests to the link
+//!                                         ^--------- outcomes
+//!                              Window of each comb --answers--> Measured (Measurement, headroom, warnings)
+//! Plate, Wanted --SweepPlan-> one gliding tone --Sweeping--> Measured
+//! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on
 //! ```
-//! [`Measuring`] knows no clock and no port: the command line, the app and the tests run the same steps.
+//! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests run the same steps.
 
 mod answers;
+mod drive_checking;
 mod error;
 mod loudness;
 mod measuring;
 mod plan;
+mod procedure;
 mod signal;
+mod sweep;
 
 pub use answers::{Measured, Sensor, Warning};
+pub use drive_checking::{CURRENT_INPUT, CheckedDrive, DriveChecking, KnownDrive, current_sensor};
 pub use error::MeasureError;
-pub use measuring::{Measuring, Step};
+pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
+pub use procedure::{Procedure, Step};
 pub use signal::Signal;
+pub use sweep::{SweepPlan, Sweeping};

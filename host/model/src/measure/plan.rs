@@ -11,7 +11,7 @@
 //! a driven end that takes waves in, as every matched one does, ends it sooner. Many combs settle for [`SETTLED`] tau alone.
 
 use super::error::MeasureError;
-use slipline_plate::calibrate::band_hz;
+use slipline_plate::calibrate::{DriveLoad, band_hz, drive_check_hz};
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{Plate, limits};
 use std::f64::consts::TAU;
@@ -40,7 +40,7 @@ const SEARCH_MAX: f64 = 8.0;
 /// Least distance of two measured frequencies, relative: a file keeps six digits of them.
 const APART: f64 = 1e-5;
 /// Highest tone over the sample rate, as the device takes it.
-const HIGHEST: f64 = 0.45;
+pub(super) const HIGHEST: f64 = 0.45;
 /// Highest multiple of a base frequency.
 const HARMONIC_MAX: f64 = u16::MAX as f64;
 /// Multiples beside the nearest one, where that is taken.
@@ -81,7 +81,7 @@ impl Wanted {
         Self { low_hz, high_hz, points: points.clamp(60.0, 400.0) as usize, level: 0.5 }
     }
 
-    fn check(&self, rate_hz: f64) -> Result<(), OutOfRange> {
+    pub(super) fn check(&self, rate_hz: f64) -> Result<(), OutOfRange> {
         let highest = Range { high: HIGHEST * rate_hz, ..limits::FREQUENCY };
         OutOfRange::check("from", self.low_hz, Range { high: highest.high / 1.01, ..highest })?;
         OutOfRange::check("to", self.high_hz, Range { low: 1.01 * self.low_hz, ..highest })?;
@@ -90,7 +90,7 @@ impl Wanted {
     }
 
     /// The frequency of a point.
-    fn frequency_hz(&self, point: usize) -> f64 {
+    pub(super) fn frequency_hz(&self, point: usize) -> f64 {
         self.low_hz * (self.high_hz / self.low_hz).powf(point as f64 / (self.points - 1) as f64)
     }
 }
@@ -158,6 +158,38 @@ impl Plan {
         Ok(Self { rate_hz, level: wanted.level, combs })
     }
 
+    /// The plan for [`drive_check_hz`]: tones far below the plate's cut-off, whose amplitudes add up
+    /// to `level`, and windows of `window_s` seconds at least.
+    ///
+    /// # Errors
+    /// [`MeasureError::NoInputs`] without lock-ins.
+    pub fn of_drive(
+        plate: &Plate,
+        load: &DriveLoad,
+        rate_hz: f64,
+        lock_ins: usize,
+        level: f64,
+        window_s: f64,
+    ) -> Result<Self, MeasureError> {
+        if lock_ins == 0 {
+            return Err(MeasureError::NoInputs);
+        }
+        let tones = drive_check_hz(plate, load);
+        // They are multiples of their distance: of that, the window has so many periods as make it long enough.
+        let base_hz = tones[1] - tones[0];
+        let periods = (window_s * base_hz).ceil();
+        let period_blocks = (periods * rate_hz / (base_hz * BLOCK)).round().clamp(1.0, f64::from(u16::MAX));
+        let found_hz = rate_hz / (period_blocks * BLOCK);
+        let settle_s = settle_s(plate, tones[0]);
+        let comb = |tones: &[f64]| Comb {
+            period_blocks: period_blocks as u16,
+            harmonics: tones.iter().map(|hz| (hz / found_hz).round() as u16).collect(),
+            settle_samples: (settle_s * rate_hz).ceil() as u64,
+            rise_s: (RISE * settle_s).clamp(RISE_S.0, RISE_S.1),
+        };
+        Ok(Self { rate_hz, level, combs: tones.chunks(lock_ins).map(comb).collect() })
+    }
+
     /// Samples that the device needs: of silence for the noise, and of rises, settling and windows. What the link and the
     /// fading between the combs take comes on top.
     #[must_use]
@@ -185,11 +217,21 @@ fn crowded(wanted: &Wanted) -> MeasureError {
     MeasureError::Crowded { points: wanted.points, low_hz: wanted.low_hz, high_hz: wanted.high_hz }
 }
 
+/// How fast a plate's answer to tones from a frequency on dies out as exp(-t/tau), seconds. Below its cut-off a plate has no
+/// waves that ring: what rings then is the cut-off.
+pub(super) fn time_constant_s(plate: &Plate, lowest_hz: f64) -> f64 {
+    2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz.max(plate.cut_off_hz()))
+}
+
+/// The time in which a plate's answer to tones from a frequency on settles, seconds.
+fn settle_s(plate: &Plate, lowest_hz: f64) -> f64 {
+    (SETTLED * time_constant_s(plate, lowest_hz)).clamp(SETTLE_MIN_S, SETTLE_MAX_S)
+}
+
 /// The comb of these tones; nothing if they are too close to each other.
 fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &[f64]) -> Option<Comb> {
     let (lowest_hz, highest_hz) = (*tones_hz.first()?, *tones_hz.last()?);
-    let tau_s = 2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz);
-    let settle_s = (SETTLED * tau_s).clamp(SETTLE_MIN_S, SETTLE_MAX_S);
+    let settle_s = settle_s(plate, lowest_hz);
     // The base frequency is at most the distance of two tones, and need not be finer than that of two points.
     let apart_hz = tones_hz.windows(2).map(|two| two[1] - two[0]).fold(lowest_hz, f64::min);
     let point_hz = wanted.frequency_hz(1) - wanted.low_hz;

@@ -13,8 +13,13 @@ pub enum RigFault {
     OffItsMark(f64),
     /// The input's converter gives the same code for ever (0 to 4095).
     Stuck(u16),
-    /// A wire of the motor is open, or the amplifier is off: no force and no current.
+    /// A wire of the motor is open: no force and no current.
     OpenMotor,
+    /// The amplifier has no gain: a fiftieth of its voltage reaches the motor.
+    NoAmplifier,
+    /// Another motor of the same kind, which takes so many times the current at rest (0.01 to 100): a coil of a fraction of
+    /// the resistance, a piezo of a multiple of the capacitance. It pushes with as many times the force.
+    WrongMotor(f64),
     /// The motor is shorted: no force, and a current of 60 dB more than its largest.
     ShortedMotor,
 }
@@ -22,11 +27,20 @@ pub enum RigFault {
 impl RigFault {
     /// How far a sensor may be off its mark.
     pub const OFF: Range = Range::new(-0.1, 0.1, "m");
+    /// How many times the current of the told motor another one takes.
+    pub const OTHER: Range = Range::new(0.01, 100.0, "");
+    /// What is left of the voltage without an amplifier.
+    const LEAK: f64 = 0.02;
     /// A gain of 60 dB.
     pub(super) const TOO_MUCH: f64 = 1000.0;
 
-    /// Whether the motor moves the plate.
-    pub(super) const fn drives(self) -> bool {
-        !matches!(self, Self::OpenMotor | Self::ShortedMotor)
+    /// The voltage of the motor over that of the healthy rig; a motor of another force counts as one at another voltage.
+    pub(super) const fn drive(self) -> f64 {
+        match self {
+            Self::OpenMotor | Self::ShortedMotor => 0.0,
+            Self::NoAmplifier => Self::LEAK,
+            Self::WrongMotor(times) => times,
+            Self::Unplugged | Self::Clipped | Self::OffItsMark(_) | Self::Stuck(_) => 1.0,
+        }
     }
 }

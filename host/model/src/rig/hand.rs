@@ -42,7 +42,7 @@ impl RigHand {
     /// Breaks something, or with `None` mends everything.
     ///
     /// # Errors
-    /// [`RigError::OutOfRange`] for how far a sensor is off its mark, or for the code of a stuck converter.
+    /// [`RigError::OutOfRange`] for how far a sensor is off its mark, for the code of a stuck converter, or for the current of another motor.
     pub fn set_fault(&self, fault: Option<RigFault>) -> Result<(), RigError> {
         match fault {
             Some(RigFault::OffItsMark(off_m)) => {
@@ -51,6 +51,9 @@ impl RigHand {
             Some(RigFault::Stuck(code)) => {
                 let codes = Range::new(0.0, f64::from(LARGEST), "");
                 OutOfRange::check("stuck code", f64::from(code), codes)?;
+            }
+            Some(RigFault::WrongMotor(times)) => {
+                OutOfRange::check("current of the wrong motor", times, RigFault::OTHER)?;
             }
             _ => {}
         }

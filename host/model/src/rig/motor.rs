@@ -85,6 +85,14 @@ impl Motor {
         }
     }
 
+    /// Shares of the plate's cut-off between which it is judged whether the drive is on: the plate holds it there.
+    pub(super) const fn held(&self) -> (f64, f64) {
+        match self.transducer {
+            Transducer::Coil { .. } => (0.02, 0.12),
+            Transducer::Piezo { .. } => (0.1, 0.55),
+        }
+    }
+
     /// The current per code of 1, in ampere, where the driven end moves with `velocity` (m/s per code of 1); `amplifier`
     /// is the response of the plate file's actuator.
     #[must_use]

@@ -3,11 +3,13 @@
 use super::bench::Bench;
 use super::error::RigError;
 use super::hand::RigHand;
-use super::motor::Motor;
+use super::motor::{Motor, Transducer};
 use super::options::RigOptions;
 use super::parts::Parts;
 use super::sampler::Sampler;
+use crate::measure::KnownDrive;
 use slipline_link::simulator::SimulatedInputs;
+use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::{Complex64, Plate, SensedPlate};
 use std::sync::{Arc, Mutex};
 
@@ -15,6 +17,8 @@ use std::sync::{Arc, Mutex};
 const ROOM: f64 = 4.0;
 /// The shunt's range over the largest current of a full-scale tone in the band.
 const SHUNT_ROOM: f64 = 1.25;
+/// How far a drive's data sheet is off.
+const TOLERANCE: f64 = 0.25;
 /// Frequencies at which the current is looked at for that.
 const CURRENTS: u32 = 64;
 
@@ -53,7 +57,7 @@ impl PreparedRig {
         let amplifier =
             |hz: f64| truth.spec().actuator.as_ref().map_or(Complex64::ONE, |actuator| actuator.response(hz));
         let at = |hz: f64, velocity: Complex64| motor.current_a(hz, amplifier(hz), velocity);
-        let current = plate.with_drive_point(at)?;
+        let current = plate.with_held_drive_point(motor.held(), at)?;
         let (low_hz, high_hz) = truth.band_hz();
         let largest_a = (0..=CURRENTS)
             .map(|i| low_hz + (high_hz - low_hz) * f64::from(i) / f64::from(CURRENTS))
@@ -95,6 +99,18 @@ impl PreparedRig {
     #[must_use]
     pub fn current(&self, frequency_hz: f64) -> Complex64 {
         self.parts.plate.steady(&self.parts.current, frequency_hz)
+    }
+
+    /// What a data sheet tells of the drive, and the shunt's range.
+    #[must_use]
+    pub fn known_drive(&self) -> KnownDrive {
+        let motor = Motor::of(self.truth());
+        let load = match motor.transducer {
+            Transducer::Coil { resistance_ohm, .. } => DriveLoad::Coil { resistance_ohm },
+            Transducer::Piezo { capacitance_f, .. } => DriveLoad::Piezo { capacitance_f },
+        };
+        let circuit = DriveCircuit { full_scale_v: motor.full_scale_v, load, tolerance: TOLERANCE };
+        KnownDrive { circuit, full_scale_a: self.shunt_full_scale_a() }
     }
 
     /// What the end of the shunt's range stands for, in ampere.

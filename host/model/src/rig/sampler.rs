@@ -58,11 +58,11 @@ impl SimulatedInputs for Sampler {
 
     fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; 2]) {
         let Bench { sensor, fault, .. } = lock(&self.bench).clone();
-        let moves = !muted && fault.is_none_or(RigFault::drives);
-        let drive = |on: bool| codes.map(|code| if on { (f64::from(code) - HALF) / HALF } else { 0.0 });
+        let volts = if muted { 0.0 } else { fault.map_or(1.0, RigFault::drive) };
+        let drive = |volts: f64| codes.map(|code| volts * (f64::from(code) - HALF) / HALF);
         let mut signals = [[0.0; BLOCK]; 2];
         let [of_sensor, of_shunt] = &mut signals;
-        self.resonators.run(&drive(moves), [&*sensor, &self.parts.current], [of_sensor, of_shunt]);
+        self.resonators.run(&drive(volts), [&*sensor, &self.parts.current], [of_sensor, of_shunt]);
         self.delay(&mut signals[0]);
         let [full_scale, full_scale_a] = self.parts.full_scale;
         let gain = match fault {
@@ -75,7 +75,7 @@ impl SimulatedInputs for Sampler {
         match fault {
             // What rings on in the plate moves the motor, but there is no circuit.
             Some(RigFault::OpenMotor) => signals[1] = [0.0; BLOCK],
-            Some(RigFault::ShortedMotor) => signals[1] = drive(!muted).map(|code| RigFault::TOO_MUCH * code),
+            Some(RigFault::ShortedMotor) => signals[1] = drive(if muted { 0.0 } else { RigFault::TOO_MUCH }),
             _ => {}
         }
         let noise_lsb = self.parts.options.noise_lsb;

@@ -1,7 +1,7 @@
 use super::*;
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{SensorKind, drive_check_hz};
 use slipline_plate::{
     Complex64, DriveEnd, Equation, Impedance, Source, TurningWidth, preset, presets, respond,
 };
@@ -92,6 +92,22 @@ fn codes_of_sensor_and_shunt_are_what_the_frequency_domain_says_of_a_secret_plat
         assert_close(&format!("{name}, shunt"), amplitude(&heard[1], hz, first), current * per_code);
         let nominal = Motor::of(&truth).current_a(hz, amplifier, Complex64::ZERO) / rig.shunt_full_scale_a();
         assert!((current / nominal - 1.0).norm() > 0.02, "{name}: the shunt sees the plate");
+    }
+}
+
+#[test]
+fn far_below_the_cut_off_the_shunt_sees_a_motor_that_stands_still() {
+    for name in ["membrane", "al-bending", "al-sh"] {
+        for seed in 0..2 {
+            let truth = secret(&preset(name).expect("a preset"), seed).expect("a plate");
+            let rig = rig(&truth, RigOptions::default());
+            for hz in drive_check_hz(&truth, &rig.known_drive().circuit.load) {
+                let amplifier = truth.spec().actuator.as_ref().expect("drawn").response(hz);
+                let blocked = Motor::of(&truth).current_a(hz, amplifier, Complex64::ZERO);
+                let ratio = rig.current(hz) / blocked;
+                assert!((ratio - 1.0).norm() < 0.1, "{name} {seed} at {hz} Hz: {ratio}");
+            }
+        }
     }
 }
 
@@ -200,6 +216,7 @@ fn each_fault_shows_at_the_input_where_it_is() {
     assert!((level_db(&still) - noise_db).abs() < 0.5 && shorted.contains(&4095));
     assert_eq!(hand.fault(), Some(RigFault::ShortedMotor));
     for (fault, field) in [
+        (RigFault::WrongMotor(0.001), "current of the wrong motor = "),
         (RigFault::OffItsMark(0.2), "distance from the mark = "),
         (RigFault::OffItsMark(f64::NAN), "distance from the mark = "),
         (RigFault::Stuck(5000), "stuck code = "),

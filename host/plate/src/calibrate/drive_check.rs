@@ -14,12 +14,15 @@ use crate::spec::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::fmt;
+use std::ops::RangeInclusive;
 
-/// Share of the cut-off up to which the plate holds the drive: there an unsprung coil of twice the wave impedance moves so
-/// little that the current of a membrane's coil is within 10 % of the blocked one.
-const BELOW_CUT_OFF: (f64, f64) = (0.03, 0.1);
-/// Frequencies that suffice.
-const FREQUENCIES: usize = 8;
+/// The frequencies are these multiples of a share of the cut-off, so that a comb of that base tells them apart.
+const MULTIPLES: RangeInclusive<u16> = 3..=10;
+/// That share for a coil: at 10 % of the cut-off the plate holds the drive, and an unsprung coil of twice the wave impedance moves
+/// so little that the current of a membrane's coil is within 10 % of the blocked one.
+const OF_COIL: f64 = 0.01;
+/// And for a piezo, whose own current rises with the frequency, and is larger than what the motion adds below the cut-off.
+const OF_PIEZO: f64 = 0.05;
 /// Shares of the expected current: below the first nothing drives, above the second it is a short.
 const FEEBLE: f64 = 0.03;
 const SHORT: f64 = 4.0;
@@ -142,12 +145,15 @@ impl fmt::Display for DriveCheck {
     }
 }
 
-/// The frequencies at which [`check_drive`] wants the current: well below the plate's cut-off, Hz.
+/// The frequencies at which [`check_drive`] wants the current, Hz: 3 to 10 % of the plate's cut-off for a coil, 15 to 50 % for a
+/// piezo. They are multiples of their distance.
 #[must_use]
-pub fn drive_check_hz(plate: &Plate) -> Vec<f64> {
-    let (low, high) = BELOW_CUT_OFF;
-    let share = |i: usize| low * (high / low).powf(i as f64 / (FREQUENCIES - 1) as f64);
-    (0..FREQUENCIES).map(|i| share(i) * plate.cut_off_hz()).collect()
+pub fn drive_check_hz(plate: &Plate, load: &DriveLoad) -> Vec<f64> {
+    let share = match load {
+        DriveLoad::Coil { .. } => OF_COIL,
+        DriveLoad::Piezo { .. } => OF_PIEZO,
+    };
+    MULTIPLES.map(|multiple| f64::from(multiple) * share * plate.cut_off_hz()).collect()
 }
 
 /// Tells from the current of quiet tones whether the drive of `plate` is on. `current` holds the current over the code at
@@ -168,7 +174,7 @@ pub fn drive_check_hz(plate: &Plate) -> Vec<f64> {
 ///     noise: 0.001,
 ///     headroom_db: Some(20.0),
 /// };
-/// let points = drive_check_hz(&plate).into_iter().map(point).collect();
+/// let points = drive_check_hz(&plate, &load).into_iter().map(point).collect();
 /// let current = Measurement::at(0.0, SensorKind::Displacement, points);
 /// assert_eq!(check_drive(&plate, &circuit, &current), Ok(DriveCheck::On));
 /// ```

@@ -16,7 +16,7 @@ fn current(nominal: &Plate, truth: &Plate, load: DriveLoad, random: &mut Random)
     let at_hz = source.at_frequency_hz;
     let z = truth.wave_impedance_n_s_per_m(at_hz).expect("told");
     let noise = 2e-5;
-    let points = drive_check_hz(nominal).into_iter().map(|hz| {
+    let points = drive_check_hz(nominal, &load).into_iter().map(|hz| {
         // Far below the cut-off a plate is a spring: it is as stiff there as its impedance at the cut-off's scale.
         let spring = Complex64::new(0.0, z * truth.cut_off_hz() / hz);
         let motion = (source.impedance.at_n_s_per_m(hz) + spring).inv();

@@ -8,7 +8,7 @@ use crate::scene::LiveScene;
 use eframe::egui;
 use slipline_link::{Severity, Ticket};
 use slipline_model::jobs::rig::{RigJob, RigPrepared};
-use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Sensor, Step, Wanted};
+use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
 use slipline_model::rig::{RigHand, secret};
 use slipline_plate::Plate;
 use slipline_plate::quantity::show_place;

@@ -37,6 +37,8 @@ const PLACES: usize = 129;
 const BEYOND: (f64, f64) = (0.8, 1.5);
 /// The same with a finger, far above whose band its contact is no sum of resonances.
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
+/// Frequencies at which the plate holds its drive.
+const HELD_FREQUENCIES: u32 = 24;
 /// Factors per sample of what decays within a few samples: it follows the codes themselves.
 const SHORT: [Complex64; 4] =
     [Complex64::ZERO, Complex64::new(0.5, 0.0), Complex64::new(-0.5, 0.0), Complex64::new(0.0, 0.6)];
@@ -189,18 +191,53 @@ impl SensedPlate {
         actuator * spec.full_scale_m
     }
 
+    /// As [`SensedPlate::with_drive_point`], and between two shares of the cut-off, where no wave enters and the plate holds
+    /// its drive, within some per cent of what `signal` tells of a drive point that stands still.
+    ///
+    /// # Errors
+    /// [`SenseError::Unfit`].
+    pub fn with_held_drive_point(
+        &self,
+        (low, high): (f64, f64),
+        signal: impl Fn(f64, Complex64) -> Complex64,
+    ) -> Result<Output, SenseError> {
+        let cut_off_hz = self.plate.cut_off_hz();
+        let (low_hz, high_hz) = (low * cut_off_hz, high * cut_off_hz);
+        let held = (0..HELD_FREQUENCIES).map(|i| {
+            let share = f64::from(i) / f64::from(HELD_FREQUENCIES - 1);
+            let hz = low_hz * (high_hz / low_hz).powf(share);
+            (hz, signal(hz, Complex64::ZERO))
+        });
+        let drive = |hz: f64, field: &[Complex64]| {
+            signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_drive(hz))
+        };
+        self.output_with(0.0, drive, held.collect(), (low_hz, high_hz))
+    }
+
     /// The output of a steady signal per code, without the codes' own hold and delay.
     fn output(
         &self,
         delay_s: f64,
         amplitude: impl Fn(f64, &[Complex64]) -> Complex64,
     ) -> Result<Output, SenseError> {
-        let goal = |(hz, field): (f64, &[Complex64])| {
+        self.output_with(delay_s, amplitude, Vec::new(), (0.0, 0.0))
+    }
+
+    /// The same with amplitudes at frequencies below all fields.
+    fn output_with(
+        &self,
+        delay_s: f64,
+        amplitude: impl Fn(f64, &[Complex64]) -> Complex64,
+        held: Vec<(f64, Complex64)>,
+        held_hz: (f64, f64),
+    ) -> Result<Output, SenseError> {
+        let steady = self.fields.each().map(|(hz, field)| (hz, amplitude(hz, field)));
+        let goal = |(hz, amplitude): (f64, Complex64)| {
             let lag = Complex64::cis(TAU * hz * (self.hold_delay_s() + delay_s));
-            (hz, amplitude(hz, field) * hold_droop(hz, self.sample_rate_hz) * lag)
+            (hz, amplitude * hold_droop(hz, self.sample_rate_hz) * lag)
         };
-        let goals = self.fields.each().map(goal).collect();
-        Output::fit(goals, self.exact_hz(), &self.advance, self.sample_rate_hz)
+        let goals = held.into_iter().chain(steady).map(goal).collect();
+        Output::fit(goals, self.exact_hz(), held_hz, &self.advance, self.sample_rate_hz)
     }
 
     /// How late every output is, seconds: by half a sample, for which the DAC has held a code in the mean. Inputs that are

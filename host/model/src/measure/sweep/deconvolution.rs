@@ -1,0 +1,157 @@
+//! From what was played and what was heard to responses, by deconvolution and a gate in time.
+//!
+//! With X and Y the spectra of what was played and heard, both from rest to rest and both through the capture's filter, which
+//! so falls out:
+//!
+//! ```text
+//! h(t) = F^-1 { W(f) Y X* / |X|^2 }                 W: 1 over the measured band, smoothly 0 at the sweep's ends
+//! H(f) = G{h}(f)/G{F^-1 W}(f),   G{h}(f) = sum over t of g(t) h(t) e^(j omega t)
+//!                                                   g: 1 while the plate rings, smoothly 0 before and after
+//! ```
+//! The gate takes away what the plate cannot have answered: the noise of the other times, and the harmonics that a bent
+//! amplifier or sensor makes. An exponential sweep from f1 to f2 in the time T passes f/k earlier than f, by T ln k/ln(f2/f1),
+//! so the k-th harmonic stands in h that long before t = 0 (A. Farina, "Simultaneous measurement of impulse response and
+//! distortion with a swept-sine technique", AES 108, 2000). A product with g in time blurs H by the inverse of g's length;
+//! W's edges are farther from the measured band than that, and what they still take from H the division gives back.
+//!
+//! Each part of H has the noise of the values inside the gate: its variance is S/2 times the sum of g^2 over |X|^2, with S the
+//! noise's |N|^2 per value.
+
+use realfft::{RealFftPlanner, num_complex::Complex};
+use slipline_plate::Complex64;
+use std::f64::consts::{PI, TAU};
+
+/// Bins on each side whose noise makes up that of a frequency.
+const NEIGHBOURS: usize = 8;
+
+/// What was played and heard, value by value from rest to rest, and the input's noise.
+pub(super) struct Recorded<'a> {
+    /// Played, less mid-scale.
+    pub(super) played: &'a [f64],
+    /// Heard at the same times, less the input's own offset.
+    pub(super) heard: &'a [f64],
+    /// Heard in silence, less its mean.
+    pub(super) noise: &'a [f64],
+    /// Least variance of a value: that of its rounding.
+    pub(super) rounding: f64,
+    /// Values a second.
+    pub(super) rate_hz: f64,
+}
+
+/// What is taken of the spectrum and of the impulse response.
+pub(super) struct Gate {
+    /// Where W rises from 0 to 1, Hz.
+    pub(super) rises_hz: (f64, f64),
+    /// Where it falls to 0, Hz.
+    pub(super) falls_hz: (f64, f64),
+    /// How long g is 1 after t = 0, seconds.
+    pub(super) ring_s: f64,
+    /// How long it takes to fall to 0, seconds; before t = 0 it is 1 for half of that.
+    pub(super) fade_s: f64,
+}
+
+/// The response and its noise in each part.
+pub(super) type Answer = (Complex64, f64);
+
+/// 0 to 1, smoothly, over an interval.
+pub(super) fn smooth(at: f64, (low, high): (f64, f64)) -> f64 {
+    let share = if high > low { ((at - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
+    0.5 - 0.5 * (PI * share).cos()
+}
+
+impl Gate {
+    /// W.
+    fn band(&self, frequency_hz: f64) -> f64 {
+        smooth(frequency_hz, self.rises_hz) * (1.0 - smooth(frequency_hz, self.falls_hz))
+    }
+
+    /// g.
+    fn time(&self, seconds: f64) -> f64 {
+        let (fade, ring) = (self.fade_s, self.ring_s);
+        smooth(seconds, (-1.5 * fade, -0.5 * fade)) * (1.0 - smooth(seconds, (ring, ring + fade)))
+    }
+}
+
+/// The responses at some frequencies, in time as e^(-j omega t); nothing where nothing was played at one of them.
+pub(super) fn responses(of: &Recorded<'_>, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
+    let count = of.played.len().max(of.heard.len()).next_power_of_two().max(2);
+    let mut planner = RealFftPlanner::<f64>::new();
+    let forward = planner.plan_fft_forward(count);
+    let spectrum = |values: &[f64]| {
+        let mut padded = values.to_vec();
+        padded.resize(count, 0.0);
+        let mut bins = forward.make_output_vec();
+        forward.process(&mut padded, &mut bins).ok().map(|()| bins)
+    };
+    let (played, heard) = (spectrum(of.played)?, spectrum(of.heard)?);
+    let bin_hz = of.rate_hz / count as f64;
+    let band: Vec<f64> = (0..played.len()).map(|bin| gate.band(bin as f64 * bin_hz)).collect();
+    if band.iter().zip(&played).any(|(weight, x)| *weight > 0.0 && x.norm_sqr() == 0.0) {
+        return None;
+    }
+    let weighed = |(weight, (x, y)): (&f64, (&Complex<f64>, &Complex<f64>))| {
+        if *weight > 0.0 { y * x.conj() * (weight / x.norm_sqr()) } else { Complex::default() }
+    };
+    let quotient: Vec<Complex<f64>> = band.iter().zip(played.iter().zip(&heard)).map(weighed).collect();
+    let backward = planner.plan_fft_inverse(count);
+    let gated = |mut bins: Vec<Complex<f64>>| {
+        // A signal that is real has real values there.
+        bins[0].im = 0.0;
+        bins[count / 2].im = 0.0;
+        let mut impulse = vec![0.0; count];
+        backward.process(&mut bins, &mut impulse).ok().map(|()| gated(&impulse, gate, of.rate_hz))
+    };
+    let edges = gated(band.iter().map(|weight| Complex::from(*weight)).collect())?;
+    let gated = gated(quotient)?;
+    let energy: f64 = gated.iter().map(|(_, _, weight)| weight * weight).sum();
+    // The gate blurs 1/|X|^2 as it blurs H.
+    let blur = (count as f64 / (of.rate_hz * gate.ring_s)).ceil() as usize;
+    let noise = noise_spectrum(of.noise)?;
+    let noise_bin_hz = of.rate_hz / of.noise.len() as f64;
+    let answer = |&frequency_hz: &f64| {
+        let turns = frequency_hz / of.rate_hz;
+        let response = sum(&gated, turns) / sum(&edges, turns);
+        let inverse = mean(&played, frequency_hz / bin_hz, blur, |x| x.norm_sqr().recip());
+        let density = mean(&noise, frequency_hz / noise_bin_hz, NEIGHBOURS, |power| *power).max(of.rounding);
+        (response, (0.5 * density * energy * inverse).sqrt())
+    };
+    Some(frequencies_hz.iter().map(answer).collect())
+}
+
+/// G at a frequency in turns a value.
+fn sum(gated: &[(f64, f64, f64)], turns: f64) -> Complex64 {
+    let term = |&(at, value, weight): &(f64, f64, f64)| {
+        Complex64::cis(TAU * (turns * at).fract()) * (value * weight)
+    };
+    gated.iter().map(term).sum()
+}
+
+/// What the gate leaves of the impulse response: the time in values, the value, and its weight.
+fn gated(impulse: &[f64], gate: &Gate, rate_hz: f64) -> Vec<(f64, f64, f64)> {
+    let count = impulse.len();
+    let before = ((1.5 * gate.fade_s * rate_hz).ceil() as usize).min(count / 2);
+    let after = (((gate.ring_s + gate.fade_s) * rate_hz).ceil() as usize).min(count - before - 1);
+    let at = |place: usize| {
+        let time = place as f64 - before as f64;
+        (time, impulse[(place + count - before) % count], gate.time(time / rate_hz))
+    };
+    (0..before + after).map(at).filter(|(_, _, weight)| *weight > 0.0).collect()
+}
+
+/// |N|^2 per value of each bin.
+fn noise_spectrum(noise: &[f64]) -> Option<Vec<f64>> {
+    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(noise.len());
+    let mut bins = forward.make_output_vec();
+    forward.process(&mut noise.to_vec(), &mut bins).ok()?;
+    Some(bins.iter().map(|bin| bin.norm_sqr() / noise.len() as f64).collect())
+}
+
+/// The mean of some quantity over the bins around a place.
+fn mean<T>(bins: &[T], place: f64, aside: usize, of: impl Fn(&T) -> f64) -> f64 {
+    let middle = (place.round() as usize).min(bins.len() - 1);
+    let around = &bins[middle.saturating_sub(aside)..(middle + aside + 1).min(bins.len())];
+    around.iter().map(of).sum::<f64>() / around.len() as f64
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! How a sweep is played and captured: its band, its time, its captures.
+//!
+//! ```text
+//! captures |<------ 4096 values ------>|<------ 4096 values ------>|      one of them each time that the sweep is played
+//! sweep    |<------------ T ----------------->|<-- ring and gate ->|
+//! ```
+//! A capture has 4096 values of 2^k codes each. k is the largest one that keeps the sweep's highest frequency below 0.49 of
+//! the values' rate. The sweep and the time in which the plate rings on must fit into the captures. The device has the memory
+//! for one capture, so with more than one the same sweep is played again, code by code, and the next stretch is captured.
+
+use super::super::error::MeasureError;
+use super::super::plan::{HIGHEST, Wanted, time_constant_s};
+use slipline_link::DeviceTable;
+use slipline_link::protocol::limits::MAX_GLIDE_MS;
+use slipline_plate::Plate;
+use slipline_plate::quantity::{OutOfRange, Range};
+
+/// Values of a capture.
+pub(super) const VALUES: u16 = 4096;
+/// Most codes of a value, as a binary logarithm.
+const LOG2_CODES_MAX: u8 = 10;
+/// The plate's time constants in the gate: see [`SETTLED`](super::super::SETTLED).
+const RINGS: f64 = super::super::plan::SETTLED;
+/// Shortest and longest time to ring, seconds.
+const RING_S: (f64, f64) = (2e-3, 5.0);
+/// What the sweep covers beside the measured band, over the inverse of the time to ring: what the gate spreads stays there.
+const MARGIN: f64 = 12.0;
+/// Share of the lowest frequency that the margin may be.
+const MARGIN_MOST: f64 = 0.5;
+/// Highest frequency of the sweep over the rate of the values: below a half, so that it is no other one's alias.
+const OF_VALUES: f64 = 0.49;
+/// Highest measured frequency over the sample rate.
+const SWEPT_HIGHEST: f64 = 0.4;
+/// Length of the gate after the ring, and before the sweep's own time, over the time to ring.
+pub(super) const GATE_AFTER: f64 = 0.25;
+/// Times the sweep is slower than the device's fastest, 2^-10 turns a sample in a block of 128.
+const SLOWER: f64 = 2.0;
+const FASTEST_TURNS: f64 = 1.0 / 1024.0;
+const BLOCK: f64 = 128.0;
+/// Least product of the sweep's time and band: below, it is a click rather than a sweep.
+const CYCLES: f64 = 100.0;
+/// Least share of a capture that the sweep takes.
+const LEAST_SHARE: f64 = 0.5;
+/// Periods of a limited actuator's resonance that a glide must last.
+const RESONANCE_PERIODS: f64 = 2.0;
+/// Captures of one measurement.
+const CAPTURES_MAX: f64 = 64.0;
+
+/// How a sweep is played and captured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepPlan {
+    /// The device's sample rate, Hz.
+    pub rate_hz: f64,
+    /// What is measured, and how loud.
+    pub wanted: Wanted,
+    /// The sweep's first and last frequency, Hz.
+    pub ends_hz: (f64, f64),
+    /// From the first to the last frequency, samples.
+    pub sweep_samples: u64,
+    /// The time in which the plate rings on, seconds.
+    pub ring_s: f64,
+    /// The binary logarithm of the codes of a captured value.
+    pub log2_codes: u8,
+    /// How many captures there are.
+    pub captures: u16,
+    /// How long a glide must be for the actuator's travel, seconds.
+    pub(super) glide_s: f64,
+}
+
+impl SweepPlan {
+    /// The plan for a plate, its table, and a device's sample rate.
+    ///
+    /// # Errors
+    /// [`MeasureError::OutOfRange`], and [`MeasureError::Rings`] if the plate rings for so long that more than 64 captures
+    /// were needed.
+    pub fn new(
+        plate: &Plate,
+        table: &DeviceTable,
+        wanted: &Wanted,
+        rate_hz: f64,
+    ) -> Result<Self, MeasureError> {
+        wanted.check(rate_hz)?;
+        let highest = Range::new(1.01 * wanted.low_hz, SWEPT_HIGHEST * rate_hz, "Hz");
+        OutOfRange::check("to", wanted.high_hz, highest)?;
+        let ring_s = (RINGS * time_constant_s(plate, wanted.low_hz)).clamp(RING_S.0, RING_S.1);
+        let ring_s = ring_s.max(MARGIN / (MARGIN_MOST * wanted.low_hz));
+        let margin_hz = MARGIN / ring_s;
+        let ends_hz = (wanted.low_hz - margin_hz, (wanted.high_hz + margin_hz).min(HIGHEST * rate_hz));
+        let fits = |log2: &u8| ends_hz.1 <= OF_VALUES * rate_hz / f64::from(1_u32 << log2);
+        let log2_codes = (0..=LOG2_CODES_MAX).rev().find(fits).unwrap_or(0);
+        let capture_s = f64::from(u32::from(VALUES) << log2_codes) / rate_hz;
+        let glide_s =
+            table.travel_limit().map_or(0.0, |limit| RESONANCE_PERIODS * 1e6 / limit.resonance_uhz as f64);
+        let steepest = ends_hz.1 * (ends_hz.1 / ends_hz.0).ln() * BLOCK / (rate_hz * rate_hz);
+        let shortest_s = [
+            SLOWER * steepest / FASTEST_TURNS,
+            CYCLES / (ends_hz.1 - ends_hz.0),
+            glide_s,
+            LEAST_SHARE * capture_s,
+        ];
+        let shortest_s = shortest_s.into_iter().fold(0.0, f64::max);
+        // The block after the sweep's end is silent only where the gain has reached its last knot.
+        let tail_s = (1.0 + GATE_AFTER) * ring_s + BLOCK / rate_hz;
+        let captures = ((shortest_s + tail_s) / capture_s).ceil();
+        let longest_s = f64::from(MAX_GLIDE_MS) * 1e-3;
+        if captures > CAPTURES_MAX || shortest_s > longest_s {
+            return Err(MeasureError::Rings { seconds: ring_s });
+        }
+        let sweep_s = (captures * capture_s - tail_s).min(longest_s);
+        Ok(Self {
+            rate_hz,
+            wanted: *wanted,
+            ends_hz,
+            sweep_samples: (sweep_s * rate_hz).floor() as u64,
+            ring_s,
+            log2_codes,
+            captures: captures as u16,
+            glide_s,
+        })
+    }
+
+    /// Samples of a capture.
+    #[must_use]
+    pub fn capture_samples(&self) -> u64 {
+        u64::from(VALUES) << self.log2_codes
+    }
+
+    /// The rate of the captured values, Hz.
+    #[must_use]
+    pub fn value_rate_hz(&self) -> f64 {
+        self.rate_hz / f64::from(1_u32 << self.log2_codes)
+    }
+
+    /// The frequency that is played so many samples after the sweep's beginning, Hz.
+    #[must_use]
+    pub fn frequency_hz(&self, samples: f64) -> f64 {
+        let (first, last) = self.ends_hz;
+        first * (last / first).powf((samples / self.sweep_samples as f64).clamp(0.0, 1.0))
+    }
+
+    /// What the sweep covers below and above the measured band, Hz.
+    pub(super) fn margins_hz(&self) -> (f64, f64) {
+        (self.wanted.low_hz - self.ends_hz.0, self.ends_hz.1 - self.wanted.high_hz)
+    }
+
+    /// Samples that the device needs: of silence for the noise, and of the sweeps up to the end of each one's capture.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        let captures = u64::from(self.captures);
+        self.capture_samples() * (1 + captures * (captures + 1) / 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::simulation::table_for;
+    use slipline_plate::preset;
+
+    const RATE_HZ: f64 = 400e3;
+
+    fn plan(name: &str, change: impl Fn(&mut Wanted)) -> Result<SweepPlan, MeasureError> {
+        let plate = preset(name).unwrap();
+        let (_, table) = table_for(&plate, RATE_HZ as u32).unwrap();
+        let mut wanted = Wanted::of(&plate);
+        change(&mut wanted);
+        SweepPlan::new(&plate, &table, &wanted, RATE_HZ)
+    }
+
+    #[test]
+    fn a_sweep_and_its_ring_fill_the_captures_and_stay_below_half_of_the_values_rate() {
+        for (name, captures, most_s) in [("membrane", 1, 10.5), ("al-bending", 4, 0.46), ("al-sh", 7, 1.2)] {
+            let plan = plan(name, |_| ()).unwrap();
+            println!("{name}: {plan:?}, {} s", plan.samples() as f64 / RATE_HZ);
+            let whole = u64::from(plan.captures) * plan.capture_samples();
+            let tail = whole - plan.sweep_samples;
+            assert!(tail as f64 / RATE_HZ >= 1.25 * plan.ring_s, "{name}");
+            assert!(
+                plan.ends_hz.1 < 0.491 * plan.value_rate_hz() && plan.ends_hz.0 > 0.4 * plan.wanted.low_hz
+            );
+            assert!(plan.captures <= captures && plan.samples() as f64 / RATE_HZ < most_s, "{name}");
+            // A block changes the frequency by half of what the device can.
+            let ends = [plan.sweep_samples as f64 - 128.0, plan.sweep_samples as f64];
+            let change = plan.frequency_hz(ends[1]) - plan.frequency_hz(ends[0]);
+            assert!(change < 0.51 * RATE_HZ / 1024.0, "{name}: {change} Hz");
+        }
+    }
+
+    #[test]
+    fn a_band_that_one_capture_does_not_cover_takes_more_of_them() {
+        let wide = plan("membrane", |wanted| wanted.high_hz = 3e3).unwrap();
+        assert!(wide.captures > 1, "{wide:?}");
+        assert!(wide.captures as u64 * wide.capture_samples() >= wide.sweep_samples);
+    }
+
+    #[test]
+    fn what_cannot_be_swept_names_its_field_and_range() {
+        let refused = |change: fn(&mut Wanted)| plan("membrane", change).unwrap_err().to_string();
+        let told = refused(|wanted| wanted.high_hz = 170e3);
+        assert!(told.starts_with("to = 170 kHz: must be 83.14 Hz to 160 kHz"), "{told}");
+        let told = refused(|wanted| wanted.low_hz = f64::NAN);
+        assert!(told.starts_with("from = no number"), "{told}");
+        let told = refused(|wanted| wanted.high_hz = 100e3);
+        assert!(told.starts_with("the plate rings for"), "{told}");
+    }
+}

@@ -1,0 +1,105 @@
+//! "Is it on?" through the protocol, the device application and the rig: each state of a drive is told in its sentence, before
+//! anything loud sounds.
+
+use slipline_link::Request;
+use slipline_model::measure::{CheckedDrive, DriveChecking, KnownDrive, MeasureError, Procedure};
+use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
+use slipline_plate::preset;
+use slipline_tests::bench::{Bench, RATE_HZ};
+
+fn bench(name: &str) -> Bench {
+    let nominal = preset(name).unwrap();
+    let truth = secret(&nominal, 4).unwrap();
+    Bench::new(&nominal, &truth, &RigOptions::default(), 32)
+}
+
+fn checking(bench: &Bench, drive: KnownDrive) -> DriveChecking {
+    DriveChecking::new(&bench.nominal, drive, bench.table.clone(), RATE_HZ, &bench.inputs()).unwrap()
+}
+
+fn check(bench: &mut Bench, drive: KnownDrive) -> CheckedDrive {
+    let checking = checking(bench, drive);
+    let before = bench.loopback.samples();
+    let found = bench.run(checking, |_, _, _, _| ()).unwrap();
+    let seconds = (bench.loopback.samples() - before) as f64 / RATE_HZ;
+    println!("{:?} at {} in {seconds} s: {}", found.check, found.level, found.check);
+    assert!(found.level <= 0.1, "{}", found.level);
+    found
+}
+
+/// Breaks the drive in every way; the numbers are the current of another motor over that of the told one.
+fn every_state(name: &str, others: &[f64]) {
+    let mut bench = bench(name);
+    let known = bench.rig.known_drive();
+    assert_eq!(check(&mut bench, known).check, DriveCheck::On, "{name}");
+    for (fault, wanted) in [
+        (RigFault::OpenMotor, "No current flows: a wire of the drive is open"),
+        // A fiftieth of a current may drown in the noise: then it is none.
+        (RigFault::NoAmplifier, "amplifier"),
+        (RigFault::ShortedMotor, "short-circuited. Switch the amplifier off."),
+    ] {
+        bench.hand.set_fault(Some(fault)).unwrap();
+        let found = check(&mut bench, known).check;
+        assert!(!found.is_on() && found.to_string().contains(wanted), "{name} {fault:?}: {found}");
+    }
+    for &times in others {
+        bench.hand.set_fault(Some(RigFault::WrongMotor(times))).unwrap();
+        let found = check(&mut bench, known).check;
+        let DriveCheck::WrongLoad { found, told } = found else { panic!("{name} {times}: {found:?}") };
+        let actual = match told {
+            DriveLoad::Coil { resistance_ohm } => found * times / resistance_ohm,
+            DriveLoad::Piezo { capacitance_f } => found / (times * capacitance_f),
+        };
+        assert!((actual - 1.0).abs() < 0.15, "{name} {times}: {actual}");
+    }
+}
+
+#[test]
+fn each_state_of_a_piezo_is_told_in_its_sentence() {
+    every_state("al-bending", &[0.3, 2.5]);
+}
+
+#[test]
+fn each_state_of_a_coil_is_told_in_its_sentence() {
+    every_state("membrane", &[2.0]);
+}
+
+#[test]
+fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
+    let mut bench = bench("al-bending");
+    let known = bench.rig.known_drive();
+    let DriveLoad::Piezo { capacitance_f } = known.circuit.load else { panic!("a piezo") };
+    // A coil that takes 2.5 times the current of the piezo in the middle of the coil's own frequencies.
+    let hz = 0.06 * bench.nominal.cut_off_hz();
+    let load = DriveLoad::Coil { resistance_ohm: 0.4 / (std::f64::consts::TAU * hz * capacitance_f) };
+    let coil = KnownDrive { circuit: DriveCircuit { load, ..known.circuit }, ..known };
+    let found = check(&mut bench, coil).check;
+    assert!(found.to_string().contains("this is no coil"), "{found}");
+    let deaf = KnownDrive { full_scale_a: 1e3 * known.full_scale_a, ..known };
+    let found = check(&mut bench, deaf);
+    assert!(matches!(found.check, DriveCheck::TooQuiet { .. }) && found.level == 0.1, "{found:?}");
+}
+
+#[test]
+fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
+    let mut bench = bench("al-bending");
+    let known = bench.rig.known_drive();
+    let checking = checking(&bench, known);
+    let given_up = bench.run(checking, |_, checking, step, _| {
+        if step == 200 {
+            checking.cancel();
+        }
+    });
+    assert_eq!(given_up, Err(MeasureError::Cancelled));
+    let checking = self::checking(&bench, known);
+    let stopped = bench.run(checking, |loopback, _, step, _| {
+        if step == 200 {
+            loopback.hand_over(Request::EmergencyStop);
+        }
+    });
+    assert!(matches!(stopped, Err(MeasureError::Fault(_) | MeasureError::Stopped)), "{stopped:?}");
+    let mut codes = Vec::new();
+    bench.loopback.pass(20_000, |block| codes = block.to_vec());
+    assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+}

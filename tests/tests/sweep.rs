@@ -1,0 +1,189 @@
+//! An exponential sweep through the protocol, the device application and the rig: the responses of a plate that nobody knows,
+//! and the current of its drive.
+
+use slipline_link::protocol::command::Apply;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::{CaptureRequest, Request};
+use slipline_model::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
+use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
+use slipline_plate::check::Colour;
+use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
+use slipline_tests::bench::{Bench, RATE_HZ};
+use std::f64::consts::PI;
+
+/// Positions of a field.
+const POINTS: usize = 1601;
+/// The shunt is the second input.
+const CURRENT: Sensor = Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: 1 };
+
+fn bench(name: &str, seed: u64, points: usize) -> Bench {
+    let nominal = preset(name).unwrap();
+    let truth = secret(&nominal, seed).unwrap();
+    Bench::new(&nominal, &truth, &RigOptions::default(), points)
+}
+
+fn sensor(bench: &Bench) -> Sensor {
+    Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 }
+}
+
+fn sweeping(bench: &Bench, sensor: Sensor) -> Sweeping {
+    let plan = SweepPlan::new(&bench.nominal, &bench.table, &bench.wanted, RATE_HZ).unwrap();
+    Sweeping::new(plan, bench.table.clone(), sensor, &bench.inputs()).unwrap()
+}
+
+fn sweep(bench: &mut Bench, sensor: Sensor) -> Measured {
+    let sweeping = sweeping(bench, sensor);
+    bench.run(sweeping, |_, _, _, _| ()).unwrap()
+}
+
+/// What the frequency domain says of a displacement sensor on the truth, per DAC code of 1, with the codes' hold.
+fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex64> {
+    let fields = respond_batch(truth, frequencies_hz, POINTS, Equation::Corrected).unwrap();
+    let at = place_m / truth.length_m() * (POINTS - 1) as f64;
+    let (left, t) = (at as usize, at.fract());
+    let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
+        let turn = PI * hz / RATE_HZ;
+        let here = field[left] * (1.0 - t) + field[left + 1] * t;
+        here * truth.drive_response(hz) * truth.spec().full_scale_m * (turn.sin() / turn)
+    };
+    fields.iter().zip(frequencies_hz).map(seen).collect()
+}
+
+/// How far responses are from others, each over its own noise and 0.4 % of its size, which is what 6 time constants leave of a
+/// ring: the root of the mean square, and the largest relative error.
+fn departure(measured: &Measured, truth: &[Complex64]) -> (f64, f64) {
+    let points = &measured.measurement.points;
+    let errors = || points.iter().zip(truth).map(|(point, p)| (point, (point.response - p).norm(), p.norm()));
+    let of_noise = |(point, error, size): (&MeasuredPoint, f64, f64)| {
+        error.powi(2) / (2.0 * point.noise.powi(2) + (4e-3 * size).powi(2))
+    };
+    let square = errors().map(of_noise).sum::<f64>() / points.len() as f64;
+    (square.sqrt(), errors().map(|(_, error, size)| error / size).fold(0.0, f64::max))
+}
+
+fn frequencies(measured: &Measured) -> Vec<f64> {
+    measured.measurement.points.iter().map(|point| point.frequency_hz).collect()
+}
+
+#[test]
+fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
+    let mut bench = bench("al-bending", 3, 48);
+    let sensor = sensor(&bench);
+    let swept = sweep(&mut bench, sensor);
+    assert_eq!(swept.light(), Colour::Green, "{} dB", swept.headroom_db);
+    assert!((swept.noise_codes - 0.76).abs() < 0.05, "{} codes", swept.noise_codes);
+    let full_scale = bench.rig.sensor_full_scale();
+    let plate = bench.truth.clone();
+    let truth = |frequencies: &[f64]| -> Vec<Complex64> {
+        let all = predicted(&plate, sensor.place_m, frequencies);
+        all.iter().map(|p| p / full_scale).collect()
+    };
+    let (noises, worst) = departure(&swept, &truth(&frequencies(&swept)));
+    println!("sweep: {noises} noises, {worst} at worst");
+    // The noise that is told is the noise that there is.
+    assert!((0.7..1.2).contains(&noises), "{noises}");
+    let combed = bench.measure(sensor.place_m, |_, _, _, _| ()).unwrap();
+    let (noises, worst) = departure(&combed, &truth(&frequencies(&combed)));
+    println!("comb: {noises} noises, {worst} at worst");
+    assert!((0.7..1.2).contains(&noises), "{noises}");
+    // The device has its own table again, and the link knows it.
+    assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+}
+
+#[test]
+fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
+    for (name, points) in [("membrane", 24), ("al-bending", 24)] {
+        let mut bench = bench(name, 2, points);
+        let swept = sweep(&mut bench, CURRENT);
+        let full_scale_a = bench.rig.shunt_full_scale_a();
+        let per_code = |hz: &f64| bench.rig.current(*hz) * Complex64::cis(-PI * hz / RATE_HZ) / full_scale_a;
+        let truth: Vec<Complex64> = frequencies(&swept).iter().map(per_code).collect();
+        let (_, worst) = departure(&swept, &truth);
+        println!("{name}: {worst} at worst, {:?}", swept.warnings);
+        assert!(worst < 5e-3, "{name}: {worst}");
+    }
+}
+
+#[test]
+fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
+    let mut bench = bench("al-bending", 3, 24);
+    bench.wanted.level = 0.2;
+    let sensor = sensor(&bench);
+    let (mut captures, mut glides) = (0, 0);
+    let mut loudest = 0;
+    let sweeping = sweeping(&bench, sensor);
+    let swept = bench.run(sweeping, |loopback, _, _, asked| match asked {
+        Some(Request::Capture(_)) => {
+            captures += 1;
+            if captures == 3 {
+                loopback.inject_overrun(1);
+            }
+        }
+        Some(Request::Drive(drive)) if matches!(drive.apply, Apply::At(_)) => {
+            glides += 1;
+            // Half a second late, once.
+            loopback.pass(if glides == 3 { 200_000 } else { 0 }, |_| ());
+        }
+        None => loopback.pass(1, |codes| {
+            loudest = codes.iter().map(|code| code.abs_diff(2048)).max().unwrap_or(0).max(loudest);
+        }),
+        _ => {}
+    });
+    let swept = swept.unwrap();
+    // The noise, one before the late glide, three of the sweep, and a lost one again; the first tone waits for its index, too.
+    assert_eq!((captures, glides), (6, 7));
+    assert!(loudest <= (0.2 * 2048.0) as u16 + 1, "{loudest}");
+    let full_scale = bench.rig.sensor_full_scale();
+    let truth = predicted(&bench.truth, sensor.place_m, &frequencies(&swept));
+    let truth: Vec<Complex64> = truth.iter().map(|p| p / full_scale).collect();
+    let (noises, _) = departure(&swept, &truth);
+    assert!((0.7..1.3).contains(&noises), "{noises}");
+}
+
+#[test]
+fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
+    let mut bench = bench("al-bending", 1, 24);
+    let sensor = sensor(&bench);
+    let mut ended = |change: &dyn Fn(&mut Loopback, &mut Sweeping)| {
+        let mut glides = 0;
+        let sweeping = sweeping(&bench, sensor);
+        let found = bench.run(sweeping, |loopback, sweeping, _, asked| {
+            if matches!(asked, Some(Request::Capture(CaptureRequest { from: Some(_), .. }))) {
+                glides += 1;
+                if glides == 3 {
+                    change(loopback, sweeping);
+                }
+            }
+        });
+        let mut codes = Vec::new();
+        bench.loopback.pass(20_000, |block| codes = block.to_vec());
+        assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+        assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+        found
+    };
+    assert_eq!(ended(&|_, sweeping| sweeping.cancel()), Err(MeasureError::Cancelled));
+    let stopped = ended(&|loopback, _| {
+        loopback.hand_over(Request::EmergencyStop);
+    });
+    assert!(matches!(stopped, Err(MeasureError::Fault(_) | MeasureError::Stopped)), "{stopped:?}");
+}
+
+#[test]
+fn an_unplugged_and_a_clipped_sensor_are_told() {
+    let mut bench = bench("al-bending", 1, 24);
+    let sensor = sensor(&bench);
+    let loud = |it: &Measured| it.measurement.points.iter().map(|p| p.response.norm()).fold(0.0, f64::max);
+    bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();
+    let unplugged = sweep(&mut bench, sensor);
+    assert!(loud(&unplugged) < 0.01, "{}", loud(&unplugged));
+    assert!(unplugged.warnings.iter().any(|it| matches!(it, Warning::Weak { count: 24, of: 24 })));
+    bench.hand.set_fault(Some(RigFault::Clipped)).unwrap();
+    let clipped = sweep(&mut bench, sensor);
+    assert_eq!(clipped.light(), Colour::Red);
+    assert!(
+        matches!(clipped.warnings[0], Warning::Clipped { count } if count > 12),
+        "{:?}",
+        clipped.warnings
+    );
+}
