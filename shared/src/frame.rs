@@ -180,8 +180,7 @@ impl Decoder {
 
 /// Undoes COBS in place and checks length, CRC and direction.
 fn open(wire: &mut [u8]) -> Option<Frame<'_>> {
-    let length = cobs::decode_in_place(wire).ok()?;
-    let raw = wire.get(..length)?;
+    let raw = uncover(wire)?;
     let (covered, crc) = raw.split_last_chunk::<TRAILER>()?;
     if CRC.checksum(covered) != u32::from_le_bytes(*crc) {
         return None;
@@ -194,6 +193,20 @@ fn open(wire: &mut [u8]) -> Option<Frame<'_>> {
         id,
     };
     Some(Frame { header, body })
+}
+
+// No frame has room for a run of 254 bytes, the only one that no zero follows: its code, 255, leads beyond the end.
+const _: () = assert!(MAX_ENCODED < 255);
+
+/// Undoes COBS: a code says where the next one stands, and all but the first stand in the place of a zero. To write these zeros
+/// takes the device a tenth of the time of moving every byte, and no stop is looked for meanwhile.
+fn uncover(wire: &mut [u8]) -> Option<&[u8]> {
+    let mut at = 0;
+    while let Some(code) = wire.get_mut(at) {
+        // No byte on the wire is 0, so this ends.
+        at += usize::from(core::mem::take(code));
+    }
+    if at == wire.len() { wire.get(1..) } else { None }
 }
 
 #[cfg(test)]
@@ -282,6 +295,23 @@ mod tests {
             }
             let offset = offset.min(frame(0, &bodies[0]).len());
             prop_assert!(decode(&stream[offset..]).len() + 1 >= bodies.len());
+        }
+
+        #[test]
+        fn cobs_is_undone_as_its_own_crate_does_it(
+            raw in prop::collection::vec(prop::sample::select(std::vec![0_u8, 0, 1, 2, 3, 7, 0xFE, 0xFF]), 1..MAX_RAW),
+            damage in prop::option::of((any::<prop::sample::Index>(), 1..=0xFF_u8)),
+        ) {
+            let mut wire = std::vec![0; MAX_ENCODED];
+            let length = cobs::try_encode(&raw, &mut wire).unwrap();
+            wire.truncate(length);
+            if let Some((at, byte)) = damage {
+                let at = at.index(wire.len());
+                wire[at] = byte;
+            }
+            let mut theirs = wire.clone();
+            let theirs = cobs::decode_in_place(&mut theirs).ok().map(|length| theirs[..length].to_vec());
+            prop_assert_eq!(uncover(&mut wire).map(<[u8]>::to_vec), theirs);
         }
 
         #[test]

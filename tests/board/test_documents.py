@@ -9,7 +9,7 @@ from images import ROOT, firmware
 from host import (
     BLOCK, CHORD, COMB, DIGEST_START, DISARM, DRIVE, STOP, STORE, TABLE_COMMIT, chord, comb, drive, varint,
 )  # fmt: skip
-from measuring import listen
+from measuring import listen, listened
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -75,6 +75,7 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     listen(host, 8, hann=True)
     host.capture(1, 1000)
     host.live(0.008)
+    assert len(listened(host, 0).answers) == 16 and len(host.captured()[2]) == 1000
     # Then the lock-ins are a hold's, of a sensor that hears half of what is played; all levels fall.
     board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
     host.hold([(slot, 8) for slot in range(16)], 20)

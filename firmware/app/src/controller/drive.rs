@@ -18,7 +18,7 @@ use crate::range::in_range;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
 /// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.
-const LEADS: [u64; 5] = [0, 1, 4, 16, 64];
+const LEADS: [u64; 6] = [0, 1, 2, 4, 16, 64];
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
