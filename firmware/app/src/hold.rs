@@ -31,7 +31,8 @@
 //! **Losing lock.** A window that broke, an input that is [clipped or stuck](Loss), a slot that was not followed and a tone
 //! that would stay below a quarter of its set value even at the limit, for longer than the plate takes to answer: the
 //! tone is lost for good, and goes back to the table's level by the next drive, without slew. Nothing rises while a tone is
-//! that weak: an unplugged sensor does not drive the plate up.
+//! that weak: an unplugged sensor does not drive the plate up. Only the window in which it is unplugged may look like that of
+//! a finger, which is one step up at most.
 //!
 //! **Messages.** The protocol carries the input, `tau`, the blocks of a window, `max_rise`, `slew`, and of each tone the slot
 //! and the amplitude; no gains, so that no host can make the loop unstable. `controller/hold.rs` takes them, has the windows

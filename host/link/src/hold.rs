@@ -2,14 +2,19 @@
 
 use crate::drive::DriveError;
 use crate::out_of_range::OutOfRange;
+use slipline_app::Timing;
+use slipline_app::excursion::shortest_glide;
+use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::Identity;
 pub use slipline_protocol::hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldState};
 use slipline_protocol::hold::{HoldSetting, HoldTone};
-use slipline_protocol::limits::{HELD_AMPLITUDE, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB};
+use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB};
 use slipline_protocol::units::CentiDecibel;
 
 /// Parts of a code in which an amplitude is told.
 const CODE: f64 = 256.0;
+/// Samples in a block.
+const BLOCK: u32 = 128;
 
 /// A tone to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +34,7 @@ pub struct HoldRequest {
     pub input: u8,
     /// The plate's time constant `2 / (loss factor * angular frequency)` in seconds, 0..=60; of several tones the longest.
     pub time_constant_s: f64,
-    /// The length of a window in blocks of 128 samples.
+    /// The length of a window in blocks of 128 samples; longer where the device's drives must be slower.
     pub blocks: u16,
     /// How far above its drive's level a tone may rise, in dB, 0..=60.2.
     pub max_rise_db: f64,
@@ -51,11 +56,21 @@ impl HoldRequest {
         tones: Vec::new(),
     };
 
-    /// The hold in a device's own units.
+    /// The hold in a device's own units. A limit of the travel makes the windows as long as the actuator needs to follow the
+    /// levels.
     ///
     /// # Errors
     /// [`DriveError`], naming the value and its range. Whether the tones sound is for the device to say.
-    pub fn for_device(&self, identity: &Identity) -> Result<HoldSetting, DriveError> {
+    pub fn for_device(
+        &self,
+        identity: &Identity,
+        travel: Option<&TravelLimit>,
+    ) -> Result<HoldSetting, DriveError> {
+        let timing = Timing::at(identity.sample_rate_hz);
+        let glide = travel.map_or(timing.min_glide, |limit| shortest_glide(limit, &timing));
+        // The levels glide for half of a window and its pause.
+        let shortest = glide.saturating_mul(2).div_ceil(BLOCK).saturating_sub(HOLD_PAUSE_BLOCKS.into());
+        let shortest = u16::try_from(shortest).unwrap_or(u16::MAX);
         let longest_s = f64::from(MAX_APPLY_AHEAD_MS) / 1000.0;
         OutOfRange::check("time constant (s)", self.time_constant_s, 0.0, longest_s)?;
         let level = |field, got, least| {
@@ -75,7 +90,7 @@ impl HoldRequest {
         Ok(HoldSetting {
             input: self.input,
             time_constant: (self.time_constant_s * f64::from(identity.sample_rate_hz)).round() as u32,
-            blocks: self.blocks,
+            blocks: if self.tones.is_empty() { self.blocks } else { self.blocks.max(shortest) },
             max_rise: level("largest rise (dB)", self.max_rise_db, 0.0)?,
             slew: level("largest change from window to window (dB)", self.slew_db, 0.01)?,
             tones,

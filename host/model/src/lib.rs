@@ -20,6 +20,7 @@ pub mod calibration;
 pub mod colour_map;
 pub mod export;
 pub mod field;
+pub mod hold;
 pub mod jobs;
 pub mod measure;
 pub mod measured_file;

@@ -310,7 +310,7 @@ impl CommandQueue {
             Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
             Job::Hold(request) => {
                 let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(&identity) {
+                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
                     Ok(setting) => Command::Hold(setting),
                     Err(error) => return refuse(&task, error, recorder),
                 }

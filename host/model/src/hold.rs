@@ -1,0 +1,281 @@
+//! The level hold: for how long to listen to the tones that sound, which amplitudes to hold, and what to say of them.
+//!
+//! ```text
+//! Plate, frequencies by slot --HoldPlan--> Listen, once the plate has settled --Listened--> Hold
+//!                                                      snapshot.hold --ToneWords--> sentences
+//! ```
+//! The amplitudes to hold are those of the plate as it is when the hold begins, with no finger on it: one window is listened to,
+//! and what it has measured is held from then on. So no model of the plate says how loud a tone must be; the model says only how
+//! long the plate takes, `tau = 2 / (eta omega)` with its loss factor and the lowest tone.
+//!
+//! **The window** is a Hann window of at least two periods of the lowest tone, and of two over the distance of the nearest two
+//! tones: there their main lobes part. It is at least 24 times as long as the pause between two windows (0.1 s at 400 kS/s), so
+//! that the pause costs little of what the hold promises: a finger's -6 dB are taken back to within 1 dB after five times the
+//! longer of `tau` and the window.
+
+use slipline_link::protocol::hold::Held;
+use slipline_link::protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_TONES};
+use slipline_link::{
+    HoldLimit, HoldLoss, HoldProgress, HoldRequest, HoldState, HoldToneRequest, ListenRequest, Listened,
+    WindowShape,
+};
+use slipline_plate::Plate;
+use std::f64::consts::TAU;
+
+/// Time constants of the plate before the set amplitudes are listened to: 0.25 % of what was before are left.
+const SETTLED: f64 = 6.0;
+/// Pauses in the shortest window.
+const PAUSES: u16 = 24;
+/// Samples in a block.
+const BLOCK: f64 = 128.0;
+/// The longest window, seconds: the device takes 20 s, and nobody waits for that.
+const LONGEST_S: f64 = 5.0;
+/// The longest time constant that a device takes, seconds.
+const TIME_CONSTANT_MAX_S: f64 = 60.0;
+/// The largest change of a level from window to window, dB: a factor of 2, with which the hold is as fast as it can be.
+const SLEW_DB: f64 = 6.02;
+/// The least amplitude that is worth holding, codes: below, the noise of a window is more than a tenth of a decibel of it.
+const LEAST_CODES: f64 = 1.0;
+
+/// Why tones cannot be held.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HoldError {
+    /// The device has no inputs, or its firmware is too old to measure them.
+    #[error("the device has no inputs that it can measure, so it cannot hold a level")]
+    NoInputs,
+    /// Nothing sounds.
+    #[error("no tone sounds that could be held")]
+    NoTones,
+    /// There are more tones than the device measures at once.
+    #[error("{tones} tones sound, and the device measures {lock_ins} at once; hold fewer tones")]
+    TooMany {
+        /// Tones that sound.
+        tones: usize,
+        /// Tones that the device measures at once.
+        lock_ins: usize,
+    },
+    /// Two tones are so close that telling them apart takes too long.
+    #[error(
+        "two tones are {apart_hz:.3} Hz apart: to tell them apart takes {window_s:.1} s; {LONGEST_S} s are allowed"
+    )]
+    TooClose {
+        /// Their distance.
+        apart_hz: f64,
+        /// The window that they need.
+        window_s: f64,
+    },
+    /// The lowest tone is so low that two of its periods take too long.
+    #[error("a tone of {frequency_hz:.3} Hz takes a window of {window_s:.1} s; {LONGEST_S} s are allowed")]
+    TooLow {
+        /// Its frequency.
+        frequency_hz: f64,
+        /// The window that it needs.
+        window_s: f64,
+    },
+    /// A code of the input was at an end of its range.
+    #[error("the sensor's input is clipped: lower its gain, or drive less loudly")]
+    Clipped,
+    /// All codes of the input were the same.
+    #[error("the sensor's input does not move: nothing is connected to it, or its converter is stuck")]
+    Stuck,
+    /// A tone did not sound through the whole window.
+    #[error("the tone in slot {slot} did not sound on while it was listened to; hold again")]
+    NotFollowed {
+        /// Its slot.
+        slot: u8,
+    },
+    /// The sensor hears too little of a tone.
+    #[error(
+        "the sensor hears the tone in slot {slot} with {codes:.2} codes only; at least {LEAST_CODES} are needed: \
+         check the sensor, move it before the boundary, raise its gain, or drive louder"
+    )]
+    TooWeak {
+        /// Its slot.
+        slot: u8,
+        /// What the sensor hears.
+        codes: f64,
+    },
+}
+
+/// How tones are held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HoldPlan {
+    slots: u16,
+    /// The input, from 0.
+    pub input: u8,
+    /// The plate's time constant at the lowest tone, seconds, at most 60.
+    pub time_constant_s: f64,
+    /// The length of a window, in blocks of 128 samples.
+    pub blocks: u16,
+    /// How far above its drive's level a tone may rise, dB, 0..=60.2.
+    pub max_rise_db: f64,
+    rate_hz: f64,
+}
+
+impl HoldPlan {
+    /// How tones (slot, frequency in Hz) that sound on a plate are held by the sensor's input, for a device of this sample rate
+    /// that measures so many tones at once.
+    ///
+    /// # Errors
+    /// [`HoldError`]
+    pub fn new(
+        plate: &Plate,
+        tones: &[(u8, f64)],
+        rate_hz: f64,
+        lock_ins: usize,
+        max_rise_db: f64,
+    ) -> Result<Self, HoldError> {
+        if lock_ins == 0 {
+            return Err(HoldError::NoInputs);
+        }
+        let mut frequencies: Vec<f64> = tones.iter().map(|(_, hz)| *hz).collect();
+        frequencies.sort_by(f64::total_cmp);
+        let Some(&lowest_hz) = frequencies.first() else { return Err(HoldError::NoTones) };
+        if tones.len() > lock_ins.min(MAX_TONES) {
+            return Err(HoldError::TooMany { tones: tones.len(), lock_ins });
+        }
+        let apart_hz = frequencies.windows(2).map(|two| two[1] - two[0]).fold(f64::INFINITY, f64::min);
+        let (of_period_s, of_distance_s) = (2.0 / lowest_hz, 2.0 / apart_hz);
+        if of_period_s.is_nan() || of_period_s > LONGEST_S {
+            return Err(HoldError::TooLow { frequency_hz: lowest_hz, window_s: of_period_s });
+        }
+        if of_distance_s > LONGEST_S {
+            return Err(HoldError::TooClose { apart_hz, window_s: of_distance_s });
+        }
+        let blocks =
+            (of_period_s.max(of_distance_s) * rate_hz / BLOCK).ceil().min(f64::from(u16::MAX)) as u16;
+        let time_constant_s = 2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz);
+        Ok(Self {
+            slots: tones
+                .iter()
+                .fold(0, |slots, (slot, _)| slots | 1_u16.checked_shl((*slot).into()).unwrap_or(0)),
+            input: 0,
+            time_constant_s: time_constant_s.min(TIME_CONSTANT_MAX_S),
+            blocks: blocks.max(PAUSES * HOLD_PAUSE_BLOCKS),
+            max_rise_db,
+            rate_hz,
+        })
+    }
+
+    /// The length of a window, seconds.
+    #[must_use]
+    pub fn window_s(&self) -> f64 {
+        f64::from(self.blocks) * BLOCK / self.rate_hz
+    }
+
+    /// After so many seconds a finger's -6 dB are taken back to within 1 dB: five times the longer of time constant and window.
+    #[must_use]
+    pub fn recovery_s(&self) -> f64 {
+        5.0 * self.time_constant_s.max(self.window_s())
+    }
+
+    /// The window in which the amplitudes are measured that are to be held. `reached` is the index at which the tones have
+    /// reached their levels: the plate needs some time more. `None` listens at once.
+    #[must_use]
+    pub fn listen(&self, reached: Option<u64>) -> ListenRequest {
+        let settle = (SETTLED * self.time_constant_s * self.rate_hz).ceil() as u64;
+        ListenRequest {
+            from: reached.map(|index| index.saturating_add(settle)),
+            blocks: self.blocks,
+            shape: WindowShape::Hann,
+            slots: self.slots,
+            input: self.input,
+        }
+    }
+
+    /// The hold of the amplitudes that were measured.
+    ///
+    /// # Errors
+    /// [`HoldError`]: the input is clipped or stuck, or a tone was not heard.
+    pub fn hold(&self, listened: &Listened) -> Result<HoldRequest, HoldError> {
+        if listened.lowest == listened.highest {
+            return Err(HoldError::Stuck);
+        }
+        if listened.lowest == 0 || listened.highest >= 4095 {
+            return Err(HoldError::Clipped);
+        }
+        let mut tones = Vec::new();
+        for slot in (0..MAX_TONES as u8).filter(|slot| self.slots >> slot & 1 == 1) {
+            let answer = listened.answers.get(usize::from(slot)).copied().flatten();
+            let (re, im) = answer.ok_or(HoldError::NotFollowed { slot })?;
+            let codes = re.hypot(im);
+            if codes < LEAST_CODES {
+                return Err(HoldError::TooWeak { slot, codes });
+            }
+            let most = f64::from(HELD_AMPLITUDE.1) / 256.0;
+            tones.push(HoldToneRequest { slot, amplitude_codes: codes.min(most) });
+        }
+        Ok(HoldRequest {
+            input: self.input,
+            time_constant_s: self.time_constant_s,
+            blocks: self.blocks,
+            max_rise_db: self.max_rise_db,
+            slew_db: SLEW_DB,
+            tones,
+        })
+    }
+}
+
+/// What is to be said of a held tone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneWords {
+    /// Its slot.
+    pub slot: u8,
+    /// What is in force above its drive's level, dB.
+    pub correction_db: f64,
+    /// The amplitude that was measured last, codes.
+    pub amplitude_codes: f64,
+    /// Its state as a few words.
+    pub words: &'static str,
+    /// Whether it is where it should be, or on its way there.
+    pub is_well: bool,
+}
+
+/// What is to be said of the tones of a hold, by their slots.
+pub fn words(held: &Held) -> impl Iterator<Item = ToneWords> + '_ {
+    held.tones.iter().map(|tone| ToneWords {
+        slot: tone.slot,
+        correction_db: f64::from(tone.correction.0) / 100.0,
+        amplitude_codes: f64::from(tone.amplitude) / 256.0,
+        words: state_words(tone.state),
+        is_well: matches!(tone.state, HoldState::Settling | HoldState::Held),
+    })
+}
+
+/// A tone's state as a few words.
+#[must_use]
+pub const fn state_words(state: HoldState) -> &'static str {
+    match state {
+        HoldState::Settling => "settling",
+        HoldState::Held => "held",
+        HoldState::AtLimit(limit) => match limit {
+            HoldLimit::Rise => "at the largest rise that is allowed",
+            HoldLimit::Level => "at its full level",
+            HoldLimit::Headroom => "at full scale: there is no more headroom",
+            HoldLimit::Thermal => "at the thermal limit: the actuator is warm",
+            HoldLimit::Travel => "at the limit of the actuator's travel",
+            HoldLimit::Fall => "at the lowest level",
+        },
+        HoldState::Lost(loss) => match loss {
+            HoldLoss::NotFollowed => "lost: the tone was interrupted",
+            HoldLoss::TooWeak => "lost: the sensor hears too little of it",
+            HoldLoss::Clipped => "lost: the sensor's input is clipped",
+            HoldLoss::Stuck => "lost: the sensor's input does not move",
+            HoldLoss::Broken => "lost: codes of the sensor's input were lost",
+        },
+    }
+}
+
+/// A hold's state as a sentence without a full stop.
+#[must_use]
+pub const fn progress_words(progress: HoldProgress) -> &'static str {
+    match progress {
+        HoldProgress::Off => "Nothing is held",
+        HoldProgress::On => "The levels are held",
+        HoldProgress::Ended => "The hold has ended: something else changed what sounds",
+        HoldProgress::Lost => "The hold has lost all tones: they sound at the drive's levels",
+    }
+}
+
+#[cfg(test)]
+mod tests;
