@@ -1,4 +1,4 @@
-//! Measurements by other programs: a table of frequency and level, REW's text, `.frd`, and universal files (dataset 58).
+//! Measurements by other programs: a table of frequency and level, REW's text, `.frd`, and universal files (datasets 58 and 58b).
 //!
 //! ```text
 //! bytes -> File -+-> Own: everything is told                    (Measurement::from_csv)
@@ -69,9 +69,6 @@ pub enum FileError {
     /// A universal file with several functions.
     #[error("the universal file holds more than one function: save the one of this sensor alone")]
     ManyFunctions,
-    /// A universal file in binary form.
-    #[error("the universal file is a binary one (58b): save it as text (58)")]
-    Binary,
     /// A recording.
     #[error("the file is a sound and not a table of frequencies")]
     Sound,
@@ -105,6 +102,9 @@ impl File {
     pub fn read(bytes: &[u8]) -> Result<Self, FileError> {
         if bytes.starts_with(b"RIFF") {
             return Err(FileError::Sound);
+        }
+        if uff58::binary::has_one(bytes) {
+            return Ok(Self::Foreign(uff58::binary::read(bytes)?));
         }
         // Names of a microphone may be in any code: only the numbers count.
         let text = String::from_utf8_lossy(bytes);

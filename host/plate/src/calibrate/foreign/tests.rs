@@ -98,7 +98,7 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
     assert_eq!(foreign(&real).points, magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
     for (from, to, told) in [
-        ("    58\n", "    58b\n", "the universal file is a binary one"),
+        ("    58\n", "    58b\n", "line 6: the order of the bytes = nothing: must be a whole number"),
         ("    58\n", "    55\n", "the universal file holds no dataset 58"),
         ("    4         0", "    1         0", "line 12: the function's type = 1: must be 0, 4, 5 or 12"),
         (

@@ -1,7 +1,10 @@
 //! Dataset 58 of a universal file, "function at nodal DOF" (I-DEAS; revision of 30 June 1999), as text.
 //!
 //! A dataset stands between lines of -1, its number on its first line. Of its eleven header lines the sixth has the function's
-//! type, the seventh the form of the data, the eighth and ninth what abscissa and ordinate are.
+//! type, the seventh the form of the data, the eighth and ninth what abscissa and ordinate are. [`binary`] reads the numbers of
+//! dataset 58b.
+
+pub(super) mod binary;
 
 use super::{FileError, Foreign, number, wrong};
 use crate::calibrate::csv::shown;
@@ -50,6 +53,11 @@ fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, FileError
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
 }
 
+/// Whether the line of a dataset's number tells this one.
+fn is_number(line: &str, number: &str) -> bool {
+    line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case(number))
+}
+
 /// All datasets of number 58.
 fn datasets(text: &str) -> Result<Vec<Dataset<'_>>, FileError> {
     let mut found = Vec::new();
@@ -59,13 +67,9 @@ fn datasets(text: &str) -> Result<Vec<Dataset<'_>>, FileError> {
             continue;
         }
         let Some((at, kind)) = lines.next() else { break };
-        let kind = kind.split_whitespace().next().unwrap_or("");
-        if kind.eq_ignore_ascii_case("58b") {
-            return Err(FileError::Binary);
-        }
         let content: Vec<&str> =
             lines.by_ref().map(|(_, line)| line).take_while(|line| line.trim() != MARK).collect();
-        if kind == "58" {
+        if is_number(kind, "58") {
             found.push(Dataset { first: at + 1, lines: content });
         }
     }
@@ -81,63 +85,99 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     }
 }
 
-fn function(dataset: &Dataset<'_>) -> Result<Foreign, FileError> {
-    let (line, words) = dataset.words(5)?;
-    let kind = whole(line, "the function's type", words.first())?;
-    if !RESPONSES.contains(&kind) {
-        let told = "0, 4, 5 or 12: a response over the frequency";
-        return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), told)));
-    }
-    let (line, form) = dataset.words(6)?;
-    let is_complex = match whole(line, "the data's form", form.first())? {
-        2 | 4 => false,
-        5 | 6 => true,
-        other => {
-            let told = "2, 4, 5 or 6: real or complex numbers";
-            return Err(wrong(line, must_be(format_args!("the data's form = {other}"), told)));
-        }
-    };
-    let count = whole(line, "the number of points", form.get(1))? as usize;
-    let is_even = whole(line, "the abscissa's spacing", form.get(2))? == 1;
-    let real = |at: usize, field: &str| number(line, field, &exponent(form.get(at).copied().unwrap_or("0")));
-    let (start_hz, step_hz) = (real(3, "the lowest abscissa")?, real(4, "the abscissa's increment")?);
-    let (line, abscissa) = dataset.words(7)?;
-    let is_frequency = whole(line, "the abscissa's type", abscissa.first())?;
-    if ![0, FREQUENCY].contains(&is_frequency) {
-        return Err(wrong(
-            line,
-            must_be(format_args!("the abscissa's type = {is_frequency}"), "18: a frequency"),
-        ));
-    }
-    let (line, ordinate) = dataset.words(8)?;
-    let ordinate = whole(line, "the ordinate's type", ordinate.first())?;
-    let sensor = ORDINATES.iter().find(|(_, number, _)| *number == ordinate).map(|it| it.0);
+/// What the head of a dataset tells of its numbers.
+struct Form {
+    /// The line of the head that tells the data's form.
+    line: usize,
+    count: usize,
+    is_complex: bool,
+    is_double: bool,
+    /// Whether the abscissas are not written.
+    is_even: bool,
+    start_hz: f64,
+    step_hz: f64,
+    sensor: Option<SensorKind>,
+}
 
-    let width = usize::from(!is_even) + if is_complex { 2 } else { 1 };
+impl Form {
+    fn of(dataset: &Dataset<'_>) -> Result<Self, FileError> {
+        let (line, words) = dataset.words(5)?;
+        let kind = whole(line, "the function's type", words.first())?;
+        if !RESPONSES.contains(&kind) {
+            let told = "0, 4, 5 or 12: a response over the frequency";
+            return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), told)));
+        }
+        let (line, abscissa) = dataset.words(7)?;
+        let is_frequency = whole(line, "the abscissa's type", abscissa.first())?;
+        if ![0, FREQUENCY].contains(&is_frequency) {
+            let given = format_args!("the abscissa's type = {is_frequency}");
+            return Err(wrong(line, must_be(given, "18: a frequency")));
+        }
+        let (line, ordinate) = dataset.words(8)?;
+        let ordinate = whole(line, "the ordinate's type", ordinate.first())?;
+        let (line, form) = dataset.words(6)?;
+        let (is_complex, is_double) = match whole(line, "the data's form", form.first())? {
+            2 => (false, false),
+            4 => (false, true),
+            5 => (true, false),
+            6 => (true, true),
+            other => {
+                let told = "2, 4, 5 or 6: real or complex numbers";
+                return Err(wrong(line, must_be(format_args!("the data's form = {other}"), told)));
+            }
+        };
+        let real =
+            |at: usize, field: &str| number(line, field, &exponent(form.get(at).copied().unwrap_or("0")));
+        Ok(Self {
+            line,
+            count: whole(line, "the number of points", form.get(1))? as usize,
+            is_complex,
+            is_double,
+            is_even: whole(line, "the abscissa's spacing", form.get(2))? == 1,
+            start_hz: real(3, "the lowest abscissa")?,
+            step_hz: real(4, "the abscissa's increment")?,
+            sensor: ORDINATES.iter().find(|(_, number, _)| *number == ordinate).map(|it| it.0),
+        })
+    }
+
+    /// Numbers of a point beside its abscissa.
+    const fn ordinates(&self) -> usize {
+        if self.is_complex { 2 } else { 1 }
+    }
+
+    /// The function of these numbers.
+    fn points(&self, values: &[f64]) -> Result<Foreign, FileError> {
+        let width = usize::from(!self.is_even) + self.ordinates();
+        if Some(values.len()) != self.count.checked_mul(width) {
+            let given = format_args!("the dataset of {} points has {} numbers", self.count, values.len());
+            return Err(wrong(self.line, must_be(given, format!("{width} for each point"))));
+        }
+        let point = |(i, row): (usize, &[f64])| {
+            let (frequency_hz, row) = match row {
+                [frequency_hz, rest @ ..] if !self.is_even => (*frequency_hz, rest),
+                row => (self.start_hz + self.step_hz * i as f64, row),
+            };
+            let response = match row {
+                [re, im, ..] => Complex64::new(*re, -im),
+                [magnitude] => Complex64::new(magnitude.abs(), 0.0),
+                [] => Complex64::ZERO,
+            };
+            (frequency_hz, response)
+        };
+        let points = values.chunks_exact(width).enumerate().map(point).collect();
+        Ok(Foreign { sensor: self.sensor, points })
+    }
+}
+
+fn function(dataset: &Dataset<'_>) -> Result<Foreign, FileError> {
+    let form = Form::of(dataset)?;
     let mut values = Vec::new();
     for (at, content) in dataset.lines.iter().enumerate().skip(11) {
         for word in apart(content) {
             values.push(number(dataset.first + at, "the value", &exponent(&word))?);
         }
     }
-    if Some(values.len()) != count.checked_mul(width) {
-        let given = format_args!("the dataset of {count} points has {} numbers", values.len());
-        let told = format!("{width} for each point");
-        return Err(wrong(dataset.first + 6, must_be(given, told)));
-    }
-    let point = |(i, row): (usize, &[f64])| {
-        let (frequency_hz, row) = match row {
-            [frequency_hz, rest @ ..] if !is_even => (*frequency_hz, rest),
-            row => (start_hz + step_hz * i as f64, row),
-        };
-        let response = match row {
-            [re, im, ..] => Complex64::new(*re, -im),
-            [magnitude] => Complex64::new(magnitude.abs(), 0.0),
-            [] => Complex64::ZERO,
-        };
-        (frequency_hz, response)
-    };
-    Ok(Foreign { sensor, points: values.chunks_exact(width).enumerate().map(point).collect() })
+    form.points(&values)
 }
 
 /// The numbers of a line: a field of Fortran is as wide as its format, so that a sign may touch the number before it.

@@ -1,0 +1,156 @@
+//! Dataset 58b: the head is the text of dataset 58, and its numbers follow as bytes.
+//!
+//! The line of the dataset's number tells how: `58b`, the order of the bytes (1: the lowest first, 2: the highest first), the form of
+//! the numbers (1: VAX, 2: IEEE 754, 3: IBM), how many lines of head follow (11), and how many bytes after them. The bytes begin
+//! right after the head's last line and have the order of the text's numbers; a line of -1 follows them at once.
+
+use super::super::{FileError, Foreign, wrong};
+use super::{Dataset, Form, MARK, is_number, whole};
+use crate::quantity::must_be;
+
+/// Lines of the head.
+const HEAD: usize = 11;
+/// The only form of numbers that is read.
+const IEEE_754: u32 = 2;
+
+/// A file's bytes, line by line.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    /// The next byte, and the number of its line in the file.
+    at: usize,
+    line: usize,
+}
+
+impl<'a> Lines<'a> {
+    /// The next line and its number.
+    fn next(&mut self) -> Option<(usize, &'a [u8])> {
+        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|byte| *byte == b'\n');
+        let line = &rest[..length.unwrap_or(rest.len())];
+        self.at += length.map_or(rest.len(), |length| length + 1);
+        self.line += 1;
+        Some((self.line, line.trim_ascii()))
+    }
+
+    fn skip(&mut self, count: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes.get(self.at..)?.get(..count)?;
+        self.at += count;
+        Some(taken)
+    }
+}
+
+/// Whether a file has a dataset 58b.
+pub(in super::super) fn has_one(bytes: &[u8]) -> bool {
+    let mut lines = Lines { bytes, at: 0, line: 0 };
+    let mut is_marked = false;
+    while let Some((_, line)) = lines.next() {
+        if is_marked && is_number(&String::from_utf8_lossy(line), "58b") {
+            return true;
+        }
+        is_marked = line == MARK.as_bytes();
+    }
+    false
+}
+
+/// Reads the only function of a file with a dataset 58b.
+pub(in super::super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
+    let mut lines = Lines { bytes, at: 0, line: 0 };
+    let mut found = None;
+    while let Some((_, line)) = lines.next() {
+        if line != MARK.as_bytes() {
+            continue;
+        }
+        let Some((at, kind)) = lines.next() else { break };
+        let kind = String::from_utf8_lossy(kind);
+        let is_binary = is_number(&kind, "58b");
+        if (is_binary || is_number(&kind, "58")) && found.is_some() {
+            return Err(FileError::ManyFunctions);
+        }
+        if is_binary {
+            found = Some(function(&mut lines, at, &kind)?);
+        }
+        // To the end of the dataset.
+        while lines.next().is_some_and(|(_, line)| line != MARK.as_bytes()) {}
+    }
+    found.ok_or(FileError::NoFunction)
+}
+
+/// The function of a dataset whose first line is number `at`.
+fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, FileError> {
+    let words: Vec<&str> = kind.split_whitespace().collect();
+    let order = whole(at, "the order of the bytes", words.get(1))?;
+    let is_little = match order {
+        1 => true,
+        2 => false,
+        other => {
+            let told = "1 (the lowest first) or 2 (the highest first)";
+            return Err(wrong(at, must_be(format_args!("the order of the bytes = {other}"), told)));
+        }
+    };
+    let form = whole(at, "the form of the numbers", words.get(2))?;
+    if form != IEEE_754 {
+        let told = "2: IEEE 754; save it anew on another computer, or as text";
+        return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), told)));
+    }
+    let head = whole(at, "the number of lines", words.get(3))? as usize;
+    if head != HEAD {
+        return Err(wrong(at, must_be(format_args!("the number of lines = {head}"), "11")));
+    }
+    let count = whole(at, "the number of bytes", words.get(4))? as usize;
+    let mut texts = Vec::with_capacity(HEAD);
+    for _ in 0..HEAD {
+        let (_, line) = lines.next().ok_or_else(|| wrong(at, "the dataset's head is cut off"))?;
+        texts.push(String::from_utf8_lossy(line).into_owned());
+    }
+    let head = Dataset { first: at + 1, lines: texts.iter().map(String::as_str).collect() };
+    let form = Form::of(&head)?;
+    let data = lines.skip(count).ok_or_else(|| {
+        wrong(at, format!("the file ends before the {count} bytes that the dataset is said to have"))
+    })?;
+    form.points(&values(data, &form, is_little, at)?)
+}
+
+/// The numbers of a dataset's bytes.
+fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, FileError> {
+    // Abscissa and ordinates of a row: some programs keep the abscissa in the precision of the ordinates, and some in single.
+    let ordinates = form.ordinates();
+    let abscissas: &[usize] = if form.is_even {
+        &[0]
+    } else if form.is_double {
+        &[8, 4]
+    } else {
+        &[4]
+    };
+    let size = if form.is_double { 8 } else { 4 };
+    let fits = |abscissa: &&usize| form.count.checked_mul(**abscissa + ordinates * size) == Some(data.len());
+    let Some(&abscissa) = abscissas.iter().find(fits) else {
+        let given = format_args!("the {} bytes of a dataset of {} points", data.len(), form.count);
+        return Err(wrong(
+            at,
+            must_be(given, format_args!("{} for each point", abscissas[0] + ordinates * size)),
+        ));
+    };
+    let number = |bytes: &[u8]| match *bytes {
+        [a, b, c, d] if is_little => f64::from(f32::from_le_bytes([a, b, c, d])),
+        [a, b, c, d] => f64::from(f32::from_be_bytes([a, b, c, d])),
+        [a, b, c, d, e, f, g, h] if is_little => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+        [a, b, c, d, e, f, g, h] => f64::from_be_bytes([a, b, c, d, e, f, g, h]),
+        _ => f64::NAN,
+    };
+    let mut values = Vec::with_capacity(data.len() / 4);
+    for row in data.chunks_exact((abscissa + ordinates * size).max(1)) {
+        let (first, rest) = row.split_at(abscissa);
+        values.extend((abscissa > 0).then(|| number(first)));
+        values.extend(rest.chunks_exact(size).map(number));
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(place) => {
+            let given = format_args!("number {} of the dataset's bytes = {}", place + 1, values[place]);
+            Err(wrong(at, must_be(given, "a finite number: is the order of the bytes right?")))
+        }
+        None => Ok(values),
+    }
+}
+
+#[cfg(test)]
+mod tests;
