@@ -219,6 +219,8 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// The share that is done, 0..=1, while one is under way.
     pub progress: Option<f32>,
+    /// Why the last one was none, until the next one begins.
+    pub failed: Option<&'a str>,
     /// What the sensor shows now, while a page wants to know.
     pub signal: Option<Signal>,
     /// Whether the simulated device stands on a plate that nobody knows.

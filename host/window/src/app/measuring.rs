@@ -49,6 +49,8 @@ struct Rig {
 pub(super) struct Live {
     draft: MeasureDraft,
     run: Option<Run>,
+    /// Why the last one was none.
+    failed: Option<String>,
     rig: Rig,
     /// The looks at the sensor while it is put in its place.
     pub(super) looks: Looks,
@@ -63,6 +65,7 @@ impl Live {
         LiveScene {
             draft: &self.draft,
             progress,
+            failed: self.failed.as_deref(),
             signal: self.looks.latest(),
             is_secret: self.rig.truth.is_some(),
         }
@@ -97,6 +100,7 @@ impl App {
         if self.live.is_under_way() {
             return;
         }
+        self.live.failed = None;
         match self.prepared_measuring() {
             Err(reason) => self.notices.hinder(reason),
             Ok(_) if self.snapshot.is_simulated() && !self.is_rig_standing() => {
@@ -248,6 +252,7 @@ impl App {
             Err(error) => {
                 let text = format!("Not measured: {error}.");
                 self.note(Severity::Error, text.clone());
+                self.live.failed = Some(text.clone());
                 self.fail(text);
             }
         }

@@ -38,7 +38,7 @@ pub(super) fn show(
         let told = asked.told;
         let mut reason = None;
         ui.horizontal_top(|ui| {
-            let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 72.0);
+            let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 82.0);
             let at = (told.place_m, scene.setup.plate.length_m());
             if let Some(place_m) = place(ui, &mut view.fields, &mut reason, field, at) {
                 ask(MeasureIntent::Tell(Told { place_m, ..told }));

@@ -33,7 +33,7 @@ pub(super) fn show(
     let draft = *live.draft;
     let mut reason = None;
     ui.horizontal_top(|ui| {
-        let field = ("Sensor at", "Where the sensor stands, from the driven end (32 mm)", 72.0);
+        let field = ("Sensor at", "Where the sensor stands, from the driven end (32 mm)", 82.0);
         let at = (draft.place_m, scene.setup.plate.length_m());
         if let Some(place_m) = place(ui, &mut view.fields, &mut reason, field, at) {
             ask(MeasureIntent::Draft(MeasureDraft { place_m, ..draft }));
@@ -63,4 +63,6 @@ pub(super) fn show(
     if ui.button(RichText::new("Measure now").strong()).on_hover_text(help).clicked() {
         ask(MeasureIntent::Begin(answers));
     }
+    // A message would lie behind the calibration's pages.
+    refusal(ui, live.failed);
 }

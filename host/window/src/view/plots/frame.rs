@@ -35,7 +35,13 @@ pub(in crate::view) struct Frame {
     pub(in crate::view) logarithmic: Option<f64>,
 }
 
-/// A plot in this frame. Each has its own zoom memory, because a zoom makes no sense on other axes.
+/// The zoom memory of a frame: each has its own, because a zoom makes no sense on other axes.
+fn memory(frame: &Frame) -> Id {
+    let Frame { name, x, y, logarithmic, .. } = *frame;
+    Id::unique((name, [x.0, x.1, y.0, y.1].map(f64::to_bits), logarithmic.is_some()))
+}
+
+/// A plot in this frame.
 pub(in crate::view) fn plot<'a>(
     frame: &Frame,
     palette: &theme::Palette,
@@ -58,7 +64,7 @@ pub(in crate::view) fn plot<'a>(
         .min_thickness(34.0)
         .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
     Plot::new(name)
-        .id(Id::unique((name, x.1.to_bits(), y.1.to_bits(), logarithmic.is_some())))
+        .id(memory(frame))
         .default_x_bounds(x.0, x.1)
         .default_y_bounds(y.0, y.1)
         .custom_x_axes(vec![x_axis])
@@ -94,5 +100,25 @@ fn x_label(mark: GridMark, range: &RangeInclusive<f64>, unit: &str) -> String {
         format!("{label} {unit}")
     } else {
         label
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_that_grows_at_either_end_shows_all_of_it() {
+        let frame = |x: Ends, y: Ends| Frame { name: "phase", x, y, unit: "Hz", logarithmic: None };
+        let seen = memory(&frame((0.0, 1.0), (90.0, 540.0)));
+        assert_eq!(memory(&frame((0.0, 1.0), (90.0, 540.0))), seen);
+        for (x, y) in [
+            ((0.0, 1.0), (0.0, 540.0)),
+            ((0.0, 1.0), (90.0, 630.0)),
+            ((0.5, 1.0), (90.0, 540.0)),
+            ((0.0, 2.0), (90.0, 540.0)),
+        ] {
+            assert_ne!(memory(&frame(x, y)), seen, "{x:?} {y:?}: it would stay as it was zoomed before");
+        }
     }
 }

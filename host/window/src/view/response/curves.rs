@@ -13,6 +13,8 @@ const DEEPEST_DB: f64 = 100.0;
 /// A range of levels or degrees begins and ends at multiples of these.
 const LEVEL_STEP_DB: f64 = 5.0;
 const PHASE_STEP_DEG: f64 = 90.0;
+/// How far the plane of Nyquist's plot goes for a model that is larger than what was measured.
+const REACH_MAX: f64 = 4.0;
 /// Ends that the axis of the residual has, dB to both sides.
 const RESIDUALS_DB: [f64; 5] = [1.0, 3.0, 6.0, 12.0, 24.0];
 /// Frequencies from here on are told in kilohertz.
@@ -41,6 +43,8 @@ pub(super) struct Curves<'a> {
     pub(super) residual_db: f64,
     /// The largest magnitude.
     pub(super) largest: f64,
+    /// How far the model reaches over that, at least 1 and at most [`REACH_MAX`].
+    pub(super) reach: f64,
 }
 
 /// The least and the largest of some values; `None` if there are none.
@@ -80,12 +84,16 @@ impl<'a> Curves<'a> {
         let within = |most: &f64| largest_off <= *most;
         let deepest = RESIDUALS_DB[RESIDUALS_DB.len() - 1];
         let magnitudes = shown.iter().flat_map(|entry| entry.measurement.points.iter());
+        let largest = magnitudes.map(|point| point.response.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let predicted = model.iter().flat_map(|model| model.comparison.predicted.iter().flatten());
+        let reach = predicted.map(|answer| answer.norm() / largest).fold(1.0, f64::max).min(REACH_MAX);
         Some(Self {
             hertz,
             level_db: rounded((low.max(high - DEEPEST_DB), high), LEVEL_STEP_DB),
             phase_deg: rounded(phase_deg, PHASE_STEP_DEG),
             residual_db: RESIDUALS_DB.into_iter().find(within).unwrap_or(deepest),
-            largest: magnitudes.map(|point| point.response.norm()).fold(f64::MIN_POSITIVE, f64::max),
+            largest,
+            reach,
             is_linear,
             shown,
             chosen,

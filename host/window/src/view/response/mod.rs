@@ -83,7 +83,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     });
     let shelf = scene.measure.shelf;
     if shelf.entries().is_empty() {
-        return plots::empty(ui, "No measurement is open");
+        let is_measured = scene.measure.live.progress.is_some();
+        return plots::empty(
+            ui,
+            if is_measured { "The plate is being measured" } else { "No measurement is open" },
+        );
     }
     let Some(curves) = Curves::of(scene, response.is_linear) else {
         return plots::empty(ui, "All measurements are hidden");

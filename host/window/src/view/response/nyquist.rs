@@ -8,7 +8,7 @@ use eframe::egui::{self, Align2, FontId, pos2};
 use egui_plot::{Line, LineStyle, PlotPoint, PlotPoints};
 use slipline_plate::quantity::{show_frequency, ticks};
 
-/// Half of the plane's height, over the largest magnitude.
+/// Half of the plane's height, over the largest magnitude of measurements and model.
 const ROOM: f64 = 1.12;
 /// A smaller change of the plot's shape is only rounding.
 const DIFFERS: f64 = 5e-3;
@@ -18,7 +18,8 @@ const TITLE: &str = "Nyquist, of the largest";
 pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, is_reset: bool, aspect: &mut f64) {
     let palette = theme::palette(ui);
     // Both axes have one scale.
-    let half = (ROOM * aspect.max(1.0), ROOM * aspect.recip().max(1.0));
+    let room = ROOM * curves.reach;
+    let half = (room * aspect.max(1.0), room * aspect.recip().max(1.0));
     let (x, y) = ((-half.0, half.0), (-half.1, half.1));
     let frame = Frame { name: "nyquist", x, y, unit: "Re", logarithmic: None };
     let plot = plot(&frame, palette, |at| told(curves, at));
