@@ -90,6 +90,11 @@ impl<'a> Measurer<'a> {
         Ok(Self { bench, method })
     }
 
+    /// The same device with one comb alone, over the whole band: for what changes meanwhile.
+    pub(super) fn of_one_comb(&self) -> Self {
+        Self { device: self.device, plan: self.plan.of_one_comb(), table: self.table.clone() }
+    }
+
     /// Arms the device, measures, and disarms it.
     pub(super) fn measure(&self, sensor: Sensor) -> Result<Measured, Failure> {
         let Bench { device, table, .. } = &self.bench;

@@ -34,6 +34,7 @@ mod serve;
 mod simulate;
 mod table;
 mod texture;
+mod trim;
 mod verify;
 
 pub use calibrate::CalibrateArguments;
@@ -44,6 +45,7 @@ pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
 pub use texture::TextureArguments;
+pub use trim::TrimArguments;
 
 use crate::signals;
 use argument::{Boundary, FingerArgument, ToneArgument, Typed};
@@ -121,6 +123,8 @@ pub enum Command {
     /// Correct a plate file by what a sensor at two places measured, or at one, or by the current of the drive, or by where a
     /// finger felt two edges.
     Calibrate(CalibrateArguments),
+    /// Tell the wave speed of a calibrated plate as it is now, by one sensor, and go on while tension or temperature change.
+    Trim(TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
 }
@@ -395,6 +399,7 @@ impl Command {
             Self::Merit(arguments) => merit::run(&arguments, json),
             Self::Measure(arguments) => measure::run(&arguments, json),
             Self::Calibrate(arguments) => calibrate::run(&arguments, json),
+            Self::Trim(arguments) => trim::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
         }
     }

@@ -22,6 +22,7 @@ mod trace;
 mod travel;
 #[cfg(unix)]
 mod trigger;
+mod trim;
 #[cfg(unix)]
 mod upkeep;
 

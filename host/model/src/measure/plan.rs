@@ -190,6 +190,13 @@ impl Plan {
         Ok(Self { rate_hz, level, combs: tones.chunks(lock_ins).map(comb).collect() })
     }
 
+    /// The comb with the most tones alone: frequencies of the whole plan, over its whole band, in a fraction of its time.
+    #[must_use]
+    pub fn of_one_comb(&self) -> Self {
+        let most = self.combs.iter().max_by_key(|comb| comb.harmonics.len());
+        Self { combs: most.into_iter().cloned().collect(), ..*self }
+    }
+
     /// Samples that the device needs: of silence for the noise, and of rises, settling and windows. What the link and the
     /// fading between the combs take comes on top.
     #[must_use]
@@ -345,6 +352,18 @@ mod tests {
                 let constants = comb.settle_samples as f64 / RATE_HZ * 0.03 * TAU * lowest_hz / 2.0;
                 assert!((constants / wanted - 1.0).abs() < 0.03, "{points} points: {constants}");
             }
+        }
+    }
+
+    #[test]
+    fn one_comb_has_fifteen_frequencies_of_the_plan_over_its_band() {
+        for (name, points) in [("membrane", 60), ("al-bending", 150)] {
+            let plan = plan(name, points, 16);
+            let (all, some) = (frequencies(&plan), frequencies(&plan.of_one_comb()));
+            assert!(some.len() >= 15 && some.iter().all(|hz| all.contains(hz)), "{name}: {some:?}");
+            let band = |hertz: &[f64]| hertz[hertz.len() - 1] / hertz[0];
+            assert!(band(&some).ln() > 0.85 * band(&all).ln(), "{name}: {some:?}");
+            assert!(plan.of_one_comb().samples() < plan.samples() / 2, "{name}");
         }
     }
 

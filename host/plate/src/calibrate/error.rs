@@ -162,6 +162,27 @@ pub enum CalibrateError {
         /// Standard deviation of the level of the peak, dB.
         level_db: f64,
     },
+    /// A plate file without a calibration.
+    #[error(
+        "the plate file holds no calibration, so nobody knows its widths and its loss well enough to tell the wave speed from them: calibrate it first"
+    )]
+    NotCalibrated,
+    /// A measurement of another sensor than that of the trim's begin.
+    #[error("the sensor at {} is another one than at the beginning, or at another place: {} there", show_place(*.place_m), show_place(*.begin_m))]
+    AnotherSensor {
+        /// Its place, metres.
+        place_m: f64,
+        /// The place of the one at the beginning, metres.
+        begin_m: f64,
+    },
+    /// Phases that no wave speed explains.
+    #[error("the phases of the tones do not go with one wave speed (chi^2 is {} per phase, at most {} is accepted): has the sensor moved, is a finger on the plate, or did more than its speed change? Calibrate it again", significant(*.chi2_per_n, 2), significant(*.most, 2))]
+    PhasesUnlike {
+        /// Sum of the squared residuals over their number.
+        chi2_per_n: f64,
+        /// The most that is accepted.
+        most: f64,
+    },
     /// Two plates fit alike.
     #[error("two wave speeds fit what was measured, {} and {} times that of the plate file: the resonances do not tell which. Measure with a sensor on the plate", significant(shares[0], 4), significant(shares[1], 4))]
     Ambiguous {

@@ -8,6 +8,7 @@
 //!                    Calibrated: plate file <- gain carried to the peak <----------+
 //! Measurement at one place, or of the current -> joint (plate and source): scan, linear for each plate (sensed, drawn),
 //!                                             then least squares ---^
+//! a calibrated plate and a Measurement at one place -> trim: its wave speed now -> phases of a few tones -> later
 //! ```
 //!
 //! Nothing here plays or records a tone: a [`Measurement`] comes from a device, a file or a solver.
@@ -38,6 +39,7 @@ mod shunt;
 mod source_file;
 mod spread;
 mod touches;
+mod trim;
 mod unknowns;
 mod wave;
 
@@ -56,5 +58,6 @@ pub use one_sensor::from_one_sensor;
 pub use predicted::predicted;
 pub use shunt::from_shunt;
 pub use touches::{Touch, Touched, from_touches};
+pub use trim::{SpeedTrim, Trimmed};
 pub use unknowns::Priors;
 pub(crate) use wave::seen;

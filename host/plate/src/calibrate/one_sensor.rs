@@ -5,6 +5,7 @@ use super::driven::{Answer, Units, takes_a_source};
 use super::error::CalibrateError;
 use super::gain::{self, Carried};
 use super::joint::{Datum, Joint, Place, SourceModel};
+use super::least_squares::Fit;
 use super::measurement::{MeasuredPoint, Measurement, SensorKind};
 use super::refusal;
 use super::sensed::{CURVE, DELAY, RISE, Sensed};
@@ -39,18 +40,22 @@ pub fn from_one_sensor(
     sensor: &Measurement,
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
+    fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
+}
+
+/// As [`from_one_sensor`]; and the coordinates of the plate, the place and the source.
+pub(super) fn fitted(
+    plate: &Plate,
+    sensor: &Measurement,
+    priors: &Priors,
+) -> Result<(Calibrated, Fit), CalibrateError> {
     priors.check()?;
     refusal::check_sensor(plate, sensor)?;
     takes_a_source(&plate.spec().model)?;
     let points = entering(plate, sensor)?;
     let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
     let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
-    let rise = |rate: Complex64| match sensor.sensor {
-        SensorKind::Displacement | SensorKind::Strain => Complex64::ONE,
-        SensorKind::Velocity => rate,
-        SensorKind::Acceleration => rate * rate,
-    };
-    let data = normalised(&points, |hz| rise(units.rate(hz)) * droop(sensor, hz));
+    let data = of_deflection(&points, sensor, units);
     let (place_m, tolerance_m) = (sensor.place_m, sensor.place_tolerance_m);
     let place = Place { place_m, tolerance_m, sensor: sensor.sensor };
     let frequencies_hz = points.iter().map(|point| point.frequency_hz).collect();
@@ -103,7 +108,17 @@ pub fn from_one_sensor(
     let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
     let mut calibrated = Found { source_tolerance, ..found }.into_calibrated()?;
     calibrated.parameters.extend(of_source);
-    Ok(calibrated)
+    Ok((calibrated, fit))
+}
+
+/// The responses without the sensor's own rise and the hold of the DAC.
+pub(super) fn of_deflection(points: &[MeasuredPoint], sensor: &Measurement, units: Units) -> Vec<Datum> {
+    let rise = |rate: Complex64| match sensor.sensor {
+        SensorKind::Displacement | SensorKind::Strain => Complex64::ONE,
+        SensorKind::Velocity => rate,
+        SensorKind::Acceleration => rate * rate,
+    };
+    normalised(points, |hz| rise(units.rate(hz)) * droop(sensor, hz))
 }
 
 /// The points of a measurement at which a wave enters the plate.

@@ -9,7 +9,7 @@ pub(super) const MODEL_ERROR: f64 = 0.015;
 /// Median of |H|^2 over the noise's variance, for noise alone: 2 ln 2.
 const NOISE_MEDIAN: f64 = 2.0 * std::f64::consts::LN_2;
 /// Two frequencies that are equal to this share are the same.
-const SAME: f64 = 1e-7;
+pub(super) const SAME: f64 = 1e-7;
 
 /// Magnitudes and variances of both sensors' responses at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,6 +7,7 @@ mod one_sensor;
 mod rig;
 mod shunt;
 mod touches;
+mod trim;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
 use slipline_plate::Plate;

@@ -1,0 +1,134 @@
+//! `slipline trim`.
+
+use super::destination::Destination;
+use super::device::Device;
+use super::measured_file::kind;
+use super::measuring::{BandArgument, Bench, place_on};
+use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use argument::Typed;
+use clap::Args;
+use serde_json::{Value, json};
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::measure::Sensor;
+use slipline_model::rig::RigOptions;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed, departure};
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{show_length, show_place};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Longest time to watch, seconds.
+const WATCH_S: f64 = 86_400.0;
+
+/// `trim`.
+#[derive(Debug, Args)]
+pub struct TrimArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// Where the sensor stands, from the driven end (30mm).
+    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
+    sensor: Typed<f64>,
+    /// What the sensor shows: displacement, velocity, acceleration or strain.
+    #[arg(long, value_name = "KIND", value_parser = kind, default_value = "displacement")]
+    kind: SensorKind,
+    #[command(flatten)]
+    band: BandArgument,
+    /// What all tones together may be of full scale, 0.001 to 1.
+    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
+    level: f64,
+    /// Go on for so long, up to 24h, with one comb of tones after the other, and tell the wave speed each time.
+    #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
+    watch: Option<f64>,
+    /// Write the plate file with the last wave speed.
+    #[arg(long, value_name = "TRIMMED.toml")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgument,
+    #[command(flatten)]
+    arming: ArmingArgument,
+}
+
+pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let place_m = place_on(&plate, &arguments.sensor)?;
+    let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
+    let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
+    let rig = arguments.port.rig_with_sensor(&plate, &options)?;
+    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
+    device.may_be_armed(&arguments.arming)?;
+    let bench = Bench::new(&device, &plate, &arguments.band, Some(arguments.level))?;
+    let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
+    let first = bench.measure(sensor)?.measurement;
+    let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;
+    let begun = Instant::now();
+    let (bench, mut later) = (bench.of_one_comb(), Vec::new());
+    while arguments.watch.is_some_and(|watch_s| begun.elapsed().as_secs_f64() < watch_s) {
+        let measured = bench.measure(sensor)?;
+        let now = trim.later(&measured.measurement).map_err(Failure::failed)?;
+        let after_s = begun.elapsed().as_secs_f64();
+        if !as_json {
+            eprintln!("after {} s: {}", with_decimals(after_s, 1), interval(&now));
+        }
+        later.push((after_s, now));
+    }
+    let last = later.last().map_or(trim.begin(), |(_, now)| now);
+    if let Some(out) = &out {
+        let text = last.plate.to_toml();
+        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+    }
+    let moved_m =
+        departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?.boundary_m;
+    let value = json!({
+        "plate": plate.name(),
+        "place_m": place_m,
+        "begin": value(trim.begin()),
+        "later": later.iter().map(|(after_s, now)| {
+            let mut value = value(now);
+            value["after_s"] = json!(after_s);
+            value
+        }).collect::<Vec<_>>(),
+        "boundary_error_m": moved_m,
+        "caution": trim.caution(),
+    });
+    output::print(as_json, &value, |writer| {
+        output::lines(writer, &lines(&plate, place_m, &trim, last, moved_m, out.as_ref()))
+    })
+}
+
+fn value(trimmed: &Trimmed) -> Value {
+    json!({
+        "wave_speed_share": trimmed.share,
+        "low": trimmed.low,
+        "high": trimmed.high,
+        "chi2_per_n": trimmed.chi2_per_n,
+    })
+}
+
+fn interval(trimmed: &Trimmed) -> String {
+    let [share, low, high] = [trimmed.share, trimmed.low, trimmed.high].map(|it| with_decimals(it, 5));
+    format!("{share} times the file's ({low} to {high})")
+}
+
+fn lines(
+    plate: &Plate,
+    place_m: f64,
+    trim: &SpeedTrim,
+    last: &Trimmed,
+    moved_m: f64,
+    out: Option<&Destination>,
+) -> Vec<(&'static str, String)> {
+    let mut lines = vec![
+        ("Plate", plate.name().to_owned()),
+        ("Sensor", show_place(place_m)),
+        ("Wave speed", interval(last)),
+        ("chi^2 per answer", with_decimals(last.chi2_per_n, 2)),
+        ("By the file", format!("the boundary is up to {} off over the span", show_length(moved_m))),
+    ];
+    lines.extend(trim.caution().map(|sentence| ("Note", sentence)));
+    lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
+    lines
+}
