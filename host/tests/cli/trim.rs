@@ -12,8 +12,14 @@ fn written(name: &str, plate: &Plate) -> PathBuf {
 
 /// The preset as a calibration leaves it.
 fn calibrated() -> Plate {
-    let calibration =
-        Calibration { chi2_per_n: 1.0, half_width_tolerance: 2e-3, taper_tolerance: 2e-3, correction: None };
+    let calibration = Calibration {
+        chi2_per_n: 1.0,
+        half_width_tolerance: 2e-3,
+        taper_tolerance: 2e-3,
+        level_tolerance_db: None,
+        source_tolerance: None,
+        correction: None,
+    };
     let spec = preset("al-bending").unwrap().spec().clone();
     Plate::new(PlateSpec { calibration: Some(calibration), ..spec }).unwrap()
 }

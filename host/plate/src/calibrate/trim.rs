@@ -102,7 +102,14 @@ impl SpeedTrim {
             taper: WIDTHS_KNOWN,
             half_width: WIDTHS_KNOWN,
         };
-        let (found, fit) = fitted(plate, first, &priors)?;
+        let (mut found, fit) = fitted(plate, first, &priors)?;
+        // Its widths are known as well as before.
+        let mut spec = found.plate.spec().clone();
+        if let Some(found) = &mut spec.calibration {
+            found.half_width_tolerance = calibration.half_width_tolerance;
+            found.taper_tolerance = calibration.taper_tolerance;
+        }
+        found.plate = Plate::new(spec)?;
         let aside_m = fit.parameters[OF_PLATE];
         if aside_m.abs() > ASIDE * first.place_tolerance_m.max(PLACE_MIN_M) {
             let place_m = first.place_m;

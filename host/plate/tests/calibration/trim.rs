@@ -55,6 +55,9 @@ fn the_speed_is_found_within_its_interval_at_first_and_later() {
             let later = trim.later(&short(name, first(name, &then, 0.0, &mut random))).expect("one change");
             for (it, at, wanted) in [(trim.begin(), &now, share), (&later, &then, share * change)] {
                 let half = 0.5 * (it.high - it.low);
+                let widths =
+                    |plate: &Plate| plate.spec().calibration.as_ref().expect("one").half_width_tolerance;
+                assert_eq!(widths(&it.plate), widths(&rig.nominal), "known as well as before");
                 let before_m = boundary_m(at, &rig.nominal);
                 let after_m = boundary_m(at, &it.plate);
                 println!(
