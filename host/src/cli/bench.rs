@@ -17,6 +17,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 const FADING: usize = 100;
 
 /// A device that holds a plate's table.
+#[derive(Clone)]
 pub(super) struct Bench<'a> {
     pub(super) device: &'a Device,
     pub(super) plate: &'a Plate,

@@ -90,9 +90,13 @@ impl<'a> Measurer<'a> {
         Ok(Self { bench, method })
     }
 
-    /// The same device with one comb alone, over the whole band: for what changes meanwhile.
-    pub(super) fn of_one_comb(&self) -> Self {
-        Self { device: self.device, plan: self.plan.of_one_comb(), table: self.table.clone() }
+    /// The same device with one comb alone, over the whole band, or with the same sweep: for what changes meanwhile.
+    pub(super) fn short(&self) -> Self {
+        let method = match &self.method {
+            Method::Steps(plan) => Method::Steps(plan.of_one_comb()),
+            Method::Sweep(plan) => Method::Sweep(plan.clone()),
+        };
+        Self { bench: self.bench.clone(), method }
     }
 
     /// Arms the device, measures, and disarms it.

@@ -3,7 +3,7 @@
 use super::destination::Destination;
 use super::device::Device;
 use super::measured_file::kind;
-use super::measuring::{BandArgument, Bench, place_on};
+use super::measuring::{BandArgument, Measurer, place_on};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use argument::Typed;
 use clap::Args;
@@ -60,14 +60,14 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
     let device = Device::connect(&arguments.port.port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
-    let bench = Bench::new(&device, &plate, &arguments.band, Some(arguments.level))?;
+    let measurer = Measurer::new(&device, &plate, &arguments.band, Some(arguments.level))?;
     let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
-    let first = bench.measure(sensor)?.measurement;
+    let first = measurer.measure(sensor)?.measurement;
     let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;
     let begun = Instant::now();
-    let (bench, mut later) = (bench.of_one_comb(), Vec::new());
+    let (short, mut later) = (measurer.short(), Vec::new());
     while arguments.watch.is_some_and(|watch_s| begun.elapsed().as_secs_f64() < watch_s) {
-        let measured = bench.measure(sensor)?;
+        let measured = short.measure(sensor)?;
         let now = trim.later(&measured.measurement).map_err(Failure::failed)?;
         let after_s = begun.elapsed().as_secs_f64();
         if !as_json {
