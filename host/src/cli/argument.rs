@@ -110,6 +110,14 @@ pub(super) fn seconds(
     within(quantity::time_s, Measure::Time, (low, high))
 }
 
+/// A parser of a ratio, in decibels.
+pub(super) fn decibels(
+    low: f64,
+    high: f64,
+) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
+    within(|text| quantity::plain(text, "dB"), Measure::Plain("dB"), (low, high))
+}
+
 /// A parser of a length, in metres.
 pub(super) fn length(
     range: Range,

@@ -2,6 +2,7 @@
 
 use super::bench::Bench;
 use super::device::Device;
+use super::hold::Holder;
 use super::known_drive;
 use super::{Begin, DriveArguments, Failure, argument, output};
 use crate::signals;
@@ -27,7 +28,8 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let duration_s = arguments.duration;
     let port = &arguments.port.port;
 
-    let device = Device::connect(port, arguments.port.rig(Some(&plate))?.as_ref())?;
+    let rig = arguments.hold.rig(&arguments.port, &plate)?;
+    let device = Device::connect(port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     if arguments.clear_faults {
         device.perform(Request::ClearFaults)?;
@@ -47,6 +49,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     if chord.is_none() {
         table.check_sum(&tones).map_err(Failure::usage)?;
     }
+    let mut holder = arguments.hold.holder(&device, &plate, &table, &request)?;
     device.arm()?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
@@ -99,7 +102,21 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         output::print(false, &json!(null), |out| writeln!(out, "Began at sample {at}."))?;
     }
     let driven_s = match began {
-        Some((_, begin)) => hold(&device, &interruption, begin, duration_s)?,
+        Some((at, begin)) => {
+            let goes_on = match &holder {
+                Some(holder) => holder.begin(&device, &interruption, at)?,
+                None => true,
+            };
+            let tell = |snapshot: &Snapshot| match &mut holder {
+                Some(holder) => holder.watch(snapshot, as_json),
+                None => Ok(()),
+            };
+            if goes_on {
+                hold(&device, &interruption, begin, duration_s, tell)?
+            } else {
+                begin.elapsed().as_secs_f64()
+            }
+        }
         None => 0.0,
     };
     let stopped_at = device.perform_at(Request::Stop)?;
@@ -113,6 +130,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             "boundary_m": boundary_m, "level": level, "frequency_hz": frequency_hz,
         })).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
+        "hold": holder.as_ref().map(Holder::value),
         "table_crc": format!("{:08x}", table.crc()),
         "clipped_samples": device.snapshot().status.map(|status| status.counters.clips),
     });
@@ -152,14 +170,9 @@ fn wait_for_trigger(
 ) -> Result<Option<(u64, Instant)>, Failure> {
     let rate_hz = f64::from(device.identity()?.sample_rate_hz);
     let told = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
-    let is_over =
-        watch(
-            device,
-            interruption,
-            |snapshot| {
-                if told(snapshot).is_some() { Duration::ZERO } else { GLANCE }
-            },
-        )?;
+    let is_over = watch(device, interruption, |snapshot| {
+        Ok(if told(snapshot).is_some() { Duration::ZERO } else { GLANCE })
+    })?;
     if !is_over {
         return Ok(None);
     }
@@ -172,16 +185,19 @@ fn wait_for_trigger(
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
 }
 
-/// Waits until the time since `begin` is over or the user interrupts; returns the driven time in seconds.
+/// Waits until the time since `begin` is over or the user interrupts, and has somebody `tell` how it goes; returns the driven
+/// time in seconds.
 fn hold(
     device: &Device,
     interruption: &Receiver<()>,
     begin: Instant,
     duration_s: Option<f64>,
+    mut tell: impl FnMut(&Snapshot) -> Result<(), Failure>,
 ) -> Result<f64, Failure> {
     let duration = duration_s.map(Duration::from_secs_f64);
-    watch(device, interruption, |_| {
-        duration.map_or(GLANCE, |duration| duration.saturating_sub(begin.elapsed()))
+    watch(device, interruption, |snapshot| {
+        tell(snapshot)?;
+        Ok(duration.map_or(GLANCE, |duration| duration.saturating_sub(begin.elapsed())))
     })?;
     Ok(begin.elapsed().as_secs_f64())
 }
@@ -191,12 +207,12 @@ fn hold(
 fn watch(
     device: &Device,
     interruption: &Receiver<()>,
-    left: impl Fn(&Snapshot) -> Duration,
+    mut left: impl FnMut(&Snapshot) -> Result<Duration, Failure>,
 ) -> Result<bool, Failure> {
     loop {
         // First, so that a drive which was ended otherwise is not told as one that took its time.
         check(device)?;
-        let left = left(&device.snapshot());
+        let left = left(&device.snapshot())?;
         if left.is_zero() {
             return Ok(true);
         }

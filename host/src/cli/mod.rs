@@ -18,6 +18,7 @@ mod drive;
 mod failure;
 mod figure_file;
 mod figures;
+mod hold;
 mod info;
 mod known_drive;
 mod measure;
@@ -204,6 +205,8 @@ pub struct DriveArguments {
     /// Clear the device's latched faults first.
     #[arg(long)]
     clear_faults: bool,
+    #[command(flatten)]
+    hold: hold::HoldArgument,
     #[command(flatten)]
     known: known_drive::KnownDriveArgument,
     #[command(flatten)]

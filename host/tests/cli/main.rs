@@ -5,6 +5,7 @@ mod calibrate;
 mod figures;
 mod files;
 mod held_up;
+mod holding;
 mod lights;
 mod measure;
 mod progress;

@@ -1,0 +1,189 @@
+//! `slipline drive --hold`: the device keeps what a sensor hears of each tone.
+
+use super::argument::{self, Typed};
+use super::device::Device;
+use super::measuring::place_on;
+use super::{Failure, PortArgument, output};
+use clap::Args;
+use serde_json::{Value, json};
+use slipline_link::protocol::hold::{Held, HoldProgress};
+use slipline_link::protocol::refusal::{self, Field};
+use slipline_link::{DeviceTable, DriveRequest, Listened, Outcome, Refusal, Request, Snapshot, ToneRequest};
+use slipline_model::hold::{HoldPlan, progress_words, words};
+use slipline_model::rig::{PreparedRig, RigOptions};
+use slipline_plate::Plate;
+use slipline_plate::quantity::show_place;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+/// Time between two looks at the device.
+const GLANCE: Duration = Duration::from_millis(50);
+/// A correction that has changed by so much is told anew, dB.
+const WORTH_TELLING_DB: f64 = 0.5;
+/// Where the simulated sensor stands if nobody says it, as a share of the plate's length.
+const SENSOR_SHARE: f64 = 0.1;
+
+/// Whether the levels are held.
+#[derive(Debug, Args)]
+pub(super) struct HoldArgument {
+    /// Keep each tone as loud as a sensor on the plate hears it at first, whatever a finger takes of it. Touch the plate only
+    /// when the levels are held. Not with a setup file.
+    #[arg(long, conflicts_with = "setup")]
+    hold: bool,
+    /// How far above its level a held tone may rise, 0 to 60 dB.
+    #[arg(long, value_name = "DB", value_parser = argument::decibels(0.0, 60.0), allow_hyphen_values = true, default_value = "12", requires = "hold")]
+    max_rise: f64,
+    /// Where the simulated device's sensor stands, from the driven end (30mm); without it, at a tenth of the plate's length.
+    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "hold")]
+    sensor: Option<Typed<f64>>,
+}
+
+impl HoldArgument {
+    /// The rig of the simulated device: with a sensor if the levels are to be held.
+    pub(super) fn rig(&self, port: &PortArgument, plate: &Plate) -> Result<Option<PreparedRig>, Failure> {
+        if !self.hold {
+            return port.rig(Some(plate));
+        }
+        let place_m = match &self.sensor {
+            Some(place) => place_on(plate, place)?,
+            None => SENSOR_SHARE * plate.length_m(),
+        };
+        port.rig_with_sensor(plate, &RigOptions { place_m, ..RigOptions::default() })
+    }
+
+    /// How the tones of a drive are to be held, if they are.
+    pub(super) fn holder(
+        &self,
+        device: &Device,
+        plate: &Plate,
+        table: &DeviceTable,
+        drive: &DriveRequest,
+    ) -> Result<Option<Holder>, Failure> {
+        if !self.hold {
+            return Ok(None);
+        }
+        let rate_hz = f64::from(device.identity()?.sample_rate_hz);
+        let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
+        let frequency =
+            |tone: &ToneRequest| Some((tone.slot, table.frequency_hz(table.position(tone.boundary_m)?)));
+        let frequencies: Vec<(u8, f64)> = drive.tones.iter().filter_map(frequency).collect();
+        let plan =
+            HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
+        let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
+        let glide = (drive.glide_s * rate_hz).ceil() as u64;
+        Ok(Some(Holder { plan, boundaries_m, glide, latest: None, told: Vec::new() }))
+    }
+}
+
+/// The hold of a drive.
+pub(super) struct Holder {
+    plan: HoldPlan,
+    boundaries_m: Vec<(u8, f64)>,
+    /// How long the drive glides, in samples.
+    glide: u64,
+    latest: Option<Arc<Held>>,
+    /// The words and the correction that were told last of each tone.
+    told: Vec<(&'static str, f64)>,
+}
+
+impl Holder {
+    /// Listens to the tones of the drive that begins at an index, and has the device hold what it hears, unless the user
+    /// interrupts. Returns whether it does.
+    pub(super) fn begin(
+        &self,
+        device: &Device,
+        interruption: &Receiver<()>,
+        at: u64,
+    ) -> Result<bool, Failure> {
+        let mut from = Some(at.saturating_add(self.glide));
+        loop {
+            match self.listen(device, interruption, from)? {
+                None => return device.check_attended().map(|()| false),
+                Some(Outcome::Listened(listened)) => return self.hold(device, &listened).map(|()| true),
+                // The tones have reached their levels long ago.
+                Some(Outcome::Refused(Refusal::Device(refusal::Refusal::OutOfRange {
+                    field: Field::ApplyAt,
+                    ..
+                }))) if from.take().is_some() => {}
+                Some(Outcome::Refused(refusal)) => return Err(Failure::failed(refusal)),
+                Some(_) => {
+                    device.check_attended()?;
+                    return Err(Failure::Failed("the tones could not be listened to".to_owned()));
+                }
+            }
+        }
+    }
+
+    fn listen(
+        &self,
+        device: &Device,
+        interruption: &Receiver<()>,
+        from: Option<u64>,
+    ) -> Result<Option<Outcome>, Failure> {
+        let ticket = device.handle().send(Request::Listen(self.plan.listen(from)));
+        loop {
+            if interruption.try_recv().is_ok() {
+                return Ok(None);
+            }
+            if let Some(outcome) = device.wait(ticket, GLANCE) {
+                return Ok(Some(outcome));
+            }
+            device.check_attended()?;
+            device.sign_of_life();
+        }
+    }
+
+    fn hold(&self, device: &Device, listened: &Listened) -> Result<(), Failure> {
+        let request = self.plan.hold(listened).map_err(Failure::failed)?;
+        device.perform(Request::Hold(request)).map(|_| ())
+    }
+
+    /// Tells what has changed.
+    pub(super) fn watch(&mut self, snapshot: &Snapshot, as_json: bool) -> Result<(), Failure> {
+        let Some(held) = &snapshot.hold else { return Ok(()) };
+        let before = self.latest.replace(held.clone()).map(|held| held.progress);
+        let told: Vec<(&'static str, f64)> =
+            words(held).map(|tone| (tone.words, tone.correction_db)).collect();
+        let is_new = |(place, now): (usize, &(&str, f64))| {
+            self.told
+                .get(place)
+                .is_none_or(|last| last.0 != now.0 || (last.1 - now.1).abs() >= WORTH_TELLING_DB)
+        };
+        let has_ended = held.progress != HoldProgress::On && before != Some(held.progress);
+        if as_json || !(has_ended || told.iter().enumerate().any(is_new)) {
+            return Ok(());
+        }
+        self.told = told;
+        output::print(false, &json!(null), |out| {
+            for tone in words(held) {
+                let place = self.boundary_m(tone.slot).map_or_else(String::new, show_place);
+                writeln!(out, "Boundary at {place}: {}, {:+.1} dB.", tone.words, tone.correction_db)?;
+            }
+            if has_ended { writeln!(out, "{}.", progress_words(held.progress)) } else { Ok(()) }
+        })
+    }
+
+    fn boundary_m(&self, slot: u8) -> Option<f64> {
+        self.boundaries_m.iter().find(|(of, _)| *of == slot).map(|(_, boundary_m)| *boundary_m)
+    }
+
+    /// What the hold has come to.
+    pub(super) fn value(&self) -> Value {
+        let tones = self.latest.iter().flat_map(|held| words(held)).map(|tone| {
+            json!({
+                "slot": tone.slot,
+                "boundary_m": self.boundary_m(tone.slot),
+                "state": tone.words,
+                "correction_db": tone.correction_db,
+                "amplitude_codes": tone.amplitude_codes,
+            })
+        });
+        json!({
+            "window_s": self.plan.window_s(),
+            "time_constant_s": self.plan.time_constant_s,
+            "windows": self.latest.as_ref().map(|held| held.windows),
+            "tones": tones.collect::<Vec<_>>(),
+        })
+    }
+}
