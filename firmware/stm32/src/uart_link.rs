@@ -5,7 +5,8 @@
 
 use embassy_executor::Spawner;
 use embassy_stm32::interrupt::InterruptExt;
-use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config};
+use embassy_stm32::usart::{BufferedUart, BufferedUartRx, BufferedUartTx, Config, Error};
+use embedded_io_async::{ErrorType, Write};
 use static_cell::StaticCell;
 
 use crate::{board, priority};
@@ -22,7 +23,28 @@ const TRANSMIT_BYTES: usize = 256;
 /// Bytes from the host.
 pub(crate) type FromHost = BufferedUartRx<'static>;
 /// Bytes to the host.
-pub(crate) type ToHost = BufferedUartTx<'static>;
+///
+/// embassy-stm32 0.6 starts the transmitter only if its buffer was empty when a write began. If the UART's interrupt sends the
+/// last byte and stops between that look and the end of the copy, the reply lies there until the host sends something. So the
+/// interrupt is asked for once more after each write: it does nothing where there is nothing to send.
+pub(crate) struct ToHost(BufferedUartTx<'static>);
+
+impl ErrorType for ToHost {
+    type Error = Error;
+}
+
+impl Write for ToHost {
+    async fn write(&mut self, bytes: &[u8]) -> Result<usize, Error> {
+        let written = Write::write(&mut self.0, bytes).await;
+        // In the same poll: there is nothing to wait for in between.
+        board::UART_INTERRUPT.pend();
+        written
+    }
+
+    async fn flush(&mut self) -> Result<(), Error> {
+        Write::flush(&mut self.0).await
+    }
+}
 
 /// Sets up the line.
 pub(crate) fn start(_: Spawner, uart: board::Link) -> (FromHost, ToHost) {
@@ -35,5 +57,5 @@ pub(crate) fn start(_: Spawner, uart: board::Link) -> (FromHost, ToHost) {
         uart.open(TRANSMIT.init([0; TRANSMIT_BYTES]), RECEIVE.init([0; RECEIVE_BYTES]), config);
     board::UART_INTERRUPT.set_priority(priority::UART);
     let (transmit, receive) = opened.split();
-    (receive, transmit)
+    (receive, ToHost(transmit))
 }
