@@ -28,6 +28,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 pub use error::SenseError;
+use output::Held;
 pub use output::Output;
 pub use resonators::Resonators;
 
@@ -39,6 +40,8 @@ const BEYOND: (f64, f64) = (0.8, 1.5);
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
 /// Frequencies at which the plate holds its drive.
 const HELD_FREQUENCIES: u32 = 24;
+/// Their weights over that of the band: the second where the first leaves too little for the band.
+const HELD_WEIGHTS: [f64; 2] = [0.03, 0.01];
 /// Factors per sample of what decays within a few samples: it follows the codes themselves.
 const SHORT: [Complex64; 4] =
     [Complex64::ZERO, Complex64::new(0.5, 0.0), Complex64::new(-0.5, 0.0), Complex64::new(0.0, 0.6)];
@@ -203,15 +206,21 @@ impl SensedPlate {
     ) -> Result<Output, SenseError> {
         let cut_off_hz = self.plate.cut_off_hz();
         let (low_hz, high_hz) = (low * cut_off_hz, high * cut_off_hz);
-        let held = (0..HELD_FREQUENCIES).map(|i| {
-            let share = f64::from(i) / f64::from(HELD_FREQUENCIES - 1);
-            let hz = low_hz * (high_hz / low_hz).powf(share);
-            (hz, signal(hz, Complex64::ZERO))
-        });
+        let held = || {
+            (0..HELD_FREQUENCIES).map(|i| {
+                let share = f64::from(i) / f64::from(HELD_FREQUENCIES - 1);
+                let hz = low_hz * (high_hz / low_hz).powf(share);
+                (hz, signal(hz, Complex64::ZERO))
+            })
+        };
         let drive = |hz: f64, field: &[Complex64]| {
             signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_drive(hz))
         };
-        self.output_with(0.0, drive, held.collect(), (low_hz, high_hz))
+        let fit =
+            |weight: f64| self.output_with(0.0, drive, held().collect(), Held { low_hz, high_hz, weight });
+        // The resonances that carry the band cannot always follow it below, too: the band comes first.
+        let [heaviest, lightest] = HELD_WEIGHTS;
+        fit(heaviest).or_else(|_| fit(lightest))
     }
 
     /// The output of a steady signal per code, without the codes' own hold and delay.
@@ -220,7 +229,7 @@ impl SensedPlate {
         delay_s: f64,
         amplitude: impl Fn(f64, &[Complex64]) -> Complex64,
     ) -> Result<Output, SenseError> {
-        self.output_with(delay_s, amplitude, Vec::new(), (0.0, 0.0))
+        self.output_with(delay_s, amplitude, Vec::new(), Held::NOWHERE)
     }
 
     /// The same with amplitudes at frequencies below all fields.
@@ -229,7 +238,7 @@ impl SensedPlate {
         delay_s: f64,
         amplitude: impl Fn(f64, &[Complex64]) -> Complex64,
         held: Vec<(f64, Complex64)>,
-        held_hz: (f64, f64),
+        where_held: Held,
     ) -> Result<Output, SenseError> {
         let steady = self.fields.each().map(|(hz, field)| (hz, amplitude(hz, field)));
         let goal = |(hz, amplitude): (f64, Complex64)| {
@@ -237,7 +246,7 @@ impl SensedPlate {
             (hz, amplitude * hold_droop(hz, self.sample_rate_hz) * lag)
         };
         let goals = held.into_iter().chain(steady).map(goal).collect();
-        Output::fit(goals, self.exact_hz(), held_hz, &self.advance, self.sample_rate_hz)
+        Output::fit(goals, self.exact_hz(), where_held, &self.advance, self.sample_rate_hz)
     }
 
     /// How late every output is, seconds: by half a sample, for which the DAC has held a code in the mean. Inputs that are

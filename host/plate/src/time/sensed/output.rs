@@ -13,8 +13,19 @@ const BEYOND: f64 = 0.003;
 /// Weight of the frequencies above all fields, and the octaves after which they have it: a steep fall would delay the
 /// band, or swell before it falls.
 const FALLING: (f64, f64) = (1e-3, 2.0);
-/// Weight of the frequencies at which the plate holds the drive.
-const HELD: f64 = 0.3;
+/// Frequencies at which the plate holds its drive, Hz, and their weight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    pub(super) low_hz: f64,
+    pub(super) high_hz: f64,
+    pub(super) weight: f64,
+}
+
+impl Held {
+    /// Nowhere.
+    pub(super) const NOWHERE: Self = Self { low_hz: 0.0, high_hz: 0.0, weight: 0.0 };
+}
+
 /// Frequencies above all fields at which an output falls off.
 const ABOVE: usize = 96;
 /// How far above the fields the frequencies begin at which an output falls off.
@@ -32,7 +43,7 @@ pub struct Output {
 
 impl Output {
     /// The output whose amplitude per code is each goal's at its frequency, Hz; they rise. Between the frequencies
-    /// `exact_hz` it must be exact, and nearly so at `held_hz`. `advance` are the factors of the states per sample.
+    /// `exact_hz` it must be exact, and nearly so where the drive is `held`. `advance` are the factors of the states per sample.
     ///
     /// Codes u = cos(theta n) make a state of which the part at this frequency is g(theta) e^(-j theta n)/2, and its mirror
     /// image, so that the amplitude is (c g(theta) + c* g~(theta))/2 with g = 1/(1 - lambda e^(j theta)), g~ the same with
@@ -41,7 +52,7 @@ impl Output {
     pub(super) fn fit(
         mut goals: Vec<(f64, Complex64)>,
         exact_hz: (f64, f64),
-        held_hz: (f64, f64),
+        held: Held,
         advance: &[Complex64],
         sample_rate_hz: f64,
     ) -> Result<Self, SenseError> {
@@ -59,8 +70,8 @@ impl Output {
             (FREE * top_hz * (octaves * share).exp2(), Complex64::ZERO)
         }));
         let weight = |hz: f64, goal: Complex64| {
-            if hz >= held_hz.0 && hz <= held_hz.1 {
-                HELD / goal.norm().max(FAINTEST * largest)
+            if hz >= held.low_hz && hz <= held.high_hz {
+                held.weight / goal.norm().max(FAINTEST * largest)
             } else if is_exact(hz) {
                 1.0 / goal.norm().max(FAINTEST * largest)
             } else if hz <= top_hz {
