@@ -7,15 +7,18 @@ use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::{DeviceTable, Request, Snapshot};
 use slipline_model::field::simulation::table_for;
 use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
-use slipline_model::rig::{PreparedRig, RigHand, RigOptions};
-use slipline_plate::Plate;
+use slipline_model::rig::{PreparedRig, RigHand, RigOptions, secret};
 use slipline_plate::calibrate::{Measurement, SensorKind};
+use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The sample rate of the device, Hz.
 pub const RATE_HZ: f64 = 400e3;
 /// Shares of the length at which the sensor stands.
 pub const PLACES: [f64; 2] = [0.1, 0.55];
+/// Positions of a field.
+const POSITIONS: usize = 1601;
 /// Steps after which a measurement never ends.
 const STEPS: usize = 1_000_000;
 
@@ -38,6 +41,17 @@ pub struct Bench {
 }
 
 impl Bench {
+    /// A healthy rig under a secret plate near the preset of this name; `points` frequencies are measured.
+    ///
+    /// # Panics
+    /// If there is no such preset, and as [`Bench::new`].
+    #[must_use]
+    pub fn near(name: &str, seed: u64, points: usize) -> Self {
+        let nominal = preset(name).expect("a preset");
+        let truth = secret(&nominal, seed).expect("a plate near it");
+        Self::new(&nominal, &truth, &RigOptions::default(), points)
+    }
+
     /// A rig with these options under `truth`, its sensor at the nearer place; `points` frequencies are measured.
     ///
     /// # Panics
@@ -140,4 +154,21 @@ impl Bench {
             self.measure(place_m, |_, _, _, _| ()).expect("measured").measurement
         })
     }
+}
+
+/// What the frequency domain says of a displacement sensor on a plate, metres per DAC code of 1, with the codes' hold.
+///
+/// # Panics
+/// If the plate has no answer at a frequency.
+#[must_use]
+pub fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex64> {
+    let fields = respond_batch(truth, frequencies_hz, POSITIONS, Equation::Corrected).expect("fields");
+    let at = place_m / truth.length_m() * (POSITIONS - 1) as f64;
+    let (left, t) = (at as usize, at.fract());
+    let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
+        let turn = PI * hz / RATE_HZ;
+        let here = field[left] * (1.0 - t) + field[left + 1] * t;
+        here * truth.drive_response(hz) * truth.spec().full_scale_m * (turn.sin() / turn)
+    };
+    fields.iter().zip(frequencies_hz).map(seen).collect()
 }

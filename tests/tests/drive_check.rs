@@ -3,16 +3,9 @@
 
 use slipline_link::Request;
 use slipline_model::measure::{CheckedDrive, DriveChecking, KnownDrive, MeasureError, Procedure};
-use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_model::rig::RigFault;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
-use slipline_plate::preset;
 use slipline_tests::bench::{Bench, RATE_HZ};
-
-fn bench(name: &str) -> Bench {
-    let nominal = preset(name).unwrap();
-    let truth = secret(&nominal, 4).unwrap();
-    Bench::new(&nominal, &truth, &RigOptions::default(), 32)
-}
 
 fn checking(bench: &Bench, drive: KnownDrive) -> DriveChecking {
     DriveChecking::new(&bench.nominal, drive, bench.table.clone(), RATE_HZ, &bench.inputs()).unwrap()
@@ -30,7 +23,7 @@ fn check(bench: &mut Bench, drive: KnownDrive) -> CheckedDrive {
 
 /// Breaks the drive in every way; the numbers are the current of another motor over that of the told one.
 fn every_state(name: &str, others: &[f64]) {
-    let mut bench = bench(name);
+    let mut bench = Bench::near(name, 4, 32);
     let known = bench.rig.known_drive();
     assert_eq!(check(&mut bench, known).check, DriveCheck::On, "{name}");
     for (fault, wanted) in [
@@ -67,7 +60,7 @@ fn each_state_of_a_coil_is_told_in_its_sentence() {
 
 #[test]
 fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
-    let mut bench = bench("al-bending");
+    let mut bench = Bench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let DriveLoad::Piezo { capacitance_f } = known.circuit.load else { panic!("a piezo") };
     // A coil that takes 2.5 times the current of the piezo in the middle of the coil's own frequencies.
@@ -83,7 +76,7 @@ fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
 
 #[test]
 fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
-    let mut bench = bench("al-bending");
+    let mut bench = Bench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let checking = checking(&bench, known);
     let given_up = bench.run(checking, |_, checking, step, _| {

@@ -3,41 +3,17 @@
 
 use slipline_link::Request;
 use slipline_model::measure::{MeasureError, Measured, Procedure};
-use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_model::rig::RigFault;
+use slipline_plate::Complex64;
 use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;
-use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
-use slipline_tests::bench::{Bench, RATE_HZ};
+use slipline_tests::bench::{Bench, RATE_HZ, predicted};
 use slipline_tests::truths::{self, Noise};
-use std::f64::consts::PI;
-
-/// Positions of a field.
-const POINTS: usize = 1601;
-
-/// A preset, a plate near it that nobody knows, and a healthy rig.
-fn bench(name: &str, seed: u64, points: usize) -> Bench {
-    let nominal = preset(name).unwrap();
-    let truth = secret(&nominal, seed).unwrap();
-    Bench::new(&nominal, &truth, &RigOptions::default(), points)
-}
-
-/// What the frequency domain says of a displacement sensor on the truth, per DAC code of 1.
-fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex64> {
-    let fields = respond_batch(truth, frequencies_hz, POINTS, Equation::Corrected).unwrap();
-    let at = place_m / truth.length_m() * (POINTS - 1) as f64;
-    let (left, t) = (at as usize, at.fract());
-    let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
-        let turn = PI * hz / RATE_HZ;
-        let here = field[left] * (1.0 - t) + field[left + 1] * t;
-        here * truth.drive_response(hz) * (turn.sin() / turn)
-    };
-    fields.iter().zip(frequencies_hz).map(seen).collect()
-}
 
 #[test]
 fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
     for name in ["al-bending", "membrane"] {
-        let mut bench = bench(name, 3, 32);
+        let mut bench = Bench::near(name, 3, 32);
         let place_m = bench.places_m()[0];
         let measured = bench.measure(place_m, |_, _, _, _| ()).unwrap();
         assert_eq!(measured.light(), Colour::Green, "{name}: {} dB", measured.headroom_db);
@@ -60,7 +36,7 @@ fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
 
 #[test]
 fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
-    let mut bench = bench("al-bending", 1, 200);
+    let mut bench = Bench::near("al-bending", 1, 200);
     let before = bench.loopback.samples();
     let place_m = bench.places_m()[0];
     bench.measure(place_m, |_, _, _, _| ()).unwrap();
@@ -91,7 +67,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
         bench.loopback.pass(20_000, |block| codes = block.to_vec());
         assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
     };
-    let mut bench = bench("al-bending", 1, 48);
+    let mut bench = Bench::near("al-bending", 1, 48);
     let place_m = bench.places_m()[0];
     // Lost samples are measured again: so many that a window cannot miss them.
     let mut windows = 0;
@@ -120,7 +96,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
 
 #[test]
 fn an_unplugged_and_a_clipped_sensor_are_told() {
-    let mut bench = bench("al-bending", 1, 32);
+    let mut bench = Bench::near("al-bending", 1, 32);
     let place_m = bench.places_m()[0];
     let good = bench.measure(place_m, |_, _, _, _| ()).unwrap();
     bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();

@@ -5,23 +5,15 @@ use slipline_link::protocol::command::Apply;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{CaptureRequest, Request};
 use slipline_model::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
-use slipline_model::rig::{RigFault, RigOptions, secret};
+use slipline_model::rig::RigFault;
+use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
 use slipline_plate::check::Colour;
-use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
-use slipline_tests::bench::{Bench, RATE_HZ};
+use slipline_tests::bench::{Bench, RATE_HZ, predicted};
 use std::f64::consts::PI;
 
-/// Positions of a field.
-const POINTS: usize = 1601;
 /// The shunt is the second input.
 const CURRENT: Sensor = Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: 1 };
-
-fn bench(name: &str, seed: u64, points: usize) -> Bench {
-    let nominal = preset(name).unwrap();
-    let truth = secret(&nominal, seed).unwrap();
-    Bench::new(&nominal, &truth, &RigOptions::default(), points)
-}
 
 fn sensor(bench: &Bench) -> Sensor {
     Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 }
@@ -35,19 +27,6 @@ fn sweeping(bench: &Bench, sensor: Sensor) -> Sweeping {
 fn sweep(bench: &mut Bench, sensor: Sensor) -> Measured {
     let sweeping = sweeping(bench, sensor);
     bench.run(sweeping, |_, _, _, _| ()).unwrap()
-}
-
-/// What the frequency domain says of a displacement sensor on the truth, per DAC code of 1, with the codes' hold.
-fn predicted(truth: &Plate, place_m: f64, frequencies_hz: &[f64]) -> Vec<Complex64> {
-    let fields = respond_batch(truth, frequencies_hz, POINTS, Equation::Corrected).unwrap();
-    let at = place_m / truth.length_m() * (POINTS - 1) as f64;
-    let (left, t) = (at as usize, at.fract());
-    let seen = |(field, &hz): (&Vec<Complex64>, &f64)| {
-        let turn = PI * hz / RATE_HZ;
-        let here = field[left] * (1.0 - t) + field[left + 1] * t;
-        here * truth.drive_response(hz) * truth.spec().full_scale_m * (turn.sin() / turn)
-    };
-    fields.iter().zip(frequencies_hz).map(seen).collect()
 }
 
 /// How far responses are from others, each over its own noise and 0.4 % of its size, which is what 6 time constants leave of a
@@ -68,7 +47,7 @@ fn frequencies(measured: &Measured) -> Vec<f64> {
 
 #[test]
 fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
-    let mut bench = bench("al-bending", 3, 48);
+    let mut bench = Bench::near("al-bending", 3, 48);
     let sensor = sensor(&bench);
     let swept = sweep(&mut bench, sensor);
     assert_eq!(swept.light(), Colour::Green, "{} dB", swept.headroom_db);
@@ -94,7 +73,7 @@ fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
 #[test]
 fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
     for (name, points) in [("membrane", 24), ("al-bending", 24)] {
-        let mut bench = bench(name, 2, points);
+        let mut bench = Bench::near(name, 2, points);
         let swept = sweep(&mut bench, CURRENT);
         let full_scale_a = bench.rig.shunt_full_scale_a();
         let per_code = |hz: &f64| bench.rig.current(*hz) * Complex64::cis(-PI * hz / RATE_HZ) / full_scale_a;
@@ -107,7 +86,7 @@ fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
 
 #[test]
 fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
-    let mut bench = bench("al-bending", 3, 24);
+    let mut bench = Bench::near("al-bending", 3, 24);
     bench.wanted.level = 0.2;
     let sensor = sensor(&bench);
     let (mut captures, mut glides) = (0, 0);
@@ -143,7 +122,7 @@ fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
 
 #[test]
 fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
-    let mut bench = bench("al-bending", 1, 24);
+    let mut bench = Bench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let mut ended = |change: &dyn Fn(&mut Loopback, &mut Sweeping)| {
         let mut glides = 0;
@@ -171,7 +150,7 @@ fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
 
 #[test]
 fn an_unplugged_and_a_clipped_sensor_are_told() {
-    let mut bench = bench("al-bending", 1, 24);
+    let mut bench = Bench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let loud = |it: &Measured| it.measurement.points.iter().map(|p| p.response.norm()).fold(0.0, f64::max);
     bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();

@@ -56,6 +56,21 @@ pub enum FileJob {
     SaveInto(PathBuf, Vec<(String, String)>),
 }
 
+impl FileJob {
+    /// Whether the user is asked for a path, in a dialog of the system.
+    #[must_use]
+    pub fn needs_dialog(&self) -> bool {
+        matches!(
+            self,
+            Self::Choose
+                | Self::ChooseMeasurement
+                | Self::ChooseProfile
+                | Self::Save(_)
+                | Self::SaveFolder(_)
+        )
+    }
+}
+
 /// The extensions of profiles: breakpoints, and images whose middle row is one.
 pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
@@ -144,15 +159,7 @@ impl Files for SystemFiles {
 
 /// Runs a job; `None` when the user cancelled the dialog.
 fn perform(job: FileJob) -> Option<FileEvent> {
-    let needs_dialog = matches!(
-        job,
-        FileJob::Choose
-            | FileJob::ChooseMeasurement
-            | FileJob::ChooseProfile
-            | FileJob::Save(_)
-            | FileJob::SaveFolder(_)
-    );
-    if needs_dialog && !native::is_there() {
+    if job.needs_dialog() && !native::is_there() {
         return Some(FileEvent::NoDialog(job));
     }
     match job {

@@ -1,8 +1,7 @@
 //! The soak test at the full sample rate, for a nightly run: `cargo run --release -p slipline-tests --bin soak [hours] [seed]`.
 //!
 //! 400 kS/s, 24 hours unless another number is given, every code compared with the mirror's, and what the inputs measure with
-//! the codes. Prints a line for each
-//! hour; ends with an error if a code or a counter is wrong or if memory grows.
+//! the codes. Prints a line for each hour; ends with an error if a code or a counter is wrong or if memory grows.
 
 use slipline_tests::rig::RATE_HZ;
 use slipline_tests::soak::{Soak, resident_bytes};

@@ -5,7 +5,7 @@ mod holding;
 mod interleaving;
 mod stops;
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use std::boxed::Box;
 use std::rc::Rc;
 
@@ -172,6 +172,23 @@ fn render(renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>) -> bool 
     let mut codes = [0; BLOCK];
     renderer.borrow_mut().render(mailbox, &mut codes);
     codes.iter().any(|&code| code != MID_SCALE)
+}
+
+/// Tells of a stop, and gives it, at the look after so many; counts the looks.
+fn stop_after<'a>(
+    look: u32,
+    looks: &'a Cell<u32>,
+    stop: Stop,
+    mailbox: &'a Mailbox<Interrupted>,
+) -> impl FnMut() -> bool + 'a {
+    move || {
+        looks.set(looks.get() + 1);
+        let is_due = looks.get() > look;
+        if is_due {
+            mailbox.stop(stop);
+        }
+        is_due
+    }
 }
 
 fn full_scale(apply: Apply) -> Command {

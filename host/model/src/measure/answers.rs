@@ -9,8 +9,10 @@
 //! The noise is that of a window without tones, at the frequencies of the first comb: the root of the mean square of the five
 //! nearest. It falls with the root of a window's length. Rounding to codes leaves 1/sqrt(12) of one at least.
 
+use super::error::MeasureError;
 use super::loudness::Tone;
 use crate::response::{LIGHT_DB, light};
+use slipline_link::protocol::listen::InputsReport;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
 use slipline_plate::check::Colour;
@@ -37,6 +39,20 @@ pub struct Sensor {
     pub kind: SensorKind,
     /// The device's input, from 0.
     pub input: u8,
+}
+
+impl Sensor {
+    /// How much later than the codes the answers are for the device's own reasons, seconds: the DAC holds each code for a sample,
+    /// half a sample on average, and the inputs are sampled `delay_ns` after the code is at its pin.
+    ///
+    /// # Errors
+    /// [`MeasureError::NoInputs`] if the device has not as many inputs.
+    pub(super) fn lag_s(&self, inputs: &InputsReport, rate_hz: f64) -> Result<f64, MeasureError> {
+        if self.input >= inputs.inputs {
+            return Err(MeasureError::NoInputs);
+        }
+        Ok(0.5 / rate_hz - 1e-9 * inputs.delay_ns as f64)
+    }
 }
 
 /// The answers of a window.

@@ -70,10 +70,7 @@ impl Measuring {
         sensor: Sensor,
         inputs: &InputsReport,
     ) -> Result<Self, MeasureError> {
-        if sensor.input >= inputs.inputs {
-            return Err(MeasureError::NoInputs);
-        }
-        let lag_s = 0.5 / plan.rate_hz - 1e-9 * inputs.delay_ns as f64;
+        let lag_s = sensor.lag_s(inputs, plan.rate_hz)?;
         Ok(Self {
             plan,
             table,

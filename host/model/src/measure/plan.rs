@@ -46,7 +46,7 @@ const HARMONIC_MAX: f64 = u16::MAX as f64;
 /// Multiples beside the nearest one, where that is taken.
 const STEPS_ASIDE: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
 /// Samples in a block.
-const BLOCK: f64 = 128.0;
+pub(super) const BLOCK: f64 = 128.0;
 /// Frequencies for each wavelength on the plate at the highest of them: the standing wave before the boundary swings at every
 /// sensor as often. `tests/calibration` of the plate crate shows that 60 and 150 suffice for the presets.
 const POINTS_PER_WAVE: f64 = 9.5;

@@ -34,19 +34,11 @@ impl FakeFiles {
 
 impl Files for FakeFiles {
     fn begin(&mut self, job: FileJob) {
-        let asks = matches!(
-            job,
-            FileJob::Choose
-                | FileJob::ChooseMeasurement
-                | FileJob::ChooseProfile
-                | FileJob::Save(_)
-                | FileJob::SaveFolder(_)
-        );
-        if asks && self.stays_open.get() {
+        if job.needs_dialog() && self.stays_open.get() {
             return;
         }
         let event = match job {
-            job if asks && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
+            job if job.needs_dialog() && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
             FileJob::Choose => {
                 let (path, text) = self.contents.borrow()[0].clone();
                 FileEvent::Opened(path, text)

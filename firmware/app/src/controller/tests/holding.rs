@@ -114,16 +114,9 @@ fn a_stop_that_comes_while_levels_are_planned_keeps_them_from_starting() {
         let mut rig = holding();
         measured(&rig, 0.5);
         let mailbox = Rc::clone(&rig.mailbox);
-        let mut looks = 0;
-        let mut is_stopped = || {
-            looks += 1;
-            let is_due = looks > look;
-            if is_due {
-                mailbox.stop(Stop::Emergency);
-            }
-            is_due
-        };
-        rig.controller.tick(&mut is_stopped, &mailbox);
+        let looks = Cell::new(0);
+        rig.controller.tick(&mut stop_after(look, &looks, Stop::Emergency, &mailbox), &mailbox);
+        let looks = looks.get();
         if looks == look {
             assert!(looks >= TONES as u32 + 6, "{looks} looks at sixteen answers and tones");
             assert!(mailbox.view().pending.is_some());

@@ -10,16 +10,10 @@ const KNOTS_AT_ONCE: usize = 4;
 /// Does a command during which a stop comes at the look after so many; returns how many looks there were.
 fn stopped_at(rig: &mut Rig, look: u32, command: &Command) -> (Result<Event, Refusal>, u32) {
     let mailbox = Rc::clone(&rig.mailbox);
-    let mut looks = 0;
-    let mut is_stopped = || {
-        looks += 1;
-        let is_due = looks > look;
-        if is_due {
-            mailbox.stop(Stop::Normal);
-        }
-        is_due
-    };
-    (rig.controller.execute(command, &mut is_stopped, &mailbox), looks)
+    let looks = Cell::new(0);
+    let answer =
+        rig.controller.execute(command, &mut stop_after(look, &looks, Stop::Normal, &mailbox), &mailbox);
+    (answer, looks.get())
 }
 
 #[test]

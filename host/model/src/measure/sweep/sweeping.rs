@@ -101,11 +101,8 @@ impl Sweeping {
         sensor: Sensor,
         inputs: &InputsReport,
     ) -> Result<Self, MeasureError> {
-        if sensor.input >= inputs.inputs {
-            return Err(MeasureError::NoInputs);
-        }
+        let lag_s = sensor.lag_s(inputs, plan.rate_hz)?;
         let sweep = table::of(&plan, &table)?;
-        let lag_s = 0.5 / plan.rate_hz - 1e-9 * inputs.delay_ns as f64;
         let all = u64::from(plan.captures) * plan.capture_samples();
         // Beside the sweep a second of what was before and after it.
         let replay = Replay::new((all + plan.rate_hz as u64) as usize);
