@@ -22,7 +22,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use super::Controller;
 use super::listening::{check_input, existing};
-use crate::bank::{BLOCK, TONES};
+use crate::bank::TONES;
 use crate::excursion::shortest_glide;
 use crate::hold::{HeldTone, Hold, Limit, Loss, Octaves, Setting, SettingError, State};
 use crate::lock_in::{Shape, Window};
@@ -146,8 +146,9 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             Err(Refusal::out_of_range(field, least.into(), MAX_HOLD_CDB.into(), asked.0.into()))
         };
+        let period = u64::from(asked.blocks).saturating_add(pause).saturating_mul(BLOCK_SAMPLES);
         Ok(Setting {
-            period: u32::from(asked.blocks.saturating_add(HOLD_PAUSE_BLOCKS)).saturating_mul(BLOCK as u32),
+            period: u32::try_from(period).unwrap_or(u32::MAX),
             tau: asked.time_constant,
             max_rise: level(Field::MaxRise, 0, asked.max_rise)?,
             slew: level(Field::Slew, 1, asked.slew)?,
