@@ -6,57 +6,6 @@
 
 use core::arch::naked_asm;
 
-/// What is less than 16 bytes, on the F407: IT blocks, which no flash makes wait.
-#[cfg(feature = "flash-f4")]
-macro_rules! rest {
-    () => {
-        "lsls r3, r2, #29
-         itttt cs
-         ldrcs r3, [r1], #4
-         strcs r3, [r0], #4
-         ldrcs r3, [r1], #4
-         strcs r3, [r0], #4
-         itt mi
-         ldrmi r3, [r1], #4
-         strmi r3, [r0], #4
-         lsls r2, r2, #31
-         itt cs
-         ldrhcs r3, [r1], #2
-         strhcs r3, [r0], #2
-         itt mi
-         ldrbmi r3, [r1]
-         strbmi r3, [r0]"
-    };
-}
-
-/// The same on chips whose flash raises an exception for a torn word: branches, because the boards' model of the core takes IT
-/// blocks wrongly while it watches for such words.
-#[cfg(not(feature = "flash-f4"))]
-macro_rules! rest {
-    () => {
-        "lsls r3, r2, #29
-         bcc 4f
-         ldr r3, [r1], #4
-         str r3, [r0], #4
-         ldr r3, [r1], #4
-         str r3, [r0], #4
-         4:
-         bpl 5f
-         ldr r3, [r1], #4
-         str r3, [r0], #4
-         5:
-         lsls r2, r2, #31
-         bcc 6f
-         ldrh r3, [r1], #2
-         strh r3, [r0], #2
-         6:
-         bpl 7f
-         ldrb r3, [r1]
-         strb r3, [r0]
-         7:"
-    };
-}
-
 /// Copies `bytes`; the two places do not overlap. Also as `__aeabi_memcpy4` and `__aeabi_memcpy8`, for aligned places.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
@@ -85,7 +34,22 @@ unsafe extern "C" fn __aeabi_memcpy(to: *mut u8, from: *const u8, bytes: usize) 
         "pop {{r4, r5}}",
         "3:",
         // Fewer than 16 are left, by the lowest bits: carry for 8 bytes, minus for 4; then for 2 and 1.
-        rest!(),
+        "lsls r3, r2, #29",
+        "itttt cs",
+        "ldrcs r3, [r1], #4",
+        "strcs r3, [r0], #4",
+        "ldrcs r3, [r1], #4",
+        "strcs r3, [r0], #4",
+        "itt mi",
+        "ldrmi r3, [r1], #4",
+        "strmi r3, [r0], #4",
+        "lsls r2, r2, #31",
+        "itt cs",
+        "ldrhcs r3, [r1], #2",
+        "strhcs r3, [r0], #2",
+        "itt mi",
+        "ldrbmi r3, [r1]",
+        "strbmi r3, [r0]",
         "bx lr",
     )
 }

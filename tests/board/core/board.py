@@ -49,7 +49,7 @@ class Board(Processor):
                 lambda _, offset, size, value, __, start=start: self.bus_write(start + offset, size, value), None,
             )  # fmt: skip
         flash_end = self.FLASH_START + self.MEMORIES[self.FLASH_START] - 1
-        self.cpu.hook_add(UC_HOOK_MEM_WRITE, self.on_flash_store, begin=self.FLASH_START, end=flash_end)
+        self.watch_memory(UC_HOOK_MEM_WRITE, self.on_flash_store, self.FLASH_START, flash_end)
         # The USB core with its host, or the host at the other end of a serial line.
         self.usb = self.cable = None
         self.log, self.resets = [], []

@@ -138,7 +138,7 @@ class EccFlash(Flash):
         if not self.is_watched:
             self.is_watched = True
             cpu = self.board.cpu
-            cpu.hook_add(UC_HOOK_MEM_READ, self.on_read, begin=self.START, end=self.START + self.SIZE - 1)
+            self.board.watch_memory(UC_HOOK_MEM_READ, self.on_read, self.START, self.START + self.SIZE - 1)
             for barrier in self.board.barriers:
                 cpu.hook_add(UC_HOOK_CODE, self.board.on_barrier, begin=barrier, end=barrier + 1)
             cpu.ctl_flush_tb()

@@ -107,6 +107,21 @@ class Processor(Faults, Agenda):
 
     # --- hooks
 
+    def watch_memory(self, kind, hook, begin, end):
+        """Calls the hook at every access of the kind.
+
+        Unicorn 2.1 shows a hook the IT block in which the access stands, by putting its state back into xPSR, and forgets it
+        there: what the program does after the block would go by its condition. The state of code that runs is in its
+        translation, and what stops within a block writes it anew."""
+
+        def on_access(*access):
+            hook(*access)
+            state = self.cpu.reg_read(UC_ARM_REG_XPSR)
+            if state & IT_STATE:
+                self.cpu.reg_write(UC_ARM_REG_XPSR, state & ~IT_STATE)
+
+        self.cpu.hook_add(kind, on_access, begin=begin, end=end)
+
     def on_block(self, _, address, size, ___):
         if not self.fresh:
             events = self.events
