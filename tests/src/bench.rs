@@ -3,7 +3,7 @@
 
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{DeviceTable, Request, Snapshot};
 use slipline_model::field::simulation::table_for;
 use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
@@ -58,9 +58,24 @@ impl Bench {
     /// If the plate cannot be simulated, or the device refuses the table.
     #[must_use]
     pub fn new(nominal: &Plate, truth: &Plate, options: &RigOptions, points: usize) -> Self {
+        Self::tapped(nominal, truth, options, points, |inputs| inputs)
+    }
+
+    /// The same with something between the rig and the device's inputs.
+    ///
+    /// # Panics
+    /// If the plate cannot be simulated, or the device refuses the table.
+    #[must_use]
+    pub fn tapped(
+        nominal: &Plate,
+        truth: &Plate,
+        options: &RigOptions,
+        points: usize,
+        tap: impl FnOnce(Box<dyn SimulatedInputs>) -> Box<dyn SimulatedInputs>,
+    ) -> Self {
         let options = RigOptions { place_m: PLACES[0] * nominal.length_m(), ..options.clone() };
         let rig = PreparedRig::new(truth, &options, RATE_HZ).expect("a rig");
-        let device = SimulatedDevice::with_inputs(Options::default(), rig.inputs());
+        let device = SimulatedDevice::with_inputs(Options::default(), tap(rig.inputs()));
         let mut loopback = Loopback::connect_to(device).expect("a device");
         let (_, table) = table_for(nominal, RATE_HZ as u32).expect("a table");
         loopback.perform(Request::Upload(table.clone()), |_| ()).expect("takes the table");

@@ -5,6 +5,7 @@
 //! link_rig::LinkRig   the host's link -> FaultyPorts -> simulated device
 //! qemu::Emulator      test client -> serial port -> firmware image in QEMU -> DAC codes on a second serial port
 //! bench::Bench        a sensor on a secret plate -> simulated device -> link -> measurement -> calibration
+//! recorder::Recorder  the sensor by a clock of its own -> WAV file -> calibration
 //! CommandProxy        host program -> Unix socket -> changed commands -> any device
 //! ```
 //! A rig runs the production code; only its inputs and outputs differ. Hardware, time and random numbers are arguments,
@@ -27,6 +28,7 @@ pub mod named_tests;
 pub mod programs;
 pub mod qemu;
 pub mod random_actions;
+pub mod recorder;
 pub mod rig;
 pub mod soak;
 pub mod source_tree;

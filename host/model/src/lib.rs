@@ -32,4 +32,5 @@ pub mod scenes;
 pub mod setup;
 pub mod sound;
 pub mod texture;
+pub mod wav;
 pub mod waveform;

@@ -1,12 +1,65 @@
 //! Files of measurements by other programs: what such a file does not tell, and the measurement when a person does.
+//!
+//! ```text
+//! bytes -> Opened -+-> Own: everything is told
+//!                  +-> Foreign: frequencies and responses   -- place, kind, noise --------> Measurement
+//!                  +-> Recording: a WAV file of the sweep   -- place, kind, channel,
+//!                                                              description of the sweep --> Measurement, notes
+//! ```
 
+mod recorded;
+
+pub use recorded::{ToldOfRecording, recorded};
+
+use crate::measure::HeardError;
+use crate::wav::{Wav, WavError};
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{CalibrateError, Foreign, Measurement, POINTS, SNR_DB, SensorKind, band_hz};
+use slipline_plate::calibrate::{
+    CalibrateError, File, FileError, Foreign, Measurement, POINTS, SNR_DB, SensorKind, band_hz,
+};
 use slipline_plate::quantity::{OutOfRange, Range, show_frequency};
 use thiserror::Error;
 
-/// Bytes of a file of a measurement, at most: a universal file of half a million points.
-pub const BYTES_MAX: usize = 32 << 20;
+/// Bytes of a file of a measurement, at most: a recording of some minutes, or a universal file of millions of points.
+pub const BYTES_MAX: usize = crate::wav::BYTES_MAX;
+
+/// A file of a measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Opened {
+    /// In the own form, which tells everything.
+    Own(Measurement),
+    /// By another program.
+    Foreign(Foreign),
+    /// A recording of the sweep.
+    Recording(Wav),
+}
+
+/// Why a file is no measurement.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum OpenError {
+    /// No table of frequencies.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// No recording.
+    #[error(transparent)]
+    Wav(#[from] WavError),
+}
+
+impl Opened {
+    /// Reads a measurement in any of the forms, which is told from what is in the file.
+    ///
+    /// # Errors
+    /// [`OpenError`]: what is wrong, and what is allowed. No bytes make this function panic.
+    pub fn read(bytes: Vec<u8>) -> Result<Self, OpenError> {
+        if Wav::is_one(&bytes) {
+            return Ok(Self::Recording(Wav::read(bytes)?));
+        }
+        Ok(match File::read(&bytes)? {
+            File::Own(measurement) => Self::Own(measurement),
+            File::Foreign(foreign) => Self::Foreign(foreign),
+        })
+    }
+}
 
 /// What a person tells of a measurement by another program.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,9 +100,29 @@ pub enum Untold {
         /// The frequencies that are, Hz.
         band_hz: (f64, f64),
     },
+    /// The recording's channel cannot be read.
+    #[error(transparent)]
+    Wav(#[from] WavError),
+    /// The recording does not tell a response.
+    #[error(transparent)]
+    Heard(#[from] HeardError),
     /// The numbers are no measurement.
     #[error(transparent)]
     Data(#[from] CalibrateError),
+}
+
+/// Refuses a place that is not on the plate, and a sensor of which nobody has said what it shows.
+fn sensor(plate: &Plate, place_m: f64, kind: Option<SensorKind>) -> Result<SensorKind, Untold> {
+    let on_plate = Range::new(0.0, plate.length_m(), "m");
+    OutOfRange::check("sensor", place_m, on_plate).map_err(Untold::Place)?;
+    kind.ok_or(Untold::Kind)
+}
+
+/// Refuses frequencies of which too few calibrate a plate; the band in which they do.
+fn band(plate: &Plate, frequencies_hz: impl Iterator<Item = f64>) -> Result<(f64, f64), Untold> {
+    let band_hz = band_hz(plate);
+    let count = frequencies_hz.filter(|hz| (band_hz.0..=band_hz.1).contains(hz)).count();
+    if count < POINTS.least { Err(Untold::Band { count, band_hz }) } else { Ok(band_hz) }
 }
 
 /// The measurement of a foreign file, within the frequencies that a calibration of `plate` uses.
@@ -57,21 +130,14 @@ pub enum Untold {
 /// # Errors
 /// [`Untold`]: what is missing or out of its range.
 pub fn measurement(plate: &Plate, foreign: &Foreign, told: &Told) -> Result<Measurement, Untold> {
-    let on_plate = Range::new(0.0, plate.length_m(), "m");
-    OutOfRange::check("sensor", told.place_m, on_plate).map_err(Untold::Place)?;
-    let kind = told.kind.ok_or(Untold::Kind)?;
-    let band_hz = band_hz(plate);
-    let count = foreign.points.iter().filter(|point| (band_hz.0..=band_hz.1).contains(&point.0)).count();
-    if count < POINTS.least {
-        return Err(Untold::Band { count, band_hz });
-    }
+    let kind = sensor(plate, told.place_m, told.kind)?;
+    let band_hz = band(plate, foreign.points.iter().map(|point| point.0))?;
     Ok(foreign.measurement(told.place_m, kind, told.snr_db, band_hz)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipline_plate::calibrate::File;
 
     #[test]
     fn a_foreign_file_is_a_measurement_once_its_place_and_kind_are_told() {

@@ -65,7 +65,8 @@ pub struct CalibrateArguments {
 struct MeasuredArgument {
     /// What the same sensor measured at one place; name two files, of two places, or one: that needs a model of the source,
     /// and gives less. A CSV file of PLATES.md tells all; of
-    /// other programs REW's text, .frd, any table of frequency and level, and universal files (58) are read.
+    /// other programs REW's text, .frd, any table of frequency and level, and universal files (58) are read; and a WAV file
+    /// that a phone or an audio interface recorded of `slipline sweep`.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
     /// Measure the current of the drive, with nothing on the plate, in place of a sensor; or the file of --data is one of it.

@@ -3,10 +3,14 @@
 use super::Failure;
 use super::argument::{self, Typed};
 use clap::Args;
-use slipline_model::atomic_file::{read_bytes, said};
-use slipline_model::measured_file::{BYTES_MAX, Told, Untold, measurement};
+use slipline_model::atomic_file::{read_bytes, read_text, said};
+use slipline_model::measure::{PLAYED_BYTES_MAX, PlayedSweep};
+use slipline_model::measured_file::{
+    BYTES_MAX, Opened, Told, ToldOfRecording, Untold, measurement, recorded,
+};
+use slipline_model::wav::Wav;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{File, Foreign, Measurement, SNR, SNR_DB, SensorKind};
+use slipline_plate::calibrate::{Foreign, Measurement, SNR, SNR_DB, SensorKind};
 use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -25,6 +29,48 @@ pub(super) struct SensorArgument {
     /// Signal over noise of a file that has no noise, 0 to 140 dB.
     #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
     snr: f64,
+    #[command(flatten)]
+    recording: RecordingArgument,
+}
+
+/// What a recording of a sweep does not tell.
+#[derive(Debug, Args)]
+pub(super) struct RecordingArgument {
+    /// The description of the sweep that a WAV file is a recording of, as `slipline sweep` wrote it: once for all WAV files,
+    /// or once for each, in their order. Record with the same gain at both places.
+    #[arg(long, value_name = "SWEEP.toml", requires = "data")]
+    played: Vec<PathBuf>,
+    /// The sensor's channel in a WAV file, from 1: once for all WAV files, or once for each. Without it, the first.
+    #[arg(long = "channel", value_name = "N", value_parser = argument::count(1, 65535), allow_hyphen_values = true, requires = "data")]
+    channels: Vec<usize>,
+}
+
+impl RecordingArgument {
+    /// What was told of the recording of this number, of so many: once for all, or once for each.
+    fn of<'a, T>(name: &str, told: &'a [T], number: usize, count: usize) -> Result<Option<&'a T>, Failure> {
+        match told.len() {
+            0 => Ok(None),
+            1 => Ok(told.first()),
+            each if each == count => Ok(told.get(number)),
+            other => {
+                let allowed = format_args!("1, or {count}: one for each WAV file");
+                Err(Failure::Usage(must_be(format_args!("{other} {name}"), allowed)))
+            }
+        }
+    }
+
+    /// The description of the sweep and the channel of a recording.
+    fn told(&self, path: &Path, number: usize, count: usize) -> Result<(PlayedSweep, usize), Failure> {
+        let played = Self::of("--played", &self.played, number, count)?.ok_or_else(|| {
+            refused(
+                path,
+                "a recording: name the description of its sweep with --played, as slipline sweep wrote it",
+            )
+        })?;
+        let text = read_text(played, PLAYED_BYTES_MAX).map_err(|error| refused(played, said(&error)))?;
+        let sweep = PlayedSweep::from_toml(&text).map_err(|error| refused(played, error))?;
+        Ok((sweep, Self::of("--channel", &self.channels, number, count)?.copied().unwrap_or(1)))
+    }
 }
 
 fn decibel(text: &str) -> Result<f64, QuantityError> {
@@ -44,15 +90,30 @@ pub(super) fn measurements(
     files: &[PathBuf],
     sensor: &SensorArgument,
 ) -> Result<Vec<Measurement>, Failure> {
+    let opened = files.iter().map(|path| read(path)).collect::<Result<Vec<_>, Failure>>()?;
+    let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
+    if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
+        let why = "--played and --channel tell of recordings: no file of --data is a WAV file";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     let mut places = sensor.places.iter();
-    let read = files.iter().map(|path| match read(path)? {
-        File::Own(measurement) => Ok(measurement),
-        File::Foreign(foreign) => {
-            let place = places.next().ok_or_else(|| {
-                let why = "by another program: tell where its sensor stood with --sensor PLACE";
-                refused(path, why)
-            })?;
-            told(plate, &foreign, place, sensor, path)
+    let mut numbers = 0..;
+    let read = files.iter().zip(opened).map(|(path, opened)| {
+        let mut place = |what: &str| {
+            let why = format_args!("{what}: tell where its sensor stood with --sensor PLACE");
+            let place = places.next().ok_or_else(|| refused(path, why))?;
+            let on_plate = Range::new(0.0, plate.length_m(), "m");
+            place.within("--sensor", on_plate, Measure::Length, ", on the plate")
+        };
+        match opened {
+            Opened::Own(measurement) => Ok(measurement),
+            Opened::Foreign(foreign) => told(plate, &foreign, place("by another program")?, sensor, path),
+            Opened::Recording(wav) => {
+                let number = numbers.next().unwrap_or_default();
+                let (sweep, channel) = sensor.recording.told(path, number, recordings)?;
+                let told = ToldOfRecording { place_m: place("a recording")?, kind: sensor.kind, channel };
+                heard(plate, &wav, &sweep, &told, path)
+            }
         }
     });
     let read = read.collect::<Result<Vec<_>, Failure>>()?;
@@ -74,10 +135,15 @@ pub(super) fn current_of(
     sensor: &SensorArgument,
 ) -> Result<Measurement, Failure> {
     match read(path)? {
-        File::Own(measurement) => Ok(measurement),
-        File::Foreign(foreign) => {
+        Opened::Own(measurement) => Ok(measurement),
+        Opened::Foreign(foreign) => {
             let told = Told { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
             measurement(plate, &foreign, &told).map_err(|error| refused(path, error))
+        }
+        Opened::Recording(wav) => {
+            let (sweep, channel) = sensor.recording.told(path, 0, 1)?;
+            let told = ToldOfRecording { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
+            heard(plate, &wav, &sweep, &told, path)
         }
     }
 }
@@ -86,27 +152,44 @@ fn refused(path: &Path, why: impl Display) -> Failure {
     Failure::Usage(format!("{}: {why}", path.display()))
 }
 
-fn read(path: &Path) -> Result<File, Failure> {
+fn read(path: &Path) -> Result<Opened, Failure> {
     let bytes = read_bytes(path, BYTES_MAX).map_err(|error| refused(path, said(&error)))?;
-    File::read(&bytes).map_err(|error| refused(path, error))
+    Opened::read(bytes).map_err(|error| refused(path, error))
+}
+
+/// The measurement of a recording; what is to be told of it is told.
+fn heard(
+    plate: &Plate,
+    wav: &Wav,
+    sweep: &PlayedSweep,
+    told: &ToldOfRecording,
+    path: &Path,
+) -> Result<Measurement, Failure> {
+    let (measurement, notes) = recorded(plate, wav, sweep, told).map_err(|error| untold(path, &error))?;
+    for note in notes {
+        eprintln!("slipline: {}: {note}", path.display());
+    }
+    Ok(measurement)
 }
 
 /// The measurement of a foreign file with what was told of it.
 fn told(
     plate: &Plate,
     foreign: &Foreign,
-    place: &Typed<f64>,
+    place_m: f64,
     sensor: &SensorArgument,
     path: &Path,
 ) -> Result<Measurement, Failure> {
-    let on_plate = Range::new(0.0, plate.length_m(), "m");
-    let place_m = place.within("--sensor", on_plate, Measure::Length, ", on the plate")?;
     let told = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
-    measurement(plate, foreign, &told).map_err(|error| match error {
+    measurement(plate, foreign, &told).map_err(|error| untold(path, &error))
+}
+
+fn untold(path: &Path, error: &Untold) -> Failure {
+    match error {
         Untold::Kind => refused(
             path,
             "it does not tell what its sensor shows: write --kind acceleration, or whichever it is",
         ),
-        Untold::Place(_) | Untold::Band { .. } | Untold::Data(_) => refused(path, error),
-    })
+        error => refused(path, error),
+    }
 }

@@ -15,9 +15,9 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
-/// Which frequencies, and how loud.
+/// Which frequencies.
 #[derive(Debug, Args)]
-pub(super) struct BandArgument {
+pub(super) struct FrequenciesArgument {
     /// The lowest frequency; without it, that of the band that calibrates the plate.
     #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
     from: Option<Typed<f64>>,
@@ -27,14 +27,21 @@ pub(super) struct BandArgument {
     /// How many frequencies, 8 to 1600; without it, as many as calibrate the plate.
     #[arg(long, value_parser = argument::count(POINTS.low as usize, POINTS.high as usize), allow_hyphen_values = true)]
     points: Option<usize>,
+}
+
+/// Which frequencies, and how they are measured.
+#[derive(Debug, Args)]
+pub(super) struct BandArgument {
+    #[command(flatten)]
+    frequencies: FrequenciesArgument,
     /// One tone that glides through the band and a capture of the input, in place of a comb of tones at a time. It has less
     /// noise, and leaves out what amplifier and sensor bend.
     #[arg(long)]
     sweep: bool,
 }
 
-impl BandArgument {
-    fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
+impl FrequenciesArgument {
+    pub(super) fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
         let of_plate = Wanted::of(plate);
         let hertz = |typed: &Option<Typed<f64>>, or: f64| typed.as_ref().map_or(or, |typed| typed.value);
         Wanted {
@@ -76,7 +83,7 @@ impl<'a> Measurer<'a> {
             MeasureError::NoInputs => Failure::failed(error),
             error => Failure::usage(error),
         };
-        let wanted = band.wanted(plate, level);
+        let wanted = band.frequencies.wanted(plate, level);
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
         // What cannot be measured is said before the device gets a table.

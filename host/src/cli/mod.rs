@@ -33,6 +33,7 @@ mod respond;
 mod rig;
 mod serve;
 mod simulate;
+mod sweep;
 mod table;
 mod texture;
 mod trim;
@@ -45,6 +46,7 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
+pub use sweep::SweepArguments;
 pub use texture::TextureArguments;
 pub use trim::TrimArguments;
 
@@ -121,6 +123,8 @@ pub enum Command {
     Merit(MeritArguments),
     /// Measure how a sensor on the plate, or the current of the drive, answers the device's tones.
     Measure(MeasureArguments),
+    /// Play a sweep, twice, for a recorder of its own (a phone, an audio interface) at a sensor on the plate, and describe it.
+    Sweep(SweepArguments),
     /// Correct a plate file by what a sensor at two places measured, or at one, or by the current of the drive, or by where a
     /// finger felt two edges.
     Calibrate(CalibrateArguments),
@@ -401,6 +405,7 @@ impl Command {
             Self::Texture(arguments) => texture::run(&arguments, json),
             Self::Merit(arguments) => merit::run(&arguments, json),
             Self::Measure(arguments) => measure::run(&arguments, json),
+            Self::Sweep(arguments) => sweep::run_sweep(&arguments, json),
             Self::Calibrate(arguments) => calibrate::run(&arguments, json),
             Self::Trim(arguments) => trim::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),

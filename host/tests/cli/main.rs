@@ -16,6 +16,7 @@ mod serve;
 mod served;
 #[cfg(unix)]
 mod signals;
+mod sweep;
 mod terminal;
 mod textures;
 mod trace;

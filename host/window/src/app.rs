@@ -62,6 +62,7 @@ use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
+use slipline_model::jobs::recorded::{Recorded, RecordedJob};
 use slipline_model::jobs::rig::{RigJob, RigPrepared};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::jobs::texture::{TextureJob, Textured};
@@ -109,6 +110,8 @@ pub struct Parts {
     pub textures: JobQueue<TextureJob, Textured>,
     /// Compares measurements with the plate's model.
     pub comparisons: JobQueue<CompareJob, Compared>,
+    /// Recordings of the sweep, read.
+    pub recordings: JobQueue<RecordedJob, Recorded>,
     /// Fits plates to measurements.
     pub calibrations: JobQueue<CalibrateJob, CalibrateDone>,
     /// Puts the rigs of the simulated device together.

@@ -74,8 +74,9 @@ impl FileJob {
 /// The extensions of profiles: breakpoints, and images whose middle row is one.
 pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
-/// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files.
-pub const MEASUREMENT_EXTENSIONS: [&str; 4] = ["txt", "frd", "uff", "unv"];
+/// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files,
+/// recordings of the sweep.
+pub const MEASUREMENT_EXTENSIONS: [&str; 5] = ["txt", "frd", "uff", "unv", "wav"];
 
 /// Whether a file of this name is a measurement by another program.
 #[must_use]
@@ -174,7 +175,8 @@ fn perform(job: FileJob) -> Option<FileEvent> {
         }
         FileJob::Open(path) => Some(open(path)),
         FileJob::ChooseMeasurement => {
-            let extensions = [&["csv"][..], &MEASUREMENT_EXTENSIONS].concat();
+            // A description of a sweep is TOML: it goes with a recording.
+            let extensions = [&["csv", "toml"][..], &MEASUREMENT_EXTENSIONS].concat();
             let dialog = rfd::FileDialog::new().add_filter("Measurement", &extensions);
             Some(open_measurement(dialog.add_filter("Any file", &["*"]).pick_file()?))
         }

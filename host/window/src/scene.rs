@@ -19,13 +19,14 @@ use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::jobs::texture::Textured;
-use slipline_model::measure::Signal;
+use slipline_model::measure::{PlayedSweep, Signal};
 use slipline_model::measured_file::Told;
 use slipline_model::response::Shelf;
 use slipline_model::scenes::Thumbnail;
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
 use slipline_model::texture::WishDraft;
+use slipline_model::wav::Wav;
 use slipline_model::waveform::Waveform;
 use slipline_plate::calibrate::{Comparison, Foreign};
 use slipline_plate::{DriveTable, Finger};
@@ -205,11 +206,29 @@ pub struct Asked {
     /// The name of the file.
     pub name: String,
     /// What is in it.
-    pub foreign: Foreign,
+    pub content: AskedContent,
     /// What is told so far.
     pub told: Told,
+    /// The sensor's channel in a recording, from 1.
+    pub channel: usize,
     /// Why it was no measurement as it was told last.
     pub refused: Option<String>,
+}
+
+/// What is in a file that waits.
+#[derive(Clone, Debug)]
+pub enum AskedContent {
+    /// Frequencies and responses.
+    Table(Foreign),
+    /// A recording of the sweep.
+    Recording {
+        /// The sound.
+        wav: Arc<Wav>,
+        /// The name of the sweep's description, and what is in it; `None` while nobody has opened one.
+        sweep: Option<(String, Arc<PlayedSweep>)>,
+        /// Whether it is being read.
+        is_read: bool,
+    },
 }
 
 /// The measurement with the device.

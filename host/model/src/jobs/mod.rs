@@ -5,6 +5,7 @@ pub mod check;
 pub mod compare;
 pub mod design;
 pub mod plane;
+pub mod recorded;
 pub mod rig;
 pub mod table;
 pub mod texture;

@@ -5,6 +5,7 @@
 //!                                         ^--------- outcomes
 //!                              Window of each comb --answers--> Measured (Measurement, headroom, warnings)
 //! Plate, Wanted --SweepPlan-> one gliding tone --Sweeping--> Measured
+//!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
 //! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on
 //! ```
 //! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests run the same steps.
@@ -26,4 +27,7 @@ pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
 pub use procedure::{Procedure, Step};
 pub use signal::Signal;
-pub use sweep::{SweepPlan, Sweeping};
+pub use sweep::{
+    Chirp, HeardError, HeardSweep, PLAYED_BYTES_MAX, PlayedFileError, PlayedSweep, Playing, QUIETER, SWEEP_S,
+    SweepPlan, Sweeping,
+};

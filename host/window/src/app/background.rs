@@ -214,6 +214,9 @@ impl App {
         if let Some(compared) = self.parts.comparisons.take() {
             self.measures.take(compared);
         }
+        if let Some(recorded) = self.parts.recordings.take() {
+            self.take_recorded(recorded);
+        }
         if let Some(textured) = self.parts.textures.take() {
             self.textures.take(textured);
         }

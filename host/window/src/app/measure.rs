@@ -3,12 +3,14 @@
 use super::App;
 use crate::files::FileJob;
 use crate::intent::MeasureIntent;
-use crate::scene::{Asked, LiveScene, MeasureScene};
+use crate::scene::{Asked, AskedContent, LiveScene, MeasureScene};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
-use slipline_model::measured_file::{self, Told};
+use slipline_model::jobs::recorded::{Recorded, RecordedJob};
+use slipline_model::measure::PlayedSweep;
+use slipline_model::measured_file::{self, Opened, Told, ToldOfRecording};
 use slipline_model::response::{Entry, Shelf};
-use slipline_plate::calibrate::{File, Measurement};
+use slipline_plate::calibrate::{Measurement, SNR_DB};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -20,6 +22,8 @@ pub(super) struct Measures {
     latest: Option<Compared>,
     /// A file by another program that waits for what it does not tell.
     foreign: Option<Asked>,
+    /// The description of the sweep that was opened last, for the recordings to come.
+    sweep: Option<(String, Arc<PlayedSweep>)>,
 }
 
 impl Measures {
@@ -71,8 +75,16 @@ impl App {
                     (asked.told, asked.refused) = (told, None);
                 }
             }
+            MeasureIntent::Channel(channel) => {
+                if let Some(asked) = &mut self.measures.foreign {
+                    (asked.channel, asked.refused) = (channel, None);
+                }
+            }
             MeasureIntent::TakeAsked => self.take_asked(),
-            MeasureIntent::LeaveAsked => self.measures.foreign = None,
+            MeasureIntent::LeaveAsked => {
+                self.measures.foreign = None;
+                self.parts.recordings.cancel();
+            }
             MeasureIntent::Save(number) => {
                 let Some(entry) = shelf.entry(number) else { return };
                 let stem = Path::new(&entry.name).file_stem().unwrap_or_default().to_string_lossy();
@@ -83,32 +95,110 @@ impl App {
     }
 
     /// Takes a measurement's file, and opens its page. By another program, it is asked what the file does not tell.
-    pub(super) fn open_measurement(&mut self, name: &str, bytes: &[u8]) {
-        match File::read(bytes) {
-            Ok(File::Own(measurement)) => {
+    pub(super) fn open_measurement(&mut self, name: &str, bytes: Vec<u8>) {
+        if let Ok(text) = str::from_utf8(&bytes)
+            && self.opened_sweep(name, text)
+        {
+            return;
+        }
+        match Opened::read(bytes) {
+            Ok(Opened::Own(measurement)) => {
                 if let Err(reason) = self.take_opened(name, measurement) {
                     self.not_opened(name, &reason);
                 }
             }
-            Ok(File::Foreign(foreign)) => {
-                // In the calibration the sensor is where its pages have it put.
-                let place_m = self.calibrating.place_m().unwrap_or(self.live.place_m());
-                let told = Told::by(&foreign, place_m);
-                self.measures.foreign = Some(Asked { name: name.to_owned(), foreign, told, refused: None });
-                if self.dialog.is_none() {
-                    self.view.open_measure();
-                }
+            Ok(Opened::Foreign(foreign)) => {
+                let told = Told::by(&foreign, self.asked_place_m());
+                self.ask(name, AskedContent::Table(foreign), told);
+            }
+            Ok(Opened::Recording(wav)) => {
+                let told = Told { place_m: self.asked_place_m(), kind: None, snr_db: SNR_DB };
+                let sweep = self.measures.sweep.clone();
+                self.ask(name, AskedContent::Recording { wav: Arc::new(wav), sweep, is_read: false }, told);
             }
             Err(error) => self.not_opened(name, &error.to_string()),
         }
     }
 
+    /// Where a sensor is taken to have stood: in the calibration it is where its pages have it put.
+    fn asked_place_m(&self) -> f64 {
+        self.calibrating.place_m().unwrap_or(self.live.place_m())
+    }
+
+    fn ask(&mut self, name: &str, content: AskedContent, told: Told) {
+        let name = name.to_owned();
+        self.parts.recordings.cancel();
+        self.measures.foreign = Some(Asked { name, content, told, channel: 1, refused: None });
+        if self.dialog.is_none() {
+            self.view.open_measure();
+        }
+    }
+
+    /// Takes the description of a sweep, for the recording that waits and for those to come; whether it is one.
+    pub(super) fn opened_sweep(&mut self, name: &str, text: &str) -> bool {
+        if !PlayedSweep::is_one(text) {
+            return false;
+        }
+        match PlayedSweep::from_toml(text) {
+            Ok(played) => {
+                let played = Some((name.to_owned(), Arc::new(played)));
+                self.measures.sweep.clone_from(&played);
+                if let Some(Asked { content: AskedContent::Recording { sweep, .. }, refused, .. }) =
+                    &mut self.measures.foreign
+                {
+                    (*sweep, *refused) = (played, None);
+                }
+                self.note(Severity::Info, format!("Opened {name}."));
+                self.notices.tell(format!("Opened {name}: the sweep of the recordings"));
+            }
+            Err(error) => self.not_opened(name, &error.to_string()),
+        }
+        true
+    }
+
     /// Takes the file that waits, as it was told; what is wrong is said where it was told.
     fn take_asked(&mut self) {
+        let plate = &self.setup.plate;
+        let Some(asked) = &mut self.measures.foreign else { return };
+        match &mut asked.content {
+            AskedContent::Table(foreign) => {
+                let measured = measured_file::measurement(plate, foreign, &asked.told);
+                self.take_asked_measurement(measured.map_err(|error| error.to_string()));
+            }
+            AskedContent::Recording { wav, sweep: Some((_, sweep)), is_read } => {
+                *is_read = true;
+                asked.refused = None;
+                let Told { place_m, kind, .. } = asked.told;
+                let told = ToldOfRecording { place_m, kind, channel: asked.channel };
+                let (plate, wav, sweep) = (Arc::clone(plate), Arc::clone(wav), Arc::clone(sweep));
+                self.parts.recordings.ask(RecordedJob { plate, wav, sweep, told });
+            }
+            AskedContent::Recording { sweep: None, .. } => {
+                asked.refused = Some("Open the description of its sweep first.".to_owned());
+            }
+        }
+    }
+
+    /// Takes what came of a recording.
+    pub(super) fn take_recorded(&mut self, recorded: Recorded) {
+        if let Some(Asked { content: AskedContent::Recording { is_read, .. }, .. }) =
+            &mut self.measures.foreign
+        {
+            *is_read = false;
+        }
+        let measured = recorded.map(|(measurement, notes)| {
+            for note in notes {
+                self.note(Severity::Info, note);
+            }
+            measurement
+        });
+        self.take_asked_measurement(measured);
+    }
+
+    /// The file that waits is done, or why not is said where it was told.
+    fn take_asked_measurement(&mut self, measured: Result<Measurement, String>) {
         let Some(asked) = self.measures.foreign.take() else { return };
-        let measured = measured_file::measurement(&self.setup.plate, &asked.foreign, &asked.told);
-        let taken = measured.map_err(|error| error.to_string());
-        if let Err(reason) = taken.and_then(|measurement| self.take_opened(&asked.name, measurement)) {
+        if let Err(reason) = measured.and_then(|measurement| self.take_opened(&asked.name, measurement)) {
             self.measures.foreign = Some(Asked { refused: Some(reason), ..asked });
         }
     }

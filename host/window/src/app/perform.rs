@@ -284,8 +284,11 @@ impl App {
                     if self.opened_table(&name, text) {
                         return;
                     }
+                    if self.opened_sweep(&name, text) {
+                        return;
+                    }
                     if has_extension(&path, &["csv"]) {
-                        return self.open_measurement(&name, text.as_bytes());
+                        return self.open_measurement(&name, text.clone().into_bytes());
                     }
                 }
                 let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
@@ -304,7 +307,7 @@ impl App {
                     Ok(bytes) => {
                         let text = str::from_utf8(&bytes).unwrap_or_default();
                         if !self.opened_table(&name, text) {
-                            self.open_measurement(&name, &bytes);
+                            self.open_measurement(&name, bytes);
                         }
                     }
                     Err(reason) => self.not_opened(&name, &reason),
@@ -338,7 +341,7 @@ impl App {
         if Recording::is_one(text) {
             self.open_recording(name, Recording::from_csv(text).map_err(|error| error.to_string()));
         } else if is_measurement(text) {
-            self.open_measurement(name, text.as_bytes());
+            self.open_measurement(name, text.as_bytes().to_vec());
         } else {
             return false;
         }

@@ -113,6 +113,11 @@ impl Parts {
                 slipline_model::jobs::compare::work,
                 wake(ctx),
             )?,
+            recordings: JobQueue::threaded(
+                "slipline-recorded",
+                slipline_model::jobs::recorded::work,
+                wake(ctx),
+            )?,
             sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
             waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
             time_domain: JobQueue::threaded(

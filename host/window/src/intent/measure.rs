@@ -33,6 +33,8 @@ pub enum MeasureIntent {
     OpenFile,
     /// Tell what a file by another program does not.
     Tell(Told),
+    /// Tell the channel of a recording.
+    Channel(usize),
     /// Take that file as it was told.
     TakeAsked,
     /// Leave that file.

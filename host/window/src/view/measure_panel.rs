@@ -8,7 +8,7 @@ use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_model::response::{Entry, Headroom, differs};
 use slipline_plate::quantity::{show_frequency, show_place};
 
-const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58); or drop it on the window";
+const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58); or a WAV recorded of `slipline sweep`; or drop it on the window";
 const CALIBRATE_HELP: &str =
     "Fit the plate to what a sensor answers at two places: its speed, its loss, the gain of its drive";
 /// Width of a measurement's colour in the list, in points.

@@ -5,7 +5,12 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use hound::{SampleFormat, WavSpec, WavWriter};
+use slipline_model::field::simulation::table_for;
+use slipline_model::measure::{PlayedSweep, Wanted};
 use slipline_plate::calibrate::Measurement;
+use std::f64::consts::{PI, TAU};
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -101,7 +106,7 @@ fn a_file_that_is_no_measurement_is_refused_by_its_line() {
     for (name, bytes, reason) in [
         ("words.txt", &b"nothing to see\n"[..], "no line has a frequency and a level"),
         ("half.frd", b"100 -20 3\n101 x\n", "line 2"),
-        ("voice.txt", b"RIFF....WAVE", "is a sound"),
+        ("voice.wav", b"RIFF....WAVE", "the WAV file cannot be read"),
     ] {
         drop_file(&mut app, name, bytes);
         let notice = app.window.state().notice().cloned().unwrap();
@@ -129,4 +134,59 @@ fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
     }
     assert_eq!(crate::calibrate::page(&app), Some(5));
     assert!(has(&app, "Boundary off by"));
+}
+
+/// A sweep over the membrane's band, and what a recorder hears of it at the end of a wire, in the second of two channels.
+fn swept() -> (PlayedSweep, Vec<u8>) {
+    const RATE_HZ: f64 = 8e3;
+    let plate = membrane(1.0);
+    let (_, table) = table_for(&plate, 40_000).unwrap();
+    let sweep = PlayedSweep::new(&plate, &table, &Wanted::of(&plate), 40e3, 1.0).unwrap();
+    let chirp = sweep.chirp();
+    let (seconds, octaves) = (chirp.samples as f64 / chirp.rate_hz, (chirp.ends_hz.1 / chirp.ends_hz.0).ln());
+    let tone = |t: f64| {
+        let share = t / seconds;
+        let turns = chirp.ends_hz.0 * seconds / octaves * ((share * octaves).exp() - 1.0);
+        if (0.0..1.0).contains(&share) { (TAU * turns).sin() * (PI * share).sin().powf(0.2) } else { 0.0 }
+    };
+    let spec =
+        WavSpec { channels: 2, sample_rate: 8000, bits_per_sample: 16, sample_format: SampleFormat::Int };
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = WavWriter::new(&mut bytes, spec).unwrap();
+    for n in 0..((sweep.seconds() + 1.0) * RATE_HZ) as usize {
+        let t = n as f64 / RATE_HZ - 0.7;
+        let value = 0.4 * tone(t) + 0.2 * tone(t - sweep.apart_s());
+        writer.write_sample(0_i16).unwrap();
+        writer.write_sample((value * 32_768.0) as i16).unwrap();
+    }
+    writer.finalize().unwrap();
+    (sweep, bytes.into_inner())
+}
+
+#[test]
+fn a_recording_is_asked_for_its_sweep_its_channel_and_its_sensor() {
+    let (sweep, wav) = swept();
+    let mut app = TestApp::driving();
+    open_measure(&mut app);
+    drop_file(&mut app, "phone.wav", &wav);
+    assert!(has(&app, "A recording of the sweep:") && has(&app, "kHz, 2 channels"));
+    assert!(has(&app, "no description yet") && !is_enabled(&app, "Take it"));
+    choose_kind(&mut app, "choose…", "acceleration");
+    assert!(!is_enabled(&app, "Take it"));
+    *app.files.contents.borrow_mut() = vec![(PathBuf::from("sweep.toml"), Ok(sweep.to_toml()))];
+    press(&mut app, "Open its sweep…");
+    assert!(!has(&app, "no description yet") && is_enabled(&app, "Take it"));
+    // The first channel is silent: that is said where it was told.
+    press(&mut app, "Take it");
+    assert!(has(&app, "the recording is shorter than the sweep, or silent"));
+    type_into(&mut app, "Channel", "3");
+    assert!(has(&app, "channel = 3: must be 1 to 2"));
+    type_into(&mut app, "Channel", "2");
+    press(&mut app, "Take it");
+    assert!(!has(&app, "A recording of the sweep:") && app.window.query_by_label("phone.wav").is_some());
+    // The next recording is of the same sweep unless told otherwise.
+    drop_file(&mut app, "again.wav", &wav);
+    assert!(!has(&app, "no description yet"));
+    press(&mut app, "Leave it");
+    assert!(!has(&app, "A recording of the sweep:"));
 }

@@ -285,6 +285,7 @@ fn parts(
         bench: Bench::default(),
         calibrations: JobQueue::inline(slipline_model::jobs::calibrate::work),
         comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
+        recordings: JobQueue::inline(slipline_model::jobs::recorded::work),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)

@@ -61,7 +61,7 @@ pub(super) fn smooth(at: f64, (low, high): (f64, f64)) -> f64 {
 
 impl Gate {
     /// W.
-    fn band(&self, frequency_hz: f64) -> f64 {
+    pub(super) fn band(&self, frequency_hz: f64) -> f64 {
         smooth(frequency_hz, self.rises_hz) * (1.0 - smooth(frequency_hz, self.falls_hz))
     }
 
@@ -72,50 +72,91 @@ impl Gate {
     }
 }
 
+/// The spectra of what was played and heard, from bin 0 to half of the rate, and the input's noise.
+pub(super) struct Spectra<'a> {
+    /// Of what was played.
+    pub(super) played: &'a [Complex<f64>],
+    /// Of what was heard.
+    pub(super) heard: &'a [Complex<f64>],
+    /// Heard in silence, less its mean.
+    pub(super) noise: &'a [f64],
+    /// Least variance of a value: that of its rounding.
+    pub(super) rounding: f64,
+    /// Values a second, of what was heard.
+    pub(super) rate_hz: f64,
+}
+
 /// The responses at some frequencies, in time as e^(-j omega t); nothing where nothing was played at one of them.
 pub(super) fn responses(of: &Recorded<'_>, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
     let count = of.played.len().max(of.heard.len()).next_power_of_two().max(2);
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(count);
-    let spectrum = |values: &[f64]| {
-        let mut padded = values.to_vec();
-        padded.resize(count, 0.0);
-        let mut bins = forward.make_output_vec();
-        forward.process(&mut padded, &mut bins).ok().map(|()| bins)
-    };
-    let (played, heard) = (spectrum(of.played)?, spectrum(of.heard)?);
-    let bin_hz = of.rate_hz / count as f64;
-    let band: Vec<f64> = (0..played.len()).map(|bin| gate.band(bin as f64 * bin_hz)).collect();
-    if band.iter().zip(&played).any(|(weight, x)| *weight > 0.0 && x.norm_sqr() == 0.0) {
-        return None;
+    let (played, heard) = (spectrum(of.played, count)?, spectrum(of.heard, count)?);
+    let Recorded { noise, rounding, rate_hz, .. } = *of;
+    Spectra { played: &played, heard: &heard, noise, rounding, rate_hz }.responses(gate, frequencies_hz)
+}
+
+/// The spectrum of some values, as of so many with zeros behind them.
+pub(super) fn spectrum(values: &[f64], count: usize) -> Option<Vec<Complex<f64>>> {
+    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(count);
+    let mut padded = values.to_vec();
+    padded.resize(count, 0.0);
+    let mut bins = forward.make_output_vec();
+    forward.process(&mut padded, &mut bins).ok().map(|()| bins)
+}
+
+/// The values of a spectrum, over their number less than the transform has it.
+pub(super) fn values(mut bins: Vec<Complex<f64>>) -> Option<Vec<f64>> {
+    let count = 2 * (bins.len().checked_sub(1)?);
+    // A signal that is real has real values there.
+    bins[0].im = 0.0;
+    bins[count / 2].im = 0.0;
+    let mut values = vec![0.0; count];
+    let backward = RealFftPlanner::<f64>::new().plan_fft_inverse(count);
+    backward.process(&mut bins, &mut values).ok().map(|()| values)
+}
+
+impl Spectra<'_> {
+    fn bin_hz(&self) -> f64 {
+        self.rate_hz / (2 * (self.played.len() - 1)) as f64
     }
-    let weighed = |(weight, (x, y)): (&f64, (&Complex<f64>, &Complex<f64>))| {
-        if *weight > 0.0 { y * x.conj() * (weight / x.norm_sqr()) } else { Complex::default() }
-    };
-    let quotient: Vec<Complex<f64>> = band.iter().zip(played.iter().zip(&heard)).map(weighed).collect();
-    let backward = planner.plan_fft_inverse(count);
-    let gated = |mut bins: Vec<Complex<f64>>| {
-        // A signal that is real has real values there.
-        bins[0].im = 0.0;
-        bins[count / 2].im = 0.0;
-        let mut impulse = vec![0.0; count];
-        backward.process(&mut bins, &mut impulse).ok().map(|()| gated(&impulse, gate, of.rate_hz))
-    };
-    let edges = gated(band.iter().map(|weight| Complex::from(*weight)).collect())?;
-    let gated = gated(quotient)?;
-    let energy: f64 = gated.iter().map(|(_, _, weight)| weight * weight).sum();
-    // The gate blurs 1/|X|^2 as it blurs H.
-    let blur = (count as f64 / (of.rate_hz * gate.ring_s)).ceil() as usize;
-    let noise = noise_spectrum(of.noise)?;
-    let noise_bin_hz = of.rate_hz / of.noise.len() as f64;
-    let answer = |&frequency_hz: &f64| {
-        let turns = frequency_hz / of.rate_hz;
-        let response = sum(&gated, turns) / sum(&edges, turns);
-        let inverse = mean(&played, frequency_hz / bin_hz, blur, |x| x.norm_sqr().recip());
-        let density = mean(&noise, frequency_hz / noise_bin_hz, NEIGHBOURS, |power| *power).max(of.rounding);
-        (response, (0.5 * density * energy * inverse).sqrt())
-    };
-    Some(frequencies_hz.iter().map(answer).collect())
+
+    /// W at each bin.
+    fn band(&self, gate: &Gate) -> Vec<f64> {
+        (0..self.played.len()).map(|bin| gate.band(bin as f64 * self.bin_hz())).collect()
+    }
+
+    /// h, times the number of its values; nothing where nothing was played in the band.
+    pub(super) fn impulse(&self, gate: &Gate) -> Option<Vec<f64>> {
+        let band = self.band(gate);
+        if band.iter().zip(self.played).any(|(weight, x)| *weight > 0.0 && x.norm_sqr() == 0.0) {
+            return None;
+        }
+        let weighed = |(weight, (x, y)): (&f64, (&Complex<f64>, &Complex<f64>))| {
+            if *weight > 0.0 { y * x.conj() * (weight / x.norm_sqr()) } else { Complex::default() }
+        };
+        values(band.iter().zip(self.played.iter().zip(self.heard)).map(weighed).collect())
+    }
+
+    /// The responses at some frequencies; nothing where nothing was played at one of them.
+    pub(super) fn responses(&self, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
+        let edges = values(self.band(gate).into_iter().map(Complex::from).collect())?;
+        let edges = gated(&edges, gate, self.rate_hz);
+        let gated = gated(&self.impulse(gate)?, gate, self.rate_hz);
+        let energy: f64 = gated.iter().map(|(_, _, weight)| weight * weight).sum();
+        // The gate blurs 1/|X|^2 as it blurs H.
+        let bin_hz = self.bin_hz();
+        let blur = (bin_hz * gate.ring_s).recip().ceil() as usize;
+        let noise = noise_spectrum(self.noise)?;
+        let noise_bin_hz = self.rate_hz / self.noise.len() as f64;
+        let answer = |&frequency_hz: &f64| {
+            let turns = frequency_hz / self.rate_hz;
+            let response = sum(&gated, turns) / sum(&edges, turns);
+            let inverse = mean(self.played, frequency_hz / bin_hz, blur, |x| x.norm_sqr().recip());
+            let density =
+                mean(&noise, frequency_hz / noise_bin_hz, NEIGHBOURS, |power| *power).max(self.rounding);
+            (response, (0.5 * density * energy * inverse).sqrt())
+        };
+        Some(frequencies_hz.iter().map(answer).collect())
+    }
 }
 
 /// G at a frequency in turns a value.
@@ -140,9 +181,7 @@ fn gated(impulse: &[f64], gate: &Gate, rate_hz: f64) -> Vec<(f64, f64, f64)> {
 
 /// |N|^2 per value of each bin.
 fn noise_spectrum(noise: &[f64]) -> Option<Vec<f64>> {
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(noise.len());
-    let mut bins = forward.make_output_vec();
-    forward.process(&mut noise.to_vec(), &mut bins).ok()?;
+    let bins = spectrum(noise, noise.len())?;
     Some(bins.iter().map(|bin| bin.norm_sqr() / noise.len() as f64).collect())
 }
 

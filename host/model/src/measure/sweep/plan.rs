@@ -9,56 +9,30 @@
 //! for one capture, so with more than one the same sweep is played again, code by code, and the next stretch is captured.
 
 use super::super::error::MeasureError;
-use super::super::plan::{HIGHEST, Wanted, time_constant_s};
+use super::super::plan::Wanted;
+use super::chirp::{self, Chirp};
 use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_GLIDE_MS;
 use slipline_plate::Plate;
-use slipline_plate::quantity::{OutOfRange, Range};
 
 /// Values of a capture.
 pub(super) const VALUES: u16 = 4096;
 /// Most codes of a value, as a binary logarithm.
 const LOG2_CODES_MAX: u8 = 10;
-/// The plate's time constants in the gate: see [`SETTLED`](super::super::SETTLED).
-const RINGS: f64 = super::super::plan::SETTLED;
-/// Shortest and longest time to ring, seconds.
-const RING_S: (f64, f64) = (2e-3, 5.0);
-/// What the sweep covers beside the measured band, over the inverse of the time to ring: what the gate spreads stays there.
-const MARGIN: f64 = 12.0;
-/// Share of the lowest frequency that the margin may be.
-const MARGIN_MOST: f64 = 0.5;
 /// Highest frequency of the sweep over the rate of the values: below a half, so that it is no other one's alias.
 const OF_VALUES: f64 = 0.49;
-/// Highest measured frequency over the sample rate.
-const SWEPT_HIGHEST: f64 = 0.4;
-/// Length of the gate after the ring, and before the sweep's own time, over the time to ring.
-pub(super) const GATE_AFTER: f64 = 0.25;
-/// Times the sweep is slower than the device's fastest, 2^-10 turns a sample in a block of 128.
-const SLOWER: f64 = 2.0;
-const FASTEST_TURNS: f64 = 1.0 / 1024.0;
-const BLOCK: f64 = 128.0;
-/// Least product of the sweep's time and band: below, it is a click rather than a sweep.
-const CYCLES: f64 = 100.0;
 /// Least share of a capture that the sweep takes.
 const LEAST_SHARE: f64 = 0.5;
-/// Periods of a limited actuator's resonance that a glide must last.
-const RESONANCE_PERIODS: f64 = 2.0;
 /// Captures of one measurement.
 const CAPTURES_MAX: f64 = 64.0;
+/// The longest sweep, seconds: the device's longest glide.
+pub(super) const LONGEST_S: f64 = MAX_GLIDE_MS as f64 * 1e-3;
 
 /// How a sweep is played and captured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPlan {
-    /// The device's sample rate, Hz.
-    pub rate_hz: f64,
-    /// What is measured, and how loud.
-    pub wanted: Wanted,
-    /// The sweep's first and last frequency, Hz.
-    pub ends_hz: (f64, f64),
-    /// From the first to the last frequency, samples.
-    pub sweep_samples: u64,
-    /// The time in which the plate rings on, seconds.
-    pub ring_s: f64,
+    /// The sweep.
+    pub chirp: Chirp,
     /// The binary logarithm of the codes of a captured value.
     pub log2_codes: u8,
     /// How many captures there are.
@@ -79,44 +53,19 @@ impl SweepPlan {
         wanted: &Wanted,
         rate_hz: f64,
     ) -> Result<Self, MeasureError> {
-        wanted.check(rate_hz)?;
-        let highest = Range::new(1.01 * wanted.low_hz, SWEPT_HIGHEST * rate_hz, "Hz");
-        OutOfRange::check("to", wanted.high_hz, highest)?;
-        let ring_s = (RINGS * time_constant_s(plate, wanted.low_hz)).clamp(RING_S.0, RING_S.1);
-        let ring_s = ring_s.max(MARGIN / (MARGIN_MOST * wanted.low_hz));
-        let margin_hz = MARGIN / ring_s;
-        let ends_hz = (wanted.low_hz - margin_hz, (wanted.high_hz + margin_hz).min(HIGHEST * rate_hz));
-        let fits = |log2: &u8| ends_hz.1 <= OF_VALUES * rate_hz / f64::from(1_u32 << log2);
+        let chirp = Chirp::over(plate, wanted, rate_hz)?;
+        let fits = |log2: &u8| chirp.ends_hz.1 <= OF_VALUES * rate_hz / f64::from(1_u32 << log2);
         let log2_codes = (0..=LOG2_CODES_MAX).rev().find(fits).unwrap_or(0);
         let capture_s = f64::from(u32::from(VALUES) << log2_codes) / rate_hz;
-        let glide_s =
-            table.travel_limit().map_or(0.0, |limit| RESONANCE_PERIODS * 1e6 / limit.resonance_uhz as f64);
-        let steepest = ends_hz.1 * (ends_hz.1 / ends_hz.0).ln() * BLOCK / (rate_hz * rate_hz);
-        let shortest_s = [
-            SLOWER * steepest / FASTEST_TURNS,
-            CYCLES / (ends_hz.1 - ends_hz.0),
-            glide_s,
-            LEAST_SHARE * capture_s,
-        ];
-        let shortest_s = shortest_s.into_iter().fold(0.0, f64::max);
-        // The block after the sweep's end is silent only where the gain has reached its last knot.
-        let tail_s = (1.0 + GATE_AFTER) * ring_s + BLOCK / rate_hz;
+        let glide_s = chirp::glide_s(table);
+        let shortest_s = chirp.shortest_s(glide_s).max(LEAST_SHARE * capture_s);
+        let tail_s = chirp.tail_s();
         let captures = ((shortest_s + tail_s) / capture_s).ceil();
-        let longest_s = f64::from(MAX_GLIDE_MS) * 1e-3;
-        if captures > CAPTURES_MAX || shortest_s > longest_s {
-            return Err(MeasureError::Rings { seconds: ring_s });
+        if captures > CAPTURES_MAX || shortest_s > LONGEST_S {
+            return Err(MeasureError::Rings { seconds: chirp.ring_s });
         }
-        let sweep_s = (captures * capture_s - tail_s).min(longest_s);
-        Ok(Self {
-            rate_hz,
-            wanted: *wanted,
-            ends_hz,
-            sweep_samples: (sweep_s * rate_hz).floor() as u64,
-            ring_s,
-            log2_codes,
-            captures: captures as u16,
-            glide_s,
-        })
+        let sweep_s = (captures * capture_s - tail_s).min(LONGEST_S);
+        Ok(Self { chirp: chirp.lasting(sweep_s), log2_codes, captures: captures as u16, glide_s })
     }
 
     /// Samples of a capture.
@@ -128,19 +77,7 @@ impl SweepPlan {
     /// The rate of the captured values, Hz.
     #[must_use]
     pub fn value_rate_hz(&self) -> f64 {
-        self.rate_hz / f64::from(1_u32 << self.log2_codes)
-    }
-
-    /// The frequency that is played so many samples after the sweep's beginning, Hz.
-    #[must_use]
-    pub fn frequency_hz(&self, samples: f64) -> f64 {
-        let (first, last) = self.ends_hz;
-        first * (last / first).powf((samples / self.sweep_samples as f64).clamp(0.0, 1.0))
-    }
-
-    /// What the sweep covers below and above the measured band, Hz.
-    pub(super) fn margins_hz(&self) -> (f64, f64) {
-        (self.wanted.low_hz - self.ends_hz.0, self.ends_hz.1 - self.wanted.high_hz)
+        self.chirp.rate_hz / f64::from(1_u32 << self.log2_codes)
     }
 
     /// Samples that the device needs: of silence for the noise, and of the sweeps up to the end of each one's capture.
@@ -173,15 +110,16 @@ mod tests {
             let plan = plan(name, |_| ()).unwrap();
             println!("{name}: {plan:?}, {} s", plan.samples() as f64 / RATE_HZ);
             let whole = u64::from(plan.captures) * plan.capture_samples();
-            let tail = whole - plan.sweep_samples;
-            assert!(tail as f64 / RATE_HZ >= 1.25 * plan.ring_s, "{name}");
+            let tail = whole - plan.chirp.samples;
+            assert!(tail as f64 / RATE_HZ >= 1.25 * plan.chirp.ring_s, "{name}");
             assert!(
-                plan.ends_hz.1 < 0.491 * plan.value_rate_hz() && plan.ends_hz.0 > 0.4 * plan.wanted.low_hz
+                plan.chirp.ends_hz.1 < 0.491 * plan.value_rate_hz()
+                    && plan.chirp.ends_hz.0 > 0.4 * plan.chirp.wanted.low_hz
             );
             assert!(plan.captures <= captures && plan.samples() as f64 / RATE_HZ < most_s, "{name}");
             // A block changes the frequency by half of what the device can.
-            let ends = [plan.sweep_samples as f64 - 128.0, plan.sweep_samples as f64];
-            let change = plan.frequency_hz(ends[1]) - plan.frequency_hz(ends[0]);
+            let ends = [plan.chirp.samples as f64 - 128.0, plan.chirp.samples as f64];
+            let change = plan.chirp.frequency_hz(ends[1]) - plan.chirp.frequency_hz(ends[0]);
             assert!(change < 0.51 * RATE_HZ / 1024.0, "{name}: {change} Hz");
         }
     }
@@ -190,7 +128,7 @@ mod tests {
     fn a_band_that_one_capture_does_not_cover_takes_more_of_them() {
         let wide = plan("membrane", |wanted| wanted.high_hz = 3e3).unwrap();
         assert!(wide.captures > 1, "{wide:?}");
-        assert!(wide.captures as u64 * wide.capture_samples() >= wide.sweep_samples);
+        assert!(wide.captures as u64 * wide.capture_samples() >= wide.chirp.samples);
     }
 
     #[test]

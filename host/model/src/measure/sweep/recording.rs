@@ -1,7 +1,7 @@
 //! What one sweep was: the codes that were played, the values that were captured, and what they make together.
 
-use super::deconvolution::{Gate, Recorded, responses};
-use super::plan::{GATE_AFTER, SweepPlan};
+use super::deconvolution::{Recorded, responses};
+use super::plan::SweepPlan;
 use super::table;
 use crate::measure::answers::{CODES, LAST_CODE, Measured, Sensor};
 use crate::measure::error::MeasureError;
@@ -10,9 +10,6 @@ use slipline_plate::Complex64;
 use slipline_plate::calibrate::MeasuredPoint;
 use std::f64::consts::TAU;
 
-/// Where W begins and ends to rise, as shares of the margin from the sweep's end: where the sweep is nearly as loud as in the
-/// band.
-const WEIGHED: (f64, f64) = (0.3, 0.7);
 /// Share of the input's range beyond which a sine is clipped.
 const CLIPPED: f64 = 0.98;
 
@@ -49,24 +46,17 @@ impl Recording {
             rounding: (12.0 * codes_each as f64).recip(),
             rate_hz: plan.value_rate_hz(),
         };
-        let ((first, last), (below, above)) = (plan.ends_hz, plan.margins_hz());
-        let gate = Gate {
-            rises_hz: (first + WEIGHED.0 * below, first + WEIGHED.1 * below),
-            falls_hz: (last - WEIGHED.1 * above, last - WEIGHED.0 * above),
-            ring_s: plan.ring_s,
-            fade_s: GATE_AFTER * plan.ring_s,
-        };
-        let frequencies: Vec<f64> =
-            (0..plan.wanted.points).map(|point| plan.wanted.frequency_hz(point)).collect();
-        let answers = responses(&recorded, &gate, &frequencies).ok_or(MeasureError::Unknown)?;
+        let chirp = &plan.chirp;
+        let frequencies = chirp.measured_hz();
+        let answers = responses(&recorded, &chirp.gate(), &frequencies).ok_or(MeasureError::Unknown)?;
         let point = |(&frequency_hz, (response, noise)): (&f64, (Complex64, f64))| {
             let swing =
-                response.norm() * level * table::gain(plan, table, frequency_hz) + offset.abs() / CODES;
+                response.norm() * level * table::gain(chirp, table, frequency_hz) + offset.abs() / CODES;
             MeasuredPoint {
                 frequency_hz,
                 response: response * Complex64::cis(-TAU * frequency_hz * lag_s),
                 noise,
-                headroom_db: Some(if swing < CLIPPED { -20.0 * swing.max(1e-6).log10() } else { 0.0 }),
+                headroom_db: Some(headroom_db(swing)),
             }
         };
         let mut points: Vec<MeasuredPoint> = frequencies.iter().zip(answers).map(point).collect();
@@ -74,7 +64,7 @@ impl Recording {
         let noise_codes = (mean_square(&noise) * codes_each as f64).sqrt();
         let same = |values: &[f64]| values.windows(2).all(|two| two[0] == two[1]);
         let is_stuck = same(&self.heard) && same(&self.quiet);
-        let measured = Measured::told(sensor, plan.rate_hz, points, noise_codes, is_stuck);
+        let measured = Measured::told(sensor, chirp.rate_hz, points, noise_codes, is_stuck);
         measured.measurement.check()?;
         Ok(measured)
     }
@@ -87,13 +77,24 @@ impl Recording {
             if code > 0.5 && code < f64::from(LAST_CODE) - 0.5 {
                 continue;
             }
-            let played_hz = plan.frequency_hz(place as f64 * codes_each);
-            let after = points.partition_point(|point| point.frequency_hz < played_hz);
-            if let Some(point) = points.get_mut(after.min(plan.wanted.points - 1)) {
-                point.headroom_db = Some(0.0);
-            }
+            let played_hz = plan.chirp.frequency_hz(place as f64 * codes_each);
+            mark_clipped_at(played_hz, points);
         }
     }
+}
+
+/// Marks the answer as clipped that is nearest above a frequency, or the last one.
+pub(super) fn mark_clipped_at(played_hz: f64, points: &mut [MeasuredPoint]) {
+    let after = points.partition_point(|point| point.frequency_hz < played_hz);
+    let last = points.len().saturating_sub(1);
+    if let Some(point) = points.get_mut(after.min(last)) {
+        point.headroom_db = Some(0.0);
+    }
+}
+
+/// What is free of an input's range, whose end is 1, above a sine of this amplitude, dB: 0 where it is clipped.
+pub(super) fn headroom_db(swing: f64) -> f64 {
+    if swing < CLIPPED { -20.0 * swing.max(1e-6).log10() } else { 0.0 }
 }
 
 /// The mean of some codes, less mid-scale.
@@ -101,10 +102,10 @@ fn mean_of_codes(codes: &[u16]) -> f64 {
     codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64 - CODES
 }
 
-fn mean(values: &[f64]) -> f64 {
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-fn mean_square(values: &[f64]) -> f64 {
+pub(super) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }

@@ -101,11 +101,11 @@ impl Sweeping {
         sensor: Sensor,
         inputs: &InputsReport,
     ) -> Result<Self, MeasureError> {
-        let lag_s = sensor.lag_s(inputs, plan.rate_hz)?;
-        let sweep = table::of(&plan, &table)?;
+        let lag_s = sensor.lag_s(inputs, plan.chirp.rate_hz)?;
+        let sweep = table::of(&plan.chirp, &table)?;
         let all = u64::from(plan.captures) * plan.capture_samples();
         // Beside the sweep a second of what was before and after it.
-        let replay = Replay::new((all + plan.rate_hz as u64) as usize);
+        let replay = Replay::new((all + plan.chirp.rate_hz as u64) as usize);
         Ok(Self {
             lead_s: LEAD_S + plan.glide_s,
             plan,
@@ -128,13 +128,13 @@ impl Sweeping {
 
     /// The sample that many seconds after another, at the beginning of a block.
     fn after(&self, at: u64, seconds: f64) -> u64 {
-        at.saturating_add((seconds * self.plan.rate_hz) as u64).next_multiple_of(BLOCK as u64)
+        at.saturating_add((seconds * self.plan.chirp.rate_hz) as u64).next_multiple_of(BLOCK as u64)
     }
 
     /// The tone at an end of the sweep's table.
     fn tone(&self, boundary_m: f64, glide_samples: u64, apply: Apply) -> Request {
-        let level = self.plan.wanted.level * self.scale;
-        let glide_s = glide_samples as f64 / self.plan.rate_hz;
+        let level = self.plan.chirp.wanted.level * self.scale;
+        let glide_s = glide_samples as f64 / self.plan.chirp.rate_hz;
         let tone = ToneRequest { slot: 0, boundary_m, level, phase_turns: 0.0 };
         Request::Drive(DriveRequest { glide_s, apply, ..DriveRequest::of(vec![tone]) })
     }
@@ -233,7 +233,7 @@ impl Procedure for Sweeping {
             }
             Stage::Tone { at } => self.tone(first_m, 0, at.map_or(Apply::Next, Apply::At)),
             Stage::Quiet { from } => self.capture(from),
-            Stage::Glide { from } => self.tone(last_m, self.plan.sweep_samples, Apply::At(from)),
+            Stage::Glide { from } => self.tone(last_m, self.plan.chirp.samples, Apply::At(from)),
             Stage::Capture { from } => self.capture(Some(self.captured_from(from))),
             Stage::Codes { .. } => Request::Refresh,
             Stage::Restore => Request::Upload(self.table.clone()),
@@ -338,7 +338,7 @@ impl Procedure for Sweeping {
         if self.captures < self.plan.captures {
             return Err(MeasureError::Cancelled);
         }
-        let level = self.plan.wanted.level * self.scale;
+        let level = self.plan.chirp.wanted.level * self.scale;
         self.recording.measured(&self.plan, &self.table, &self.sensor, self.lag_s, level)
     }
 }

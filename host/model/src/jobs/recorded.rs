@@ -1,0 +1,32 @@
+//! A recording of the sweep as a measurement, in the background.
+
+use crate::jobs::Task;
+use crate::measure::PlayedSweep;
+use crate::measured_file::{ToldOfRecording, recorded};
+use crate::wav::Wav;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::Measurement;
+use std::sync::Arc;
+
+/// A recording, and what was told of it.
+#[derive(Clone, Debug)]
+pub struct RecordedJob {
+    /// The plate it is of.
+    pub plate: Arc<Plate>,
+    /// The recording.
+    pub wav: Arc<Wav>,
+    /// What was played.
+    pub sweep: Arc<PlayedSweep>,
+    /// Where the sensor stood, what it showed, and its channel.
+    pub told: ToldOfRecording,
+}
+
+/// The measurement and what is to be told of it, in sentences; or why there is none.
+pub type Recorded = Result<(Measurement, Vec<String>), String>;
+
+/// The work of the thread: less than a second for the usual recording.
+#[must_use]
+pub fn work(job: RecordedJob, task: &Task) -> Option<Recorded> {
+    let found = recorded(&job.plate, &job.wav, &job.sweep, &job.told).map_err(|error| error.to_string());
+    task.tell(1.0).then_some(found)
+}

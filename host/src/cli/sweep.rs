@@ -1,0 +1,98 @@
+//! `slipline sweep`.
+
+use super::bench::{Bench, run};
+use super::destination::Destination;
+use super::device::Device;
+use super::measuring::FrequenciesArgument;
+use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use clap::Args;
+use serde_json::{Value, json};
+use slipline_model::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::show_frequency;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    #[command(flatten)]
+    plate: PlateArgument,
+    #[command(flatten)]
+    frequencies: FrequenciesArgument,
+    /// The first sweep's level, as a share of full scale, 0.001 to 1; the second one has half of it.
+    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
+    level: f64,
+    /// How long one sweep takes, 10ms to 10s.
+    #[arg(long, value_name = "TIME", value_parser = argument::seconds(SWEEP_S.low, SWEEP_S.high), allow_hyphen_values = true, default_value = "4s")]
+    time: f64,
+    /// Write the description of what was played: `calibrate --played` needs it with each recording.
+    #[arg(long, value_name = "SWEEP.toml")]
+    out: PathBuf,
+    #[command(flatten)]
+    force: ForceArgument,
+    #[command(flatten)]
+    arming: ArmingArgument,
+}
+
+pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(), Failure> {
+    let plate = argument::plate(&arguments.plate.plate)?;
+    let out = Destination::new(&arguments.out, arguments.force)?;
+    let rig = arguments.port.rig(Some(&plate))?;
+    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
+    device.may_be_armed(&arguments.arming)?;
+    let wanted = arguments.frequencies.wanted(&plate, Some(arguments.level));
+    let bench = Bench::new(&device, &plate)?;
+    let sweep = PlayedSweep::new(&plate, &bench.table, &wanted, bench.rate_hz, arguments.time);
+    let playing = Playing::new(sweep.map_err(Failure::usage)?, bench.table);
+    let played = run(&device, "sweep", playing.map_err(Failure::failed)?)?;
+    let text = played.to_toml();
+    out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+    output::print(as_json, &value(&plate, &played), |writer| {
+        output::lines(writer, &lines(plate.name(), &played, &out))
+    })
+}
+
+fn value(plate: &slipline_plate::Plate, played: &PlayedSweep) -> Value {
+    let chirp = played.chirp();
+    json!({
+        "plate": plate.name(),
+        "sample_rate_hz": chirp.rate_hz,
+        "first_hz": chirp.ends_hz.0,
+        "last_hz": chirp.ends_hz.1,
+        "levels": [played.level(), QUIETER * played.level()],
+        "sweep_s": chirp.samples as f64 / chirp.rate_hz,
+        "apart_s": played.apart_s(),
+        "seconds": played.seconds(),
+    })
+}
+
+fn lines(plate: &str, played: &PlayedSweep, out: &Destination) -> Vec<(&'static str, String)> {
+    let chirp = played.chirp();
+    let (first, last) = chirp.ends_hz;
+    let seconds = |value: f64| format!("{} s", with_decimals(value, 2));
+    vec![
+        ("Plate", plate.to_owned()),
+        (
+            "Sweep",
+            format!(
+                "{} to {} in {}, twice",
+                show_frequency(first),
+                show_frequency(last),
+                seconds(chirp.samples as f64 / chirp.rate_hz)
+            ),
+        ),
+        (
+            "Levels",
+            format!(
+                "{} and {}",
+                with_decimals(played.level(), 3),
+                with_decimals(QUIETER * played.level(), 3)
+            ),
+        ),
+        ("Apart", seconds(played.apart_s())),
+        ("Written to", out.path().display().to_string()),
+    ]
+}
