@@ -140,6 +140,15 @@ mod tests {
     }
 
     #[test]
+    fn bins_of_noise_alone_count_for_little() {
+        let [first, second] = two(3.3, 3e-3, 0.0, 8);
+        // The pulse is in a third of the band.
+        let band = |bin: usize| if bin > 600 || (130..330).contains(&bin) { 1.0 } else { 0.0 };
+        let found = super::delay(&first, &second, band, COUNT as f64 * 9e-6, 300).unwrap();
+        assert!(found.coherence > 0.5 && (found.values - 3.3).abs() < 0.05, "{found:?}");
+    }
+
+    #[test]
     fn two_recordings_of_noise_have_nothing_in_common() {
         let [first, _] = two(0.0, 1.0, 0.0, 5);
         let [_, second] = two(0.0, 1.0, 0.0, 6);

@@ -200,8 +200,8 @@ fn clipped_values_mark_their_frequencies() {
     let loudest = HEALTHY.records().values.into_iter().fold(0.0, f64::max);
     println!("loudest {loudest}");
     let at_end = Recorder { gain: 0.5 * 1.02 / loudest, ..HEALTHY }.heard().unwrap();
-    let before = Recorder { noise: 0.0, bend: |value, _| value.clamp(-0.99, 0.99), ..HEALTHY };
-    let before = Recorder { gain: 0.5 * 1.1 / loudest, ..before }.heard().unwrap();
+    let before = Recorder { noise: 0.0, bend: |value, _| value.clamp(-0.6, 0.6), ..HEALTHY };
+    let before = Recorder { gain: 0.5 * 0.66 / loudest, ..before }.heard().unwrap();
     for heard in [at_end, before] {
         assert!((1..20).contains(&heard.clipped()), "{}", heard.clipped());
         assert!(heard.notes().iter().any(|note| note.contains("clipped at")), "{:?}", heard.notes());
