@@ -226,6 +226,8 @@ pub struct SoundingDrive {
     pub table: Arc<DeviceTable>,
     /// Its tones, in physical units.
     pub tones: Vec<SteadyTone>,
+    /// The index at which a drive's tones have reached their places and levels.
+    pub reached: u64,
 }
 
 /// The drive, chord or comb that sounds; `None` when the device is silent or uses a table that this program does not know.
@@ -238,24 +240,25 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let mut latest = None;
     for entry in snapshot.journal.iter() {
         match &entry.change {
-            Change::Drive(drive) => latest = Some((entry.number, Played::Drive(Arc::clone(drive)))),
-            Change::Chord(chord) => latest = Some((entry.number, Played::Chord(Arc::clone(chord)))),
-            Change::Comb(comb) => latest = Some((entry.number, Played::Comb(Arc::clone(comb)))),
+            Change::Drive(drive) => latest = Some((entry, Played::Drive(Arc::clone(drive)))),
+            Change::Chord(chord) => latest = Some((entry, Played::Chord(Arc::clone(chord)))),
+            Change::Comb(comb) => latest = Some((entry, Played::Comb(Arc::clone(comb)))),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }
             Change::Hold | Change::Limit(_) => {}
             // The tones glide to the new table's places and gains.
-            Change::Table(_) => latest = latest.map(|(_, played)| (entry.number, played)),
+            Change::Table(_) => latest = latest.map(|(_, played)| (entry, played)),
         }
     }
-    let (number, played) = latest.filter(|(_, played)| played.count() > 0)?;
+    let (entry, played) = latest.filter(|(_, played)| played.count() > 0)?;
     let tones = played.tones(table).into_iter().map(|tone| SteadyTone {
         slot: tone.slot,
         frequency_hz: tone.frequency_hz,
         peak_m: tone.peak_m,
     });
-    Some(SoundingDrive { number, tones: tones.collect(), table: Arc::clone(table), played })
+    let (number, reached) = (entry.number, entry.at.saturating_add(played.glide().into()));
+    Some(SoundingDrive { number, tones: tones.collect(), table: Arc::clone(table), played, reached })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! ```text
 //! Plate, frequencies by slot --HoldPlan--> Listen, once the plate has settled --Listened--> Hold
 //!                                                      snapshot.hold --ToneWords--> sentences
+//! the user's switch, snapshot --Holding--> these requests, one after the other, and how the hold stands
 //! ```
 //! The amplitudes to hold are those of the plate as it is when the hold begins, with no finger on it: one window is listened to,
 //! and what it has measured is held from then on. So no model of the plate says how loud a tone must be; the model says only how
@@ -13,14 +14,27 @@
 //! that the pause costs little of what the hold promises: a finger's -6 dB are taken back to within 1 dB after five times the
 //! longer of `tau` and the window.
 
-use slipline_link::protocol::hold::Held;
+mod course;
+mod end;
+mod holding;
+mod standing;
+mod words;
+
+pub use end::HoldEnd;
+pub use holding::Holding;
+pub use standing::Standing;
+pub use words::{ToneWords, progress_words, state_words, words};
+
 use slipline_link::protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_TONES};
-use slipline_link::{
-    HoldLimit, HoldLoss, HoldProgress, HoldRequest, HoldState, HoldToneRequest, ListenRequest, Listened,
-    WindowShape,
-};
+use slipline_link::{HoldRequest, HoldToneRequest, ListenRequest, Listened, WindowShape};
 use slipline_plate::Plate;
+use slipline_plate::quantity::Range;
 use std::f64::consts::TAU;
+
+/// How far above its drive's level a held tone may be allowed to rise.
+pub const MAX_RISE: Range = Range::new(0.0, 60.0, "dB");
+/// How far it is if nobody says it, dB.
+pub const USUAL_RISE_DB: f64 = 12.0;
 
 /// Time constants of the plate before the set amplitudes are listened to: 0.25 % of what was before are left.
 const SETTLED: f64 = 6.0;
@@ -169,6 +183,12 @@ impl HoldPlan {
         5.0 * self.time_constant_s.max(self.window_s())
     }
 
+    /// How long the plate is listened to from when it is left alone, seconds: until it has settled, and for a window.
+    #[must_use]
+    pub fn listening_s(&self) -> f64 {
+        SETTLED * self.time_constant_s + self.window_s()
+    }
+
     /// The window in which the amplitudes are measured that are to be held. `reached` is the index at which the tones have
     /// reached their levels: the plate needs some time more. `None` listens at once.
     #[must_use]
@@ -213,67 +233,6 @@ impl HoldPlan {
             slew_db: SLEW_DB,
             tones,
         })
-    }
-}
-
-/// What is to be said of a held tone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToneWords {
-    /// Its slot.
-    pub slot: u8,
-    /// What is in force above its drive's level, dB.
-    pub correction_db: f64,
-    /// The amplitude that was measured last, codes.
-    pub amplitude_codes: f64,
-    /// Its state as a few words.
-    pub words: &'static str,
-    /// Whether it is where it should be, or on its way there.
-    pub is_well: bool,
-}
-
-/// What is to be said of the tones of a hold, by their slots.
-pub fn words(held: &Held) -> impl Iterator<Item = ToneWords> + '_ {
-    held.tones.iter().map(|tone| ToneWords {
-        slot: tone.slot,
-        correction_db: f64::from(tone.correction.0) / 100.0,
-        amplitude_codes: f64::from(tone.amplitude) / 256.0,
-        words: state_words(tone.state),
-        is_well: matches!(tone.state, HoldState::Settling | HoldState::Held),
-    })
-}
-
-/// A tone's state as a few words.
-#[must_use]
-pub const fn state_words(state: HoldState) -> &'static str {
-    match state {
-        HoldState::Settling => "settling",
-        HoldState::Held => "held",
-        HoldState::AtLimit(limit) => match limit {
-            HoldLimit::Rise => "at the largest rise that is allowed",
-            HoldLimit::Level => "at its full level",
-            HoldLimit::Headroom => "at full scale: there is no more headroom",
-            HoldLimit::Thermal => "at the thermal limit: the actuator is warm",
-            HoldLimit::Travel => "at the limit of the actuator's travel",
-            HoldLimit::Fall => "at the lowest level",
-        },
-        HoldState::Lost(loss) => match loss {
-            HoldLoss::NotFollowed => "lost: the tone was interrupted",
-            HoldLoss::TooWeak => "lost: the sensor hears too little of it",
-            HoldLoss::Clipped => "lost: the sensor's input is clipped",
-            HoldLoss::Stuck => "lost: the sensor's input does not move",
-            HoldLoss::Broken => "lost: codes of the sensor's input were lost",
-        },
-    }
-}
-
-/// A hold's state as a sentence without a full stop.
-#[must_use]
-pub const fn progress_words(progress: HoldProgress) -> &'static str {
-    match progress {
-        HoldProgress::Off => "Nothing is held",
-        HoldProgress::On => "The levels are held",
-        HoldProgress::Ended => "The hold has ended: something else changed what sounds",
-        HoldProgress::Lost => "The hold has lost all tones: they sound at the drive's levels",
     }
 }
 

@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     }
     let driven_s = match began {
         Some((at, begin)) => {
-            let goes_on = match &holder {
+            let goes_on = match &mut holder {
                 Some(holder) => holder.begin(&device, &interruption, at)?,
                 None => true,
             };

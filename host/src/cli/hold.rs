@@ -7,9 +7,8 @@ use super::{Failure, PortArgument, output};
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_link::protocol::hold::{Held, HoldProgress};
-use slipline_link::protocol::refusal::{self, Field};
-use slipline_link::{DeviceTable, DriveRequest, Listened, Outcome, Refusal, Request, Snapshot, ToneRequest};
-use slipline_model::hold::{HoldPlan, progress_words, words};
+use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
+use slipline_model::hold::{HoldPlan, Holding, MAX_RISE, Standing, USUAL_RISE_DB, progress_words, words};
 use slipline_model::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::quantity::show_place;
@@ -32,7 +31,7 @@ pub(super) struct HoldArgument {
     #[arg(long, conflicts_with = "setup")]
     hold: bool,
     /// How far above its level a held tone may rise, 0 to 60 dB.
-    #[arg(long, value_name = "DB", value_parser = argument::decibels(0.0, 60.0), allow_hyphen_values = true, default_value = "12", requires = "hold")]
+    #[arg(long, value_name = "DB", value_parser = argument::decibels(MAX_RISE.low, MAX_RISE.high), allow_hyphen_values = true, default_value_t = USUAL_RISE_DB, requires = "hold")]
     max_rise: f64,
     /// Where the simulated device's sensor stands, from the driven end (30mm); without it, at a tenth of the plate's length.
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "hold")]
@@ -56,7 +55,7 @@ impl HoldArgument {
     pub(super) fn holder(
         &self,
         device: &Device,
-        plate: &Plate,
+        plate: &Arc<Plate>,
         table: &DeviceTable,
         drive: &DriveRequest,
     ) -> Result<Option<Holder>, Failure> {
@@ -68,20 +67,21 @@ impl HoldArgument {
         let frequency =
             |tone: &ToneRequest| Some((tone.slot, table.frequency_hz(table.position(tone.boundary_m)?)));
         let frequencies: Vec<(u8, f64)> = drive.tones.iter().filter_map(frequency).collect();
+        // What cannot be held is said before anything sounds.
         let plan =
             HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
         let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
-        let glide = (drive.glide_s * rate_hz).ceil() as u64;
-        Ok(Some(Holder { plan, boundaries_m, glide, latest: None, told: Vec::new() }))
+        let (plate, holding) = (Arc::clone(plate), Holding::default());
+        Ok(Some(Holder { plan, plate, holding, boundaries_m, latest: None, told: Vec::new() }))
     }
 }
 
 /// The hold of a drive.
 pub(super) struct Holder {
     plan: HoldPlan,
+    plate: Arc<Plate>,
+    holding: Holding,
     boundaries_m: Vec<(u8, f64)>,
-    /// How long the drive glides, in samples.
-    glide: u64,
     latest: Option<Arc<Held>>,
     /// The words and the correction that were told last of each tone.
     told: Vec<(&'static str, f64)>,
@@ -91,52 +91,37 @@ impl Holder {
     /// Listens to the tones of the drive that begins at an index, and has the device hold what it hears, unless the user
     /// interrupts. Returns whether it does.
     pub(super) fn begin(
-        &self,
+        &mut self,
         device: &Device,
         interruption: &Receiver<()>,
         at: u64,
     ) -> Result<bool, Failure> {
-        let mut from = Some(at.saturating_add(self.glide));
-        loop {
-            match self.listen(device, interruption, from)? {
-                None => return device.check_attended().map(|()| false),
-                Some(Outcome::Listened(listened)) => return self.hold(device, &listened).map(|()| true),
-                // The tones have reached their levels long ago.
-                Some(Outcome::Refused(Refusal::Device(refusal::Refusal::OutOfRange {
-                    field: Field::ApplyAt,
-                    ..
-                }))) if from.take().is_some() => {}
-                Some(Outcome::Refused(refusal)) => return Err(Failure::failed(refusal)),
-                Some(_) => {
-                    device.check_attended()?;
-                    return Err(Failure::Failed("the tones could not be listened to".to_owned()));
-                }
-            }
-        }
-    }
-
-    fn listen(
-        &self,
-        device: &Device,
-        interruption: &Receiver<()>,
-        from: Option<u64>,
-    ) -> Result<Option<Outcome>, Failure> {
-        let ticket = device.handle().send(Request::Listen(self.plan.listen(from)));
+        self.holding.switch_on(&self.plate, self.plan.max_rise_db, Some(at));
         loop {
             if interruption.try_recv().is_ok() {
-                return Ok(None);
+                return device.check_attended().map(|()| false);
             }
-            if let Some(outcome) = device.wait(ticket, GLANCE) {
-                return Ok(Some(outcome));
+            self.turn(device);
+            let snapshot = device.snapshot();
+            match self.holding.standing(&snapshot) {
+                Standing::Holding(_) => return Ok(true),
+                Standing::Off(end) => {
+                    device.check_attended()?;
+                    let end = end.map_or_else(|| "nothing is held".to_owned(), ToString::to_string);
+                    return Err(Failure::Failed(end));
+                }
+                Standing::Waiting | Standing::Silent | Standing::Changing | Standing::Listening(_) => {}
             }
             device.check_attended()?;
-            device.sign_of_life();
+            device.pause(GLANCE);
         }
     }
 
-    fn hold(&self, device: &Device, listened: &Listened) -> Result<(), Failure> {
-        let request = self.plan.hold(listened).map_err(Failure::failed)?;
-        device.perform(Request::Hold(request)).map(|_| ())
+    fn turn(&mut self, device: &Device) {
+        // Nobody drags anything.
+        while let Some(request) = self.holding.turn(&device.snapshot(), &self.plate, true) {
+            self.holding.sent(device.handle().send(request));
+        }
     }
 
     /// Tells what has changed.

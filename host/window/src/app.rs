@@ -14,6 +14,7 @@ mod eframe_log;
 mod event_loop;
 mod finger;
 mod glyphs;
+mod hold;
 mod input;
 mod measure;
 mod measuring;
@@ -24,6 +25,7 @@ mod paths;
 mod perform;
 mod playback;
 mod replay;
+mod rig;
 mod setup;
 mod signal;
 mod sound;
@@ -184,6 +186,7 @@ pub struct App {
     measures: measure::Measures,
     calibrating: calibrate::Calibrating,
     live: measuring::Live,
+    level: hold::LevelHold,
     notices: Notices,
     glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
@@ -240,6 +243,7 @@ impl App {
             measures: measure::Measures::default(),
             calibrating: calibrate::Calibrating::default(),
             live: measuring::Live::default(),
+            level: hold::LevelHold::default(),
             notices: Notices::default(),
             glyphs: glyphs::Glyphs::default(),
             dialog: None,
@@ -291,6 +295,7 @@ impl App {
             self.dropped_files(ctx);
         }
         self.replay(ctx);
+        self.update_hold(ctx);
         self.update_measuring(ctx);
         self.update_background(ctx);
         self.advance(ctx);
@@ -360,6 +365,7 @@ impl App {
             measure: self
                 .measures
                 .scene(self.live.scene(self.snapshot.status.map_or(0, |status| status.now))),
+            hold: self.hold_scene(),
             calibration: self.calibrating.scene(self.parts.calibrations.progress()),
             plane_job: self.plane_job(),
             sheet: self.shown_sheet(),

@@ -127,6 +127,10 @@ pub enum Intent {
     Stop,
     /// Ramp to silence and mute.
     Disarm,
+    /// Switch the level hold on or off.
+    HoldLevel(bool),
+    /// Let held tones rise this far above the drive's levels, in dB.
+    MaxRise(f64),
     /// Select this tone.
     Select(u8),
     /// Put this finger on the plate, or take it off.

@@ -12,6 +12,7 @@ use slipline_model::field::sheet::{Frame, Source};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::time_domain::Measured;
 use slipline_model::field::touch::{Touch, Trace};
+use slipline_model::hold::{Holding, Standing};
 use slipline_model::jobs::calibrate::{Found, Refused};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::Compared;
@@ -78,6 +79,8 @@ pub struct Scene<'a> {
     pub texture: TextureScene<'a>,
     /// The page of measurements.
     pub measure: MeasureScene<'a>,
+    /// The level hold.
+    pub hold: HoldScene<'a>,
     /// The calibration under way.
     pub calibration: Option<CalibrateScene<'a>>,
     /// The plate and boundary that would be computed in two dimensions.
@@ -258,6 +261,23 @@ impl<'a> MeasureScene<'a> {
     pub(crate) fn comparison(&self) -> Option<&'a Comparison> {
         self.result()?.ok()
     }
+}
+
+/// The level hold.
+#[derive(Clone, Copy)]
+pub struct HoldScene<'a> {
+    /// The hold itself.
+    pub holding: &'a Holding,
+    /// How it stands.
+    pub standing: Standing<'a>,
+    /// Whether the device's inputs are wired to this program's simulated plate.
+    pub has_rig: bool,
+    /// Whether it begins once the simulated device has its sensor.
+    pub is_put_up: bool,
+    /// How far above its drive's level a held tone may rise, in dB.
+    pub max_rise_db: f64,
+    /// Where the simulated device's sensor stands, in metres from the driven end.
+    pub place_m: f64,
 }
 
 /// The calibration under way.

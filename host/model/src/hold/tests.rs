@@ -63,3 +63,33 @@ fn what_was_measured_is_what_is_held() {
     assert_eq!(held, [(2, 100.0), (5, 50.0)]);
     assert_eq!((request.blocks, request.max_rise_db), (plan.blocks, 12.0));
 }
+
+#[test]
+fn of_several_tones_the_one_that_stands_worst_is_told() {
+    use slipline_link::protocol::hold::{Held, HeldTone};
+    use slipline_link::protocol::units::CentiDecibel;
+    use slipline_link::{HoldLimit, HoldLoss, HoldState};
+    let states = [
+        HoldState::Held,
+        HoldState::Settling,
+        HoldState::AtLimit(HoldLimit::Headroom),
+        HoldState::Lost(HoldLoss::Stuck),
+    ];
+    let told: Vec<String> = (1..=4)
+        .map(|count| {
+            // The worst is neither the first nor the last.
+            let held = [HoldState::Held];
+            let tones = held.iter().chain(states[..count].iter().rev()).chain(&held).zip(0..);
+            let tone = |(&state, slot)| HeldTone { slot, state, correction: CentiDecibel(0), amplitude: 0 };
+            let held = Held { tones: tones.map(tone).collect(), ..Held::default() };
+            Standing::Holding(Some(&held)).to_string()
+        })
+        .collect();
+    let wanted = [
+        "Holding: the plate may be touched",
+        "Holding, on the way",
+        "Holding, at a limit",
+        "Holding, but not every tone",
+    ];
+    assert_eq!(told, wanted);
+}

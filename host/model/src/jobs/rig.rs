@@ -2,8 +2,8 @@
 
 use crate::jobs::Task;
 use crate::rig::{PreparedRig, RigOptions};
-use slipline_plate::Plate;
 use slipline_plate::calibrate::SensorKind;
+use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 
 /// A rig to put together.
@@ -17,6 +17,10 @@ pub struct RigJob {
     pub place_m: f64,
     /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
+    /// What the end of the input's range stands for, in the sensor's unit; `None` leaves room over what the plate does.
+    pub full_scale: Option<f64>,
+    /// A finger that rests on the plate.
+    pub finger: Option<Finger>,
 }
 
 impl RigJob {
@@ -26,6 +30,7 @@ impl RigJob {
         Arc::ptr_eq(&self.truth, &other.truth)
             && self.sensor == other.sensor
             && self.sample_rate_hz == other.sample_rate_hz
+            && self.finger == other.finger
     }
 }
 
@@ -44,7 +49,8 @@ pub fn work(job: RigJob, task: &Task) -> Option<RigPrepared> {
     if !task.tell(0.0) {
         return None;
     }
-    let options = RigOptions { place_m: job.place_m, sensor: job.sensor, ..RigOptions::default() };
+    let RigJob { place_m, sensor, full_scale, finger, .. } = job;
+    let options = RigOptions { place_m, sensor, full_scale, finger, ..RigOptions::default() };
     let result =
         PreparedRig::new(&job.truth, &options, job.sample_rate_hz).map_err(|error| error.to_string());
     task.tell(1.0).then_some(RigPrepared { job, result })

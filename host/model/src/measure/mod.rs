@@ -25,6 +25,7 @@ pub use drive_checking::{CURRENT_INPUT, CheckedDrive, DriveChecking, KnownDrive,
 pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
+pub(crate) use procedure::is_late;
 pub use procedure::{Procedure, Step};
 pub use signal::Signal;
 pub use sweep::{

@@ -71,7 +71,7 @@ pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
 }
 
 /// Whether a request came after the index that it names.
-pub(super) const fn is_late(outcome: &Outcome) -> bool {
+pub(crate) const fn is_late(outcome: &Outcome) -> bool {
     matches!(
         outcome,
         Outcome::Refused(Refusal::Device(DeviceRefusal::OutOfRange { field: Field::ApplyAt, .. }))

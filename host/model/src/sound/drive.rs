@@ -50,7 +50,8 @@ mod tests {
         let steady = SteadyTone { slot: 3, frequency_hz: table.frequency_hz(tone.position), peak_m: 1e-4 };
         let tones = [tone].into_iter().collect();
         let drive = Drive { tones, master: CentiDecibel(master), glide: 400, apply: Apply::Next };
-        SoundingDrive { number: 1, played: Played::Drive(Arc::new(drive)), table, tones: vec![steady] }
+        let played = Played::Drive(Arc::new(drive));
+        SoundingDrive { number: 1, played, table, tones: vec![steady], reached: 0 }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
 use slipline_model::autopilot;
+use slipline_model::hold::HoldEnd;
 use slipline_model::played::Played;
 use slipline_model::setup::{MAX_TONES, edit};
 use slipline_model::texture::chord_of;
@@ -22,6 +23,7 @@ impl App {
         // The chosen port is remembered even if it does not exist at the moment.
         self.settings.port = Some(port.to_string());
         self.autopilot.connecting(&port);
+        self.end_hold(HoldEnd::LinkLost);
         self.forget_sound();
         // The connection is tried again, so the message about the earlier failure is obsolete.
         self.notices.connected();
@@ -50,6 +52,7 @@ impl App {
             && told != Some(ticket)
             && !self.goes_by_rest(ticket, &refusal)
             && !self.live.awaits(ticket)
+            && !self.level.awaits(ticket)
         {
             if self.connect_sent == Some(ticket) {
                 self.notices.miss(sentence(&refusal.to_string()));

@@ -2,14 +2,14 @@
 //! lost device and another plate end it; its last request is a stop.
 
 use super::App;
+use super::rig::Rig;
 use super::signal::{Looks, SENSOR_INPUT};
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui;
 use slipline_link::{Severity, Ticket};
-use slipline_model::jobs::rig::{RigJob, RigPrepared};
+use slipline_model::hold::HoldEnd;
 use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
-use slipline_model::rig::{RigHand, secret};
 use slipline_plate::Plate;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
@@ -29,29 +29,15 @@ struct Run {
     answers: Option<usize>,
 }
 
-/// The rig of the simulated device.
-#[derive(Default)]
-struct Rig {
-    /// The plate that is really there; `None` for the one on the screen.
-    truth: Option<Arc<Plate>>,
-    /// Plates drawn so far.
-    draws: u64,
-    /// The one that stands at the bench, and the hand that moves its sensor.
-    standing: Option<(RigJob, RigHand)>,
-    /// The measurement that begins once the rig is put together.
-    awaited_for: Option<Option<usize>>,
-    /// The one that is being put together for a look at its sensor.
-    looked_for: Option<RigJob>,
-}
-
 /// The state of the measurements with the device.
 #[derive(Default)]
 pub(super) struct Live {
-    draft: MeasureDraft,
+    pub(super) draft: MeasureDraft,
     run: Option<Run>,
     /// Why the last one was none.
     failed: Option<String>,
-    rig: Rig,
+    /// The rig of the simulated device.
+    pub(super) rig: Rig,
     /// The looks at the sensor while it is put in its place.
     pub(super) looks: Looks,
     /// Runs so far: each has a name of its own.
@@ -61,13 +47,13 @@ pub(super) struct Live {
 impl Live {
     pub(super) fn scene(&self, now: u64) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
-        let progress = run.or(self.rig.awaited_for.map(|_| 0.0));
+        let progress = run.or(self.rig.is_awaited().then_some(0.0));
         LiveScene {
             draft: &self.draft,
             progress,
             failed: self.failed.as_deref(),
             signal: self.looks.latest(),
-            is_secret: self.rig.truth.is_some(),
+            is_secret: self.rig.is_secret(),
         }
     }
 
@@ -90,7 +76,7 @@ impl Live {
     }
 
     pub(super) fn is_under_way(&self) -> bool {
-        self.run.is_some() || self.rig.awaited_for.is_some()
+        self.run.is_some() || self.rig.is_awaited()
     }
 }
 
@@ -107,6 +93,7 @@ impl App {
                 self.put_rig_together(answers);
             }
             Ok(measuring) => {
+                self.end_hold(HoldEnd::Measured);
                 self.make_ready();
                 self.autopilot.stopped();
                 self.end_replay();
@@ -144,74 +131,9 @@ impl App {
         Measuring::new(plan, Arc::clone(&made.device_table), sensor, &inputs).map_err(sentence)
     }
 
-    /// Has the simulated device stand on a plate that nobody knows, or on the one on the screen.
-    pub(super) fn choose_truth(&mut self, is_secret: bool) {
-        let rig = &mut self.live.rig;
-        rig.truth = None;
-        if !is_secret {
-            return;
-        }
-        rig.draws += 1;
-        match secret(&self.setup.plate, rig.draws) {
-            Ok(truth) => rig.truth = Some(Arc::new(truth)),
-            Err(error) => self.fail(format!("No plate like this one was found: {error}")),
-        }
-    }
-
-    fn rig_job(&self) -> RigJob {
-        let truth = self.live.rig.truth.as_ref().unwrap_or(&self.setup.plate);
-        let MeasureDraft { place_m, kind, .. } = self.live.draft;
-        RigJob { truth: Arc::clone(truth), sensor: kind, place_m, sample_rate_hz: self.sample_rate_hz() }
-    }
-
-    /// Whether the rig that is wanted stands at the bench; its sensor is put where it is wanted.
-    fn is_rig_standing(&self) -> bool {
-        let job = self.rig_job();
-        let standing = self.live.rig.standing.as_ref().filter(|(standing, _)| standing.serves(&job));
-        standing
-            .is_some_and(|(_, hand)| hand.place_m() == job.place_m || hand.put_sensor(job.place_m).is_ok())
-    }
-
-    fn put_rig_together(&mut self, answers: Option<usize>) {
-        self.live.rig.awaited_for = Some(answers);
-        self.parts.rigs.ask(self.rig_job());
-    }
-
-    /// Has the rig of a simulated device stand where its sensor is looked at.
-    pub(super) fn put_rig_up(&mut self) {
-        if !self.snapshot.is_simulated() || self.is_rig_standing() {
-            return;
-        }
-        let job = self.rig_job();
-        if self.live.rig.looked_for.as_ref().is_none_or(|looked_for| !looked_for.serves(&job)) {
-            self.live.rig.looked_for = Some(job.clone());
-            self.parts.rigs.ask(job);
-        }
-    }
-
-    /// Takes a rig that was put together, and begins what waits for it.
-    pub(super) fn take_rig(&mut self) {
-        let Some(RigPrepared { job, result }) = self.parts.rigs.take() else { return };
-        let looked_for = self.live.rig.looked_for.take();
-        let awaited_for = self.live.rig.awaited_for.take();
-        if awaited_for.is_none() && looked_for.is_none_or(|looked_for| !looked_for.serves(&job)) {
-            return;
-        }
-        match result {
-            Ok(rig) => {
-                self.parts.bench.put(&rig);
-                self.live.rig.standing = Some((job, rig.hand()));
-                if let Some(answers) = awaited_for {
-                    self.begin_measuring(answers);
-                }
-            }
-            Err(reason) => self.fail(format!("The simulated plate cannot be measured: {reason}")),
-        }
-    }
-
     /// Gives the measurement under way up.
     pub(super) fn cancel_measuring(&mut self) {
-        self.live.rig.awaited_for = None;
+        self.live.rig.give_up();
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
         }

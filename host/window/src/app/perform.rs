@@ -21,6 +21,10 @@ use slipline_plate::design::Design;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Why codes cannot be saved that are not those of the device.
+const UNKNOWN_CODES: &str = "What the device sends is not known since its levels were held, or since this program lost track of it: \
+                             stop, and drive again";
+
 impl App {
     pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
         for intent in intents {
@@ -45,6 +49,8 @@ impl App {
                 Intent::Start => self.start(),
                 Intent::Stop => self.press_stop(ctx.input(|input| input.time)),
                 Intent::Disarm => self.disarm(),
+                Intent::HoldLevel(is_on) => self.switch_hold(is_on),
+                Intent::MaxRise(decibels) => self.choose_max_rise(decibels),
                 Intent::Select(slot) => self.selected = slot,
                 Intent::Touch(touch) => self.touch(touch),
                 Intent::MoveFinger(place_m) => self.move_finger(place_m),
@@ -246,6 +252,9 @@ impl App {
                 let measured = self.current_measured();
                 let text = csv_wav::envelope_csv(&self.setup, &self.predicted, measured, full_peak_m);
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
+            }
+            Export::Waveform | Export::Sound if self.playback.is_unknown() => {
+                self.fail(UNKNOWN_CODES.to_owned());
             }
             Export::Waveform => match csv_wav::waveform_csv(&self.playback.waveform) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),

@@ -49,6 +49,11 @@ impl Playback {
         self.sounding.as_ref().filter(|sounding| Arc::ptr_eq(&sounding.plate, plate))
     }
 
+    /// Whether something is sent of which the codes are not known.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.waveform.window().is_some() && !self.waveform.is_true()
+    }
+
     /// What sounds is felt in another way now.
     pub(super) fn feel(&mut self, feeling: &Feeling) {
         if let Some(sounding) = &mut self.sounding {

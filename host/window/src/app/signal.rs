@@ -3,6 +3,7 @@
 use super::App;
 use crate::intent::Dialog;
 use slipline_link::{Outcome, Ticket};
+use slipline_model::hold::HoldEnd;
 use slipline_model::measure::Signal;
 
 /// The input of the sensor.
@@ -40,6 +41,7 @@ impl App {
             self.live.looks = Looks::default();
             return false;
         };
+        self.end_hold(HoldEnd::Measured);
         self.put_rig_up();
         let told = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
         if let Some(outcome) = told {

@@ -56,6 +56,11 @@ impl App {
         if self.sound_choice() != SoundChoice::Drive {
             return None;
         }
+        if self.snapshot.is_holding() {
+            return Some(
+                "The drive is played at its own levels: what the level hold adds is not heard.".to_owned(),
+            );
+        }
         let highest = show_frequency(slipline_model::sound::HIGHEST_DRIVE_HZ);
         let left_out = show_frequency(left_out_hz(&autopilot::sounding(&self.snapshot)?)?);
         Some(format!("A sound card plays the drive up to {highest}: the tone of {left_out} is left out."))

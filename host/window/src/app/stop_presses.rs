@@ -2,6 +2,7 @@
 
 use super::App;
 use slipline_link::Request;
+use slipline_model::hold::HoldEnd;
 
 /// The second press counts within this time after the first, in seconds.
 const TWICE_S: f64 = 1.0;
@@ -48,6 +49,7 @@ impl App {
         self.autopilot.stopped();
         self.end_replay();
         self.cancel_measuring();
+        self.end_hold(HoldEnd::Stopped);
         self.notices.settle();
         self.parts.link.send(stop);
     }

@@ -3,7 +3,7 @@
 use super::field::{InputField, UNKNOWN, row};
 use super::place_field::{allowed, typed_position};
 use super::slider::Quantity;
-use super::{Scene, ViewState, feeling_fields, finger, sound, stage, theme};
+use super::{Scene, ViewState, feeling_fields, finger, hold_fields, sound, stage, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText, text::LayoutJob};
 use slipline_model::field::line::Holds;
@@ -88,6 +88,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
     ui.add_space(6.0);
     ui.separator();
+    hold_fields::show(ui, scene, view, intents);
     let level = |level| Edit::Level { slot, level };
     Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, view, intents);
     Quantity::master(setup.master_db).show(ui, setup, view, intents);

@@ -23,6 +23,7 @@ mod finger;
 mod finger_trace;
 mod foreign_form;
 mod handle;
+mod hold_fields;
 mod light_marks;
 mod log;
 mod measure_form;

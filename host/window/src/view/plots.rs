@@ -148,9 +148,12 @@ pub(super) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &
 /// The text in place of an empty plot of the drive.
 fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
-    empty(ui, if is_lost { "not followed: stop and drive again" } else { AT_REST });
+    let lost = if scene.snapshot.is_holding() { HELD } else { "not followed: stop and drive again" };
+    empty(ui, if is_lost { lost } else { AT_REST });
 }
 
+/// What it says while the device changes the levels by what it measures.
+const HELD: &str = "not known while levels are held";
 /// What an empty plot says while nothing sounds.
 pub(super) const AT_REST: &str = "nothing is driven";
 

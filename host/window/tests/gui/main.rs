@@ -16,6 +16,7 @@ mod focus;
 mod foreign;
 mod glyphs;
 mod hang;
+mod holding;
 mod light_marks;
 mod measure;
 mod measuring;

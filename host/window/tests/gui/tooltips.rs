@@ -136,6 +136,7 @@ fn every_control_and_view_says_what_it_is_for() {
         look(&app.window, &mut told);
         press(&mut app, "Close");
     }
+    look(&crate::holding::sensed().0.window, &mut told);
     app.open("bad.toml", Ok("nonsense".to_owned()));
     look(&app.window, &mut told);
     app.window.set_size([640.0, 480.0].into());

@@ -1,0 +1,65 @@
+//! Why a level hold has ended without the user's switch.
+
+use super::HoldError;
+use super::words::state_words;
+use slipline_link::protocol::event::Faults;
+use slipline_link::{HoldLoss, HoldState, Refusal};
+
+/// Why a hold has ended. As text it is a reason without a capital and a full stop.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HoldEnd {
+    /// The user has stopped the drive.
+    #[error("the drive was stopped")]
+    Stopped,
+    /// The device mutes.
+    #[error("the device was disarmed")]
+    Disarmed,
+    /// The device has stopped by itself.
+    #[error("the device has stopped: {0}")]
+    Fault(Faults),
+    /// There is no device any more.
+    #[error("the device went away")]
+    LinkLost,
+    /// The screen shows another plate, or the device has got another table.
+    #[error("the plate is another one")]
+    OtherPlate,
+    /// A measurement needs the sensor.
+    #[error("the sensor is needed to measure the plate")]
+    Measured,
+    /// What sounds cannot be held.
+    #[error("{0}")]
+    Cannot(HoldError),
+    /// The device has refused to listen or to hold.
+    #[error("the device refused it: {0}")]
+    Refused(Refusal),
+    /// The device's firmware does not know the command.
+    #[error("the device's firmware is too old for it")]
+    TooOld,
+    /// The device has ended it, and this program does not know why.
+    #[error("something else changed what sounds")]
+    Disturbed,
+    /// The device trusts none of its answers any more.
+    #[error("every tone was lost, and sounds at the drive's level: {0}")]
+    Lost(String),
+}
+
+impl HoldEnd {
+    /// All tones are lost, each for its reason.
+    pub(super) fn lost(losses: impl Iterator<Item = HoldLoss>) -> Self {
+        let mut reasons: Vec<&str> = Vec::new();
+        for loss in losses {
+            let words = state_words(HoldState::Lost(loss));
+            let reason = words.strip_prefix("lost: ").unwrap_or(words);
+            if !reasons.contains(&reason) {
+                reasons.push(reason);
+            }
+        }
+        Self::Lost(reasons.join("; "))
+    }
+
+    /// Whether the user has not brought it about: it is told wherever the user looks.
+    #[must_use]
+    pub const fn is_trouble(&self) -> bool {
+        !matches!(self, Self::Stopped | Self::Disarmed | Self::OtherPlate | Self::Measured)
+    }
+}

@@ -1,0 +1,65 @@
+//! What is said of a hold that the device has taken, and of its tones.
+
+use slipline_link::protocol::hold::Held;
+use slipline_link::{HoldLimit, HoldLoss, HoldProgress, HoldState};
+
+/// What is to be said of a held tone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToneWords {
+    /// Its slot.
+    pub slot: u8,
+    /// What is in force above its drive's level, dB.
+    pub correction_db: f64,
+    /// The amplitude that was measured last, codes.
+    pub amplitude_codes: f64,
+    /// Its state as a few words.
+    pub words: &'static str,
+    /// Whether it is where it should be, or on its way there.
+    pub is_well: bool,
+}
+
+/// What is to be said of the tones of a hold, by their slots.
+pub fn words(held: &Held) -> impl Iterator<Item = ToneWords> + '_ {
+    held.tones.iter().map(|tone| ToneWords {
+        slot: tone.slot,
+        correction_db: f64::from(tone.correction.0) / 100.0,
+        amplitude_codes: f64::from(tone.amplitude) / 256.0,
+        words: state_words(tone.state),
+        is_well: matches!(tone.state, HoldState::Settling | HoldState::Held),
+    })
+}
+
+/// A tone's state as a few words.
+#[must_use]
+pub const fn state_words(state: HoldState) -> &'static str {
+    match state {
+        HoldState::Settling => "settling",
+        HoldState::Held => "held",
+        HoldState::AtLimit(limit) => match limit {
+            HoldLimit::Rise => "at the largest rise that is allowed",
+            HoldLimit::Level => "at its full level",
+            HoldLimit::Headroom => "at full scale: there is no more headroom",
+            HoldLimit::Thermal => "at the thermal limit: the actuator is warm",
+            HoldLimit::Travel => "at the limit of the actuator's travel",
+            HoldLimit::Fall => "at the lowest level",
+        },
+        HoldState::Lost(loss) => match loss {
+            HoldLoss::NotFollowed => "lost: the tone was interrupted",
+            HoldLoss::TooWeak => "lost: the sensor hears too little of it",
+            HoldLoss::Clipped => "lost: the sensor's input is clipped",
+            HoldLoss::Stuck => "lost: the sensor's input does not move",
+            HoldLoss::Broken => "lost: codes of the sensor's input were lost",
+        },
+    }
+}
+
+/// A hold's state as a sentence without a full stop.
+#[must_use]
+pub const fn progress_words(progress: HoldProgress) -> &'static str {
+    match progress {
+        HoldProgress::Off => "Nothing is held",
+        HoldProgress::On => "The levels are held",
+        HoldProgress::Ended => "The hold has ended: something else changed what sounds",
+        HoldProgress::Lost => "The hold has lost all tones: they sound at the drive's levels",
+    }
+}

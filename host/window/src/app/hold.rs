@@ -1,0 +1,151 @@
+//! The level hold: the user's switch, and what else the user does that ends it. What is asked of the device, and when, is in
+//! [`Holding`].
+
+use super::App;
+use crate::intent::Dialog;
+use crate::scene::HoldScene;
+use eframe::egui;
+use slipline_link::{Severity, Snapshot, Ticket};
+use slipline_model::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
+use std::time::Duration;
+
+/// Time between two looks at how it goes.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The state of the level hold.
+pub(super) struct LevelHold {
+    holding: Holding,
+    max_rise_db: f64,
+    /// It begins once the simulated device has its sensor.
+    awaits_rig: bool,
+}
+
+impl Default for LevelHold {
+    fn default() -> Self {
+        Self { holding: Holding::default(), max_rise_db: USUAL_RISE_DB, awaits_rig: false }
+    }
+}
+
+impl LevelHold {
+    /// Whether it is switched on.
+    pub(super) const fn is_on(&self) -> bool {
+        self.holding.is_on()
+    }
+
+    /// How it stands.
+    pub(super) fn standing<'a>(&'a self, snapshot: &'a Snapshot) -> Standing<'a> {
+        self.holding.standing(snapshot)
+    }
+
+    /// Whether the hold deals with this request's outcome.
+    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+        self.holding.awaits(ticket)
+    }
+
+    /// The simulated device gets no sensor.
+    pub(super) const fn give_up_rig(&mut self) {
+        self.awaits_rig = false;
+    }
+}
+
+impl App {
+    pub(super) fn hold_scene(&self) -> HoldScene<'_> {
+        let LevelHold { holding, max_rise_db, awaits_rig } = &self.level;
+        HoldScene {
+            holding,
+            standing: holding.standing(&self.snapshot),
+            has_rig: self.is_at_bench(),
+            is_put_up: *awaits_rig,
+            max_rise_db: *max_rise_db,
+            place_m: self.live.place_m(),
+        }
+    }
+
+    /// Switches the hold on, or tells what hinders it; or switches it off.
+    pub(super) fn switch_hold(&mut self, is_on: bool) {
+        self.level.awaits_rig = false;
+        if !is_on {
+            return self.level.holding.switch_off();
+        }
+        if let Some(obstacle) = self.obstacle_to_hold() {
+            return self.notices.hinder(obstacle.to_owned());
+        }
+        if self.is_at_bench() && !self.is_rig_standing() {
+            self.level.awaits_rig = true;
+            self.live.rig.forget_refusal();
+            return self.put_rig_up();
+        }
+        self.begin_hold();
+    }
+
+    fn begin_hold(&mut self) {
+        let LevelHold { holding, max_rise_db, awaits_rig } = &mut self.level;
+        *awaits_rig = false;
+        holding.switch_on(&self.setup.plate, *max_rise_db, None);
+    }
+
+    /// Why the sensor cannot be listened to now.
+    fn obstacle_to_hold(&self) -> Option<&'static str> {
+        if !self.snapshot.can_listen() {
+            return Some("This device has no input for a sensor: its board or its firmware has none.");
+        }
+        if self.live.is_under_way() {
+            return Some("The plate is being measured: wait, cancel that or press STOP first.");
+        }
+        let is_looked_at = self.dialog == Some(Dialog::Calibrate) && self.calibrating.has_sensor_in_hand();
+        is_looked_at.then_some("The calibration looks at the sensor: close its pages first.")
+    }
+
+    /// Lets held tones rise so far. A hold that is on begins anew.
+    pub(super) fn choose_max_rise(&mut self, decibels: f64) {
+        self.level.max_rise_db = decibels;
+        if self.level.holding.is_on() {
+            self.level.holding.switch_off();
+            self.begin_hold();
+        }
+    }
+
+    /// Ends the hold, if it is on, because of something else that the user does.
+    pub(super) fn end_hold(&mut self, end: HoldEnd) {
+        self.level.awaits_rig = false;
+        if self.level.holding.is_on() {
+            self.level.holding.end(end);
+            self.tell_end_of_hold();
+        }
+    }
+
+    /// Sends what the hold asks for, and tells it when it ends by itself.
+    pub(super) fn update_hold(&mut self, ctx: &egui::Context) {
+        if self.level.awaits_rig && self.is_rig_standing() {
+            self.begin_hold();
+        }
+        let is_pressed = ctx.input(|input| input.pointer.any_down());
+        let mut rests = !is_pressed && self.grab.is_none() && self.recorder.played_s().is_none();
+        let was_on = self.level.holding.is_on();
+        // A finger that is being moved touches the simulated plate once it rests.
+        if was_on && rests && self.is_at_bench() {
+            rests = self.touch_rig();
+        }
+        while let Some(request) = self.level.holding.turn(&self.snapshot, &self.setup.plate, rests) {
+            self.level.holding.sent(self.parts.link.send(request));
+        }
+        if was_on && !self.level.holding.is_on() {
+            self.tell_end_of_hold();
+        }
+        if was_on || self.level.awaits_rig {
+            ctx.request_repaint_after(LOOK);
+        }
+    }
+
+    /// Tells why the levels are not held any more, where the user has not meant that.
+    fn tell_end_of_hold(&mut self) {
+        let Some(end) = self.level.holding.ended() else { return };
+        let text = format!("The levels are not held any more: {end}.");
+        if end.is_trouble() {
+            self.note(Severity::Warning, text.clone());
+            self.fail(text);
+        } else if *end == HoldEnd::Measured {
+            self.notices.tell(text);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The rig of the simulated device: the plate that its sensor stands on, put together in the background.
+
+use super::App;
+use crate::intent::MeasureDraft;
+use slipline_link::Port;
+use slipline_model::hold::Standing;
+use slipline_model::jobs::rig::{RigJob, RigPrepared};
+use slipline_model::rig::{RigHand, secret};
+use slipline_plate::{Finger, Plate};
+use std::sync::Arc;
+
+/// The rig of the simulated device.
+#[derive(Default)]
+pub(super) struct Rig {
+    /// The plate that is really there; `None` for the one on the screen.
+    truth: Option<Arc<Plate>>,
+    /// Plates drawn so far.
+    draws: u64,
+    /// The one that stands at the bench.
+    standing: Option<Stands>,
+    /// The measurement that begins once the rig is put together.
+    awaited_for: Option<Option<usize>>,
+    /// The one that is being put together for a look at its sensor, or for another finger.
+    looked_for: Option<RigJob>,
+    /// One that cannot be put together: it is not asked for again unless the user does.
+    refused: Option<RigJob>,
+}
+
+/// A rig at the bench.
+struct Stands {
+    job: RigJob,
+    /// The hand that moves its sensor.
+    hand: RigHand,
+    /// What the end of its input's range stands for.
+    full_scale: f64,
+}
+
+impl Rig {
+    /// Whether it is put together for a measurement.
+    pub(super) const fn is_awaited(&self) -> bool {
+        self.awaited_for.is_some()
+    }
+
+    /// The measurement does not wait for it any more.
+    pub(super) const fn give_up(&mut self) {
+        self.awaited_for = None;
+    }
+
+    /// What could not be put together may be tried again.
+    pub(super) fn forget_refusal(&mut self) {
+        self.refused = None;
+    }
+
+    /// Whether it stands on a plate that nobody knows.
+    pub(super) const fn is_secret(&self) -> bool {
+        self.truth.is_some()
+    }
+
+    /// The finger on its plate, if there is one.
+    fn finger(&self) -> Option<Finger> {
+        self.standing.as_ref()?.job.finger
+    }
+}
+
+impl App {
+    /// Has the simulated device stand on a plate that nobody knows, or on the one on the screen.
+    pub(super) fn choose_truth(&mut self, is_secret: bool) {
+        let rig = &mut self.live.rig;
+        rig.truth = None;
+        if !is_secret {
+            return;
+        }
+        rig.draws += 1;
+        match secret(&self.setup.plate, rig.draws) {
+            Ok(truth) => rig.truth = Some(Arc::new(truth)),
+            Err(error) => self.fail(format!("No plate like this one was found: {error}")),
+        }
+    }
+
+    fn rig_job(&self) -> RigJob {
+        let truth = self.live.rig.truth.as_ref().unwrap_or(&self.setup.plate);
+        let MeasureDraft { place_m, kind, .. } = self.live.draft;
+        RigJob {
+            truth: Arc::clone(truth),
+            sensor: kind,
+            place_m,
+            sample_rate_hz: self.sample_rate_hz(),
+            full_scale: None,
+            finger: None,
+        }
+    }
+
+    /// Whether the rig that is wanted stands at the bench; its sensor is put where it is wanted.
+    pub(super) fn is_rig_standing(&self) -> bool {
+        let job = self.rig_job();
+        let standing = self.live.rig.standing.as_ref().filter(|standing| standing.job.serves(&job));
+        standing.is_some_and(|standing| {
+            standing.hand.place_m() == job.place_m || standing.hand.put_sensor(job.place_m).is_ok()
+        })
+    }
+
+    pub(super) fn put_rig_together(&mut self, answers: Option<usize>) {
+        self.live.rig.awaited_for = Some(answers);
+        self.live.rig.forget_refusal();
+        self.parts.rigs.ask(self.rig_job());
+    }
+
+    /// Whether the device is the simulated one of this program, whose inputs are wired to the rig.
+    pub(super) fn is_at_bench(&self) -> bool {
+        self.snapshot.is_simulated() && self.snapshot.port == Some(Port::Simulated)
+    }
+
+    /// Has the rig of a simulated device stand where its sensor is looked at.
+    pub(super) fn put_rig_up(&mut self) {
+        if self.is_at_bench() && !self.is_rig_standing() {
+            self.look_for_rig(self.rig_job());
+        }
+    }
+
+    /// Has a rig put together, unless that is under way or known to be in vain.
+    fn look_for_rig(&mut self, job: RigJob) {
+        let Rig { looked_for, refused, .. } = &mut self.live.rig;
+        let is_known = [&*looked_for, &*refused].into_iter().flatten().any(|known| known.serves(&job));
+        if !is_known {
+            *looked_for = Some(job.clone());
+            self.parts.rigs.ask(job);
+        }
+    }
+
+    /// While the level is held, has the finger on the screen touch the plate of the rig, too; and takes it off again, since what
+    /// is listened to is an untouched plate. Returns whether the plate is as it is wanted.
+    pub(super) fn touch_rig(&mut self) -> bool {
+        if self.parts.bench.is_passing_over() {
+            return false;
+        }
+        let is_held = matches!(self.level.standing(&self.snapshot), Standing::Holding(_));
+        let wanted = self.finger().filter(|_| is_held);
+        let rig = &self.live.rig;
+        let Some(standing) = rig.standing.as_ref().filter(|_| rig.finger() != wanted) else { return true };
+        let full_scale = Some(standing.full_scale);
+        let job =
+            RigJob { finger: wanted, full_scale, place_m: standing.hand.place_m(), ..standing.job.clone() };
+        self.look_for_rig(job);
+        false
+    }
+
+    /// Takes a rig that was put together, and begins what waits for it.
+    pub(super) fn take_rig(&mut self) {
+        let Some(RigPrepared { job, result }) = self.parts.rigs.take() else { return };
+        let looked_for = self.live.rig.looked_for.take();
+        let awaited_for = self.live.rig.awaited_for.take();
+        if awaited_for.is_none() && looked_for.is_none_or(|looked_for| !looked_for.serves(&job)) {
+            return;
+        }
+        match result {
+            Ok(rig) => {
+                if self.level.is_on() {
+                    self.parts.bench.pass_over_to(&rig, job.sample_rate_hz);
+                } else {
+                    self.parts.bench.put(&rig);
+                }
+                let (hand, full_scale) = (rig.hand(), rig.sensor_full_scale());
+                self.live.rig.standing = Some(Stands { job, hand, full_scale });
+                if let Some(answers) = awaited_for {
+                    self.begin_measuring(answers);
+                }
+            }
+            Err(reason) => {
+                self.live.rig.refused = Some(job);
+                self.level.give_up_rig();
+                self.fail(format!("The simulated plate cannot be measured: {reason}"));
+            }
+        }
+    }
+}
