@@ -86,7 +86,11 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
         let is_measured = scene.measure.live.progress.is_some();
         return plots::empty(
             ui,
-            if is_measured { "The plate is being measured" } else { "No measurement is open" },
+            if is_measured {
+                "The plate is being measured"
+            } else {
+                "No measurement is open: measure now, or drop a file here"
+            },
         );
     }
     let Some(curves) = Curves::of(scene, response.is_linear) else {

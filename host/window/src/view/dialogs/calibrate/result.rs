@@ -10,7 +10,7 @@ use slipline_model::calibration::Remedy;
 use slipline_model::jobs::calibrate::{Found, Refused};
 use slipline_plate::calibrate::Parameter;
 use slipline_plate::number_format::{significant, with_decimals};
-use slipline_plate::quantity::{Form as _, show_length, show_place};
+use slipline_plate::quantity::{Form as _, show_place};
 
 pub(super) fn show(ui: &mut egui::Ui, shown: &CalibrateScene<'_>, intents: &mut Intents) {
     match shown.result {
@@ -48,6 +48,8 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
     let weak = |text: &str| RichText::new(text).small().color(palette.weak);
     let grid = |name: &str| egui::Grid::new(name).num_columns(3).min_col_width(60.0).spacing([24.0, 3.0]);
     let decibel = |db: f64| format!("{} dB", with_decimals(db, 1));
+    // One unit for both, so that they are compared at a glance.
+    let millimetres = |metres: f64| format!("{} mm", with_decimals(1e3 * metres, 2));
     let has_level = calibrated.level_tolerance_db.is_finite();
     grid("calibration errors").show(ui, |ui| {
         ui.label("");
@@ -55,10 +57,9 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
         ui.label(weak("calibrated, 95 %"));
         ui.end_row();
         ui.label("Boundary off by");
-        ui.label(RichText::new(show_length(found.before.boundary_m)).color(palette.wrong));
-        ui.label(
-            RichText::new(format!("±{}", show_length(calibrated.boundary_tolerance_m))).color(palette.good),
-        );
+        ui.label(RichText::new(millimetres(found.before.boundary_m)).color(palette.wrong));
+        let after = millimetres(calibrated.boundary_tolerance_m);
+        ui.label(RichText::new(format!("±{after}")).color(palette.good));
         ui.end_row();
         if has_level {
             ui.label("Level off by");
