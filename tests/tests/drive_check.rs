@@ -2,9 +2,11 @@
 //! anything loud sounds.
 
 use slipline_link::Request;
-use slipline_model::measure::{CheckedDrive, DriveChecking, KnownDrive, MeasureError, Procedure};
+use slipline_model::measure::{
+    AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Procedure, Sensor,
+};
 use slipline_model::rig::RigFault;
-use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
+use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad, SensorKind};
 use slipline_tests::bench::{Bench, RATE_HZ};
 
 fn checking(bench: &Bench, drive: KnownDrive) -> DriveChecking {
@@ -95,4 +97,36 @@ fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
     let mut codes = Vec::new();
     bench.loopback.pass(20_000, |block| codes = block.to_vec());
     assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
+}
+
+#[test]
+fn a_measurement_begins_only_after_its_drive_was_found_on() {
+    let mut bench = Bench::near("al-bending", 4, 32);
+    let known = bench.rig.known_drive();
+    let inputs = bench.inputs();
+    let sensor = Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 };
+    for (fault, is_on) in [(None, true), (Some(RigFault::OpenMotor), false)] {
+        bench.hand.set_fault(fault).unwrap();
+        let plan = Plan::new(&bench.nominal, &bench.wanted, RATE_HZ, inputs.lock_ins.into()).unwrap();
+        let measuring = Measuring::new(plan, bench.table.clone(), sensor, &inputs).unwrap();
+        let after = AfterCheck::new(Some(checking(&bench, known)), measuring);
+        let mut combs = [0, 0];
+        let mut share = 0.0;
+        let found = bench.run(after, |loopback, after, _, asked| {
+            let is_checking = after.is_checking();
+            combs[usize::from(!is_checking)] += u32::from(matches!(asked, Some(Request::Comb(_))));
+            let now = after.progress(loopback.samples());
+            // A check that needs more effort begins anew.
+            assert!(now >= share || is_checking, "{now} after {share}");
+            share = now;
+        });
+        assert!(combs[0] > 0, "{combs:?}");
+        if is_on {
+            assert_eq!(found.unwrap().measurement.points.len(), 32);
+            assert!(combs[1] > 2, "{combs:?}");
+        } else {
+            assert_eq!(found, Err(MeasureError::NotOn(DriveCheck::Open)));
+            assert_eq!(combs[1], 0, "something was measured");
+        }
+    }
 }

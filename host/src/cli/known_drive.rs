@@ -4,13 +4,11 @@ use super::Failure;
 use super::argument::within;
 use super::bench::{Bench, run};
 use clap::{ArgGroup, Args};
+use slipline_model::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt};
 use slipline_model::measure::{DriveChecking, KnownDrive};
 use slipline_model::rig::PreparedRig;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
-use slipline_plate::quantity::{Measure, QuantityError, plain};
-
-/// How far resistance or capacitance may be from a data sheet's.
-const TOLERANCE: f64 = 0.25;
+use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 
 /// The circuit from the DAC to the drive, from data sheets: all of it or nothing.
 #[derive(Debug, Args)]
@@ -18,41 +16,25 @@ const TOLERANCE: f64 = 0.25;
 pub(super) struct KnownDriveArgument {
     /// The amplitude of the amplifier's voltage at the DAC's full scale (2V), 1mV to 10kV. With --coil or --piezo, and --shunt:
     /// before anything loud it is checked by quiet tones whether the drive is on.
-    #[arg(long, value_name = "VOLT", value_parser = within(volt, Measure::Plain("V"), (1e-3, 1e4)), allow_hyphen_values = true, requires = "load", requires = "shunt")]
+    #[arg(long, value_name = "VOLT", value_parser = of_circuit(volt, AMPLIFIER), allow_hyphen_values = true, requires = "load", requires = "shunt")]
     amplifier: Option<f64>,
     /// The amplifier drives a voice coil of this resistance (4ohm), 0.01 to 100000 ohm.
-    #[arg(long, value_name = "OHM", value_parser = within(ohm, Measure::Plain("ohm"), (0.01, 1e5)), allow_hyphen_values = true, requires = "amplifier", conflicts_with = "piezo")]
+    #[arg(long, value_name = "OHM", value_parser = of_circuit(ohm, COIL), allow_hyphen_values = true, requires = "amplifier", conflicts_with = "piezo")]
     coil: Option<f64>,
     /// The amplifier drives a piezo of this capacitance (220nF), 0.1 pF to 10 mF.
-    #[arg(long, value_name = "FARAD", value_parser = within(farad, Measure::Plain("F"), (1e-13, 1e-2)), allow_hyphen_values = true, requires = "amplifier")]
+    #[arg(long, value_name = "FARAD", value_parser = of_circuit(farad, PIEZO), allow_hyphen_values = true, requires = "amplifier")]
     piezo: Option<f64>,
     /// The current at the end of the range of the device's second input, behind the shunt (1.65A), 1 nA to 1000 A.
-    #[arg(long, value_name = "AMPERE", value_parser = within(ampere, Measure::Plain("A"), (1e-9, 1e3)), allow_hyphen_values = true, requires = "amplifier")]
+    #[arg(long, value_name = "AMPERE", value_parser = of_circuit(ampere, SHUNT), allow_hyphen_values = true, requires = "amplifier")]
     shunt: Option<f64>,
 }
 
-/// A number with one of these units, or in the last of them.
-fn in_units(text: &str, units: &[(&'static str, f64)], unit: &'static str) -> Result<f64, QuantityError> {
-    match units.iter().find(|(unit, _)| text.trim_end().ends_with(unit)) {
-        Some((unit, scale)) => plain(text, unit).map(|number| number * scale),
-        None => plain(text, unit),
-    }
-}
-
-fn volt(text: &str) -> Result<f64, QuantityError> {
-    in_units(text, &[("mV", 1e-3), ("kV", 1e3)], "V")
-}
-
-fn ohm(text: &str) -> Result<f64, QuantityError> {
-    in_units(text, &[("mohm", 1e-3), ("kohm", 1e3)], "ohm")
-}
-
-fn farad(text: &str) -> Result<f64, QuantityError> {
-    in_units(text, &[("pF", 1e-12), ("nF", 1e-9), ("uF", 1e-6), ("mF", 1e-3)], "F")
-}
-
-fn ampere(text: &str) -> Result<f64, QuantityError> {
-    in_units(text, &[("nA", 1e-9), ("uA", 1e-6), ("mA", 1e-3)], "A")
+/// A parser of a quantity of the circuit.
+fn of_circuit(
+    parse: fn(&str) -> Result<f64, QuantityError>,
+    range: Range,
+) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
+    within(parse, Measure::Plain(range.unit), (range.low, range.high))
 }
 
 impl KnownDriveArgument {
@@ -85,26 +67,5 @@ pub(super) fn check(bench: &Bench<'_>, known: Option<KnownDrive>) -> Result<Opti
             found.level
         ))),
         check => Err(Failure::Failed(check.to_string())),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantities_of_a_circuit_are_read_with_their_prefixes() {
-        let close = |found: Result<f64, QuantityError>, wanted: f64| {
-            let found = found.unwrap();
-            assert!((found / wanted - 1.0).abs() < 1e-12, "{found} {wanted}");
-        };
-        close(volt("2 V"), 2.0);
-        close(volt("250mV"), 0.25);
-        close(ohm("4ohm"), 4.0);
-        close(ohm("1.2kohm"), 1200.0);
-        close(farad("220nF"), 220e-9);
-        close(farad("3e-6"), 3e-6);
-        close(ampere("500mA"), 0.5);
-        assert!(farad("220nH").is_err() && volt("two").is_err());
     }
 }

@@ -362,9 +362,9 @@ impl App {
             measured: self.shown_measured(),
             background: &self.background.shown,
             texture: self.textures.scene(),
-            measure: self
-                .measures
-                .scene(self.live.scene(self.snapshot.status.map_or(0, |status| status.now))),
+            measure: self.measures.scene(
+                self.live.scene(self.snapshot.status.map_or(0, |status| status.now), self.is_at_bench()),
+            ),
             hold: self.hold_scene(),
             calibration: self.calibrating.scene(self.parts.calibrations.progress()),
             plane_job: self.plane_job(),

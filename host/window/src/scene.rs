@@ -241,6 +241,10 @@ pub struct LiveScene<'a> {
     pub draft: &'a MeasureDraft,
     /// The share that is done, 0..=1, while one is under way.
     pub progress: Option<f32>,
+    /// Whether it is still being checked that the drive is on.
+    pub is_checking: bool,
+    /// Whether the rig of the simulated device tells what the drive is.
+    pub is_drive_known: bool,
     /// Why the last one was none, until the next one begins.
     pub failed: Option<&'a str>,
     /// What the sensor shows now, while a page wants to know.

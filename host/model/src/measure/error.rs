@@ -1,7 +1,7 @@
 //! Why a plate was not measured.
 
 use slipline_link::{DeviceTableError, Refusal};
-use slipline_plate::calibrate::CalibrateError;
+use slipline_plate::calibrate::{CalibrateError, DriveCheck};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{OutOfRange, show_frequency};
 
@@ -60,6 +60,9 @@ pub enum MeasureError {
         /// How often the same comb was tried.
         tries: u32,
     },
+    /// The drive is not on, or not the told one.
+    #[error("{0}")]
+    NotOn(DriveCheck),
     /// The user gave it up.
     #[error("cancelled")]
     Cancelled,

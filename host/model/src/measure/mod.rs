@@ -6,11 +6,13 @@
 //!                              Window of each comb --answers--> Measured (Measurement, headroom, warnings)
 //! Plate, Wanted --SweepPlan-> one gliding tone --Sweeping--> Measured
 //!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
-//! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on
+//! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on --AfterCheck--> Measuring
 //! ```
 //! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests run the same steps.
 
+mod after_check;
 mod answers;
+pub mod circuit;
 mod drive_checking;
 mod error;
 mod loudness;
@@ -20,6 +22,7 @@ mod procedure;
 mod signal;
 mod sweep;
 
+pub use after_check::AfterCheck;
 pub use answers::{Measured, Sensor, Warning};
 pub use drive_checking::{CURRENT_INPUT, CheckedDrive, DriveChecking, KnownDrive, current_sensor};
 pub use error::MeasureError;

@@ -9,8 +9,12 @@ use crate::scene::LiveScene;
 use eframe::egui;
 use slipline_link::{Severity, Ticket};
 use slipline_model::hold::HoldEnd;
-use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
+use slipline_model::measure::{
+    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Sensor,
+    Step, Wanted,
+};
 use slipline_plate::Plate;
+use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,7 +24,7 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// A measurement under way.
 struct Run {
-    measuring: Measuring,
+    measuring: AfterCheck<Measuring>,
     /// The request whose outcome is awaited.
     awaited: Option<Ticket>,
     plate: Arc<Plate>,
@@ -45,12 +49,14 @@ pub(super) struct Live {
 }
 
 impl Live {
-    pub(super) fn scene(&self, now: u64) -> LiveScene<'_> {
+    pub(super) fn scene(&self, now: u64, is_drive_known: bool) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
         let progress = run.or(self.rig.is_awaited().then_some(0.0));
         LiveScene {
             draft: &self.draft,
             progress,
+            is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
+            is_drive_known,
             failed: self.failed.as_deref(),
             signal: self.looks.latest(),
             is_secret: self.rig.is_secret(),
@@ -108,7 +114,7 @@ impl App {
     }
 
     /// The measurement of the draft, or why the device cannot carry it out now.
-    fn prepared_measuring(&self) -> Result<Measuring, String> {
+    fn prepared_measuring(&self) -> Result<AfterCheck<Measuring>, String> {
         if let Some(reason) = self.obstacle_to_drive() {
             return Err(reason);
         }
@@ -118,7 +124,7 @@ impl App {
         let made = self.screen_table().filter(|_| self.is_table_there());
         let made =
             made.ok_or("The device does not hold this plate's table yet: wait for it, or upload it.")?;
-        let MeasureDraft { place_m, kind, level } = self.live.draft;
+        let MeasureDraft { place_m, kind, level, is_checked, drive } = self.live.draft;
         let plate = &self.setup.plate;
         if !(0.0..=plate.length_m()).contains(&place_m) {
             return Err(format!("The sensor at {} is not on the plate.", show_place(place_m)));
@@ -128,7 +134,22 @@ impl App {
         let plan = Plan::new(plate, &wanted, self.sample_rate_hz(), usize::from(inputs.lock_ins))
             .map_err(sentence)?;
         let sensor = Sensor { place_m, kind, input: SENSOR_INPUT };
-        Measuring::new(plan, Arc::clone(&made.device_table), sensor, &inputs).map_err(sentence)
+        let table = &made.device_table;
+        let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs).map_err(sentence)?;
+        if !is_checked {
+            return Ok(AfterCheck::new(None, measuring));
+        }
+        if inputs.inputs <= CURRENT_INPUT {
+            return Err(
+                "This device has no input for the drive's current: measure without the check.".to_owned()
+            );
+        }
+        let drive = if self.is_at_bench() { self.live.rig.known_drive() } else { Some(drive) };
+        let check =
+            |drive| DriveChecking::new(plate, drive, Arc::clone(table), self.sample_rate_hz(), &inputs);
+        // Without a drive the rig is put together first.
+        let checking = drive.map(check).transpose().map_err(sentence)?;
+        Ok(AfterCheck::new(checking, measuring))
     }
 
     /// Gives the measurement under way up.
@@ -150,6 +171,7 @@ impl App {
             run.measuring.cancel();
         }
         run.measuring.watch(&self.snapshot);
+        let was_checking = run.measuring.is_checking();
         loop {
             let told = run.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
             if let Some(outcome) = told {
@@ -162,6 +184,9 @@ impl App {
                 Step::Ended => return self.measured(),
             }
         }
+        if was_checking && !run.measuring.is_checking() {
+            self.note(Severity::Info, DriveCheck::On.to_string());
+        }
         ctx.request_repaint_after(LOOK);
     }
 
@@ -172,7 +197,7 @@ impl App {
             Ok(measured) => self.take_measured(&name, measured, answers),
             Err(MeasureError::Cancelled) => self.notices.tell("The measurement was cancelled.".to_owned()),
             Err(error) => {
-                let text = format!("Not measured: {error}.");
+                let text = not_measured(&error);
                 self.note(Severity::Error, text.clone());
                 self.live.failed = Some(text.clone());
                 self.fail(text);
@@ -200,5 +225,16 @@ impl App {
             Some(first) => self.fail(format!("{told} {first}")),
             None => self.notices.tell(told),
         }
+    }
+}
+
+/// Why nothing was measured.
+fn not_measured(error: &MeasureError) -> String {
+    match error {
+        MeasureError::NotOn(check @ DriveCheck::TooQuiet { .. }) => {
+            format!("Not measured. {check} Nothing louder is played before the drive is known to be on.")
+        }
+        MeasureError::NotOn(check) => format!("Not measured. {check}"),
+        error => format!("Not measured: {error}."),
     }
 }

@@ -5,6 +5,7 @@ use crate::intent::MeasureDraft;
 use slipline_link::Port;
 use slipline_model::hold::Standing;
 use slipline_model::jobs::rig::{RigJob, RigPrepared};
+use slipline_model::measure::KnownDrive;
 use slipline_model::rig::{RigHand, secret};
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
@@ -33,6 +34,8 @@ struct Stands {
     hand: RigHand,
     /// What the end of its input's range stands for.
     full_scale: f64,
+    /// What a data sheet tells of its drive.
+    drive: KnownDrive,
 }
 
 impl Rig {
@@ -54,6 +57,11 @@ impl Rig {
     /// Whether it stands on a plate that nobody knows.
     pub(super) const fn is_secret(&self) -> bool {
         self.truth.is_some()
+    }
+
+    /// What a data sheet tells of its drive.
+    pub(super) fn known_drive(&self) -> Option<KnownDrive> {
+        self.standing.as_ref().map(|standing| standing.drive)
     }
 
     /// The finger on its plate, if there is one.
@@ -159,8 +167,8 @@ impl App {
                 } else {
                     self.parts.bench.put(&rig);
                 }
-                let (hand, full_scale) = (rig.hand(), rig.sensor_full_scale());
-                self.live.rig.standing = Some(Stands { job, hand, full_scale });
+                let (hand, full_scale, drive) = (rig.hand(), rig.sensor_full_scale(), rig.known_drive());
+                self.live.rig.standing = Some(Stands { job, hand, full_scale, drive });
                 if let Some(answers) = awaited_for {
                     self.begin_measuring(answers);
                 }

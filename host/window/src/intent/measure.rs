@@ -1,7 +1,9 @@
 //! The requests of the page of measurements.
 
+use slipline_model::measure::KnownDrive;
+use slipline_model::measure::circuit::TOLERANCE;
 use slipline_model::measured_file::Told;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
 
 /// What is to be measured with the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,11 +14,23 @@ pub struct MeasureDraft {
     pub kind: SensorKind,
     /// What the amplitudes of all tones together may be, as a share of full scale.
     pub level: f64,
+    /// Whether quiet tones tell first that the drive is on.
+    pub is_checked: bool,
+    /// The drive as data sheets tell it; the rig of the simulated device tells its own.
+    pub drive: KnownDrive,
 }
 
 impl Default for MeasureDraft {
     fn default() -> Self {
-        Self { place_m: 0.03, kind: SensorKind::Acceleration, level: 0.5 }
+        let load = DriveLoad::Coil { resistance_ohm: 4.0 };
+        let circuit = DriveCircuit { full_scale_v: 2.0, load, tolerance: TOLERANCE };
+        Self {
+            place_m: 0.03,
+            kind: SensorKind::Acceleration,
+            level: 0.5,
+            is_checked: false,
+            drive: KnownDrive { circuit, full_scale_a: 1.65 },
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is measured with the device: the sensor's place and kind, the level; the button, and the progress with Cancel.
 
 use super::sensor_fields::{kind, number, place, refusal};
-use super::{Scene, ViewState};
+use super::{Scene, ViewState, drive_fields};
 use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use eframe::egui::{self, RichText};
 use slipline_model::measure::LEVEL;
@@ -28,6 +28,9 @@ pub(super) fn show(
             let name = format!("Measured: {percent}");
             bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
         });
+        if live.is_checking {
+            ui.label(RichText::new("Quiet tones first: is the drive on?").small());
+        }
         return;
     }
     let draft = *live.draft;
@@ -58,6 +61,9 @@ pub(super) fn show(
         {
             ask(MeasureIntent::Secret(is_secret));
         }
+    }
+    if let Some(draft) = drive_fields::show(ui, &mut view.fields, live) {
+        ask(MeasureIntent::Draft(draft));
     }
     let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
     if ui.button(RichText::new("Measure now").strong()).on_hover_text(help).clicked() {

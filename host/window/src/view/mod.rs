@@ -15,6 +15,7 @@ mod designer;
 mod device_panel;
 mod dialogs;
 mod displacement;
+mod drive_fields;
 mod envelope;
 mod feeling_fields;
 mod felt_strip;

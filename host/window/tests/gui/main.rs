@@ -3,6 +3,7 @@
 mod background;
 mod calibrate;
 mod chords;
+mod drive_check;
 mod drive_time;
 mod drops;
 mod exports;

@@ -12,7 +12,7 @@ use slipline_plate::calibrate::departure;
 use slipline_window::bench::Bench;
 
 /// A sensor that shows half of the drive, with noise of about a code.
-struct Half(u64);
+pub(crate) struct Half(pub(crate) u64);
 
 impl SimulatedInputs for Half {
     fn inputs(&self) -> usize {
@@ -34,11 +34,11 @@ impl SimulatedInputs for Half {
     }
 }
 
-fn has(app: &TestApp, part: &str) -> bool {
+pub(crate) fn has(app: &TestApp, part: &str) -> bool {
     app.window.query_all_by_label_contains(part).next().is_some()
 }
 
-fn press(app: &mut TestApp, name: &str) {
+pub(crate) fn press(app: &mut TestApp, name: &str) {
     app.window.get_by_role_and_label(Role::Button, name).click();
     app.wait(200);
 }
@@ -51,7 +51,7 @@ fn progress(app: &TestApp) -> Option<String> {
 }
 
 /// Waits until nothing is measured any more.
-fn wait_for_the_end(app: &mut TestApp) {
+pub(crate) fn wait_for_the_end(app: &mut TestApp) {
     for _ in 0..400 {
         app.wait(100);
         if app.window.query_by_label("Cancel measuring").is_none() {

@@ -1,0 +1,121 @@
+//! "Is it on?" before a measurement: its switch, the told circuit, and what is measured of a drive that is not on.
+
+use crate::fake_files::FakeFiles;
+use crate::measure::open_measure;
+use crate::measuring::{Half, has, press, wait_for_the_end};
+use crate::real_device;
+use crate::test_app::{TestApp, open_window};
+use eframe::egui::accesskit::Role;
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::protocol::event::State;
+use slipline_link::simulator::SimulatedInputs;
+use slipline_window::bench::Bench;
+use slipline_window::settings::ThemeChoice;
+
+const SWITCH: &str = "Check first that the drive is on";
+
+/// A sensor, and a shunt through which nothing flows.
+struct NoCurrent(Half);
+
+impl SimulatedInputs for NoCurrent {
+    fn inputs(&self) -> usize {
+        2
+    }
+
+    fn delay_ns(&self) -> i32 {
+        0
+    }
+
+    fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
+        let mut noise = [[0; 128]; 2];
+        self.0.sample(&[2048; 128], true, &mut noise);
+        self.0.sample(codes, muted, sensed);
+        sensed[1] = noise[0];
+    }
+}
+
+fn switch_on(app: &mut TestApp) {
+    open_measure(app);
+    app.window.get_by_role_and_label(Role::CheckBox, SWITCH).click();
+    app.wait(100);
+}
+
+fn logged(app: &TestApp, part: &str) -> bool {
+    app.snapshot().log.iter().any(|entry| entry.text.contains(part))
+}
+
+#[test]
+fn a_drive_that_is_on_is_measured_after_quiet_tones_have_told_so() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    switch_on(&mut app);
+    assert!(app.window.query_by_label("Amplifier").is_none(), "the rig tells its circuit itself");
+    press(&mut app, "Measure now");
+    app.wait(500);
+    assert!(has(&app, "Quiet tones first") && has(&app, "Cancel measuring"));
+    wait_for_the_end(&mut app);
+    assert!(logged(&app, "The drive is connected"), "{:?}", app.snapshot().log);
+    assert!(has(&app, "30.0 mm, run 1") && !has(&app, "Quiet tones first"));
+}
+
+#[test]
+fn a_drive_without_current_is_told_in_its_sentence_and_not_measured() {
+    let mut app = TestApp::sensed(Box::new(NoCurrent(Half(5))), Bench::default());
+    switch_on(&mut app);
+    press(&mut app, "Measure now");
+    wait_for_the_end(&mut app);
+    assert!(
+        has(&app, "Not measured. No current flows: a wire of the drive is open"),
+        "{:?}",
+        app.snapshot().log
+    );
+    assert!(!has(&app, "run 1") && !app.is_driving() && !logged(&app, "The drive is connected"));
+}
+
+#[test]
+fn a_device_without_a_second_input_cannot_check_and_says_so() {
+    let mut app = TestApp::sensed(Box::new(Half(6)), Bench::default());
+    switch_on(&mut app);
+    press(&mut app, "Measure now");
+    assert!(has(&app, "no input for the drive's current"));
+    assert!(!has(&app, "Cancel measuring") && app.is_driving(), "nothing was stopped");
+}
+
+#[test]
+fn the_circuit_of_a_real_drive_is_typed_with_units_and_refused_beyond_its_range() {
+    let mut link = real_device(State::Idle);
+    std::sync::Arc::make_mut(&mut link.snapshot).port = None;
+    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 900.0]);
+    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    for (role, name) in [(Role::Button, "Plate"), (Role::Button, "Measure"), (Role::CheckBox, SWITCH)] {
+        window.get_by_role_and_label(role, name).click();
+        window.run_steps(5);
+    }
+    let mut typed = |name: &str, text: &str| {
+        window.get_by_role_and_label(Role::TextInput, name).focus();
+        window.step();
+        window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+        window.step();
+        window.get_by_role_and_label(Role::TextInput, name).type_text(text);
+        window.step();
+        window.key_press(Key::Enter);
+        window.run_steps(4);
+        let value = window.get_by_role_and_label(Role::TextInput, name).value().unwrap();
+        let is_refused = window.query_by_label_contains("must be").is_some();
+        (value, is_refused)
+    };
+    assert_eq!(typed("Amplifier", "500mV"), ("500 mV".to_owned(), false));
+    assert_eq!(typed("Resistance", "8"), ("8 ohm".to_owned(), false));
+    assert_eq!(typed("Shunt", "0.33 A"), ("330 mA".to_owned(), false));
+    assert_eq!(typed("Amplifier", "99kV"), ("99kV".to_owned(), true));
+    assert_eq!(typed("Amplifier", "2 V"), ("2 V".to_owned(), false));
+    window.get_by_role_and_label(Role::ComboBox, "Drive: voice coil").click();
+    window.run_steps(4);
+    window.get_by_label("piezo").click();
+    window.run_steps(4);
+    let capacitance = window.get_by_role_and_label(Role::TextInput, "Capacitance").value();
+    assert_eq!(capacitance.as_deref(), Some("100 nF"));
+    assert!(window.query_by_role_and_label(Role::TextInput, "Resistance").is_none());
+}
