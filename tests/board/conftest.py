@@ -16,7 +16,7 @@ SHARED = {"rig", "armed", "sounding", "cool", "kept"}
 
 
 # These need nothing of what the others share, so the second process runs them on the first one's image, too.
-APART = {"test_documents", "test_latency", "test_speed"}
+APART = {"test_documents", "test_hold", "test_latency", "test_speed"}
 
 
 def pytest_addoption(parser):

@@ -194,6 +194,26 @@ def test_a_block_is_rendered_and_measured_in_little_enough_of_its_time(armed):
 
 
 @on_f407
+def test_a_block_is_rendered_while_levels_are_held_in_little_enough_of_its_time(armed):
+    """R-68: the lock-ins never rest, and with each window all levels begin to glide anew."""
+    board, host = armed.board, armed.host
+    board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
+    glide(host, 0, 10)
+    host.live(0.02)
+    host.hold([(slot, 8) for slot in range(TONES)], 20)
+    host.live(0.012)
+    board.worst_cycles.clear()
+    # A window and its pause are 10.24 ms: when it is told that one is over its turn has just published new levels.
+    windows = host.held()[1]
+    board.run_until(lambda: host.held()[1] > windows, 0.02, step=0.0005)
+    with Recorder(board, RENDERER) as recorder:
+        host.live(0.0025)
+    progress, _, tones = host.held()
+    assert progress == "on" and all(correction < 0 for _, _, correction in tones)
+    compare("16 levels are held at one input", board, board.worst_cycles[RENDERER], recorder.runs, RENDERER, LISTENING)
+
+
+@on_f407
 def test_a_block_that_waits_is_revised_in_the_time_that_the_ring_holds_back_for_it(armed):
     """R-69: for a stop, while tones glide and a digest is made."""
     board, host = armed.board, armed.host

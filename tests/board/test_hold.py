@@ -1,0 +1,131 @@
+"""The level hold on the very image that is flashed: what is sent while one of its turns plans new levels is at the pin as soon as without it.
+
+A turn takes what a window has told, plans the levels of all tones, and publishes them; no command is looked at meanwhile but a
+stop. A first copy of the board finds out when the next turn begins and ends; further ones send at moments between.
+"""
+import re
+
+import pytest
+from unicorn import UC_HOOK_CODE
+from unicorn.arm_const import UC_ARM_REG_LR
+
+from copies import on_copy
+from host import (
+    BLOCK, DRIVE, EMERGENCY_STOP, KEEP_ALIVE, RATE_HZ, SET_TRAVEL_LIMIT, STOP, TRAVEL_LIMIT_REPLY, varint,
+)  # fmt: skip
+from rig import MID, MILLISECOND, Rig, is_silent
+from test_latency import (
+    MOST_KNOTS, STOP_BLOCKS, STOPS_SEQUENCE, TRAVEL_LIMIT, accepted, check_blocks, send, sweep,
+)  # fmt: skip
+
+TONES = 16
+# A window, and the pause after it: the shortest, so that turns come as often as they may.
+WINDOW_BLOCKS, PAUSE_BLOCKS = 20, 12
+PERIOD = (WINDOW_BLOCKS + PAUSE_BLOCKS) * BLOCK / RATE_HZ
+# Codes of amplitude to hold: less than a fifth of what the sensor hears of the drive, so that every turn has new levels.
+HELD_CODES = 8
+# From a ramp's first sample until silence (firmware/SAFETY.md), and the dead-man's time.
+RAMPS = {EMERGENCY_STOP: 2 * MILLISECOND, STOP: 30 * MILLISECOND}
+DEAD_MAN, HOST_LOST_RAMP = RATE_HZ, 50 * MILLISECOND
+
+
+@pytest.fixture(scope="module")
+def holding(facts, image):
+    """All tones sound, of the largest table and with a travel that is judged, and are held; the first window is over. The sensor
+    hears half of what is played."""
+    rig = Rig(facts, image)
+    host, board = rig.host, rig.board
+    host.connect()
+    assert host.exchange(SET_TRAVEL_LIMIT, TRAVEL_LIMIT)[1] == TRAVEL_LIMIT_REPLY
+    host.upload(MOST_KNOTS)
+    host.arm()
+    host.accept(DRIVE, sweep(0))
+    host.live(0.02)
+    board.adc.at_pins = lambda: (MID + (board.dac.output - MID) // 2, MID)
+    host.hold([(slot, HELD_CODES) for slot in range(TONES)], WINDOW_BLOCKS)
+    host.live(1.5 * PERIOD)
+    progress, windows, held = host.held()
+    assert (progress, windows, len(held)) == ("on", 1, TONES)
+    return rig
+
+
+def address(board, name):
+    """Of the function of the turn that has this name."""
+    (found,) = {place & ~1 for symbol, place in board.symbols.items() if re.match(rf"_ZN.*hold4turn.*{len(name)}{name}17h", symbol)}
+    return found
+
+
+def next_turn(rig):
+    """When the next turn that has new levels looks at its window, and when it has handed them over, in the board's time."""
+    board, looks, calls, ends = rig.board, [], [], []
+
+    def watch(place, hook):
+        board.cpu.hook_add(UC_HOOK_CODE, lambda *_: hook(), begin=place, end=place + 1)
+        board.cpu.ctl_flush_tb()
+
+    watch(address(board, "take_window"), lambda: looks.append(board.now))
+    # Not of the turn that may be under way.
+    watch(address(board, "publish_levels"), lambda: looks and calls.append(board.cpu.reg_read(UC_ARM_REG_LR) & ~1))
+    board.run_until(lambda: calls, 2 * PERIOD, step=1e-6)
+    begin = looks[-1]
+    watch(calls[0], lambda: ends.append(board.now))
+    board.run_until(lambda: ends, PERIOD, step=1e-6)
+    return begin, ends[0]
+
+
+def in_a_turn(holding, case, moments=8):
+    """Calls the case in copies of the board, at moments from a block before a turn to its end; returns the results, and how many
+    blocks lie between two of them."""
+    begin, end = on_copy(holding, next_turn)
+    block = holding.board.CORE_HZ * BLOCK / RATE_HZ
+    begin -= block
+    step = (end - begin) / moments
+    print(f"\n{holding.facts.name}: a turn of {(end - begin) / block - 1:.2f} blocks")
+
+    def at(moment):
+        def later(rig):
+            rig.board.run((moment - rig.board.now) / rig.board.CORE_HZ)
+            return case(rig)
+
+        return on_copy(holding, later)
+
+    return [at(begin + n * step) for n in range(moments)], step / block
+
+
+@pytest.mark.parametrize("message", [EMERGENCY_STOP, STOP], ids=["an emergency stop", "a stop"])
+def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(holding, message):
+    """R-77: and nothing of the hold starts after it."""
+
+    def case(rig):
+        numbered, rig.host.sequence = rig.host.sequence, STOPS_SEQUENCE
+        sequence, played = send(rig, message)
+        at = accepted(rig, sequence)
+        rig.host.sequence = numbered
+        silent = at + RAMPS[message] + BLOCK
+        rig.host.live((silent - rig.played()) / RATE_HZ + 1.5 * PERIOD)
+        assert is_silent(rig.codes(silent, rig.played()))
+        assert rig.host.held()[0] == "ended"
+        check_blocks(rig.host)
+        return (at - played) / BLOCK
+
+    seen, step = in_a_turn(holding, case)
+    print(f"stop {message:#x} while levels are planned: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
+    assert max(seen) + step <= STOP_BLOCKS
+
+
+def test_a_lost_host_ends_a_hold_in_silence_in_time(holding):
+    """R-20: the hold's own levels are no sign of life."""
+
+    def case(rig):
+        host, board = rig.host, rig.board
+        host.exchange(KEEP_ALIVE, varint(host.keep_alives + 1))
+        last, board.is_hasty = rig.played(), True
+        board.run(1.1)
+        silent = last + DEAD_MAN + HOST_LOST_RAMP + 2 * BLOCK
+        assert not is_silent(rig.codes(last + DEAD_MAN - 4 * BLOCK, last + DEAD_MAN - 2 * BLOCK)), "not before its time"
+        assert is_silent(rig.codes(silent, rig.played())) and board.pin(rig.facts.unmute) == 0
+        return host.status()["first_fault"], host.held()
+
+    fault, (progress, windows, _) = on_copy(holding, case)
+    assert (fault, progress) == ("host lost", "ended")
+    assert windows > 0.9 / PERIOD, "it went on until then"
