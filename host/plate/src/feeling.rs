@@ -8,6 +8,7 @@
 use crate::quantity::{OutOfRange, Range};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use crate::spec::Plate;
+use num_complex::Complex64;
 
 /// How a finger feels. All values are illustrative.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +124,12 @@ impl Feeling {
             .zip(ultrasound)
             .map(|(&level, amplitude)| level.sqrt().max(change(amplitude)))
             .collect()
+    }
+
+    /// The amplitude that a finger feels of a tone at each place: the root of the mean of |w|^2 over its contact.
+    pub(crate) fn contact_amplitude(&self, plate: &Plate, field: &[Complex64]) -> Vec<f64> {
+        let squares: Vec<f64> = field.iter().map(Complex64::norm_sqr).collect();
+        self.under_contact(&squares, plate.length_m()).into_iter().map(f64::sqrt).collect()
     }
 
     /// The felt edge of a strength along the plate: the last place at which it is 1.

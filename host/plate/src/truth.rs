@@ -1,6 +1,6 @@
 //! A plate that nobody knows, drawn at random near a nominal one: for tests and for a simulated rig.
 
-use crate::spec::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper};
+use crate::spec::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel};
 use std::f64::consts::TAU;
 
 /// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014).
@@ -74,33 +74,83 @@ pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
             points.iter_mut().for_each(|point| point[1] = narrowed(start, point[1]));
         }
     }
-    let (low_hz, high_hz) = nominal.band_hz();
-    let middle_hz = 0.5 * (low_hz + high_hz);
-    let source = nominal.wave_impedance_n_s_per_m(middle_hz).map(|impedance| {
-        let (slope, lead_in) = match nominal.spec().drive_end {
-            DriveEnd::Source(source) => (source.slope, source.lead_in),
-            DriveEnd::DisplacementAndSlope { slope } => (Some(slope), None),
-            _ => (Source::soft(&spec.model, middle_hz).slope, None),
-        };
-        // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
-        let matched = if lead_in.is_some() { 0.3 * impedance } else { impedance };
-        let omega = TAU * middle_hz;
-        let impedance = Impedance {
-            resistance_n_s_per_m: matched * random.factor(0.4, 2.5),
-            mass_kg: random.within(0.0, 1.0) * matched / omega,
-            stiffness_n_per_m: random.within(0.0, 1.0) * matched * omega,
-        };
-        Source { impedance, slope, lead_in, at_frequency_hz: middle_hz }
-    });
-    if let Some(source) = source {
-        spec.drive_end = DriveEnd::Source(source);
+    let drive = DriveSpread::of(nominal);
+    if let Some(source) = drive.source {
+        let resistance = random.factor(RESISTANCE.0, RESISTANCE.1);
+        let reactances = [(); 2].map(|()| random.within(REACTANCE.0, REACTANCE.1));
+        let impedance = [resistance, reactances[0], reactances[1]];
+        spec.drive_end = DriveEnd::Source(source.with(impedance));
     }
-    spec.actuator = Some(Actuator::Resonator(Resonator {
-        resonance_hz: middle_hz * random.factor(0.5, 2.0),
-        quality: random.factor(0.7, 5.0),
-        travel: spec.actuator.as_ref().and_then(|it| it.resonator()).and_then(|it| it.travel),
-    }));
+    let (resonance, quality) = (random.factor(RESONANCE.0, RESONANCE.1), random.factor(QUALITY.0, QUALITY.1));
+    spec.actuator = Some(drive.actuator(resonance, quality));
     Plate::new(spec)
+}
+
+/// Resistances of a source over the one that matches, uniform in the logarithm.
+pub(crate) const RESISTANCE: (f64, f64) = (0.4, 2.5);
+/// Reactances of its mass and of its spring at the middle of the band, over that resistance; uniform.
+pub(crate) const REACTANCE: (f64, f64) = (0.0, 1.0);
+/// Resonances of an actuator over the middle of the band, and its quality factors; both uniform in the logarithm.
+pub(crate) const RESONANCE: (f64, f64) = (0.5, 2.0);
+pub(crate) const QUALITY: (f64, f64) = (0.7, 5.0);
+
+/// The drives that a workshop may have put on a plate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DriveSpread {
+    /// The middle of the band, Hz.
+    pub(crate) middle_hz: f64,
+    /// `None` for a plate whose file does not tell its wave impedance: it keeps its driven end.
+    pub(crate) source: Option<SourceSpread>,
+    travel: Option<Travel>,
+}
+
+/// The sources among them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SourceSpread {
+    /// Angular frequency of the middle of the band, rad/s.
+    pub(crate) omega: f64,
+    /// The resistance that matches, N s/m.
+    pub(crate) matched: f64,
+    /// What they act on, without an impedance.
+    pub(crate) end: Source,
+}
+
+impl DriveSpread {
+    pub(crate) fn of(nominal: &Plate) -> Self {
+        let (low_hz, high_hz) = nominal.band_hz();
+        let (spec, middle_hz) = (nominal.spec(), 0.5 * (low_hz + high_hz));
+        let source = nominal.wave_impedance_n_s_per_m(middle_hz).map(|impedance| {
+            let soft = Source::soft(&spec.model, middle_hz);
+            let (slope, lead_in) = match spec.drive_end {
+                DriveEnd::Source(source) => (source.slope, source.lead_in),
+                DriveEnd::DisplacementAndSlope { slope } => (Some(slope), None),
+                _ => (soft.slope, None),
+            };
+            // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
+            let matched = if lead_in.is_some() { 0.3 * impedance } else { impedance };
+            SourceSpread { omega: TAU * middle_hz, matched, end: Source { slope, lead_in, ..soft } }
+        });
+        let travel = spec.actuator.as_ref().and_then(|it| it.resonator()).and_then(|it| it.travel);
+        Self { middle_hz, source, travel }
+    }
+
+    /// The actuator with this resonance over the middle of the band.
+    pub(crate) fn actuator(&self, resonance: f64, quality: f64) -> Actuator {
+        let resonance_hz = self.middle_hz * resonance;
+        Actuator::Resonator(Resonator { resonance_hz, quality, travel: self.travel })
+    }
+}
+
+impl SourceSpread {
+    /// The source of this resistance, mass and spring, in the units of [`RESISTANCE`] and [`REACTANCE`].
+    pub(crate) fn with(&self, [resistance, mass, stiffness]: [f64; 3]) -> Source {
+        let impedance = Impedance {
+            resistance_n_s_per_m: self.matched * resistance,
+            mass_kg: mass * self.matched / self.omega,
+            stiffness_n_per_m: stiffness * self.matched * self.omega,
+        };
+        Source { impedance, ..self.end }
+    }
 }
 
 #[cfg(test)]

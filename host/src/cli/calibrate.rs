@@ -10,8 +10,8 @@ use argument::TouchArgument;
 use clap::{ArgGroup, Args, ValueEnum};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Priors, Touch, Transducer, from_one_sensor, from_ratio,
-    from_shunt, from_touches,
+    CalibrateError, Calipers, Measurement, Priors, Touch, TouchedDrive, Transducer, from_one_sensor,
+    from_ratio, from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::{Measure, Range, must_be};
@@ -77,6 +77,19 @@ struct MeasuredArgument {
     /// (120mm:118mm); name at least two, far apart. This gives places and no levels.
     #[arg(long = "touch", value_name = "X:EDGE", value_parser = argument::touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
+    /// What is known of the drive whose edges were felt; without it the drive is unknown, unless the plate file holds what a
+    /// sensor or the current told of it. An unknown one takes more touches: six instead of two.
+    #[arg(long, value_enum, value_name = "KNOWN", requires = "touches")]
+    touched_drive: Option<DriveKnown>,
+}
+
+/// What is known of a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DriveKnown {
+    /// It is as the plate file tells it, but for its gain.
+    AsTold,
+    /// Its resistance, mass, spring and resonance may be any usual ones.
+    Unknown,
 }
 
 /// What the current flows through.
@@ -188,6 +201,7 @@ fn touched(
     priors: &Priors,
 ) -> Result<Result<Found, CalibrateError>, Failure> {
     let (table, _) = progress::table_for(nominal, SAMPLE_RATE_HZ)?;
+    let level = arguments.level.unwrap_or(TOUCH_LEVEL);
     let touch = |touch: &TouchArgument| {
         let boundary_m = touch.boundary.on(nominal, "--touch")?;
         let on_plate = Range::new(0.0, nominal.length_m(), "m");
@@ -195,13 +209,22 @@ fn touched(
             mark_m: touch.edge.within("--touch", on_plate, Measure::Length, ", on the plate")?,
             tolerance_m: arguments.touch_tolerance,
             frequency_hz: table.frequency_hz(boundary_m),
+            peak_m: level * table.peak_m(boundary_m),
         })
     };
     let touches = touches.iter().map(touch).collect::<Result<Vec<_>, Failure>>()?;
-    let peak_m = arguments.level.unwrap_or(TOUCH_LEVEL) * table.peak_at_full_scale_m;
-    let found = from_touches(nominal, &touches, peak_m, &Feeling::default(), priors);
+    let drive = match arguments.measured.touched_drive {
+        None => TouchedDrive::of(nominal),
+        Some(DriveKnown::AsTold) => TouchedDrive::AsTold,
+        Some(DriveKnown::Unknown) => TouchedDrive::Unknown,
+    };
+    let found = from_touches(nominal, &touches, &Feeling::default(), drive, priors);
     Ok(found.map(|found| Found {
-        way: Way::Touches,
+        way: match drive {
+            TouchedDrive::AsTold => Way::Touches,
+            TouchedDrive::Unknown => Way::TouchesOfUnknownDrive,
+        },
+        edge_tolerance_m: Some(found.edge_tolerance_m),
         plate: found.plate,
         parameters: found.parameters,
         chi2_per_n: found.chi2_per_n,

@@ -207,13 +207,15 @@ fn two_touches_give_places_and_no_levels() {
     let arguments = [
         &["calibrate", "--plate", "membrane", "--level", "0.03", "--out", out.to_str().unwrap()][..],
         &["--touch-tolerance", "0.2mm", "--touch", &touches[0], "--touch", &touches[1]],
+        &["--touched-drive", "as-told"],
     ]
     .concat();
     let value = json(&arguments);
     assert_eq!((&value["accepted"], &value["level_tolerance_db"]), (&Value::Bool(true), &Value::Null));
-    let speed = number(&value["parameters"][0], "value");
+    // Two marks do not tell the loss from the speed, and the interval says so.
+    let [low, high] = ["low", "high"].map(|end| number(&value["parameters"][0], end));
     let slipline_plate::Model::Membrane { wave_speed_m_per_s, .. } = plate.spec().model else { panic!() };
-    assert!((0.965..0.975).contains(&(speed / wave_speed_m_per_s)), "{value}");
+    assert!((low..high).contains(&(0.97 * wave_speed_m_per_s)) && high < 1.08 * low, "{value}");
     // The peak of the edges above is that of the told level.
     let finger = &value["parameters"][1];
     assert_eq!(finger["name"], "feeling.threshold");
@@ -221,7 +223,15 @@ fn two_touches_give_places_and_no_levels() {
     assert!(value["before"]["level_error_db"].is_null() && value["caution"].is_null());
     assert!(Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).is_ok());
     let text = slipline(&[&arguments[..], &["--force"]].concat());
-    assert!(String::from_utf8(text.stdout).unwrap().contains("Levels"));
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("Levels") && text.contains("of a known drive"), "{text}");
+    // Nobody told that the drive is known: the same touches tell less.
+    let unknown = [&arguments[..5], &arguments[7..13]].concat();
+    let open = json(&unknown);
+    let edge_m = |value: &Value| number(value, "edge_tolerance_m");
+    assert!(edge_m(&open) > 3.0 * edge_m(&value) && edge_m(&value) < 2e-3, "{open} {value}");
+    let text = String::from_utf8(slipline(&unknown).stdout).unwrap();
+    assert!(text.contains("nobody has measured") && text.contains("Felt edge"), "{text}");
 }
 
 #[test]

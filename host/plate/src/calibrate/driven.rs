@@ -79,6 +79,33 @@ pub(super) fn soft_source(spec: &PlateSpec, middle_hz: f64) -> Source {
     }
 }
 
+/// The driven end of a plate under a source of any impedance.
+pub(super) struct LoadedEnd {
+    /// The plate under the source without an impedance, and with the unit of stiffness.
+    soft: Plate,
+    stiff: Plate,
+}
+
+impl LoadedEnd {
+    /// `soft` is the source without an impedance; `None` where the plate is refused.
+    pub(super) fn new(spec: &PlateSpec, soft: Source, units: Units) -> Option<Self> {
+        let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Source(soft), ..spec.clone() }).ok()?;
+        let stiff = Source { impedance: units.impedance([0.0, 0.0, 1.0]), ..soft };
+        Some(Self { stiff: plate.with_drive_end(DriveEnd::Source(stiff)), soft: plate })
+    }
+
+    /// What a wave with p(0) = `value` and p'(0) = `slope` asks of the source: F_p over the force F of a drive of 1, and f(0)
+    /// times the unit of stiffness over F.
+    pub(super) fn of_wave(&self, frequency_hz: f64, value: Complex64, slope: Complex64) -> [Complex64; 2] {
+        let condition = |plate: &Plate| {
+            let end = DrivenEnd::of(plate, frequency_hz);
+            (end.alpha * value + end.beta * slope) / end.drive
+        };
+        let force = condition(&self.soft);
+        [force, condition(&self.stiff) - force]
+    }
+}
+
 /// What `spec`'s plate does at these frequencies, on a grid of `points`; `None` where the plate is refused or a frequency
 /// does not enter it.
 pub(super) fn answers(
@@ -92,11 +119,7 @@ pub(super) fn answers(
 ) -> Option<Vec<Answer>> {
     let (&lowest_hz, &highest_hz) = (frequencies_hz.first()?, frequencies_hz.last()?);
     let middle_hz = units.omega / TAU;
-    let soft = soft_source(spec, middle_hz);
-    let source = |source: Source| PlateSpec { drive_end: DriveEnd::Source(source), ..spec.clone() };
-    let soft_plate = Plate::new(source(soft)).ok()?;
-    let stiff = Source { impedance: units.impedance([0.0, 0.0, 1.0]), ..soft };
-    let stiff_plate = soft_plate.with_drive_end(DriveEnd::Source(stiff));
+    let end = LoadedEnd::new(spec, soft_source(spec, middle_hz), units)?;
     // With a prescribed slope the field itself is p(0) over p'(0).
     let wave = Wave::with_slope(spec.clone(), points, middle_hz).ok()?;
     if !(wave.enters(lowest_hz) && wave.enters(highest_hz)) {
@@ -104,9 +127,7 @@ pub(super) fn answers(
     }
     let rows = wave.complex(sensor, places_m, frequencies_hz, with_peak);
     let answer = |(&frequency_hz, row): (&f64, super::wave::Row)| {
-        let condition = |end: &DrivenEnd| (end.alpha * row.value + end.beta * row.slope) / end.drive;
-        let force = condition(&DrivenEnd::of(&soft_plate, frequency_hz));
-        let motion = condition(&DrivenEnd::of(&stiff_plate, frequency_hz)) - force;
+        let [force, motion] = end.of_wave(frequency_hz, row.value, row.slope);
         let rate = units.rate(frequency_hz);
         Answer { frequency_hz, rate, force, motion, seen: row.seen, peak: row.peak }
     };

@@ -94,7 +94,7 @@ pub enum CalibrateError {
         most: f64,
     },
     /// What a finger felt is no wave of such a plate.
-    #[error("the felt edges do not fit this plate (chi^2 is {} per edge, at most {} is accepted): are two marks exchanged, is the level another one, or does the drive's level swing over the frequency, which needs a sensor?", significant(*.chi2_per_n, 2), significant(*.most, 2))]
+    #[error("the felt edges do not fit this plate (chi^2 is {} per edge, at most {} is accepted): are two marks exchanged, is the level another one, or does the drive's level swing more than that of other drives, which needs a sensor?", significant(*.chi2_per_n, 2), significant(*.most, 2))]
     EdgesUnlike {
         /// Sum of the squared residuals over their number.
         chi2_per_n: f64,
@@ -134,6 +134,14 @@ pub enum CalibrateError {
         apart_m: f64,
         /// Least distance that is accepted, metres.
         least_m: f64,
+    },
+    /// Felt edges that leave open what they are to tell.
+    #[error("the felt edges do not carry a calibration: they leave the edge open to ±{}, more than ±{}. Touch more marks, spread over the plate, or measure the drive's current first", show_place(*.edge_m), show_place(*.most_m))]
+    EdgesOpen {
+        /// Half of the 95 % interval of the felt edge, root of the mean square over the band, metres.
+        edge_m: f64,
+        /// The most that is accepted, metres.
+        most_m: f64,
     },
     /// No wave speed near the file's has felt edges at such frequencies.
     #[error(

@@ -8,6 +8,7 @@
 //!                    Calibrated: plate file <- gain carried to the peak <----------+
 //! Measurement at one place, or of the current -> joint (plate and source): scan, linear for each plate (sensed, drawn),
 //!                                             then least squares ---^
+//! felt edges -> touches: samples of all plates and drives that fit (importance) -> their mean (meant)
 //! a calibrated plate and a Measurement at one place -> trim: its wave speed now -> phases of a few tones -> later
 //! ```
 //!
@@ -22,12 +23,16 @@ mod departure;
 mod drawn;
 mod drive_check;
 mod driven;
+mod envelope;
 mod error;
+mod felt_plate;
 mod foreign;
 mod gain;
+mod importance;
 mod joint;
 mod least_squares;
 mod linear;
+mod meant;
 mod measurement;
 mod one_sensor;
 mod pairs;
@@ -38,6 +43,7 @@ mod sensed;
 mod shunt;
 mod source_file;
 mod spread;
+mod touch;
 mod touches;
 mod trim;
 mod unknowns;
@@ -57,7 +63,8 @@ pub use measurement::{MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERAN
 pub use one_sensor::from_one_sensor;
 pub use predicted::predicted;
 pub use shunt::from_shunt;
-pub use touches::{Touch, Touched, from_touches};
+pub use touch::{Touch, TouchedDrive};
+pub use touches::{Touched, from_touches};
 pub use trim::{SpeedTrim, Trimmed};
 pub use unknowns::Priors;
 pub(crate) use wave::seen;

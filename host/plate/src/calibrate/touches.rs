@@ -1,48 +1,41 @@
-//! Two touches: the wave speed and the threshold of feeling, from where a finger feels the edge.
+//! Touches without a sensor: the wave speed, the drive and the threshold of feeling, from where a finger feels the edge.
 //!
-//! Without a sensor a person drags until the felt edge lies at a mark, twice or more. The felt edge at a frequency is
-//! that of the plate's field with the told peak, see [`crate::feeling`]. Where it lies goes with the wave speed and with the
-//! threshold over the true level: two unknowns, and two marks far apart tell them from each other. This gives places and no
-//! levels.
+//! A person drags until the felt edge lies at a mark, twice or more. The felt edge goes with the wave speed, with the
+//! threshold over the level, and with what the drive does to the level from frequency to frequency: a factor of ten moves it
+//! by 70 mm on a membrane. Some marks do not tell so many numbers. But what they leave open is known: among all plates and
+//! drives near the file's, those with such edges, each with its likelihood ([`super::importance`]). The plate that is told has
+//! the mean of their numbers and puts each edge at the mean of their edges, which no other method can better on average;
+//! and their spread is told. This gives places and no levels.
 
 use super::calibrated::{Parameter, numbers};
 use super::error::CalibrateError;
-use super::least_squares::{self, Problem, slope};
+use super::felt_plate::{Marked, Near, PlayedTone, THRESHOLD, THRESHOLD_KNOWN};
+use super::importance::{Coordinates, Samples, sample};
+use super::meant::Meant;
 use super::refusal::{CHI2_PER_N_MAX, SPEED_MAX};
-use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
-use crate::feeling::{Feeling, FeltEdge, FeltTone};
-use crate::frequency::{Equation, Peak, respond_batch};
-use crate::quantity::{OutOfRange, Range};
-use crate::spec::{Calibration, DriveEnd, Plate, PlateSpec, limits};
+use super::touch::{self, Touch, TouchedDrive};
+use super::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
+use crate::feeling::Feeling;
+use crate::spec::{Calibration, Impedance, Plate, limits};
+use crate::truth::{DriveSpread, Random};
 
-/// Positions of a field. The edge lies between two of them.
-const POINTS: usize = 601;
 /// Standard deviation of the logarithm of the wave speed beforehand, at most: touches tell less than a sensor does.
 const SPEED_KNOWN: f64 = 0.03;
-/// Standard deviation of the logarithm of the threshold over the level, beforehand: fingers and sources differ.
-const THRESHOLD: f64 = 1.5;
-/// Wave speeds and thresholds at which the fit may start, as logarithms: `-at * step ..= at * step`.
-const STARTS: [(i32, f64); 2] = [(6, 0.015), (6, 0.4)];
-/// Ways over which derivatives are taken: so long that an edge moves by some micrometres.
-const STEPS: [f64; 2] = [1e-4, 1e-3];
-/// Least distance of the nearest and the farthest mark, in standard deviations of a mark.
-const MARKS_APART: f64 = 10.0;
-
-/// A felt edge at a mark.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
-    /// Where the edge is felt, metres from the driven end.
-    pub mark_m: f64,
-    /// Standard deviation of that, metres (1e-5 to 0.05); 0.002 for a fingertip.
-    pub tolerance_m: f64,
-    /// The tone's frequency, Hz.
-    pub frequency_hz: f64,
-}
+/// The same of the loss factor, of which they tell next to nothing.
+const LOSS_KNOWN: f64 = 0.5;
+/// Most that the felt edge may be open to afterwards, half of the 95 % interval in metres: the plain file is as good.
+const OPEN_MAX: f64 = 0.025;
+/// Tones at which what the touches tell is judged, and the shares of the band's logarithm of the first and the last.
+const JUDGED: (usize, f64, f64) = (9, 0.1, 0.9);
+/// Where the random numbers begin: the same touches always tell the same.
+const SEED: u64 = 12;
+/// Half of a 95 % interval in standard deviations.
+const INTERVAL: f64 = 1.96;
 
 /// What touches tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touched {
-    /// The plate with the wave speed that puts the edges at their marks. Its levels are those of the file.
+    /// The plate of the mean, with the drive that puts the edges where they are expected. Nobody has measured its levels.
     pub plate: Plate,
     /// The feeling with the threshold that does.
     pub feeling: Feeling,
@@ -50,182 +43,163 @@ pub struct Touched {
     pub speed: [f64; 3],
     /// Threshold over the level, over what was told of both: value and the ends of its 95 % interval.
     pub threshold: [f64; 3],
-    /// Sum of the squared residuals over their number.
+    /// How well the felt edge is known: half of its 95 % interval, the root of the mean square over the band, metres.
+    pub edge_tolerance_m: f64,
+    /// Sum of the squared distances of the told edges from their marks, over their variances and number.
     pub chi2_per_n: f64,
     /// Both with their names in the plate file and in the feeling.
     pub parameters: Vec<Parameter>,
 }
 
-/// Calibrates the places of `plate` by felt edges of single tones whose peak is `peak_m` as the table tells it.
+/// Calibrates the places of `plate` by felt edges of single tones. Takes some tenths of a second, and seconds for a plate
+/// with clamped edges.
 ///
 /// # Errors
-/// [`CalibrateError`]: a number out of range, fewer than two marks or marks too close, or edges that no wave speed and
-/// threshold give.
+/// [`CalibrateError`]: a number out of range, fewer than two marks or marks too close, edges that no plate and drive near
+/// the file's have, or that leave the felt edge open.
 pub fn from_touches(
     plate: &Plate,
     touches: &[Touch],
-    peak_m: f64,
     feeling: &Feeling,
+    drive: TouchedDrive,
     priors: &Priors,
 ) -> Result<Touched, CalibrateError> {
     priors.check()?;
     let feeling = feeling.checked()?;
-    OutOfRange::check("peak_m", peak_m, Range::new(1e-12, 0.1, "m"))?;
-    for touch in touches {
-        OutOfRange::check("mark_m", touch.mark_m, Range::new(0.0, plate.length_m(), "m"))?;
-        OutOfRange::check("tolerance_m", touch.tolerance_m, Range::new(1e-5, 0.05, "m"))?;
-        OutOfRange::check("frequency_hz", touch.frequency_hz, limits::FREQUENCY)?;
-    }
-    check_marks(touches)?;
-    let problem = Edges {
-        nominal: plate.spec(),
-        touches,
-        peak_m,
-        feeling,
-        deviations: [priors.wave_speed.min(SPEED_KNOWN), THRESHOLD],
+    touch::check(plate, touches)?;
+    let spread = match drive {
+        TouchedDrive::AsTold => None,
+        TouchedDrive::Unknown => Some(DriveSpread::of(plate)),
     };
-    let start = problem.start().ok_or(CalibrateError::NoEdge)?;
-    let fit = least_squares::fit(&problem, &start, 1e-4).ok_or(CalibrateError::NoEdge)?;
-    let residuals = touches.len() as f64;
-    let chi2_per_n = fit.chi2 / residuals;
+    let [speed, loss, taper, half_width] = priors.deviations();
+    let deviations = [speed.min(SPEED_KNOWN), loss.min(LOSS_KNOWN), taper, half_width];
+    let highest_hz = touches.iter().map(|touch| touch.frequency_hz).fold(plate.band_hz().1, f64::max);
+    let near = Near::new(plate, feeling, spread, deviations, highest_hz);
+    let tones = touched_tones(&near, touches);
+    let judged = judged_tones(&near, touches);
+    let marked = Marked { near, touches, tones };
+    let samples = sample(&marked, &mut Random::new(SEED)).ok_or(CalibrateError::NoEdge)?;
+    let meant = Meant::new(&marked, &judged, &samples).ok_or(CalibrateError::NoEdge)?;
+    let at = meant.likeliest().ok_or(CalibrateError::NoEdge)?;
+    let chi2_per_n = meant.chi2_per_n(&at).ok_or(CalibrateError::NoEdge)?;
     if chi2_per_n > CHI2_PER_N_MAX {
         return Err(CalibrateError::EdgesUnlike { chi2_per_n, most: CHI2_PER_N_MAX });
     }
-    if fit.parameters[0].abs() > SPEED_MAX {
-        return Err(CalibrateError::AnotherPlate { what: "wave speed", share: fit.parameters[0].exp() });
+    let told = Told { marked: &marked, samples: &samples, at, chi2_per_n };
+    let [share, ..] = told.interval(SPEED, deviations[SPEED]);
+    if share.ln().abs() > SPEED_MAX {
+        return Err(CalibrateError::AnotherPlate { what: "wave speed", share });
     }
-    let half = |i: usize| 1.96 * chi2_per_n.max(1.0).sqrt() * fit.covariance[(i, i)].sqrt();
-    let interval = |i: usize| [0.0, -half(i), half(i)].map(|way| (fit.parameters[i] + way).exp());
-    let (speed, threshold) = (interval(0), interval(1));
-    let name = numbers(plate.spec())[0].0;
-    let [value, low, high] = speed.map(|speed| numbers(&problem.spec(speed.ln()))[0].1);
-    let of_plate = Parameter { name, value, low, high };
-    let [value, low, high] = threshold.map(|threshold| threshold * feeling.threshold);
-    let of_finger = Parameter { name: "feeling.threshold", value, low, high };
-    let mut spec = problem.spec(fit.parameters[0]);
-    spec.wave_speed_tolerance = half(0).min(limits::WAVE_SPEED_TOLERANCE.high);
-    spec.calibration = Some(Calibration {
-        chi2_per_n,
-        half_width_tolerance: (1.96 * priors.half_width).min(1.0),
-        taper_tolerance: (1.96 * priors.taper).min(1.0),
-        level_tolerance_db: None,
-        source_tolerance: None,
-        correction: None,
-    });
-    Ok(Touched {
-        plate: Plate::new(spec)?,
-        feeling: with_threshold(&feeling, fit.parameters[1]),
-        speed,
-        threshold,
-        chi2_per_n,
-        parameters: vec![of_plate, of_finger],
-    })
+    let edge_tolerance_m = INTERVAL * meant.deviation_m();
+    if edge_tolerance_m > OPEN_MAX {
+        return Err(CalibrateError::EdgesOpen { edge_m: edge_tolerance_m, most_m: OPEN_MAX });
+    }
+    told.touched(priors, edge_tolerance_m)
 }
 
-fn check_marks(touches: &[Touch]) -> Result<(), CalibrateError> {
-    let (mut near, mut far, mut tolerance_m) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
-    for touch in touches {
-        (near, far) = (near.min(touch.mark_m), far.max(touch.mark_m));
-        tolerance_m = tolerance_m.max(touch.tolerance_m);
-    }
-    let apart_m = (far - near).max(0.0);
-    let least_m = MARKS_APART * tolerance_m;
-    if touches.len() < 2 || apart_m < least_m {
-        return Err(CalibrateError::CloseMarks { count: touches.len(), apart_m, least_m });
-    }
-    Ok(())
+fn played(near: &Near<'_>, told: &[(f64, f64)]) -> Vec<PlayedTone> {
+    let amplitudes = near.amplitudes(told);
+    let tone = |(&(frequency_hz, _), amplitude)| PlayedTone { frequency_hz, amplitude };
+    told.iter().zip(amplitudes).map(tone).collect()
 }
 
-/// The feeling whose thresholds are `exp(logarithm)` times as high.
-fn with_threshold(feeling: &Feeling, logarithm: f64) -> Feeling {
-    let mut feeling = *feeling;
-    feeling.threshold *= logarithm.exp();
-    feeling.friction.scale_m *= logarithm.exp();
-    feeling
+fn touched_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
+    let told: Vec<(f64, f64)> = touches.iter().map(|touch| (touch.frequency_hz, touch.peak_m)).collect();
+    played(near, &told)
 }
 
-/// Wave speed and threshold, as logarithms over what was told.
-struct Edges<'a> {
-    nominal: &'a PlateSpec,
-    touches: &'a [Touch],
-    peak_m: f64,
-    feeling: Feeling,
-    deviations: [f64; 2],
+/// Tones over the band, as loud as those that were touched.
+fn judged_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
+    let (low_hz, high_hz) = near.nominal.band_hz();
+    let (count, first, last) = JUDGED;
+    let peak_m = (touches.iter().map(|touch| touch.peak_m.ln()).sum::<f64>() / touches.len() as f64).exp();
+    let share = |i: usize| first + (last - first) * i as f64 / (count - 1) as f64;
+    let told: Vec<(f64, f64)> =
+        (0..count).map(|i| (low_hz * (high_hz / low_hz).powf(share(i)), peak_m)).collect();
+    played(near, &told)
 }
 
-impl Edges<'_> {
-    fn spec(&self, speed: f64) -> PlateSpec {
-        let mut coordinates = [0.0; OF_PLATE];
-        coordinates[SPEED] = speed;
-        spec_at(self.nominal, &coordinates)
+/// What is told of the samples.
+struct Told<'a> {
+    marked: &'a Marked<'a>,
+    samples: &'a Samples,
+    /// The plate that is told.
+    at: Coordinates,
+    chi2_per_n: f64,
+}
+
+impl Told<'_> {
+    /// Half of the interval of a coordinate; wider where the edges do not fit so well.
+    fn half(&self, i: usize, scale: f64) -> f64 {
+        INTERVAL * self.chi2_per_n.max(1.0).sqrt() * scale * self.samples.covariance[(i, i)].sqrt()
     }
 
-    /// The field of each touch with the told peak, as mean squares.
-    fn squares(&self, plate: &Plate) -> Option<Vec<Vec<f64>>> {
-        let frequencies_hz: Vec<f64> = self.touches.iter().map(|touch| touch.frequency_hz).collect();
-        let fields = respond_batch(plate, &frequencies_hz, POINTS, Equation::Corrected).ok()?;
-        let squares = fields.iter().zip(&frequencies_hz).map(|(field, &frequency_hz)| {
-            let scale = self.peak_m / Peak::of(field, plate, frequency_hz)?.amplitude;
-            Some(field.iter().map(|f| 0.5 * (f * scale).norm_sqr()).collect())
-        });
-        squares.collect()
+    /// A coordinate that is a logarithm over `scale`: value and the ends of its interval.
+    fn interval(&self, i: usize, scale: f64) -> [f64; 3] {
+        let (value, mean, half) = (scale * self.at[i], scale * self.samples.mean[i], self.half(i, scale));
+        [value, value.min(mean - half), value.max(mean + half)].map(f64::exp)
     }
 
-    /// The felt edges less their marks, over the marks' deviations, for thresholds of these logarithms; then what was
-    /// known beforehand.
-    fn at_thresholds(&self, speed: f64, thresholds: &[f64]) -> Option<Vec<Option<Vec<f64>>>> {
-        let end = PlateSpec { drive_end: DriveEnd::Displacement, ..self.spec(speed) };
-        let plate = Plate::new(end).ok()?;
-        let squares = self.squares(&plate)?;
-        let at = |&threshold: &f64| {
-            let feeling = with_threshold(&self.feeling, threshold);
-            let edge = |(touch, squares): (&Touch, &Vec<f64>)| {
-                let tone = FeltTone { frequency_hz: touch.frequency_hz, squares };
-                match Feeling::edge(&plate, &feeling.strength(&plate, &[tone])) {
-                    FeltEdge::At(place_m) => Some((place_m - touch.mark_m) / touch.tolerance_m),
-                    FeltEdge::PlateEnd | FeltEdge::Nowhere => None,
-                }
-            };
-            let mut residuals: Vec<f64> =
-                self.touches.iter().zip(&squares).map(edge).collect::<Option<_>>()?;
-            residuals.extend([speed / self.deviations[0], threshold / self.deviations[1]]);
-            Some(residuals)
-        };
-        Some(thresholds.iter().map(at).collect())
-    }
-
-    /// The best of a grid of starts.
-    fn start(&self) -> Option<[f64; 2]> {
-        let [speeds, thresholds] = STARTS
-            .map(|(most, step)| -> Vec<f64> { (-most..=most).map(|at| f64::from(at) * step).collect() });
-        let mut best: Option<(f64, [f64; 2])> = None;
-        for &speed in &speeds {
-            let Some(found) = self.at_thresholds(speed, &thresholds) else { continue };
-            for (&threshold, residuals) in thresholds.iter().zip(found) {
-                let chi2 = residuals.map(|residuals| residuals.iter().map(|r| r * r).sum::<f64>());
-                if let Some(chi2) = chi2.filter(|chi2| best.is_none_or(|(least, _)| *chi2 < least)) {
-                    best = Some((chi2, [speed, threshold]));
-                }
+    /// Halves of the intervals of the source.
+    fn source_tolerance(&self) -> Option<Impedance> {
+        let source = self.marked.near.drive.as_ref()?.source?;
+        let (mut mean, mut square) = ([0.0; 3], [0.0; 3]);
+        for sample in &self.samples.samples {
+            let impedance = self.marked.near.drive_at(&sample.at).impedance;
+            for i in 0..impedance.len() {
+                mean[i] += sample.share * impedance[i];
+                square[i] += sample.share * impedance[i] * impedance[i];
             }
         }
-        best.map(|(_, at)| at)
+        let half = |i: usize| INTERVAL * (square[i] - mean[i] * mean[i]).max(0.0).sqrt();
+        Some(source.with([0, 1, 2].map(half)).impedance)
+    }
+
+    fn touched(&self, priors: &Priors, edge_tolerance_m: f64) -> Result<Touched, CalibrateError> {
+        let near = &self.marked.near;
+        let nominal = near.nominal.spec();
+        let speed = self.interval(SPEED, near.deviations[SPEED]);
+        let threshold = self.interval(THRESHOLD, THRESHOLD_KNOWN);
+        let mut spec = near.spec_at(&self.at);
+        spec.wave_speed_tolerance =
+            self.half(SPEED, near.deviations[SPEED]).min(limits::WAVE_SPEED_TOLERANCE.high);
+        let loss = self.half(LOSS, near.deviations[LOSS]).exp() - 1.0;
+        spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        // A drive that is as told keeps what was measured of its levels.
+        let before = nominal.calibration.as_ref().filter(|_| near.drive.is_none());
+        spec.calibration = Some(Calibration {
+            chi2_per_n: self.chi2_per_n,
+            half_width_tolerance: self.half(HALF_WIDTH, priors.half_width).min(1.0),
+            taper_tolerance: self.half(TAPER, priors.taper).min(1.0),
+            level_tolerance_db: before.and_then(|it| it.level_tolerance_db),
+            source_tolerance: self.source_tolerance().or_else(|| before.and_then(|it| it.source_tolerance)),
+            correction: before.and_then(|it| it.correction.clone()),
+        });
+        let name = numbers(nominal)[SPEED].0;
+        let mut beside = self.at;
+        let [value, low, high] = speed.map(|speed| {
+            beside[SPEED] = speed.ln() / near.deviations[SPEED];
+            numbers(&near.plate_at(&beside))[SPEED].1
+        });
+        let of_plate = Parameter { name, value, low, high };
+        let [value, low, high] = threshold.map(|threshold| threshold * near.feeling.threshold);
+        let of_finger = Parameter { name: "feeling.threshold", value, low, high };
+        Ok(Touched {
+            plate: Plate::new(spec)?,
+            feeling: with_threshold(&near.feeling, threshold[0]),
+            speed,
+            threshold,
+            edge_tolerance_m,
+            chi2_per_n: self.chi2_per_n,
+            parameters: vec![of_plate, of_finger],
+        })
     }
 }
 
-impl Problem for Edges<'_> {
-    fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
-        self.at_thresholds(at[0], &at[1..]).and_then(|found| found.into_iter().next().flatten())
-    }
-
-    fn slopes(&self, at: &[f64], _: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let column = |i: usize| {
-            let side = |step: f64| {
-                let mut beside = at.to_vec();
-                beside[i] += step;
-                self.residuals(&beside)
-            };
-            Some(slope(&side(STEPS[i])?, &side(-STEPS[i])?, 2.0 * STEPS[i]))
-        };
-        (0..STEPS.len()).map(column).collect()
-    }
+/// The feeling whose thresholds are `factor` times as high.
+fn with_threshold(feeling: &Feeling, factor: f64) -> Feeling {
+    let mut feeling = *feeling;
+    feeling.threshold *= factor;
+    feeling.friction.scale_m *= factor;
+    feeling
 }

@@ -70,8 +70,17 @@ impl Wave {
         rows
     }
 
+    pub(super) const fn plate(&self) -> &Plate {
+        &self.plate
+    }
+
+    /// p of [`Wave::with_slope`] on the grid at each frequency, with the frequency's number.
+    pub(super) fn fields(&self, frequencies_hz: &[f64], mut each: impl FnMut(usize, &[Complex64])) {
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| each(number, field));
+    }
+
     /// p'(0) of a plate with that slope, 1/m.
-    fn slope(&self) -> Complex64 {
+    pub(super) fn slope(&self) -> Complex64 {
         let end = DrivenEnd::of(&self.plate, f64::NAN);
         end.drive / end.beta
     }

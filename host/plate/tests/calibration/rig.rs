@@ -150,11 +150,6 @@ impl Rig {
         DriveTable::build(plate, RATE_HZ, KNOTS).expect("a table")
     }
 
-    /// A table's gain where the nominal plate puts the boundary of this frequency.
-    pub(crate) fn gain_at(&self, table: &DriveTable, frequency_hz: f64) -> f64 {
-        table.gain(self.nominal.turning_point_m(frequency_hz).expect("enters"))
-    }
-
     /// The true plate's deflection under a tone of this DAC amplitude, metres.
     pub(crate) fn tone(&self, frequency_hz: f64, amplitude: f64) -> Vec<Complex64> {
         let drive = self.drive(frequency_hz) * amplitude;

@@ -1,10 +1,10 @@
-//! Two touches, without any sensor: where the edge is felt afterwards.
+//! Two and more touches, without any sensor: where the edge is felt afterwards.
 
 use crate::rig::{Random, Rig, Solver, middle_and_worst};
 use crate::shunt;
-use slipline_plate::calibrate::{CalibrateError, Priors, Touch, from_touches};
+use slipline_plate::calibrate::{CalibrateError, Priors, Touch, TouchedDrive, from_touches};
 use slipline_plate::feeling::{Feeling, FeltTone};
-use slipline_plate::{DriveEnd, Equation, Peak, Plate, PlateSpec, respond_batch};
+use slipline_plate::{DriveEnd, Equation, Model, Peak, Plate, PlateSpec, respond_batch};
 
 /// Share of the table's peak at full scale that is played: a vibration is felt from less than a micrometre on.
 fn level(name: &str) -> f64 {
@@ -12,7 +12,7 @@ fn level(name: &str) -> f64 {
 }
 
 /// What is known of the drive before anybody touches the plate.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 enum Drive {
     /// It is as the file tells it.
     Told,
@@ -36,9 +36,20 @@ fn told_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling)
     Feeling::edge(&plate, &feeling.strength(&plate, &[tone])).place_m()
 }
 
-/// Distance of the told and the felt edge over the frequencies, mm: root of the mean square by the plain file and after
-/// two touches. `None` if the touches are refused.
-fn before_and_after(name: &str, seed: u64, drive: Drive, count: usize) -> Option<[f64; 2]> {
+/// What touches do to one plate.
+#[derive(Debug, Clone, Copy)]
+struct Judged {
+    /// Distance of the told and the felt edge over the frequencies, root of the mean square in mm: by the plain file and its
+    /// table, and by the file after the touches and its table.
+    off_mm: [f64; 2],
+    /// Half of the told 95 % interval of that, mm.
+    told_mm: f64,
+    /// Whether the told interval of the wave speed holds the true one.
+    holds_speed: bool,
+}
+
+/// Touches a plate `count` times; `None` if the touches are refused.
+fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     let mut random = Random::new(seed);
     let rig = match drive {
         Drive::Told => Rig::new(name, Solver::OneMode, &mut random).with_told_drive(),
@@ -50,74 +61,109 @@ fn before_and_after(name: &str, seed: u64, drive: Drive, count: usize) -> Option
             rig
         }
     };
-    let table = rig.table(&rig.nominal);
-    let peak_m = level(name) * table.peak_at_full_scale_m;
     // Nobody knows the source's gain nor this finger's threshold.
     let finger = Feeling { threshold: random.factor(0.5, 2.0), ..Feeling::default() };
     let gain = random.factor(0.7, 1.4);
-    let felt = |frequency_hz: f64| {
-        let tone = rig.tone(frequency_hz, gain * level(name) * rig.gain_at(&table, frequency_hz));
-        let squares: Vec<f64> = tone.iter().map(|w| 0.5 * w.norm_sqr()).collect();
-        let tone = FeltTone { frequency_hz, squares: &squares };
-        Feeling::edge(&rig.truth, &finger.strength(&rig.truth, &[tone])).place_m()
-    };
     let (low, high) = rig.nominal.band_hz();
-    let frequencies = (0..=20).map(|i| low * (high / low).powf(0.1 + 0.04 * f64::from(i)));
-    let edges: Vec<(f64, f64)> = frequencies.filter_map(|hz| felt(hz).map(|edge_m| (hz, edge_m))).collect();
+    let frequencies: Vec<f64> =
+        (0..=20).map(|i| low * (high / low).powf(0.1 + 0.04 * f64::from(i))).collect();
+    // Where the edge of each frequency is felt with a plate's table, and the peak that this table tells: as loud for the
+    // told threshold as the plain file tells it.
+    let loud = level(name) * rig.table(&rig.nominal).peak_at_full_scale_m;
+    let felt = |plate: &Plate, told: &Feeling| -> Vec<(f64, f64, f64)> {
+        let table = rig.table(plate);
+        let level = (loud * told.threshold / table.peak_at_full_scale_m).min(1.0);
+        let edge = |&hz: &f64| {
+            let boundary_m = plate.turning_point_m(hz).expect("enters");
+            let tone = rig.tone(hz, gain * level * table.gain(boundary_m));
+            let squares: Vec<f64> = tone.iter().map(|w| 0.5 * w.norm_sqr()).collect();
+            let strength = finger.strength(&rig.truth, &[FeltTone { frequency_hz: hz, squares: &squares }]);
+            let edge_m = Feeling::edge(&rig.truth, &strength).place_m()?;
+            Some((hz, edge_m, level * table.peak_m(boundary_m)))
+        };
+        frequencies.iter().filter_map(edge).collect()
+    };
+    let edges = felt(&rig.nominal, &Feeling::default());
     let touch = |i: usize| {
-        let (frequency_hz, edge_m) = edges[i * (edges.len() - 1) / (count - 1)];
+        let (frequency_hz, edge_m, peak_m) = edges[i * (edges.len() - 1) / (count - 1)];
         let mark_m = edge_m + random.within(-MARK_M, MARK_M);
-        Touch { mark_m, tolerance_m: MARK_M / 3_f64.sqrt(), frequency_hz }
+        Touch { mark_m, tolerance_m: MARK_M / 3_f64.sqrt(), frequency_hz, peak_m }
     };
     let touches: Vec<Touch> = (0..count).map(touch).collect();
-    let found = from_touches(&rig.nominal, &touches, peak_m, &Feeling::default(), &Priors::default()).ok()?;
-    assert!(found.plate.spec().calibration.as_ref().is_some_and(|it| it.correction.is_none()), "no levels");
+    let known = match drive {
+        Drive::Told => TouchedDrive::AsTold,
+        Drive::Unknown | Drive::Measured => TouchedDrive::of(&rig.nominal),
+    };
+    let found = from_touches(&rig.nominal, &touches, &Feeling::default(), known, &Priors::default()).ok()?;
+    let is_measured = found.plate.spec().calibration.as_ref().is_some_and(|it| it.correction.is_some());
+    assert_eq!(is_measured, matches!(drive, Drive::Measured), "touches give no levels");
     let [speed, low, high] = found.speed;
     assert!(low < speed && speed < high && high < 1.3 * low, "{:?}", found.speed);
-    let off = |plate: &Plate, feeling: &Feeling| {
-        let off = |(hz, edge_m): &(f64, f64)| {
-            let told_m = told_edge_m(plate, *hz, peak_m, feeling);
-            told_m.map_or(f64::INFINITY, |told_m| (1e3 * (told_m - edge_m)).powi(2))
+    let truly = numbers(&rig.truth) / numbers(&rig.nominal);
+    let off = |plate: &Plate, feeling: &Feeling, edges: &[(f64, f64, f64)]| {
+        let off = |&(hz, edge_m, peak_m): &(f64, f64, f64)| {
+            let told_m = told_edge_m(plate, hz, peak_m, feeling).unwrap_or(plate.length_m());
+            (1e3 * (told_m - edge_m)).powi(2)
         };
         (edges.iter().map(off).sum::<f64>() / edges.len() as f64).sqrt()
     };
-    Some([off(&rig.nominal, &Feeling::default()), off(&found.plate, &found.feeling)])
+    Some(Judged {
+        off_mm: [
+            off(&rig.nominal, &Feeling::default(), &edges),
+            off(&found.plate, &found.feeling, &felt(&found.plate, &found.feeling)),
+        ],
+        told_mm: 1e3 * found.edge_tolerance_m,
+        holds_speed: (low..=high).contains(&truly),
+    })
+}
+
+/// The wave speed, or what goes with it.
+fn numbers(plate: &Plate) -> f64 {
+    match &plate.spec().model {
+        Model::Membrane { wave_speed_m_per_s, .. } => *wave_speed_m_per_s,
+        model => model.bending().expect("bending").youngs_modulus_pa.powf(0.25),
+    }
+}
+
+/// Truths: median and worst before and after, and those that were accepted.
+fn truths(name: &str, drive: Drive, count: usize, truths: u64) -> ([(f64, f64); 2], Vec<Judged>) {
+    let judged: Vec<Judged> = (0..truths).filter_map(|seed| judge(name, seed, drive, count)).collect();
+    let figures = [0, 1].map(|i| middle_and_worst(judged.iter().map(|it| it.off_mm[i]).collect()));
+    println!(
+        "{name}, {drive:?}, {count} touches: {} of {truths}, felt edge off by (mm, median and worst) {figures:?}; told {:?}, beyond it {}, speed held {}",
+        judged.len(),
+        middle_and_worst(judged.iter().map(|it| it.told_mm).collect()),
+        judged.iter().filter(|it| it.off_mm[1] > it.told_mm).count(),
+        judged.iter().filter(|it| it.holds_speed).count(),
+    );
+    (figures, judged)
 }
 
 #[test]
-fn two_touches_put_the_felt_edge_right_where_the_drive_is_as_told() {
-    for name in ["membrane", "al-bending"] {
-        let judged: Vec<[f64; 2]> =
-            (0..20).filter_map(|seed| before_and_after(name, seed, Drive::Told, 2)).collect();
-        let [before, after] = [0, 1].map(|i| middle_and_worst(judged.iter().map(|both| both[i]).collect()));
-        println!(
-            "{name}: {} truths, felt edge off by (mm, median and worst) {before:?} -> {after:?}",
-            judged.len()
-        );
-        assert!(judged.len() >= 19, "{name}: {} accepted", judged.len());
-        assert!(after.0 <= 2.5 && after.0 < 0.6 * before.0, "{name}: {before:?} {after:?}");
+fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can() {
+    // What no method can better on average stands in PHYSICS.md, by the example `felt_edges`.
+    for (count, most_mm) in [(2, 4.5), (6, 2.0)] {
+        let ([before, after], judged) = truths("membrane", Drive::Unknown, count, 20);
+        assert_eq!(judged.len(), 20, "none is refused");
+        assert!(after.0 <= most_mm && after.0 < 0.4 * before.0, "{count}: {before:?} {after:?}");
+        // What is told of the edge and of the speed must hold: for 95 % of all, so for 17 of 20 nearly always.
+        let within = judged.iter().filter(|it| it.off_mm[1] <= it.told_mm).count();
+        let held = judged.iter().filter(|it| it.holds_speed).count();
+        assert!(within >= 17 && held >= 17, "{count}: {within} {held}");
     }
 }
 
 #[test]
-fn touches_on_a_drive_whose_levels_swing_are_often_refused_and_else_better_than_nothing() {
-    let judged: Vec<[f64; 2]> =
-        (0..20).filter_map(|seed| before_and_after("membrane", seed, Drive::Unknown, 2)).collect();
-    assert!(judged.len() <= 15, "{judged:?}");
-    let [before, after] = [0, 1].map(|i| middle_and_worst(judged.iter().map(|both| both[i]).collect()));
-    println!("{} truths, felt edge off by (mm, median and worst) {before:?} -> {after:?}", judged.len());
-    assert!(after.0 < 0.6 * before.0 && after.1 < 10.0, "{before:?} {after:?}");
-}
-
-#[test]
-fn two_touches_serve_an_unknown_drive_of_aluminium_and_a_measured_one_of_a_membrane() {
-    for (name, drive) in [("al-bending", Drive::Unknown), ("membrane", Drive::Measured)] {
-        let judged: Vec<[f64; 2]> =
-            (0..20).filter_map(|seed| before_and_after(name, seed, drive, 2)).collect();
-        let [before, after] = [0, 1].map(|i| middle_and_worst(judged.iter().map(|both| both[i]).collect()));
-        println!("{name}: {} truths, felt edge off by (mm) {before:?} -> {after:?}", judged.len());
-        assert!(judged.len() >= 16, "{name}: {} accepted", judged.len());
-        assert!(after.0 <= 2.5 && after.1 <= 4.0, "{name}: {before:?} {after:?}");
+fn two_touches_put_the_felt_edge_right_where_the_drive_is_known_or_matters_less() {
+    for (name, drive, most_mm) in [
+        ("membrane", Drive::Told, 2.0),
+        ("al-bending", Drive::Told, 2.0),
+        ("al-bending", Drive::Unknown, 2.5),
+        ("membrane", Drive::Measured, 2.5),
+    ] {
+        let ([before, after], judged) = truths(name, drive, 2, 10);
+        assert_eq!(judged.len(), 10, "{name} {drive:?}");
+        assert!(after.0 <= most_mm && after.0 < 0.6 * before.0, "{name} {drive:?}: {before:?} {after:?}");
     }
 }
 
@@ -128,9 +174,10 @@ fn touches_that_tell_nothing_are_refused() {
     let refused = |marks: &[(f64, f64)], peak_m: f64| {
         let touches: Vec<Touch> = marks
             .iter()
-            .map(|&(mark_m, frequency_hz)| Touch { mark_m, tolerance_m: 2e-3, frequency_hz })
+            .map(|&(mark_m, frequency_hz)| Touch { mark_m, tolerance_m: 2e-3, frequency_hz, peak_m })
             .collect();
-        from_touches(&plate, &touches, peak_m, &Feeling::default(), &Priors::default()).expect_err("refused")
+        from_touches(&plate, &touches, &Feeling::default(), TouchedDrive::AsTold, &Priors::default())
+            .expect_err("refused")
     };
     let one = refused(&[(0.15, 120.0)], 5e-6);
     assert!(matches!(one, CalibrateError::CloseMarks { count: 1, .. }), "{one}");
