@@ -50,7 +50,7 @@ pub fn farad(text: &str) -> Result<f64, QuantityError> {
 /// # Errors
 /// [`QuantityError`]: no number, or another unit.
 pub fn ampere(text: &str) -> Result<f64, QuantityError> {
-    in_units(text, &[("nA", 1e-9), ("uA", 1e-6), ("µA", 1e-6), ("mA", 1e-3)], "A")
+    in_units(text, &[("nA", 1e-9), ("uA", 1e-6), ("µA", 1e-6), ("mA", 1e-3), ("kA", 1e3)], "A")
 }
 
 #[cfg(test)]
