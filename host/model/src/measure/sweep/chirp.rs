@@ -58,6 +58,11 @@ impl Chirp {
         Ok(Self { rate_hz, wanted: *wanted, ends_hz, ring_s, samples: 0 })
     }
 
+    /// The sample that many seconds after another, at the beginning of a block.
+    pub(super) fn after(&self, at: u64, seconds: f64) -> u64 {
+        at.saturating_add((seconds * self.rate_hz) as u64).next_multiple_of(BLOCK as u64)
+    }
+
     /// The shortest time in which the device can play it, seconds. `glide_s` is what the actuator's travel asks for.
     pub(super) fn shortest_s(&self, glide_s: f64) -> f64 {
         let (first, last) = self.ends_hz;

@@ -18,6 +18,7 @@
 //! ```
 
 mod chirp;
+mod codes;
 mod deconvolution;
 mod heard;
 mod plan;

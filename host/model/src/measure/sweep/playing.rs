@@ -6,20 +6,18 @@
 //! ```
 //! It needs no inputs. At the end the codes that the device has played are compared with those that the description gives.
 
+use super::codes::{Codes, SILENT_S};
 use super::played::PlayedSweep;
 use super::table;
 use crate::measure::error::MeasureError;
 use crate::measure::procedure::{self, Procedure, Step};
-use slipline_link::mirror::replay::{DeviceHistory, Replay};
-use slipline_link::{BLOCK, DeviceTable, Outcome, Request, Snapshot};
+use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
 use std::sync::Arc;
 
 /// How often it is begun anew.
 const TRIES: u32 = 4;
 /// How much longer the host may take for a request at last: twice as long at each try.
 const LEADS: f64 = 8.0;
-/// From a stop to the first tone, seconds: by then the replay of the device's codes knows that it is silent.
-const SILENT_S: f64 = 0.3;
 /// How often the device is asked how far it is until its codes are known.
 const LOOKS: u32 = 400;
 
@@ -66,7 +64,7 @@ pub struct Playing {
     lead_s: f64,
     tries: u32,
     now: u64,
-    replay: Replay,
+    replay: Codes,
     codes: Vec<u16>,
     error: Option<MeasureError>,
 }
@@ -84,7 +82,7 @@ impl Playing {
         Ok(Self {
             swept: Arc::new(swept.with_travel_limit_of(&table)),
             lead_s: sweep.lead as f64 / rate_hz,
-            replay: Replay::new((longest + 2 * rate_hz as u64) as usize),
+            replay: Codes::new(longest + 2 * rate_hz as u64),
             sweep,
             table,
             stage: Stage::Silence,
@@ -95,11 +93,6 @@ impl Playing {
             codes: Vec::new(),
             error: None,
         })
-    }
-
-    /// The sample that many seconds after another, at the beginning of a block.
-    fn after(&self, at: u64, seconds: f64) -> u64 {
-        at.saturating_add((seconds * self.sweep.chirp.rate_hz) as u64).next_multiple_of(BLOCK as u64)
     }
 
     /// When a drive may be sent: when the one before it is over.
@@ -123,9 +116,7 @@ impl Playing {
         if self.now <= from + count {
             return;
         }
-        let codes = self.replay.exact_codes(from, u32::try_from(count).unwrap_or(u32::MAX));
-        let codes = codes.map(Iterator::collect::<Vec<u16>>);
-        if let Some(codes) = codes {
+        if let Some(codes) = self.replay.played(from, count) {
             self.codes = codes;
             self.stage = Stage::Ending;
         } else if looks >= LOOKS {
@@ -191,7 +182,8 @@ impl Procedure for Playing {
             }
             (Stage::Silence, Outcome::Done { .. }) => self.stage = Stage::Table,
             (Stage::Table, Outcome::Done { at }) => {
-                self.stage = Stage::Play { from: self.after((*at).max(self.now), SILENT_S), number: 0 };
+                self.stage =
+                    Stage::Play { from: self.sweep.chirp.after((*at).max(self.now), SILENT_S), number: 0 };
             }
             (Stage::Play { from, number }, Outcome::Done { .. }) => {
                 let next = number + 1;
@@ -220,9 +212,7 @@ impl Procedure for Playing {
     }
 
     fn watch(&mut self, snapshot: &Snapshot) {
-        if let Some(history) = DeviceHistory::of(snapshot) {
-            self.replay.follow(&history);
-        }
+        self.replay.follow(snapshot);
         self.now = snapshot.status.map_or(self.now, |status| status.now);
         let trouble = procedure::trouble(&mut self.error, snapshot);
         if let Some(trouble) = trouble.filter(|_| !self.is_ending()) {

@@ -7,17 +7,17 @@
 //! ```
 //! The tone always waits for the same number of samples before it glides, so that every sweep has the same codes.
 
+use super::codes::{Codes, SILENT_S};
 use super::plan::{SweepPlan, VALUES};
 use super::recording::Recording;
 use super::table;
 use crate::measure::answers::{Measured, Sensor};
 use crate::measure::error::MeasureError;
 use crate::measure::procedure::{self, Procedure, Step};
-use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
-    BLOCK, CaptureRequest, DeviceTable, DriveRequest, Outcome, Refusal, Request, Snapshot, ToneRequest,
+    CaptureRequest, DeviceTable, DriveRequest, Outcome, Refusal, Request, Snapshot, ToneRequest,
 };
 use std::sync::Arc;
 
@@ -28,8 +28,6 @@ const LOOKS: u32 = 200;
 /// From the silent tone to the glide, seconds: in this time the host sends two requests. A host that is too late for it tries
 /// again with twice the time.
 const LEAD_S: f64 = 0.25;
-/// From a stop to the first tone, seconds: by then the replay of the device's codes knows that it is silent.
-const SILENT_S: f64 = 0.3;
 
 /// Where a sweep stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,7 +83,7 @@ pub struct Sweeping {
     tries: u32,
     late: u32,
     captures: u16,
-    replay: Replay,
+    replay: Codes,
     recording: Recording,
     error: Option<MeasureError>,
 }
@@ -105,7 +103,7 @@ impl Sweeping {
         let sweep = table::of(&plan.chirp, &table)?;
         let all = u64::from(plan.captures) * plan.capture_samples();
         // Beside the sweep a second of what was before and after it.
-        let replay = Replay::new((all + plan.chirp.rate_hz as u64) as usize);
+        let replay = Codes::new(all + plan.chirp.rate_hz as u64);
         Ok(Self {
             lead_s: LEAD_S + plan.glide_s,
             plan,
@@ -124,11 +122,6 @@ impl Sweeping {
             recording: Recording::default(),
             error: None,
         })
-    }
-
-    /// The sample that many seconds after another, at the beginning of a block.
-    fn after(&self, at: u64, seconds: f64) -> u64 {
-        at.saturating_add((seconds * self.plan.chirp.rate_hz) as u64).next_multiple_of(BLOCK as u64)
     }
 
     /// The tone at an end of the sweep's table.
@@ -181,8 +174,7 @@ impl Sweeping {
     /// Takes the codes of the sweep up to the end of its last capture.
     fn codes(&mut self, from: u64, looks: u32) {
         let count = self.captured_from(from) - from;
-        let codes = self.replay.exact_codes(from, u32::try_from(count).unwrap_or(u32::MAX));
-        let Some(codes) = codes.map(Iterator::collect::<Vec<u16>>) else {
+        let Some(codes) = self.replay.played(from, count) else {
             if looks >= LOOKS {
                 self.fail(MeasureError::Unknown);
             } else {
@@ -254,7 +246,7 @@ impl Procedure for Sweeping {
                 self.stage = if self.is_changed { Stage::Tone { at: None } } else { Stage::Table };
             }
             (Stage::Table, Outcome::Done { at }) => {
-                self.stage = Stage::Tone { at: Some(self.after(*at, SILENT_S)) };
+                self.stage = Stage::Tone { at: Some(self.plan.chirp.after(*at, SILENT_S)) };
             }
             // So much time has passed by itself.
             (Stage::Tone { at: Some(_) }, late) if procedure::is_late(late) => {
@@ -264,7 +256,7 @@ impl Procedure for Sweeping {
                 self.stage = Stage::Quiet { from: None };
             }
             (Stage::Tone { .. }, Outcome::Done { at }) => {
-                let from = self.after(*at, self.lead_s);
+                let from = self.plan.chirp.after(*at, self.lead_s);
                 let is_quiet = self.recording.quiet.is_empty();
                 self.stage = if is_quiet { Stage::Quiet { from: Some(*at) } } else { Stage::Glide { from } };
             }
@@ -300,9 +292,7 @@ impl Procedure for Sweeping {
     }
 
     fn watch(&mut self, snapshot: &Snapshot) {
-        if let Some(history) = DeviceHistory::of(snapshot) {
-            self.replay.follow(&history);
-        }
+        self.replay.follow(snapshot);
         let trouble = procedure::trouble(&mut self.error, snapshot);
         if let Some(trouble) = trouble.filter(|_| !self.is_ending()) {
             self.fail(trouble);
