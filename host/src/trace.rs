@@ -6,7 +6,7 @@ use slipline_plate::quantity::must_be;
 use std::fs::File;
 use std::path::Path;
 use std::sync::Mutex;
-use tracing_subscriber::filter::{EnvFilter, LevelFilter, Targets};
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::layer::{Layer as _, SubscriberExt as _};
 use tracing_subscriber::util::SubscriberInitExt as _;
@@ -20,7 +20,7 @@ const VARIABLE: &str = "RUST_LOG";
 /// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, [`Failure::Failed`] for a file that cannot be written.
 pub fn start(file: Option<&Path>) -> Result<(), Failure> {
     let filter = match std::env::var(VARIABLE) {
-        Ok(text) if !text.is_empty() => Some(EnvFilter::try_new(&text).map_err(|error| {
+        Ok(text) if !text.is_empty() => Some(text.parse::<Targets>().map_err(|error| {
             let allowed = format!("a list like 'slipline_link=debug' or 'info' ({error})");
             Failure::Usage(must_be(format_args!("{VARIABLE} is '{text}'"), allowed))
         })?),

@@ -18,6 +18,7 @@ const TRANSPORTS: [&str; 9] = [
 ];
 
 #[test]
+#[ignore = "needs the firmware's crates, which cargo test does not fetch: .ci/run images runs it"]
 fn no_board_s_image_writes_to_a_debug_probe() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let manifest =

@@ -1,6 +1,6 @@
 //! The application as it is compiled for a Cortex-M4, run by an emulator, against the mirror and the limits.
 //!
-//! Needs `qemu-system-arm`: `cargo test --test qemu -- --ignored`.
+//! Needs `qemu-system-arm`: `cargo test --test chain -- --ignored qemu::`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The command line, as a process of its own, on an emulated device behind a pseudo-terminal: as a user runs it on a
 //! board.
 //!
-//! Needs `qemu-system-arm`: `cargo test --test qemu_cli -- --ignored`.
+//! Needs `qemu-system-arm`: `cargo test --test chain -- --ignored qemu_cli::`.
 #![cfg(unix)]
 
 use std::process::{Child, Command as Process, Output, Stdio};

@@ -13,6 +13,7 @@ fn two_minutes_at_the_full_sample_rate_are_the_mirrors_code_for_code() {
 
 /// At 2 kS/s, so that a day has few blocks: times and counters are those of a day, and every code is compared.
 #[test]
+#[ignore = "a simulated day: .ci/run long_tests"]
 fn a_day_of_random_use_ends_without_a_fault_or_a_lost_frame() {
     let mut soak = Soak::new(2000, 24);
     let first_hour = soak.run(3600);

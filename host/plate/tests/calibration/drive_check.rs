@@ -1,6 +1,6 @@
 //! Is it on? Coils and piezos of known numbers on plates below their cut-off, where the plate is a spring.
 
-use crate::rig::{Random, Rig, Solver};
+use super::rig::{Random, Rig, Solver};
 use slipline_plate::calibrate::{
     DriveCheck, DriveCircuit, DriveLoad, MeasuredPoint, Measurement, SensorKind, check_drive, drive_check_hz,
 };

@@ -10,8 +10,8 @@
 //! | plate file wrong by 20 % | `the_file_of_another_plate..` | `what_goes_wrong..` | |
 //! | finger on the plate | `a_finger..` | `what_goes_wrong..` | |
 
-use crate::rig::{Random, Rig, Solver};
-use crate::{PLACES, calibrated, count, measured};
+use super::rig::{Random, Rig, Solver};
+use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement};
 use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
 

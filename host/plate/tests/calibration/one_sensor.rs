@@ -1,8 +1,8 @@
 //! One sensor, with the full model of the source.
 
-use crate::misuse::good_or_refused;
-use crate::rig::{Random, Rig, Solver, middle_and_worst};
-use crate::{count, within};
+use super::misuse::good_or_refused;
+use super::rig::{Random, Rig, Solver, middle_and_worst};
+use super::{MANY, count, within};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_one_sensor};
 use slipline_plate::{Complex64, DriveEnd, Finger, Impedance, Model, Plate};
 
@@ -26,12 +26,23 @@ fn impedance(plate: &Plate) -> Impedance {
 }
 
 #[test]
+fn one_sensor_puts_the_first_plates_right() {
+    one_sensor(2);
+}
+
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
 fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
+    one_sensor(20);
+}
+
+/// Calibrates so many truths of both presets.
+fn one_sensor(number: u64) {
     for (name, boundary_mm, level_db) in
         [("membrane", [0.6, 1.2], [0.6, 2.0]), ("al-bending", [0.4, 0.8], [0.6, 2.5])]
     {
-        let (mut judged, mut sources_told) = (Vec::new(), 0);
-        for seed in 0..20 {
+        let (mut judged, mut sources_told) = (Vec::new(), 0_u64);
+        for seed in 0..number {
             let mut random = Random::new(seed);
             let rig = Rig::new(name, Solver::OneMode, &mut random);
             let sensor = measured(name, &rig, &mut random);
@@ -42,7 +53,7 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
             assert!(after.boundary_m < 1.5 * found.boundary_tolerance_m, "{name} {seed}: {after:?}");
             assert!(after.level_db < 1.5 * found.level_tolerance_db.max(0.5), "{name} {seed}: {after:?}");
             let truth = impedance(&rig.truth);
-            sources_told += usize::from(
+            sources_told += u64::from(
                 within(&found, "drive.resistance_n_s_per_m", truth.resistance_n_s_per_m)
                     && within(&found, "drive.mass_kg", truth.mass_kg)
                     && within(&found, "delay_s", rig.delay_s),
@@ -51,16 +62,28 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
         }
         let boundary = middle_and_worst(judged.iter().map(|it| 1e3 * it.boundary_m).collect());
         let level = middle_and_worst(judged.iter().map(|it| it.level_db).collect());
-        println!("{name}: {boundary:?} mm, {level:?} dB; the source is told for {sources_told} of 20");
-        assert!(boundary.0 <= boundary_mm[0] && boundary.1 <= boundary_mm[1], "{name}: {boundary:?}");
-        assert!(level.0 <= level_db[0] && level.1 <= level_db[1], "{name}: {level:?}");
-        assert!(sources_told >= 17, "{name}: {sources_told}");
+        println!("{name}: {boundary:?} mm, {level:?} dB; the source is told for {sources_told} of {number}");
+        assert!(boundary.1 <= boundary_mm[1] && level.1 <= level_db[1], "{name}: {boundary:?} {level:?}");
+        if number >= MANY {
+            assert!(boundary.0 <= boundary_mm[0] && level.0 <= level_db[0], "{name}: {boundary:?} {level:?}");
+        }
+        assert!(20 * sources_told >= 17 * number, "{name}: {sources_told} of {number}");
     }
 }
 
 #[test]
 fn what_goes_wrong_with_one_sensor_is_refused_or_told() {
-    for name in ["membrane", "al-bending"] {
+    misuse(&["membrane"]);
+}
+
+#[test]
+#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+fn what_goes_wrong_with_one_sensor_is_refused_or_told_on_aluminium_too() {
+    misuse(&["al-bending"]);
+}
+
+fn misuse(presets: &[&str]) {
+    for &name in presets {
         let mut random = Random::new(50);
         let rig = Rig::new(name, Solver::OneMode, &mut random);
         let sensor = measured(name, &rig, &mut random);

@@ -1,8 +1,8 @@
 //! The current of the drive alone, with nothing on the plate.
 
-use crate::count;
-use crate::misuse::good_or_refused;
-use crate::rig::{Random, Rig, Solver, middle_and_worst};
+use super::misuse::good_or_refused;
+use super::rig::{Random, Rig, Solver, middle_and_worst};
+use super::{MANY, count};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, Transducer, from_shunt};
 use slipline_plate::{Complex64, DriveEnd, Finger, Plate};
 use std::f64::consts::{PI, TAU};
@@ -60,9 +60,20 @@ pub(crate) fn calibrated(
 }
 
 #[test]
+fn the_current_alone_puts_a_first_plate_right() {
+    by_current([2, 1]);
+}
+
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
 fn the_current_alone_puts_boundary_and_level_right_or_says_that_two_plates_fit() {
+    by_current([20, 10]);
+}
+
+/// Calibrates so many truths of each preset.
+fn by_current([membranes, plates]: [u64; 2]) {
     for (name, number, boundary_mm, level_db) in
-        [("membrane", 20, [0.7, 1.4], [0.3, 0.8]), ("al-bending", 10, [0.5, 1.2], [0.4, 1.2])]
+        [("membrane", membranes, [0.7, 1.4], [0.3, 0.8]), ("al-bending", plates, [0.5, 1.2], [0.4, 1.2])]
     {
         let mut judged = Vec::new();
         for seed in 0..number {
@@ -83,14 +94,26 @@ fn the_current_alone_puts_boundary_and_level_right_or_says_that_two_plates_fit()
         let level = middle_and_worst(judged.iter().map(|it| it.level_db).collect());
         println!("{name}: {} accepted, {boundary:?} mm, {level:?} dB", judged.len());
         assert!(judged.len() as u64 * 10 >= number * 9, "{name}: {}", judged.len());
-        assert!(boundary.0 <= boundary_mm[0] && boundary.1 <= boundary_mm[1], "{name}: {boundary:?}");
-        assert!(level.0 <= level_db[0] && level.1 <= level_db[1], "{name}: {level:?}");
+        assert!(boundary.1 <= boundary_mm[1] && level.1 <= level_db[1], "{name}: {boundary:?} {level:?}");
+        if number >= MANY {
+            assert!(boundary.0 <= boundary_mm[0] && level.0 <= level_db[0], "{name}: {boundary:?} {level:?}");
+        }
     }
 }
 
 #[test]
 fn what_goes_wrong_with_the_current_is_refused_or_told() {
-    for name in ["membrane", "al-bending"] {
+    misuse(&["membrane"]);
+}
+
+#[test]
+#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+fn what_goes_wrong_with_the_current_is_refused_or_told_on_aluminium_too() {
+    misuse(&["al-bending"]);
+}
+
+fn misuse(presets: &[&str]) {
+    for &name in presets {
         let (rig, electrics, mut random) = rig(name, 1);
         let measured = current(&rig, &electrics, &mut random);
         let told = |rig: &Rig, measured: &Measurement, what: &str| {

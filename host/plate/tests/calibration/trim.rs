@@ -1,7 +1,7 @@
 //! The wave speed of a calibrated plate changes: one sensor tells by how much.
 
-use crate::rig::{Random, Rig, Solver};
-use crate::{PLACES, calibrated, count, measured};
+use super::rig::{Random, Rig, Solver};
+use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, MeasuredPoint, Measurement, SpeedTrim};
 use slipline_plate::{Finger, Plate};
 
@@ -78,7 +78,17 @@ fn the_speed_is_found_within_its_interval_at_first_and_later() {
 
 #[test]
 fn what_one_speed_does_not_explain_is_told() {
-    for name in ["membrane", "al-bending"] {
+    unexplained(&["membrane"]);
+}
+
+#[test]
+#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+fn what_one_speed_does_not_explain_is_told_on_aluminium_too() {
+    unexplained(&["al-bending"]);
+}
+
+fn unexplained(presets: &[&str]) {
+    for &name in presets {
         let (rig, mut random) = rig(name, 5);
         let good = first(name, &rig, 0.0, &mut random);
         let trim = SpeedTrim::new(&rig.nominal, &good).expect("a speed");

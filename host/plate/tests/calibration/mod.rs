@@ -16,6 +16,9 @@ use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors,
 /// Shares of the length at which the sensor stands.
 const PLACES: [f64; 2] = [0.1, 0.55];
 
+/// Of so many plates the median is held to its limit, too; of fewer the worst alone.
+const MANY: u64 = 10;
+
 /// Frequencies that suffice.
 fn count(name: &str) -> usize {
     if name == "membrane" { 60 } else { 150 }
@@ -62,22 +65,45 @@ fn figures(judged: &[[Judgement; 2]], which: usize) -> [(f64, f64); 2] {
     ]
 }
 
-#[test]
-fn the_ratio_of_two_places_puts_boundary_and_level_right() {
+/// Calibrates so many truths of both presets.
+fn ratio(number: u64) {
     for name in ["membrane", "al-bending"] {
-        let judged = truths(name, Solver::OneMode, 20);
+        let judged = truths(name, Solver::OneMode, number);
         let [before, after] = [0, 1].map(|which| figures(&judged, which));
         println!("{name}: mm and dB, median and worst: {before:?} -> {after:?}");
         let [(boundary_mm, worst_mm), (level_db, worst_db)] = after;
-        assert!(boundary_mm <= 0.2 && worst_mm <= 1.0, "{name}: {after:?}");
-        assert!(level_db <= 0.5 && worst_db <= 2.0, "{name}: {after:?}");
-        assert!(before[0].0 > 1.0 && before[1].0 > 2.0, "{name}: {before:?}");
+        assert!(worst_mm <= 1.0 && worst_db <= 2.0, "{name}: {after:?}");
+        if number >= MANY {
+            assert!(boundary_mm <= 0.2 && level_db <= 0.5, "{name}: {after:?}");
+            assert!(before[0].0 > 1.0 && before[1].0 > 2.0, "{name}: {before:?}");
+        }
     }
 }
 
 #[test]
+fn the_ratio_of_two_places_puts_the_first_plates_right() {
+    ratio(3);
+}
+
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
+fn the_ratio_of_two_places_puts_boundary_and_level_right() {
+    ratio(20);
+}
+
+#[test]
+fn a_plate_in_two_dimensions_is_calibrated_by_the_one_mode_equation() {
+    two_dimensions(&[("membrane", 1)]);
+}
+
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
 fn plates_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
-    for (name, number) in [("membrane", 4), ("al-bending", 1)] {
+    two_dimensions(&[("membrane", 4), ("al-bending", 1)]);
+}
+
+fn two_dimensions(presets: &[(&str, u64)]) {
+    for &(name, number) in presets {
         let judged = truths(name, Solver::TwoDimensions, number);
         let [(_, worst_mm), (_, worst_db)] = figures(&judged, 1);
         assert!(worst_mm <= 0.5 && worst_db <= 1.0, "{name}: {worst_mm} mm {worst_db} dB");

@@ -1,0 +1,23 @@
+//! The plate's physics against closed solutions, independent solvers and its own documents, in one program.
+//!
+//! `cargo test -p slipline-plate --test physics merit` runs one file's tests.
+
+mod bending_end;
+mod bending_truth;
+mod calibration;
+mod clamped_end;
+mod clamped_law;
+mod clamped_sheet;
+mod drive_end;
+mod even_level;
+mod exact;
+mod finger;
+mod lights_truth;
+mod merit;
+mod paper;
+mod physics_page;
+mod plate_files;
+mod stopped;
+mod texture;
+mod time_line;
+mod turning_width;
