@@ -34,4 +34,5 @@ pub mod soak;
 pub mod source_tree;
 pub mod transcript;
 pub mod truths;
+pub mod turned_clock;
 pub mod wire;

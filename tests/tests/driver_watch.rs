@@ -1,19 +1,20 @@
 //! a program that hangs while it drives. The link's own thread goes on and keeps the device alive, so it watches
 //! the program: without a sign of life for a second it stops and disarms.
 
-use slipline_link::native::{Handle, Worker};
+use slipline_link::native::{SystemOpener, Worker};
 use slipline_link::table::DeviceTable;
 use slipline_link::{
-    Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, Severity, Snapshot, Ticket,
+    Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Severity, Ticket,
 };
 use slipline_protocol::Command;
 use slipline_protocol::event::State;
 use slipline_tests::faulty_ports::as_real;
 use slipline_tests::link_rig::{LinkRig, drive};
+use slipline_tests::turned_clock::{TurnedClock, until};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Driving one tone, under watch.
 fn driving() -> LinkRig {
@@ -206,71 +207,116 @@ fn a_stop_that_is_lost_is_sent_again() {
     assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
 }
 
-/// Longer than anything here takes; no length is asserted.
-const PATIENCE: Duration = Duration::from_secs(20);
+const fn ms(ms: u64) -> Duration {
+    Duration::from_millis(ms)
+}
 
-/// A worker in real time, with a simulated device that it drives.
-fn worker() -> Worker {
-    let worker = Worker::spawn(|| ()).unwrap();
-    let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
-    let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
-    let drive = Request::Drive(DriveRequest::at(&[(0.05, 0.5)]));
-    for request in [Request::Connect(Port::Simulated), Request::Upload(Arc::new(table)), Request::Arm, drive]
-    {
-        let outcome = worker.wait(worker.send(request), PATIENCE);
-        assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
+/// A worker on its own thread, which drives a simulated device, both by a clock that the test turns.
+struct Driven {
+    worker: Worker,
+    clock: TurnedClock,
+}
+
+impl Driven {
+    fn new() -> Self {
+        let clock = TurnedClock::default();
+        let ports = SystemOpener::in_time_of(clock.clock());
+        let worker = Worker::spawn_in_time_of(clock.clock(), ports, || ()).unwrap();
+        let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
+        let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
+        let drive = Request::Drive(DriveRequest::at(&[(0.05, 0.5)]));
+        let driven = Self { worker, clock };
+        for request in
+            [Request::Connect(Port::Simulated), Request::Upload(Arc::new(table)), Request::Arm, drive]
+        {
+            let ticket = driven.worker.send(request);
+            let end = driven.clock.now() + Duration::from_secs(10);
+            while driven.worker.snapshot().outcome(ticket).is_none() {
+                assert!(driven.clock.now() < end, "it is never done");
+                driven.worker.handle().sign_of_life();
+                driven.turn(ms(5), || ());
+            }
+            let outcome = driven.worker.snapshot().outcome(ticket).cloned();
+            assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
+        }
+        driven
     }
-    worker
-}
 
-fn state(snapshot: &Snapshot) -> Option<State> {
-    snapshot.status.map(|status| status.state)
-}
+    fn turn(&self, time: Duration, step_done: impl FnMut()) {
+        self.clock.turn(&self.worker.handle(), time, step_done);
+    }
 
-/// Waits as a thread that only looks: without a sign of life.
-fn sees(handle: &Handle, is_it: impl Fn(&Snapshot) -> bool) -> bool {
-    handle.wait_for(PATIENCE, |snapshot| is_it(snapshot).then_some(())).is_some()
+    /// The device's state, and how often a hang was noticed.
+    fn seen(&self) -> (Option<State>, u32) {
+        let snapshot = self.worker.snapshot();
+        (snapshot.status.map(|status| status.state), snapshot.driver_stalls)
+    }
+
+    /// Nobody gives a sign of life any more: a second after the last one the drive is ended, and not before.
+    fn ends_without_a_sign(&self) {
+        let left = self.worker.handle().latest_sign() + SIGN_PATIENCE - self.clock.now();
+        self.turn(left - ms(1), || ());
+        assert_eq!(self.seen(), (Some(State::Driving), 0));
+        self.turn(ms(1), || ());
+        assert_eq!(self.seen().1, 1);
+        self.turn(ms(300), || ());
+        assert_eq!(self.seen(), (Some(State::Idle), 1));
+    }
 }
 
 #[test]
 fn a_thread_that_waits_or_pauses_by_the_worker_is_alive_and_one_that_hangs_is_not() {
-    let worker = worker();
-    worker.pause(Duration::from_millis(1500));
-    // What nobody has asked for does not end.
-    assert_eq!(worker.wait(Ticket(u64::MAX), Duration::from_millis(1500)), None);
-    let refresh = worker.send(Request::Refresh);
-    assert!(worker.wait(refresh, PATIENCE).is_some());
-    assert_eq!((state(&worker.snapshot()), worker.snapshot().driver_stalls), (Some(State::Driving), 0));
+    let driven = Driven::new();
+    let handle = driven.worker.handle();
+    thread::scope(|scope| {
+        let waits = scope.spawn(|| {
+            driven.worker.pause(ms(1250));
+            // What nobody has asked for does not end.
+            assert_eq!(driven.worker.wait(Ticket(u64::MAX), ms(1250)), None);
+        });
+        while !waits.is_finished() {
+            driven.turn(ms(50), || ());
+            // However slow that thread is, it gives the next sign before the clock is turned on.
+            let is_alive = || driven.clock.now() - handle.latest_sign() < SIGN_PERIOD;
+            until("alive", || is_alive() || waits.is_finished());
+        }
+    });
+    assert_eq!(driven.seen(), (Some(State::Driving), 0));
     // From here on this thread only looks.
-    assert!(sees(&worker.handle(), |snapshot| snapshot.driver_stalls == 1));
-    assert!(sees(&worker.handle(), |snapshot| state(snapshot) == Some(State::Idle)));
+    driven.ends_without_a_sign();
 }
 
 #[test]
 fn a_loop_that_is_woken_for_it_drives_on_until_it_hangs() {
-    let worker = worker();
+    let driven = Driven::new();
     let (question, questions) = std::sync::mpsc::channel();
-    worker.handle().ask_for_signs(move || {
-        let _ = question.send(());
+    let [asked, answered] = [(); 2].map(|()| Arc::new(AtomicUsize::default()));
+    let count = |counter: &Arc<AtomicUsize>| counter.load(Ordering::SeqCst);
+    driven.worker.handle().ask_for_signs({
+        let asked = Arc::clone(&asked);
+        move || {
+            asked.fetch_add(1, Ordering::SeqCst);
+            let _ = question.send(());
+        }
     });
     let hangs = Arc::new(AtomicBool::default());
-    let (handle, is_hung) = (worker.handle(), Arc::clone(&hangs));
-    let event_loop = thread::spawn(move || {
-        while questions.recv().is_ok() {
-            if !is_hung.load(Ordering::Relaxed) {
-                handle.sign_of_life();
+    let event_loop = thread::spawn({
+        let (handle, is_hung) = (driven.worker.handle(), Arc::clone(&hangs));
+        let answered = Arc::clone(&answered);
+        move || {
+            while questions.recv().is_ok() {
+                if !is_hung.load(Ordering::SeqCst) {
+                    handle.sign_of_life();
+                }
+                answered.fetch_add(1, Ordering::SeqCst);
             }
         }
     });
-    let begun = Instant::now();
-    while begun.elapsed() < Duration::from_millis(2500) {
-        thread::sleep(Duration::from_millis(50));
-        assert_eq!(worker.snapshot().driver_stalls, 0);
-    }
-    assert_eq!(state(&worker.snapshot()), Some(State::Driving));
-    hangs.store(true, Ordering::Relaxed);
-    assert!(sees(&worker.handle(), |snapshot| snapshot.driver_stalls == 1));
-    assert!(sees(&worker.handle(), |snapshot| state(snapshot) == Some(State::Idle)));
-    worker.handle().ask_for_signs(|| ());
+    driven.turn(ms(2500), || until("answered", || count(&asked) == count(&answered)));
+    assert_eq!(driven.seen(), (Some(State::Driving), 0));
+    assert!((9..=11).contains(&count(&asked)), "{}", count(&asked));
+    hangs.store(true, Ordering::SeqCst);
+    driven.ends_without_a_sign();
+    driven.worker.handle().ask_for_signs(|| ());
     event_loop.join().unwrap();
 }

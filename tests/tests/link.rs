@@ -1,9 +1,8 @@
 //! The host's link while the device is there: replies that are lost, requests that overtake each other, in virtual time.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use slipline_link::native::Worker;
 use slipline_link::table::DeviceTable;
 use slipline_link::{
     Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Port, Request, Ticket,
@@ -12,7 +11,7 @@ use slipline_link::{
 use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::{KEEP_ALIVE_PERIOD_MS, MAX_RETRIES, REPLY_TIMEOUT_MS};
-use slipline_tests::faulty_ports::{PortsOpener, board, lock};
+use slipline_tests::faulty_ports::board;
 use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 
 #[test]
@@ -211,34 +210,6 @@ fn values_out_of_range_never_reach_the_wire() {
         }
     }
     assert!(rig.ports().commands.iter().all(|(_, command)| !matches!(command, Command::Drive(_))));
-}
-
-#[test]
-fn a_panic_anywhere_in_the_program_stops_the_drive() {
-    // R-61, in real time. A loaded computer may delay any one of them, so the quickest of several counts.
-    let rig = LinkRig::new();
-    let worker = Worker::spawn_with(PortsOpener(rig.ports.clone()), || ()).unwrap();
-    let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    let patience = Duration::from_secs(10);
-    assert!(matches!(worker.wait(connect, patience), Some(Outcome::Done { .. })));
-    slipline_link::native::stop_on_panic(worker.handle());
-    let stops = || lock(&rig.ports).commands.iter().filter(|(_, command)| *command == Command::Stop).count();
-    let quickest = (0..5).map(|_| {
-        let (before, at) = (stops(), Instant::now());
-        let painted = std::thread::spawn(|| panic!("a mistake while painting"));
-        assert!(painted.join().is_err());
-        while stops() == before {
-            assert!(at.elapsed() < patience, "no stop");
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        at.elapsed()
-    });
-    assert!(quickest.min() <= Some(Duration::from_millis(100)));
-    let stopped = worker.handle().wait_for(patience, |snapshot| {
-        snapshot.journal.iter().any(|entry| entry.change == Change::Stop).then_some(())
-    });
-    assert_eq!(stopped, Some(()));
-    assert!(lock(&rig.ports).commands.iter().any(|(_, command)| *command == Command::Stop));
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Errors of a port, R-26: each is reported once as a loss with its reason, and none makes a busy loop.
 
 use std::io::{self, ErrorKind};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use slipline_link::native::Watch;
 use slipline_link::native::Worker;
@@ -9,6 +11,7 @@ use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{LinkError, LinkState, Outcome, Port, PortInfo, Request};
 use slipline_tests::faulty_ports::{Line, PortsOpener, board};
 use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig};
+use slipline_tests::turned_clock::{HANG, TurnedClock, until};
 
 #[test]
 fn a_device_that_never_answers_is_given_up_with_a_reason() {
@@ -84,9 +87,6 @@ fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
     }
 }
 
-/// Real time; its length is not asserted.
-const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
-
 #[test]
 fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
     struct FailsSecond(PortsOpener, u32);
@@ -103,11 +103,11 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
     }
     let worker = Worker::spawn_with(FailsSecond(PortsOpener(LinkRig::new().ports), 0), || ()).unwrap();
     let connect = worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    assert!(matches!(worker.wait(connect, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
+    assert!(matches!(worker.wait(connect, HANG), Some(Outcome::Done { .. })));
     let again = worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    assert_eq!(worker.wait(again, REPLY_TIMEOUT), Some(Outcome::NotConnected), "under way");
+    assert_eq!(worker.wait(again, HANG), Some(Outcome::NotConnected), "under way");
     let later = worker.send(Request::Refresh);
-    assert_eq!(worker.wait(later, REPLY_TIMEOUT), Some(Outcome::NotConnected));
+    assert_eq!(worker.wait(later, HANG), Some(Outcome::NotConnected));
     let view = worker.snapshot();
     assert_eq!(view.link, LinkState::Lost(LinkError::Crashed));
     assert!(
@@ -118,7 +118,11 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
 
 #[test]
 fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_ending() {
-    struct Hangs;
+    #[derive(Clone)]
+    struct Hangs {
+        begun: Sender<()>,
+        held: Arc<Mutex<Receiver<()>>>,
+    }
     impl Watch for Hangs {}
     impl Opener for Hangs {
         type Transport = Self;
@@ -126,7 +130,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
             vec![board("A")]
         }
         fn open(&mut self, _port: &Port, _waker: &Waker) -> Result<Self, LinkError> {
-            Ok(Self)
+            Ok(self.clone())
         }
     }
     impl Transport for Hangs {
@@ -134,16 +138,26 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
             Err(ErrorKind::WouldBlock.into())
         }
         fn write(&mut self, _bytes: &[u8]) -> io::Result<usize> {
-            std::thread::sleep(3 * REPLY_TIMEOUT);
+            let _ = self.begun.send(());
+            // Until the test lets go of it.
+            let _ = self.held.lock().unwrap().recv();
             Err(ErrorKind::TimedOut.into())
         }
     }
-    let worker = Worker::spawn_with(Hangs, || ()).unwrap();
+    let (begun, has_begun) = channel();
+    let (release, held) = channel();
+    let clock = TurnedClock::default();
+    let hangs = Hangs { begun, held: Arc::new(Mutex::new(held)) };
+    let worker = Worker::spawn_in_time_of(clock.clock(), hangs, || ()).unwrap();
     worker.send(Request::Connect(Port::Serial("A".to_owned())));
-    std::thread::sleep(Duration::from_millis(50));
-    let quit = Instant::now();
-    drop(worker);
-    assert!(quit.elapsed() < REPLY_TIMEOUT);
+    has_begun.recv_timeout(HANG).expect("it is written to");
+    let ending = std::thread::spawn(move || drop(worker));
+    // It waits for the thread by the worker's clock, which goes on.
+    until("ended", || {
+        clock.jump(Duration::from_millis(100));
+        ending.is_finished()
+    });
+    assert!(release.send(()).is_ok(), "the write hangs to this moment");
 }
 
 #[test]

@@ -82,7 +82,7 @@ enum Phase<T> {
 /// // Milliseconds since the start, counted by the loop below.
 /// let time = Arc::new(AtomicU64::new(0));
 /// let clock = time.clone();
-/// let clock = Box::new(move || Duration::from_millis(clock.load(Ordering::Relaxed)));
+/// let clock = Arc::new(move || Duration::from_millis(clock.load(Ordering::Relaxed)));
 /// let device = RealtimeDevice::new(SimulatedDevice::new(Options::default()), clock);
 /// let opener = OnlySimulated(Arc::new(Mutex::new(device)));
 /// let mut connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"demo"));

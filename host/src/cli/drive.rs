@@ -59,6 +59,14 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Some(chord) => Request::Chord(ChordRequest { apply, ..chord }),
         None => Request::Drive(DriveRequest { apply, ..request }),
     })?;
+    // Before it is said that Ctrl-C ends the drive.
+    let (interrupted, interruption) = channel();
+    let stop = device.handle();
+    let _closing = signals::end_by(move || {
+        // Sent at once, before waiting for anything.
+        stop.send(Request::Stop);
+        let _ = interrupted.send(());
+    });
 
     let played: Vec<(f64, f64, f64)> = tones
         .iter()
@@ -87,13 +95,6 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             }
         })?;
     }
-    let (interrupted, interruption) = channel();
-    let stop = device.handle();
-    let _closing = signals::end_by(move || {
-        // Sent at once, before waiting for anything.
-        stop.send(Request::Stop);
-        let _ = interrupted.send(());
-    });
     let began = match arguments.at {
         Begin::Now => Some((at, Instant::now())),
         Begin::Trigger => wait_for_trigger(&device, &interruption, at)?,

@@ -78,8 +78,7 @@ impl Recording {
     }
 
     fn signal(&self, signal: &str) {
-        let told = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
-        assert!(told.success());
+        super::signal(self.child.id(), signal);
     }
 
     /// It ends, and only the old file exists.

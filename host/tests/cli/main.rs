@@ -8,6 +8,7 @@ mod held_up;
 mod holding;
 mod lights;
 mod measure;
+mod no_display;
 mod progress;
 mod refusals;
 #[cfg(unix)]
@@ -54,6 +55,13 @@ fn failure(arguments: &[&str], code: i32) -> String {
 
 fn number(value: &Value, field: &str) -> f64 {
     value[field].as_f64().unwrap_or_else(|| panic!("{field} is {:?}", value[field]))
+}
+
+/// Sends a process a signal, by the shell's own command: not every machine has a program of that name.
+#[cfg(unix)]
+fn signal(process: u32, signal: &str) {
+    let sent = Command::new("sh").args(["-c", &format!("kill {signal} {process}")]).status().unwrap();
+    assert!(sent.success());
 }
 
 /// A file for one test.

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use super::terminal::terminal;
-use super::{file, slipline};
+use super::{file, signal, slipline};
 use std::io::Read as _;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
@@ -104,8 +104,7 @@ fn a_signal_removes_the_progress_bar_from_the_terminal() {
     for arguments in [&table[..], &drive] {
         let command = OnTerminal::begun(arguments);
         assert!(command.is_shown(" %"), "{:?}", command.shown());
-        let told = Command::new("kill").args(["-INT", &command.child.id().to_string()]).status().unwrap();
-        assert!(told.success());
+        signal(command.child.id(), "-INT");
         let (shown, code) = command.ended();
         assert_eq!(code, Some(130), "{arguments:?}");
         assert!(shown.ends_with(CLEARED), "{arguments:?}: {shown:?}");

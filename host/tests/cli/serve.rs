@@ -1,7 +1,7 @@
 //! `slipline serve`: another program reaches the simulated device at a socket or a pseudo-terminal.
 #![cfg(unix)]
 
-use crate::{failure, file, json};
+use crate::{failure, file, json, signal};
 use serde_json::Value;
 use slipline_link::native::Worker;
 use slipline_link::{Outcome, Port, Request};
@@ -34,7 +34,7 @@ impl Serving {
 
     /// Ends it as `kill` does.
     fn end(mut self) -> ExitStatus {
-        assert!(Command::new("kill").arg(self.0.id().to_string()).status().unwrap().success());
+        signal(self.0.id(), "-TERM");
         self.0.wait().unwrap()
     }
 }

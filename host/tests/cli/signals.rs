@@ -1,18 +1,22 @@
 //! A signal while a device is driven: the device is stopped and disarmed first.
 
-use super::file;
+use super::{file, signal};
 use slipline_link::native::system_clock;
 use slipline_link::protocol::version::Minor;
 use slipline_link::protocol::{Command as Message, Decoder, Event};
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Transport, Waker};
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixListener;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+
+/// Only a hang takes so long. No test asserts how long anything took.
+pub(crate) const HANG: Duration = Duration::from_secs(120);
 
 /// A simulated device behind a socket, for one host, and what has gone past.
 pub(crate) struct Socket {
@@ -104,8 +108,9 @@ impl Socket {
         self.line.lock().unwrap().sent.clone()
     }
 
-    /// Runs a command on it, up to the answer to its first drive.
-    fn driven_by(&self, arguments: &str) -> Child {
+    /// Runs a command on it until its first drive is answered, and until it has `said` something if it says anything
+    /// while it drives.
+    fn driven_by(&self, arguments: &str, said: Option<&'static str>) -> Child {
         let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
             .args(arguments.split(' '))
             .args(["--port", &format!("unix:{}", self.path.display())])
@@ -115,45 +120,52 @@ impl Socket {
             .unwrap();
         let begun = Instant::now();
         while !self.line.lock().unwrap().is_answered {
-            assert!(begun.elapsed() < Duration::from_secs(60), "nothing is driven");
+            assert!(begun.elapsed() < HANG, "nothing is driven");
             assert!(child.try_wait().unwrap().is_none(), "it has ended");
             std::thread::sleep(Duration::from_millis(5));
         }
-        // The answer has to reach the command: until then a signal interrupts it, with another exit code.
-        std::thread::sleep(Duration::from_millis(500));
+        if let Some(said) = said {
+            let (heard, hears) = channel();
+            let output = BufReader::new(child.stdout.take().unwrap());
+            std::thread::spawn(move || {
+                let lines = output.lines().map_while(Result::ok);
+                lines.filter(|line| line.contains(said)).for_each(|_| {
+                    let _ = heard.send(());
+                });
+            });
+            hears.recv_timeout(HANG).unwrap_or_else(|_| panic!("it never says '{said}'"));
+        }
         child
     }
-}
-
-fn signal(child: &Child, signal: &str) {
-    assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
 }
 
 #[test]
 fn a_signal_stops_and_disarms_the_device() {
     // The exit codes: a drive ends normally with Ctrl-C; verify has no result.
-    for (arguments, code) in [("drive --plate membrane --boundary 120mm", 0), ("verify --window 250ms", 130)]
-    {
+    for (arguments, said, code) in [
+        ("drive --plate membrane --boundary 120mm", Some("until Ctrl-C"), 0),
+        ("verify --window 250ms", None, 130),
+    ] {
         for told in ["-INT", "-TERM"] {
             let command = arguments.split(' ').next().unwrap();
             let socket = Socket::serve(&format!("{command}{told}"));
-            let child = socket.driven_by(arguments);
-            let begun = Instant::now();
-            signal(&child, told);
+            let child = socket.driven_by(arguments, said);
+            signal(child.id(), told);
             let output = child.wait_with_output().unwrap();
             let error = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(code), "{command} {told}: {error}");
             assert_eq!(error, "", "{command} {told}");
-            assert!(
-                begun.elapsed() < Duration::from_secs(4),
-                "{command} {told}: it was not waited for in vain"
-            );
             let line = socket.line.lock().unwrap();
             let driven = line.sent.iter().rposition(|sent| matches!(sent, Message::Drive(_))).unwrap();
             let afterwards = &line.sent[driven + 1..];
-            let stopped = afterwards.iter().rposition(|sent| matches!(sent, Message::Stop));
-            let disarmed = afterwards.iter().rposition(|sent| matches!(sent, Message::Disarm));
+            let last = |is_it: fn(&Message) -> bool| afterwards.iter().rposition(is_it);
+            let stopped = last(|sent| matches!(sent, Message::Stop));
+            let disarmed = last(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {told}: {afterwards:?}");
+            // It ends with that and waits for nothing in vain: it would keep the device alive meanwhile.
+            let kept =
+                afterwards[disarmed.unwrap()..].iter().filter(|sent| matches!(sent, Message::KeepAlive(_)));
+            assert!(kept.count() < 5, "{command} {told}: {afterwards:?}");
             drop(line);
             std::fs::remove_file(&socket.path).unwrap();
         }

@@ -1,6 +1,7 @@
 //! The handles of the worker: they hand requests over, look at snapshots and give signs of life. Only the waits block.
 
 use crate::request::{Outcome, Request, Ticket};
+use crate::simulator::realtime::Clock;
 use crate::snapshot::Snapshot;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -19,9 +20,9 @@ pub(super) struct Shared {
     pub(super) snapshot: Mutex<Arc<Snapshot>>,
     published: Condvar,
     pub(super) waker: mio::Waker,
-    /// The start of the connection's time.
-    pub(super) started: Instant,
-    /// When the latest sign of life was given, in microseconds since then.
+    /// The connection's time.
+    pub(super) clock: Clock,
+    /// When the latest sign of life was given, in microseconds of that time; 0 before the first.
     sign_us: AtomicU64,
     pub(super) ask: Mutex<Ask>,
 }
@@ -30,20 +31,20 @@ pub(super) struct Shared {
 type Ask = Box<dyn Fn() + Send>;
 
 impl Shared {
-    /// With nothing asked for and nothing known; `waker` wakes the worker's thread.
-    pub(super) fn new(waker: mio::Waker) -> Self {
+    /// With nothing asked for and nothing known; `waker` wakes the worker's thread, which lives by `clock`.
+    pub(super) fn new(waker: mio::Waker, clock: Clock) -> Self {
         Self {
             inbox: Mutex::default(),
             snapshot: Mutex::default(),
             published: Condvar::new(),
             waker,
-            started: Instant::now(),
+            clock,
             sign_us: AtomicU64::default(),
             ask: Mutex::new(Box::new(|| ())),
         }
     }
 
-    /// When the latest sign of life was given, since the start.
+    /// When the latest sign of life was given.
     pub(super) fn latest_sign(&self) -> Duration {
         Duration::from_micros(self.sign_us.load(Ordering::Relaxed))
     }
@@ -72,6 +73,12 @@ impl Handle {
     /// Has the worker stop and disarm the device, and end.
     pub(super) fn quit(&self) {
         lock(&self.0.inbox).quit = true;
+        self.wake();
+    }
+
+    /// Has the worker look at its clock and do what is due. One that cannot be woken comes round by itself for the next
+    /// keep-alive.
+    pub fn wake(&self) {
         let _ = self.0.waker.wake();
     }
 
@@ -82,15 +89,20 @@ impl Handle {
         let ticket = inbox.last;
         inbox.requests.push((ticket, request));
         drop(inbox);
-        // A poll that cannot be woken comes round by itself for the next keep-alive.
-        let _ = self.0.waker.wake();
+        self.wake();
         ticket
     }
 
     /// Says that the thread which controls the device is alive. That thread alone may say it, from the loop that also
     /// takes the user's stop. While the device is armed it is due every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
     pub fn sign_of_life(&self) {
-        self.0.sign_us.store(self.0.started.elapsed().as_micros() as u64, Ordering::Relaxed);
+        self.0.sign_us.store((self.0.clock)().as_micros() as u64, Ordering::Relaxed);
+    }
+
+    /// When the latest sign of life was given, by the worker's clock; zero before the first.
+    #[must_use]
+    pub fn latest_sign(&self) -> Duration {
+        self.0.latest_sign()
     }
 
     /// Sets what asks the controlling thread for a sign of life, for a thread that sleeps until it is woken. It is
@@ -105,7 +117,7 @@ impl Handle {
         lock(&self.0.snapshot).clone()
     }
 
-    /// Waits until a snapshot fits, or `patience` is over.
+    /// Waits until a snapshot fits, or `patience` is over by the computer's clock.
     #[must_use]
     pub fn wait_for<T>(&self, patience: Duration, mut fits: impl FnMut(&Snapshot) -> Option<T>) -> Option<T> {
         let end = Instant::now() + patience;

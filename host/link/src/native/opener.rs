@@ -15,7 +15,7 @@ use std::time::Instant;
 #[must_use]
 pub fn system_clock() -> Clock {
     let since = Instant::now();
-    Box::new(move || since.elapsed())
+    Arc::new(move || since.elapsed())
 }
 
 impl Watch for RealtimeLine {}
@@ -24,17 +24,29 @@ impl Watch for RealtimeLine {}
 type Wiring = Box<dyn FnMut() -> Box<dyn SimulatedInputs> + Send>;
 
 /// Opens ports of this computer. The simulated device is switched on at its first use and stays on.
-#[derive(Default)]
 pub struct SystemOpener {
     simulated: Option<Arc<Mutex<RealtimeDevice>>>,
     wiring: Option<Wiring>,
+    clock: Clock,
+}
+
+impl Default for SystemOpener {
+    fn default() -> Self {
+        Self::in_time_of(system_clock())
+    }
 }
 
 impl SystemOpener {
+    /// As the default one, with a simulated device that lives by this clock.
+    #[must_use]
+    pub const fn in_time_of(clock: Clock) -> Self {
+        Self { simulated: None, wiring: None, clock }
+    }
+
     /// As the default one, whose simulated device has no inputs; this one's has those of `wiring`, which is called when the
     /// device is switched on. Its sample rate is that of [`Options::default`].
     pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
-        Self { simulated: None, wiring: Some(Box::new(wiring)) }
+        Self { wiring: Some(Box::new(wiring)), ..Self::default() }
     }
 }
 
@@ -48,13 +60,13 @@ impl Opener for SystemOpener {
     fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
         match port {
             Port::Simulated => {
-                let wiring = &mut self.wiring;
+                let (wiring, clock) = (&mut self.wiring, &self.clock);
                 let device = self.simulated.get_or_insert_with(|| {
                     let device = match wiring {
                         Some(wiring) => SimulatedDevice::with_inputs(Options::default(), wiring()),
                         None => SimulatedDevice::new(Options::default()),
                     };
-                    Arc::new(Mutex::new(RealtimeDevice::new(device, system_clock())))
+                    Arc::new(Mutex::new(RealtimeDevice::new(device, clock.clone())))
                 });
                 Ok(Box::new(RealtimeLine::new(device.clone(), waker.clone())))
             }

@@ -7,7 +7,7 @@
 //! this thread panics, the snapshot says so ([`LinkError::Crashed`]), and no later request is done.
 
 use super::handle::{Handle, Shared, lock};
-use super::opener::SystemOpener;
+use super::opener::{SystemOpener, system_clock};
 use super::watch::{Wakes, Watch};
 use crate::connection::{Connection, Nonces};
 use crate::driver_watch::SIGN_PERIOD;
@@ -15,13 +15,14 @@ use crate::error::LinkError;
 use crate::log::Severity;
 use crate::recorder::Recorder;
 use crate::request::{Outcome, Request, Ticket};
+use crate::simulator::realtime::Clock;
 use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Waker};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A port that cannot wake the worker is read this often.
 const READ_PERIOD: Duration = Duration::from_millis(2);
@@ -36,6 +37,7 @@ const PORT: mio::Token = mio::Token(1);
 /// The thread that owns the port.
 pub struct Worker {
     handle: Handle,
+    clock: Clock,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -57,8 +59,19 @@ impl Worker {
     where
         O: Opener<Transport: Watch> + 'static,
     {
+        Self::spawn_in_time_of(system_clock(), opener, wake)
+    }
+
+    /// Starts the worker on other ports and by another clock. It looks at the clock whenever it is woken ([`Handle::wake`]).
+    ///
+    /// # Errors
+    /// As [`Worker::spawn`].
+    pub fn spawn_in_time_of<O>(clock: Clock, opener: O, wake: impl Fn() + Send + 'static) -> io::Result<Self>
+    where
+        O: Opener<Transport: Watch> + 'static,
+    {
         let poll = mio::Poll::new()?;
-        let shared = Arc::new(Shared::new(mio::Waker::new(poll.registry(), WAKE)?));
+        let shared = Arc::new(Shared::new(mio::Waker::new(poll.registry(), WAKE)?, clock.clone()));
         let of_ports = shared.clone();
         let waker = Waker::new(move || {
             let _ = of_ports.waker.wake();
@@ -75,7 +88,7 @@ impl Worker {
                 wake();
             }
         })?;
-        Ok(Self { handle: Handle::of(shared), thread: Some(thread) })
+        Ok(Self { handle: Handle::of(shared), clock, thread: Some(thread) })
     }
 
     /// Hands a request over and returns at once.
@@ -93,27 +106,28 @@ impl Worker {
     /// that paints.
     #[must_use]
     pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
-        let end = Instant::now() + patience;
-        loop {
-            self.handle.sign_of_life();
-            let left = end.checked_duration_since(Instant::now())?;
-            let outcome = self.handle.wait(ticket, left.min(SIGN_PERIOD));
-            if outcome.is_some() {
-                return outcome;
-            }
-        }
+        self.alive(patience, |slice| self.handle.wait(ticket, slice))
     }
 
     /// Sleeps; the caller controls the device and gives signs of life meanwhile.
     pub fn pause(&self, time: Duration) {
-        let end = Instant::now() + time;
+        let _: Option<()> = self.alive(time, |slice| {
+            thread::sleep(slice);
+            None
+        });
+    }
+
+    /// Calls `wait` until it finds something or this time is over by the worker's clock. It gets at most
+    /// [`SIGN_PERIOD`]; before each call the caller gives a sign of life.
+    fn alive<T>(&self, time: Duration, mut wait: impl FnMut(Duration) -> Option<T>) -> Option<T> {
+        let end = (self.clock)().saturating_add(time);
         loop {
             self.handle.sign_of_life();
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return;
+            let left = end.saturating_sub((self.clock)());
+            let found = wait(left.min(SIGN_PERIOD));
+            if found.is_some() || left.is_zero() {
+                return found;
             }
-            thread::sleep(left.min(SIGN_PERIOD));
         }
     }
 
@@ -128,8 +142,8 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.handle.quit();
         if let Some(thread) = self.thread.take() {
-            let by = Instant::now() + HANG_PATIENCE;
-            while !thread.is_finished() && Instant::now() < by {
+            let by = (self.clock)() + HANG_PATIENCE;
+            while !thread.is_finished() && (self.clock)() < by {
                 thread::sleep(Duration::from_millis(1));
             }
         }
@@ -151,12 +165,12 @@ fn run<O: Opener<Transport: Watch>>(
     shared: &Shared,
     wake: &impl Fn(),
 ) {
-    let since = shared.started;
+    let clock = &shared.clock;
     let mut events = mio::Events::with_capacity(8);
     let mut quit_by: Option<Duration> = None;
     let mut read_period: Option<Duration> = None;
     loop {
-        let now = since.elapsed();
+        let now = clock();
         let (requests, quit) = {
             let mut inbox = lock(&shared.inbox);
             (std::mem::take(&mut inbox.requests), inbox.quit)
@@ -190,7 +204,7 @@ fn run<O: Opener<Transport: Watch>>(
         }
         let read_again = read_period.filter(|_| connection.is_open()).map(|period| now + period);
         let deadline = [connection.deadline(now), read_again, quit_by].into_iter().flatten().min();
-        let timeout = deadline.map(|deadline| deadline.saturating_sub(since.elapsed()));
+        let timeout = deadline.map(|deadline| deadline.saturating_sub(clock()));
         match poll.poll(&mut events, timeout) {
             Ok(()) => {}
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

@@ -16,8 +16,8 @@ use std::time::Duration;
 /// for the dead-man, which needs one second and its ramp; the coil's cooling beyond them is neglected.
 const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
-/// Tells the time since any fixed moment; it never goes back.
-pub type Clock = Box<dyn Fn() -> Duration + Send>;
+/// The time since any fixed moment; it never goes back. The computer's, or one that a test turns.
+pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
 /// A simulated device and how far its time has come.
 pub struct RealtimeDevice {

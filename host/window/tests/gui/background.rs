@@ -208,18 +208,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
         table::make(job, task)
     };
     let mut app = TestApp::with_tables(JobQueue::threaded("table", make, || ()).unwrap());
-    // The table is computed on a thread: wait for it.
-    let until = |app: &mut TestApp, what: &str, is_so: &dyn Fn(&TestApp) -> bool| {
-        for _ in 0..3000 {
-            app.wait(50);
-            if is_so(app) {
-                return;
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        panic!("never {what}");
-    };
-    until(&mut app, "driving", &|app| app.is_driving());
+    app.until("driving", |app| app.is_driving());
     app.wait(400);
     let plate = Arc::clone(&app.window.state().setup().plate);
     let crc = app.snapshot().table.active.unwrap().crc;
@@ -228,7 +217,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     open_page(&mut app, "This plate");
     type_into(&mut app, "Wave speed", "13 m/s");
     assert!(!Arc::ptr_eq(&app.window.state().setup().plate, &plate));
-    until(&mut app, "a bar", &|app| app.window.query_by_label_contains("table 40 %").is_some());
+    app.until("a bar", |app| app.window.query_by_label_contains("table 40 %").is_some());
     assert!(app.window.query_by_label("waits for its table").is_some(), "no wave of another plate");
     app.window.get_by_label("Cancel").click();
     app.wait(100);
@@ -245,9 +234,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     // Cancelled work can be started again.
     is_held.store(false, Ordering::Relaxed);
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    until(&mut app, "the new table", &|app| {
-        app.snapshot().table.active.is_some_and(|header| header.crc != crc)
-    });
+    app.until("the new table", |app| app.snapshot().table.active.is_some_and(|header| header.crc != crc));
 }
 
 #[test]

@@ -154,18 +154,13 @@ fn a_job_that_takes_long_is_no_hang() {
         table::make(job, task)
     };
     let mut app = TestApp::with_tables(JobQueue::threaded("table", make, || ()).unwrap());
-    for _ in 0..3000 {
-        app.wait(50);
-        if app.is_driving() {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    app.until("driving", |app| app.is_driving());
     is_held.store(true, Ordering::Relaxed);
     crate::background::open_page(&mut app, "This plate");
     type_into(&mut app, "Wave speed", "13 m/s");
+    app.until("a job that runs", |app| app.window.query_by_label_contains("table 40 %").is_some());
     app.wait(5000);
-    assert!(app.window.query_by_label_contains("table 40 %").is_some(), "the job runs");
+    assert!(app.window.query_by_label_contains("table 40 %").is_some(), "it still runs");
     assert!(app.is_driving());
     assert_eq!(app.snapshot().driver_stalls, 0);
     is_held.store(false, Ordering::Relaxed);

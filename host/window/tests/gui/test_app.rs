@@ -168,6 +168,18 @@ impl TestApp {
         }
     }
 
+    /// Waits, frame by frame, for what another thread does as slowly as the computer pleases.
+    pub(crate) fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
+        for _ in 0..3000 {
+            self.wait(50);
+            if is_so(self) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("never {what}");
+    }
+
     /// Turns the wheel by this many points with the pointer here; positive moves content down.
     pub(crate) fn turn_wheel(&mut self, at: egui::Pos2, points: f32) {
         self.window.hover_at(at);
