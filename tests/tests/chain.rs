@@ -16,6 +16,7 @@ mod file_cycles;
 mod foldback;
 mod frames;
 mod fuzz_corpora;
+mod gate;
 mod health;
 mod held_table;
 mod hold;
