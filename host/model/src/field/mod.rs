@@ -3,6 +3,7 @@
 pub mod displacement_map;
 pub mod felt;
 pub mod line;
+mod line_at_rest;
 pub mod sheet;
 pub mod simulation;
 pub mod steady_field;

@@ -11,6 +11,7 @@ mod source;
 
 pub use source::{Source, SourceChoice, source};
 
+use crate::field::line_at_rest::line_at_rest;
 use crate::field::time_domain::{self, TimeDomainJob};
 use crate::jobs::Task;
 use crate::played::Played;
@@ -18,7 +19,7 @@ use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
 use slipline_link::table::DeviceTable;
 use slipline_plate::sheet::EnvelopeScope;
-use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
+use slipline_plate::{LINE_POINTS, Plate, Sheet, SheetGrid};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -143,7 +144,7 @@ impl Run {
         let rate = job.table.header().sample_rate_hz;
         let rate_hz = f64::from(rate);
         let sheet = Sheet::new(&job.plate, rate_hz, grid(&job.plate)).ok()?;
-        let settle_s = TimeDomainLine::new(&job.plate, rate_hz, LINE_POINTS.0, 1).ok()?.settle_time_s();
+        let settle_s = line_at_rest(&job.plate, rate_hz, LINE_POINTS.0)?.settle_time_s();
         Some(Self {
             plate: Arc::clone(&job.plate),
             number: None,

@@ -5,12 +5,13 @@
 //! ```
 //! It shares only the plate with the solver that predicts the envelope, so the agreement of the two checks both.
 
+use crate::field::line_at_rest::line_at_rest;
 use crate::jobs::Task;
 use crate::played::Played;
 use slipline_link::BLOCK;
 use slipline_link::mirror::Mirror;
 use slipline_link::table::DeviceTable;
-use slipline_plate::{Plate, TimeDomainLine};
+use slipline_plate::Plate;
 use std::sync::Arc;
 
 /// Places along the plate.
@@ -93,7 +94,7 @@ fn mean_s(job: &TimeDomainJob) -> f64 {
 #[must_use]
 pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let rate = job.table.header().sample_rate_hz;
-    let mut line = TimeDomainLine::new(&job.plate, f64::from(rate), POINTS, 1).ok()?;
+    let mut line = line_at_rest(&job.plate, f64::from(rate), POINTS)?;
     let mut mirror = Mirror::new(rate, 0);
     mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
     job.played.acknowledge(&mut mirror, AHEAD).ok()?;

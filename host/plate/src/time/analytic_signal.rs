@@ -139,6 +139,7 @@ fn bessel_i0(x: f64) -> f64 {
 }
 
 /// The filter with its state: codes in, spline coefficients out.
+#[derive(Clone)]
 pub(crate) struct AnalyticDrive {
     arch: Arch,
     plan: BandPlan,

@@ -40,7 +40,7 @@ impl WithSimd for Filter<'_> {
 }
 
 /// State and step coefficients of all oscillators, as separate real and imaginary parts.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ModalStates {
     pub(crate) re: Vec<f64>,
     pub(crate) im: Vec<f64>,

@@ -45,6 +45,7 @@ pub const WIDTH_MODE_MAX: u32 = 9;
 /// line.push(&(0..400_000).map(tone).collect::<Vec<_>>());
 /// assert!(line.envelope().maximum_m().iter().any(|displacement_m| *displacement_m > 0.0));
 /// ```
+#[derive(Clone)]
 pub struct TimeDomainLine {
     arch: Arch,
     drive: AnalyticDrive,

@@ -18,6 +18,7 @@ mod foreign;
 mod glyphs;
 mod hang;
 mod holding;
+mod known_tables;
 mod light_marks;
 mod measure;
 mod measuring;

@@ -2,6 +2,7 @@
 
 use crate::fake_files::FakeFiles;
 use crate::fake_speaker::FakeSpeaker;
+use crate::known_tables::tables;
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
@@ -15,7 +16,6 @@ use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check;
 use slipline_model::jobs::design;
 use slipline_model::jobs::plane::{self, PlaneChecked};
-use slipline_model::jobs::table;
 use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
@@ -72,14 +72,14 @@ impl TestApp {
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
     ) -> Self {
-        Self::starting_with(setup, theme, builder, JobQueue::inline(table::make), true, None).once_driving()
+        Self::starting_with(setup, theme, builder, tables(), true, None).once_driving()
     }
 
     /// The app on a membrane, driving a device with these inputs.
     pub(crate) fn sensed(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        let tables = JobQueue::inline(table::make);
+        let tables = tables();
         Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, Some((inputs, bench)))
             .once_driving()
     }
@@ -107,14 +107,7 @@ impl TestApp {
     pub(crate) fn unplugged() -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(
-            membrane(),
-            ThemeChoice::Light,
-            builder,
-            JobQueue::inline(table::make),
-            false,
-            None,
-        )
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), false, None)
     }
 
     fn starting_with(
@@ -275,7 +268,7 @@ pub(crate) fn open_window(
     theme: ThemeChoice,
     builder: egui_kittest::HarnessBuilder<App>,
 ) -> Harness<'static, App> {
-    let parts = parts(link, files, JobQueue::inline(table::make), &Rc::default());
+    let parts = parts(link, files, tables(), &Rc::default());
     open_window_with(parts, membrane(), theme, builder)
 }
 
