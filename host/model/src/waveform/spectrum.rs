@@ -61,7 +61,8 @@ impl Spectrum {
         let mut first = 0;
         while first < output.len() {
             let end = (first + (first / SINGLE_BINS).max(1)).min(output.len());
-            let strongest = (first..end).max_by(|&a, &b| output[a].norm().total_cmp(&output[b].norm()));
+            let strongest =
+                (first..end).max_by(|&a, &b| output[a].norm_sqr().total_cmp(&output[b].norm_sqr()));
             let bin = strongest.unwrap_or(first);
             lines.push(Line {
                 frequency_hz: bin as f64 * bin_hz,
@@ -119,8 +120,11 @@ fn between(lines: &[Line]) -> Line {
 
 /// The four-term Blackman-Harris window at `share` of its length: side lobes below -92 dB.
 fn blackman_harris(share: f64) -> f64 {
-    0.358_75 - 0.488_29 * (TAU * share).cos() + 0.141_28 * (2.0 * TAU * share).cos()
-        - 0.011_68 * (3.0 * TAU * share).cos()
+    // The cosines of twice and three times the angle from that of the angle: a drive's first second has ten lengths.
+    let first = (TAU * share).cos();
+    let second = 2.0 * first * first - 1.0;
+    let third = 2.0 * first * second - first;
+    0.358_75 - 0.488_29 * first + 0.141_28 * second - 0.011_68 * third
 }
 
 #[cfg(test)]

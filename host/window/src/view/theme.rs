@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, vec2};
 use slipline_model::colour_map::{self, Rgb};
+use std::sync::LazyLock;
 
 /// Space between related controls, in points.
 pub const GAP: f32 = 8.0;
@@ -196,14 +197,26 @@ pub(super) fn describe(response: &egui::Response, name: &str, help: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_description(help));
 }
 
+/// Colours of each sign: a displacement's own colour differs from the nearest by 1 of 255 in a channel at most.
+const SHADES: usize = 1024;
+
 fn colour([red, green, blue]: Rgb) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
-/// Signed displacement, -1..=1, in the colours of [`colour_map::diverging`].
+/// Signed displacement, -1..=1, in the colours of [`colour_map::diverging`]: the nearest of [`SHADES`] for each sign, as
+/// the plate has thousands of texels a frame.
 #[must_use]
 pub fn diverging(value: f32, dark: bool) -> Color32 {
-    colour(colour_map::diverging(value, dark))
+    static DIVERGING: LazyLock<[Vec<Color32>; 2]> = LazyLock::new(|| {
+        let shade = |i: usize| (i as f32 - SHADES as f32) / SHADES as f32;
+        [false, true].map(|dark| {
+            (0..=2 * SHADES).map(|i| colour(colour_map::diverging(shade(i), dark))).collect()
+        })
+    });
+    // A NaN is at rest, as in the map itself.
+    let step = (value.clamp(-1.0, 1.0) * SHADES as f32).round() as i32;
+    DIVERGING[usize::from(dark)][(step + SHADES as i32) as usize]
 }
 
 /// Amplitude, 0..=1, in the colours of [`colour_map::sequential`].
@@ -228,6 +241,19 @@ mod tests {
     fn contrast(a: Color32, b: Color32) -> f32 {
         let (a, b) = (luminance(a), luminance(b));
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn a_displacement_has_the_colour_of_the_map() {
+        for dark in [false, true] {
+            let values = (-10_500..=10_500).map(|i| i as f32 / 1e4).chain([f32::NAN, f32::INFINITY.recip()]);
+            for value in values {
+                let exact = colour(colour_map::diverging(value, dark)).to_array();
+                let shown = diverging(value, dark).to_array();
+                let is_near = exact.iter().zip(shown).all(|(&exact, shown)| exact.abs_diff(shown) <= 1);
+                assert!(is_near, "{value}: {shown:?} for {exact:?}");
+            }
+        }
     }
 
     #[test]

@@ -89,39 +89,47 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, clip: Rect, mut corner
     let size = image.size;
     let from = |edge: f32, limit: usize| (edge.max(0.0) as usize).min(limit);
     let last = |edge: f32, limit: usize| (edge.max(0.0).ceil() as usize).min(limit);
+    // Plain loops: these lines are run for each pixel of each picture, and tests are not optimised.
+    let edges = [(b.at, c.at), (c.at, a.at), (a.at, b.at)];
+    // The top-left rule: a pixel on a shared edge belongs to one triangle only.
+    let mut owns_edge = [false; 3];
+    for i in 0..3 {
+        let (from, to) = edges[i];
+        owns_edge[i] = to.y < from.y || (to.y == from.y && to.x > from.x);
+    }
+    let tint = [a, b, c].map(|corner| corner.colour.to_array().map(f32::from));
+    let whole = whole.abs();
     for y in from(bounds.top(), size[1])..last(bounds.bottom(), size[1]) {
         for x in from(bounds.left(), size[0])..last(bounds.right(), size[0]) {
             let at = Pos2::new(x as f32 + 0.5, y as f32 + 0.5);
             if !clip.contains(at) {
                 continue;
             }
-            let edges = [(b.at, c.at), (c.at, a.at), (a.at, b.at)];
-            let weights = edges.map(|(from, to)| area(from, to, at));
-            // The top-left rule: a pixel on a shared edge belongs to one triangle only.
-            let is_inside = edges.iter().zip(weights).all(|((from, to), weight)| {
-                let owns_edge = to.y < from.y || (to.y == from.y && to.x > from.x);
-                weight > 0.0 || (weight == 0.0 && owns_edge)
-            });
+            let mut share = [0.0; 3];
+            let mut is_inside = true;
+            let mut i = 0;
+            while i < 3 {
+                let weight = area(edges[i].0, edges[i].1, at);
+                is_inside &= weight > 0.0 || (weight == 0.0 && owns_edge[i]);
+                share[i] = weight / whole;
+                i += 1;
+            }
             if !is_inside {
                 continue;
             }
-            let share = weights.map(|weight| weight / whole.abs());
-            let mix =
-                |pick: fn(&Corner) -> f32| share[0] * pick(&a) + share[1] * pick(&b) + share[2] * pick(&c);
-            let texel = sample(texture, mix(|corner| corner.uv.x), mix(|corner| corner.uv.y));
-            let channel = [
-                mix(|corner| f32::from(corner.colour.r())) * texel[0],
-                mix(|corner| f32::from(corner.colour.g())) * texel[1],
-                mix(|corner| f32::from(corner.colour.b())) * texel[2],
-                mix(|corner| f32::from(corner.colour.a())) * texel[3],
-            ];
+            let u = share[0] * a.uv.x + share[1] * b.uv.x + share[2] * c.uv.x;
+            let v = share[0] * a.uv.y + share[1] * b.uv.y + share[2] * c.uv.y;
+            let texel = sample(texture, u, v);
+            let mix = |i: usize| {
+                (share[0] * tint[0][i] + share[1] * tint[1][i] + share[2] * tint[2][i]) * texel[i]
+            };
             let under = image.pixels[y * size[0] + x];
-            let keep = 1.0 - channel[3] / 255.0;
+            let keep = 1.0 - mix(3) / 255.0;
             let blend = |over: f32, under: u8| (over + keep * f32::from(under)).round().min(255.0) as u8;
             image.pixels[y * size[0] + x] = Color32::from_rgb(
-                blend(channel[0], under.r()),
-                blend(channel[1], under.g()),
-                blend(channel[2], under.b()),
+                blend(mix(0), under.r()),
+                blend(mix(1), under.g()),
+                blend(mix(2), under.b()),
             );
         }
     }
@@ -137,15 +145,17 @@ fn sample(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
         let y = (y.max(0.0) as usize).min(height - 1);
         texture.pixels[y * width + x].to_array()
     };
-    let corners =
-        [texel(left, top), texel(left + 1.0, top), texel(left, top + 1.0), texel(left + 1.0, top + 1.0)];
     let (right, down) = (x - left, y - top);
-    let weights = [(1.0 - right) * (1.0 - down), right * (1.0 - down), (1.0 - right) * down, right * down];
     let mut mixed = [0.0; 4];
-    for (corner, weight) in corners.iter().zip(weights) {
-        for (sum, channel) in mixed.iter_mut().zip(corner) {
-            *sum += weight * f32::from(*channel) / 255.0;
-        }
-    }
+    let mut add = |corner: [u8; 4], weight: f32| {
+        mixed[0] += weight * f32::from(corner[0]) / 255.0;
+        mixed[1] += weight * f32::from(corner[1]) / 255.0;
+        mixed[2] += weight * f32::from(corner[2]) / 255.0;
+        mixed[3] += weight * f32::from(corner[3]) / 255.0;
+    };
+    add(texel(left, top), (1.0 - right) * (1.0 - down));
+    add(texel(left + 1.0, top), right * (1.0 - down));
+    add(texel(left, top + 1.0), (1.0 - right) * down);
+    add(texel(left + 1.0, top + 1.0), right * down);
     mixed
 }
