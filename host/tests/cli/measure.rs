@@ -1,5 +1,6 @@
 //! `slipline measure`, and `slipline calibrate` with a device: the simulated one stands on a plate that nobody knows.
 
+use super::trim::{calibrated, written};
 use super::{failure, file, json, number, slipline};
 use serde_json::Value;
 use slipline_plate::calibrate::File;
@@ -47,20 +48,14 @@ fn a_secret_plate_is_calibrated_with_the_device_and_the_file_is_one_for_every_co
     assert!(number(&value["before"], "boundary_error_m") > 1e-3, "{value}");
     let table = json(&["table", "--plate", out.to_str().unwrap()]);
     assert_eq!(table["knots"].as_array().unwrap().len(), 1025);
-    // The device stands on the same plate: nothing is left to correct.
-    let again = json(&[
-        "calibrate",
-        "--port",
-        "sim",
-        "--plate",
-        out.to_str().unwrap(),
-        "--actual-plate",
-        out.to_str().unwrap(),
-        "--sensor",
-        "34mm",
-        "--sensor",
-        "187mm",
-    ]);
+}
+
+#[test]
+fn where_the_device_stands_on_the_calibrated_plate_nothing_is_left_to_correct() {
+    let plate = written("measure-calibrated.toml", &calibrated());
+    let plate = plate.to_str().unwrap();
+    let device = ["calibrate", "--port", "sim", "--plate", plate, "--actual-plate", plate];
+    let again = json(&[&device[..], &["--sensor", "34mm", "--sensor", "187mm"]].concat());
     assert!(number(&again["before"], "boundary_error_m") < 0.3e-3, "{again}");
 }
 

@@ -4,14 +4,15 @@ use super::{failure, file, json, number, slipline};
 use slipline_plate::{Calibration, Plate, PlateSpec, preset};
 use std::path::PathBuf;
 
-fn written(name: &str, plate: &Plate) -> PathBuf {
+/// The plate in a file of this name.
+pub(super) fn written(name: &str, plate: &Plate) -> PathBuf {
     let path = file(name);
     std::fs::write(&path, plate.to_toml()).unwrap();
     path
 }
 
 /// The preset as a calibration leaves it.
-fn calibrated() -> Plate {
+pub(super) fn calibrated() -> Plate {
     let calibration = Calibration {
         chi2_per_n: 1.0,
         half_width_tolerance: 2e-3,

@@ -18,6 +18,9 @@ const KEPT_CODES: usize = 1_000_000;
 const LEAST_CODES: usize = 2 * BLOCK;
 /// Codes that the spectrum is made of, at most.
 const SPECTRUM_CODES: usize = 1 << 18;
+/// A spectrum is made anew after so much of a drive, in seconds: it is read, not watched like the codes, and costs the
+/// most.
+const SPECTRUM_EACH_S: f64 = 0.1;
 
 /// A stretch of the codes the device sends.
 #[derive(Clone, Debug)]
@@ -65,11 +68,13 @@ pub type WaveformJob = DeviceHistory;
 pub struct WaveformFollower {
     replay: Replay,
     spectrum: Spectrum,
+    /// The latest spectrum and the index of the code at which it ended.
+    latest: Option<(u64, Arc<[Line]>)>,
 }
 
 impl Default for WaveformFollower {
     fn default() -> Self {
-        Self { replay: Replay::new(KEPT_CODES), spectrum: Spectrum::default() }
+        Self { replay: Replay::new(KEPT_CODES), spectrum: Spectrum::default(), latest: None }
     }
 }
 
@@ -86,9 +91,22 @@ impl WaveformFollower {
             return Waveform { is_true: self.replay.exact_since().is_some(), ..Waveform::default() };
         }
         let codes: Arc<[u16]> = codes.collect();
-        let tail = &codes[codes.len().saturating_sub(SPECTRUM_CODES)..];
-        let spectrum = self.spectrum.of(tail, rate).into();
+        let spectrum = self.spectrum_of(&codes, first + codes.len() as u64, rate);
         Waveform { window: Some(Window { first, sample_rate_hz: rate, codes }), spectrum, is_true }
+    }
+
+    /// The spectrum of the last of these codes, of which `end` is the index of the next.
+    fn spectrum_of(&mut self, codes: &[u16], end: u64, rate: f64) -> Arc<[Line]> {
+        let fresh = (SPECTRUM_EACH_S * rate) as u64;
+        if let Some((at, lines)) = &self.latest
+            && end.checked_sub(*at).is_some_and(|age| age < fresh)
+        {
+            return Arc::clone(lines);
+        }
+        let tail = &codes[codes.len().saturating_sub(SPECTRUM_CODES)..];
+        let lines: Arc<[Line]> = self.spectrum.of(tail, rate).into();
+        self.latest = Some((end, Arc::clone(&lines)));
+        lines
     }
 }
 
@@ -140,6 +158,25 @@ mod tests {
         let waveform = follower.follow(&job(&later, 640_000));
         assert!(waveform.is_true());
         assert!(waveform.window().unwrap().codes.iter().any(|&code| code > 2500), "the table was kept");
+    }
+
+    #[test]
+    fn a_spectrum_is_a_tenth_of_a_second_old_at_most_and_none_outlives_its_drive() {
+        let mut follower = WaveformFollower::default();
+        let start = [(1, 12_800, Change::Session), (2, 25_600, drive())];
+        let mut at = |journal: &[(u64, u64, Change)], now: u64| {
+            Arc::clone(&follower.follow(&job(journal, now)).spectrum)
+        };
+        let first = at(&start, 128_000);
+        assert!(Arc::ptr_eq(&first, &at(&start, 128_000 + 39_000)));
+        let second = at(&start, 128_000 + 41_000);
+        assert!(!Arc::ptr_eq(&first, &second));
+
+        let stopped = [start[0].clone(), start[1].clone(), (3, 256_000, Change::Stop)];
+        assert!(at(&stopped, 400_000).is_empty());
+        let again = [start.to_vec(), vec![stopped[2].clone(), (4, 409_600, drive())]].concat();
+        let new = at(&again, 416_000);
+        assert!(!new.is_empty() && !Arc::ptr_eq(&new, &second));
     }
 
     #[test]

@@ -163,16 +163,16 @@ fn threads_and_vector_widths_do_not_change_a_bit() {
         let finger = Finger { contact_m: 0.05, ..Finger::firm(0.2) };
         let mut sheet = Sheet::touched(&plate, &finger, RATE, grid).unwrap();
         sheet.fdtd.use_width(width);
-        for codes in tone(160.0, 0, 9000).chunks(chunk) {
+        for codes in tone(160.0, 0, 4000).chunks(chunk) {
             sheet.push(codes);
         }
         (sheet.fdtd.threads(), field(&sheet), sheet.envelope())
     };
     for whole in [false, true] {
-        let (_, field, envelope) = run(1, whole, Width::Portable, 9000);
+        let (_, field, envelope) = run(1, whole, Width::Portable, 4000);
         assert!(field.iter().any(|v| v.abs() > 1e-5));
         for width in Width::all() {
-            for (threads, chunk) in [(1, 317), (2, 9000), (2, 1), (3, 700)] {
+            for (threads, chunk) in [(1, 317), (2, 4000), (2, 1), (3, 700)] {
                 let (used, other_field, other_envelope) = run(threads, whole, width, chunk);
                 assert_eq!(used, threads, "threads that were used");
                 assert_eq!(field, other_field, "{width:?}, {threads} threads, {chunk} codes at once");

@@ -210,9 +210,8 @@ fn colour([red, green, blue]: Rgb) -> Color32 {
 pub fn diverging(value: f32, dark: bool) -> Color32 {
     static DIVERGING: LazyLock<[Vec<Color32>; 2]> = LazyLock::new(|| {
         let shade = |i: usize| (i as f32 - SHADES as f32) / SHADES as f32;
-        [false, true].map(|dark| {
-            (0..=2 * SHADES).map(|i| colour(colour_map::diverging(shade(i), dark))).collect()
-        })
+        [false, true]
+            .map(|dark| (0..=2 * SHADES).map(|i| colour(colour_map::diverging(shade(i), dark))).collect())
     });
     // A NaN is at rest, as in the map itself.
     let step = (value.clamp(-1.0, 1.0) * SHADES as f32).round() as i32;

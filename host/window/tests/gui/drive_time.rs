@@ -13,6 +13,7 @@ use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
 #[test]
+#[ignore = "ten minutes of a device's samples: .ci/run long_tests"]
 fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     let mut app = TestApp::driving();
     app.pass(u64::from(MAX_DRIVE_MS));

@@ -97,6 +97,8 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, clip: Rect, mut corner
         let (from, to) = edges[i];
         owns_edge[i] = to.y < from.y || (to.y == from.y && to.x > from.x);
     }
+    // A plain area has one place of the texture.
+    let plain = (a.uv == b.uv && b.uv == c.uv).then(|| sample(texture, a.uv.x, a.uv.y));
     let tint = [a, b, c].map(|corner| corner.colour.to_array().map(f32::from));
     let whole = whole.abs();
     for y in from(bounds.top(), size[1])..last(bounds.bottom(), size[1]) {
@@ -107,22 +109,21 @@ fn triangle(image: &mut ColorImage, texture: &ColorImage, clip: Rect, mut corner
             }
             let mut share = [0.0; 3];
             let mut is_inside = true;
-            let mut i = 0;
-            while i < 3 {
+            for i in 0..3 {
                 let weight = area(edges[i].0, edges[i].1, at);
                 is_inside &= weight > 0.0 || (weight == 0.0 && owns_edge[i]);
                 share[i] = weight / whole;
-                i += 1;
             }
             if !is_inside {
                 continue;
             }
-            let u = share[0] * a.uv.x + share[1] * b.uv.x + share[2] * c.uv.x;
-            let v = share[0] * a.uv.y + share[1] * b.uv.y + share[2] * c.uv.y;
-            let texel = sample(texture, u, v);
-            let mix = |i: usize| {
-                (share[0] * tint[0][i] + share[1] * tint[1][i] + share[2] * tint[2][i]) * texel[i]
-            };
+            let texel = plain.unwrap_or_else(|| {
+                let u = share[0] * a.uv.x + share[1] * b.uv.x + share[2] * c.uv.x;
+                let v = share[0] * a.uv.y + share[1] * b.uv.y + share[2] * c.uv.y;
+                sample(texture, u, v)
+            });
+            let mix =
+                |i: usize| (share[0] * tint[0][i] + share[1] * tint[1][i] + share[2] * tint[2][i]) * texel[i];
             let under = image.pixels[y * size[0] + x];
             let keep = 1.0 - mix(3) / 255.0;
             let blend = |over: f32, under: u8| (over + keep * f32::from(under)).round().min(255.0) as u8;
