@@ -5,9 +5,13 @@ use super::record::RecordHalo;
 use super::vector::Line;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
-/// Number of spins before a waiting thread yields its core to other threads.
+/// Number of spins before a waiting thread leaves its core to other threads.
 const SPINS: u32 = 4096;
+/// How long it leaves it: about a block. On a busy machine a thread that only yields gets its core back at once, and the
+/// band it waits for does not.
+const PAUSE: Duration = Duration::from_micros(50);
 
 /// The boundaries between neighbouring bands.
 #[derive(Debug)]
@@ -98,7 +102,7 @@ impl HaloExchange {
                 spins += 1;
                 std::hint::spin_loop();
             } else {
-                std::thread::yield_now();
+                std::thread::sleep(PAUSE);
             }
         }
     }

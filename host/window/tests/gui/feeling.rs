@@ -56,7 +56,17 @@ fn put(app: &mut TestApp, name: &str, mm: f64) {
 
 #[test]
 fn line_flag_fields_strip_and_trace_name_the_same_place() {
-    for (name, level, places) in PLACES {
+    name_the_same_place(&PLACES[..2]);
+}
+
+#[test]
+#[ignore = "a second pass, on the other presets: .ci/run long_tests"]
+fn line_flag_fields_strip_and_trace_name_the_same_place_on_every_preset() {
+    name_the_same_place(&PLACES[2..]);
+}
+
+fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
+    for &(name, level, places) in presets {
         let mut app = felt(name, level);
         for mm in places {
             app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
