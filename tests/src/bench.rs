@@ -1,13 +1,15 @@
 //! A plate that nobody knows, under a simulated device with a sensor, measured through the protocol and the device
 //! application.
 
+use slipline_instrument::measure::{
+    MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted,
+};
+use slipline_instrument::rig::{PreparedRig, RigHand, RigOptions, secret};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{DeviceTable, Request, Snapshot};
 use slipline_model::field::simulation::table_for;
-use slipline_model::measure::{MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted};
-use slipline_model::rig::{PreparedRig, RigHand, RigOptions, secret};
 use slipline_plate::calibrate::{Measurement, SensorKind};
 use slipline_plate::{Complex64, Equation, Plate, preset, respond_batch};
 use std::f64::consts::PI;

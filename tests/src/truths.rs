@@ -2,10 +2,10 @@
 //! application and simulated rig, and calibrated from two places of the sensor.
 
 use crate::bench::{Bench, PLACES, RATE_HZ};
+use slipline_instrument::measure::{Plan, Wanted};
+use slipline_instrument::rig::{RigOptions, limits};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::table_for;
-use slipline_model::measure::{Plan, Wanted};
-use slipline_model::rig::{RigOptions, limits};
 use slipline_plate::calibrate::{
     CalibrateError, Calibrated, Departure, MeasuredPoint, Measurement, Priors, SensorKind, departure,
     from_ratio, predicted,

@@ -1,11 +1,11 @@
 //! "Is it on?" through the protocol, the device application and the rig: each state of a drive is told in its sentence, before
 //! anything loud sounds.
 
-use slipline_link::Request;
-use slipline_model::measure::{
+use slipline_instrument::measure::{
     AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Procedure, Sensor,
 };
-use slipline_model::rig::RigFault;
+use slipline_instrument::rig::RigFault;
+use slipline_link::Request;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad, SensorKind};
 use slipline_tests::bench::{Bench, RATE_HZ};
 

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use slipline_instrument::hold::HoldPlan;
+use slipline_instrument::rig::{PreparedRig, RigFault, RigHand, RigOptions};
 use slipline_link::protocol::units::{Gain, Position};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{DriveRequest, HoldLimit, HoldLoss, HoldProgress, HoldState, Outcome, Request};
 use slipline_model::field::simulation::table_for;
-use slipline_model::hold::HoldPlan;
-use slipline_model::rig::{PreparedRig, RigFault, RigHand, RigOptions};
 use slipline_plate::{Finger, preset};
 use slipline_tests::rig::{BLOCK, MID};
 

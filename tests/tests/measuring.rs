@@ -1,9 +1,9 @@
 //! A plate that nobody knows is measured through the protocol and the device application, and calibrated: the simulated rig
 //! stands on it.
 
+use slipline_instrument::measure::{MeasureError, Measured, Procedure};
+use slipline_instrument::rig::RigFault;
 use slipline_link::Request;
-use slipline_model::measure::{MeasureError, Measured, Procedure};
-use slipline_model::rig::RigFault;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;

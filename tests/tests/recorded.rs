@@ -3,11 +3,11 @@
 
 use clap::Parser as _;
 use slipline::cli::Cli;
+use slipline_instrument::measure::{HeardError, MeasureError, PlayedSweep, Playing, Procedure, Wanted};
+use slipline_instrument::measured_file::{Opened, ToldOfRecording, Untold, recorded};
+use slipline_instrument::rig::{RigOptions, secret};
 use slipline_link::Request;
 use slipline_link::protocol::command::Apply;
-use slipline_model::measure::{HeardError, MeasureError, PlayedSweep, Playing, Procedure, Wanted};
-use slipline_model::measured_file::{Opened, ToldOfRecording, Untold, recorded};
-use slipline_model::rig::{RigOptions, secret};
 use slipline_plate::calibrate::{Priors, SensorKind, departure, from_one_sensor};
 use slipline_plate::{Plate, preset};
 use slipline_tests::bench::{Bench, RATE_HZ};

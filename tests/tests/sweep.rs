@@ -1,11 +1,11 @@
 //! An exponential sweep through the protocol, the device application and the rig: the responses of a plate that nobody knows,
 //! and the current of its drive.
 
+use slipline_instrument::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
+use slipline_instrument::rig::RigFault;
 use slipline_link::protocol::command::Apply;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{CaptureRequest, Request};
-use slipline_model::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
-use slipline_model::rig::RigFault;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
 use slipline_plate::check::Colour;

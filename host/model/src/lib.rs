@@ -1,8 +1,8 @@
 //! What a user of Slipline sets up and sees, without a window: the setup and its edits, the fields on the plate, the
-//! waveform, jobs, the automatic drive of the device, and exports.
+//! waveform, jobs on plates, and exports. The use of a device is the crate `slipline-instrument`.
 //!
 //! ```text
-//! setup (edits, undo, file) --> jobs (table, lights, design) --> autopilot --> requests to the link
+//! setup (edits, undo, file) --> jobs (table, lights, design)
 //!                          \--> field (steady, time domain, sheet)  \
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
@@ -15,22 +15,16 @@
 #[cfg(feature = "native")]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod atomic_file;
-pub mod autopilot;
-pub mod calibration;
 pub mod colour_map;
 pub mod export;
 pub mod field;
-pub mod hold;
 pub mod jobs;
-pub mod measure;
-pub mod measured_file;
 pub mod played;
-pub mod recording;
 pub mod response;
-pub mod rig;
 pub mod scenes;
 pub mod setup;
 pub mod sound;
+pub mod sounding;
 pub mod texture;
 pub mod wav;
 pub mod waveform;

@@ -2,10 +2,10 @@
 
 use super::device::Device;
 use super::{Failure, progress};
+use slipline_instrument::measure::{Procedure, Step};
 use slipline_link::protocol::event::State;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{DeviceTable, Request};
-use slipline_model::measure::{Procedure, Step};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;

@@ -3,12 +3,12 @@
 
 use super::{ArmingArgument, Failure, progress};
 use crate::signals::{self, Ending};
+use slipline_instrument::rig::PreparedRig;
 use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::event::Identity;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Snapshot, Ticket, upkeep};
-use slipline_model::rig::PreparedRig;
 use slipline_plate::Plate;
 use std::cell::Cell;
 use std::panic::resume_unwind;

@@ -6,10 +6,12 @@ use super::measuring::place_on;
 use super::{Failure, PortArgument, output};
 use clap::Args;
 use serde_json::{Value, json};
+use slipline_instrument::hold::{
+    HoldPlan, Holding, MAX_RISE, Standing, USUAL_RISE_DB, progress_words, words,
+};
+use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::protocol::hold::{Held, HoldProgress};
 use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
-use slipline_model::hold::{HoldPlan, Holding, MAX_RISE, Standing, USUAL_RISE_DB, progress_words, words};
-use slipline_model::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;

@@ -4,9 +4,11 @@ use super::Failure;
 use super::argument::within;
 use super::bench::{Bench, run};
 use clap::{ArgGroup, Args};
-use slipline_model::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt};
-use slipline_model::measure::{DriveChecking, KnownDrive};
-use slipline_model::rig::PreparedRig;
+use slipline_instrument::measure::circuit::{
+    AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt,
+};
+use slipline_instrument::measure::{DriveChecking, KnownDrive};
+use slipline_instrument::rig::PreparedRig;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
 use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 

@@ -9,8 +9,8 @@ use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument,
 use argument::Typed;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use slipline_model::measure::{Measured, Sensor, current_sensor};
-use slipline_model::rig::RigOptions;
+use slipline_instrument::measure::{Measured, Sensor, current_sensor};
+use slipline_instrument::rig::RigOptions;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
 use slipline_plate::number_format::with_decimals;
@@ -141,7 +141,7 @@ fn value(&Told { plate, input, drive, measured }: &Told<'_>) -> Value {
 
 /// What is to be told of a measurement, in sentences.
 pub(super) fn warnings(measured: &Measured) -> Vec<String> {
-    measured.warnings.iter().map(slipline_model::measure::Warning::sentence).collect()
+    measured.warnings.iter().map(slipline_instrument::measure::Warning::sentence).collect()
 }
 
 fn lines(

@@ -3,11 +3,11 @@
 use super::Failure;
 use super::argument::{self, Typed};
 use clap::Args;
-use slipline_model::atomic_file::{read_bytes, read_text, said};
-use slipline_model::measure::{PLAYED_BYTES_MAX, PlayedSweep};
-use slipline_model::measured_file::{
+use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
+use slipline_instrument::measured_file::{
     BYTES_MAX, Opened, Told, ToldOfRecording, Untold, measurement, recorded,
 };
+use slipline_model::atomic_file::{read_bytes, read_text, said};
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Foreign, Measurement, SNR, SNR_DB, SensorKind};

@@ -7,10 +7,10 @@ use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
 use super::{ArmingArgument, Failure, PortArgument};
 use clap::Args;
-use slipline_model::measure::{
+use slipline_instrument::measure::{
     MeasureError, Measured, Measuring, POINTS, Plan, Sensor, SweepPlan, Sweeping, Wanted, current_sensor,
 };
-use slipline_model::rig::{PreparedRig, RigOptions};
+use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};

@@ -1,9 +1,9 @@
 //! The rig of the simulated device: the plate it stands on, and a sensor.
 
 use super::{Failure, PortArgument, argument};
+use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
 use slipline_link::Port;
 use slipline_link::simulator::Options;
-use slipline_model::rig::{PreparedRig, RigOptions, secret};
 use slipline_plate::Plate;
 
 /// What `--actual-plate` names beside files and presets.

@@ -8,7 +8,7 @@ use super::{
     rig::{actual_plate, prepared},
 };
 #[cfg(unix)]
-use slipline_model::rig::{PreparedRig, RigOptions};
+use slipline_instrument::rig::{PreparedRig, RigOptions};
 #[cfg(unix)]
 use slipline_plate::Plate;
 

@@ -7,7 +7,7 @@ use super::measuring::FrequenciesArgument;
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_model::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
+use slipline_instrument::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::show_frequency;
 use std::io::Write;

@@ -8,9 +8,9 @@ use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument,
 use argument::Typed;
 use clap::Args;
 use serde_json::{Value, json};
+use slipline_instrument::measure::Sensor;
+use slipline_instrument::rig::RigOptions;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_model::measure::Sensor;
-use slipline_model::rig::RigOptions;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed, departure};
 use slipline_plate::number_format::with_decimals;

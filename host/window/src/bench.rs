@@ -1,7 +1,7 @@
 //! What the inputs of the simulated device are wired to: the rig that was put together last. Without one they show nothing.
 
+use slipline_instrument::rig::PreparedRig;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_model::rig::PreparedRig;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Mid-scale of an input.

@@ -2,8 +2,8 @@
 
 mod native;
 
+use slipline_instrument::measured_file;
 use slipline_model::atomic_file::{self, said};
-use slipline_model::measured_file;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use std::io::{self, Write as _};

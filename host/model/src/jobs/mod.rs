@@ -1,12 +1,9 @@
 //! Work that takes longer than a frame, off the UI thread. Only the newest job counts; every job can be cancelled.
 
-pub mod calibrate;
 pub mod check;
 pub mod compare;
 pub mod design;
 pub mod plane;
-pub mod recorded;
-pub mod rig;
 pub mod table;
 pub mod texture;
 

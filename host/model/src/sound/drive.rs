@@ -1,8 +1,8 @@
 //! The drive itself as sound: for a voice coil at the output of a sound card.
 
 use super::{Partial, Sound};
-use crate::autopilot::SoundingDrive;
 use crate::played::PlayedTone;
+use crate::sounding::SoundingDrive;
 
 /// The highest frequency that is played, in Hz: sound cards, and the amplifiers behind them, are made for hearing;
 /// above it a boundary's level would depend on which one it is.

@@ -4,8 +4,8 @@ use super::App;
 use crate::files::FileJob;
 use crate::intent::{CalibrateIntent, Dialog};
 use crate::scene::CalibrateScene;
-use slipline_model::calibration::{Answer, Calibration, Step};
-use slipline_model::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
+use slipline_instrument::calibration::{Answer, Calibration, Step};
+use slipline_instrument::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
 use slipline_model::setup::edit::Edit;
 use std::sync::Arc;
 

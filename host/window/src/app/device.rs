@@ -2,13 +2,14 @@
 //! sent. The [`autopilot`] decides when the app sends something without a user action.
 
 use super::{App, TableJob, TableMade, TableState};
+use slipline_instrument::autopilot;
+use slipline_instrument::hold::HoldEnd;
 use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
-use slipline_model::autopilot;
-use slipline_model::hold::HoldEnd;
 use slipline_model::played::Played;
 use slipline_model::setup::{MAX_TONES, edit};
+use slipline_model::sounding;
 use slipline_model::texture::chord_of;
 use std::sync::Arc;
 
@@ -210,7 +211,7 @@ impl App {
 
     pub(super) fn send_drive(&mut self) {
         let request = self.playing();
-        let sounding = autopilot::sounding(&self.snapshot).map(|sounding| sounding.played);
+        let sounding = sounding::sounding(&self.snapshot).map(|sounding| sounding.played);
         let by_rest = match (&request, &sounding) {
             // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
             // of a drive, so these would cross the plate on their way.

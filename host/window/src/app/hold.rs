@@ -5,8 +5,8 @@ use super::App;
 use crate::intent::Dialog;
 use crate::scene::HoldScene;
 use eframe::egui;
+use slipline_instrument::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
 use slipline_link::{Severity, Snapshot, Ticket};
-use slipline_model::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
 use std::time::Duration;
 
 /// Time between two looks at how it goes.

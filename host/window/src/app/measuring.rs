@@ -7,12 +7,12 @@ use super::signal::{Looks, SENSOR_INPUT};
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui;
-use slipline_link::{Severity, Ticket};
-use slipline_model::hold::HoldEnd;
-use slipline_model::measure::{
+use slipline_instrument::hold::HoldEnd;
+use slipline_instrument::measure::{
     AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Sensor,
     Step, Wanted,
 };
+use slipline_link::{Severity, Ticket};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::quantity::show_place;

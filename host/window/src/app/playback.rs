@@ -5,11 +5,11 @@
 use super::App;
 use crate::sound::SoundChoice;
 use eframe::egui;
-use slipline_model::autopilot;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
 use slipline_model::field::time_domain::{Measured, TimeDomainJob};
+use slipline_model::sounding;
 use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use slipline_plate::feeling::Feeling;
@@ -86,7 +86,7 @@ impl App {
     /// Solves the field of the drive that the device has acknowledged, if it has changed, and passes the drive to
     /// the simulated plate.
     pub(super) fn update_playback(&mut self) {
-        let acknowledged = autopilot::sounding(&self.snapshot);
+        let acknowledged = sounding::sounding(&self.snapshot);
         // At rest there is nothing to replay, but the change to rest itself must be replayed.
         if acknowledged.is_some() || self.playback.sounding.is_some() {
             self.follow();

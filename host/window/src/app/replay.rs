@@ -3,7 +3,7 @@
 
 use super::App;
 use eframe::egui;
-use slipline_model::recording::Recording;
+use slipline_instrument::recording::Recording;
 use std::time::Duration;
 
 /// Time between two moves of a replay.

@@ -2,11 +2,11 @@
 
 use super::App;
 use crate::intent::MeasureDraft;
+use slipline_instrument::hold::Standing;
+use slipline_instrument::jobs::rig::{RigJob, RigPrepared};
+use slipline_instrument::measure::KnownDrive;
+use slipline_instrument::rig::{RigHand, secret};
 use slipline_link::Port;
-use slipline_model::hold::Standing;
-use slipline_model::jobs::rig::{RigJob, RigPrepared};
-use slipline_model::measure::KnownDrive;
-use slipline_model::rig::{RigHand, secret};
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 

@@ -2,9 +2,9 @@
 
 use super::App;
 use crate::intent::Dialog;
+use slipline_instrument::hold::HoldEnd;
+use slipline_instrument::measure::Signal;
 use slipline_link::{Outcome, Ticket};
-use slipline_model::hold::HoldEnd;
-use slipline_model::measure::Signal;
 
 /// The input of the sensor.
 pub(super) const SENSOR_INPUT: u8 = 0;

@@ -5,8 +5,8 @@
 
 use super::App;
 use crate::sound::{SoundChoice, SpeakerState};
-use slipline_model::autopilot;
 use slipline_model::sound::{Sound, at_finger, left_out_hz, of_drive};
+use slipline_model::sounding;
 use slipline_plate::quantity::show_frequency;
 
 /// The choice for this connection, where it differs from the usual one.
@@ -62,7 +62,7 @@ impl App {
             );
         }
         let highest = show_frequency(slipline_model::sound::HIGHEST_DRIVE_HZ);
-        let left_out = show_frequency(left_out_hz(&autopilot::sounding(&self.snapshot)?)?);
+        let left_out = show_frequency(left_out_hz(&sounding::sounding(&self.snapshot)?)?);
         Some(format!("A sound card plays the drive up to {highest}: the tone of {left_out} is left out."))
     }
 
@@ -78,6 +78,6 @@ impl App {
 
     fn sound_of_drive(&self) -> Option<Sound> {
         let status = self.snapshot.status?;
-        Some(of_drive(&autopilot::sounding(&self.snapshot)?, status.foldback_per_mille))
+        Some(of_drive(&sounding::sounding(&self.snapshot)?, status.foldback_per_mille))
     }
 }

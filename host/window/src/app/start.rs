@@ -2,9 +2,9 @@
 
 use super::App;
 use crate::intent::{Confirm, Dialog};
+use slipline_instrument::autopilot;
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkError, LinkState, Request};
-use slipline_model::autopilot;
 use slipline_model::jobs::table::TableState;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Presses of STOP, Esc and Space. One press stops, and disarms a real device; two within a second are an emergency stop.
 
 use super::App;
+use slipline_instrument::hold::HoldEnd;
 use slipline_link::Request;
-use slipline_model::hold::HoldEnd;
 
 /// The second press counts within this time after the first, in seconds.
 const TWICE_S: f64 = 1.0;

@@ -101,11 +101,11 @@ impl Parts {
             planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
             designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
             textures: JobQueue::threaded("slipline-texture", slipline_model::jobs::texture::work, wake(ctx))?,
-            rigs: JobQueue::threaded("slipline-rig", slipline_model::jobs::rig::work, wake(ctx))?,
+            rigs: JobQueue::threaded("slipline-rig", slipline_instrument::jobs::rig::work, wake(ctx))?,
             bench: Bench::default(),
             calibrations: JobQueue::threaded(
                 "slipline-calibrate",
-                slipline_model::jobs::calibrate::work,
+                slipline_instrument::jobs::calibrate::work,
                 wake(ctx),
             )?,
             comparisons: JobQueue::threaded(
@@ -115,7 +115,7 @@ impl Parts {
             )?,
             recordings: JobQueue::threaded(
                 "slipline-recorded",
-                slipline_model::jobs::recorded::work,
+                slipline_instrument::jobs::recorded::work,
                 wake(ctx),
             )?,
             sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,

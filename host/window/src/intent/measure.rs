@@ -1,8 +1,8 @@
 //! The requests of the page of measurements.
 
-use slipline_model::measure::KnownDrive;
-use slipline_model::measure::circuit::TOLERANCE;
-use slipline_model::measured_file::Told;
+use slipline_instrument::measure::KnownDrive;
+use slipline_instrument::measure::circuit::TOLERANCE;
+use slipline_instrument::measured_file::Told;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
 
 /// What is to be measured with the device.

@@ -6,8 +6,8 @@ use super::theme;
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
 use eframe::egui::{self, RichText};
-use slipline_model::measure::KnownDrive;
-use slipline_model::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};
+use slipline_instrument::measure::KnownDrive;
+use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::quantity::show_si;
 

@@ -5,7 +5,7 @@ use super::{Scene, ViewState, theme};
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::{Asked, AskedContent};
 use eframe::egui::{self, Label, RichText};
-use slipline_model::measured_file::Told;
+use slipline_instrument::measured_file::Told;
 use slipline_plate::calibrate::SNR;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Range, plain, show_frequency};

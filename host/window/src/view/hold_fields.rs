@@ -4,7 +4,7 @@ use super::slider::FreeSlider;
 use super::{Scene, ViewState, theme};
 use crate::intent::{Intent, Intents};
 use eframe::egui::{self, RichText};
-use slipline_model::hold::{MAX_RISE, Standing, ToneWords, words};
+use slipline_instrument::hold::{MAX_RISE, Standing, ToneWords, words};
 use slipline_plate::number_format::rounded;
 use slipline_plate::quantity::{self, Measure, show_frequency, show_place, show_range};
 

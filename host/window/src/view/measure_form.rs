@@ -4,7 +4,7 @@ use super::sensor_fields::{kind, number, place, refusal};
 use super::{Scene, ViewState, drive_fields};
 use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use eframe::egui::{self, RichText};
-use slipline_model::measure::LEVEL;
+use slipline_instrument::measure::LEVEL;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity;
 

@@ -3,9 +3,9 @@
 
 use super::Scene;
 use crate::intent::{Confirm, Dialog, Intent};
+use slipline_instrument::autopilot;
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkError, LinkState, Port, Request};
-use slipline_model::autopilot;
 use slipline_model::jobs::table::TableState;
 
 /// One action: the text of its button, its explanation and its intent.

@@ -7,9 +7,9 @@ use eframe::egui::{self, Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::State;
 use slipline_link::{Change, Request};
-use slipline_model::autopilot;
 use slipline_model::field::steady_field::SteadyTone;
 use slipline_model::setup::Setup;
+use slipline_model::sounding;
 use slipline_model::texture::{Wish, make};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::texture::Palette;
@@ -37,7 +37,7 @@ fn falling() -> (Setup, DriveTable) {
 /// Whether the latest thing that sounds is a chord; `None` if nothing does.
 fn sounds_as_chord(app: &TestApp) -> Option<bool> {
     let snapshot = app.snapshot();
-    autopilot::sounding(&snapshot)?;
+    sounding::sounding(&snapshot)?;
     let is_chord = |change: &Change| match change {
         Change::Chord(_) => Some(true),
         Change::Drive(_) => Some(false),
@@ -63,7 +63,7 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     // Showing a setup changes nothing of it: levels are not rounded to what a slider shows.
     assert!(app.window.state().setup() == &setup);
     assert_eq!(sounds_as_chord(&app), Some(true));
-    let sounding = autopilot::sounding(&app.snapshot()).unwrap();
+    let sounding = sounding::sounding(&app.snapshot()).unwrap();
     assert_eq!(sounding.tones.len(), setup.tones.len());
     for tone in &setup.tones {
         let drawn = SteadyTone::of(&setup, tone, &table);

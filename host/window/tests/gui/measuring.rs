@@ -5,9 +5,9 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_instrument::rig::secret;
 use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_model::rig::secret;
 use slipline_plate::calibrate::departure;
 use slipline_window::bench::Bench;
 

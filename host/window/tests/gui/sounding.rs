@@ -7,7 +7,7 @@ use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::Request;
 use slipline_link::protocol::Refusal;
-use slipline_model::autopilot::sounding;
+use slipline_model::sounding::sounding;
 
 /// Frequencies that the device has acknowledged, in Hz, in the order of their tones.
 fn sounding_hz(app: &TestApp) -> Vec<f64> {

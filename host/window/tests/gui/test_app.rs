@@ -286,11 +286,11 @@ fn parts(
         planes: JobQueue::inline(plane::work),
         designs: JobQueue::inline(design::work),
         textures: JobQueue::inline(slipline_model::jobs::texture::work),
-        rigs: JobQueue::inline(slipline_model::jobs::rig::work),
+        rigs: JobQueue::inline(slipline_instrument::jobs::rig::work),
         bench: Bench::default(),
-        calibrations: JobQueue::inline(slipline_model::jobs::calibrate::work),
+        calibrations: JobQueue::inline(slipline_instrument::jobs::calibrate::work),
         comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
-        recordings: JobQueue::inline(slipline_model::jobs::recorded::work),
+        recordings: JobQueue::inline(slipline_instrument::jobs::recorded::work),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::view::response::inks::ink;
 use crate::view::{ViewState, foreign_form, measure_form, theme, validity};
 use eframe::egui::{self, Label, RichText, Sense, vec2};
-use slipline_model::calibration::{Calibration, Step};
+use slipline_instrument::calibration::{Calibration, Step};
 use slipline_model::response::Headroom;
 use slipline_plate::quantity::show_place;
 

@@ -2,7 +2,7 @@
 
 use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, Pos2, Shape, Stroke, pos2, vec2};
-use slipline_model::calibration::Calibration;
+use slipline_instrument::calibration::Calibration;
 use slipline_plate::quantity::show_place;
 
 /// Height of the drawing in points, and the room beside the plate.

@@ -6,7 +6,7 @@ use crate::intent::{CalibrateIntent, Intent, Intents};
 use crate::view::ViewState;
 use crate::view::field::{InputField, labelled};
 use eframe::egui;
-use slipline_model::calibration::Calibration;
+use slipline_instrument::calibration::Calibration;
 use slipline_plate::calibrate::Calipers;
 use slipline_plate::quantity::{self, OutOfRange, Range, Unit};
 

@@ -42,7 +42,7 @@ const ANY_PEAK_M: f64 = 1e-6;
 /// One sweep, played twice: the second time at half the level.
 ///
 /// ```
-/// use slipline_model::measure::{PlayedSweep, Wanted};
+/// use slipline_instrument::measure::{PlayedSweep, Wanted};
 /// use slipline_model::field::simulation::table_for;
 ///
 /// let plate = slipline_plate::preset("al-bending").unwrap();

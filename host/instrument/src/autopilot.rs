@@ -4,14 +4,12 @@
 //! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
-use crate::field::steady_field::SteadyTone;
-use crate::jobs::table::TableMade;
-use crate::played::Played;
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, LinkState, Port, Refusal, Snapshot};
+use slipline_link::{LinkState, Port, Refusal, Snapshot};
+use slipline_model::jobs::table::TableMade;
 use std::sync::Arc;
 
 /// A request to the device.
@@ -215,57 +213,11 @@ fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     snapshot.upload.is_some() || misses_limit || (snapshot.is_simulated() && !is_held(snapshot, made))
 }
 
-/// The drive that the device has acknowledged and plays now.
-#[derive(Clone, Debug)]
-pub struct SoundingDrive {
-    /// The number of the journal's entry.
-    pub number: u64,
-    /// What is played, in the device's units.
-    pub played: Played,
-    /// The table with which it is played.
-    pub table: Arc<DeviceTable>,
-    /// Its tones, in physical units.
-    pub tones: Vec<SteadyTone>,
-    /// The index at which a drive's tones have reached their places and levels.
-    pub reached: u64,
-}
-
-/// The drive, chord or comb that sounds; `None` when the device is silent or uses a table that this program does not know.
-#[must_use]
-pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
-    let is_sounding = snapshot
-        .status
-        .is_some_and(|status| matches!(status.state, State::Driving | State::Waiting | State::Armed));
-    let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
-    let mut latest = None;
-    for entry in snapshot.journal.iter() {
-        match &entry.change {
-            Change::Drive(drive) => latest = Some((entry, Played::Drive(Arc::clone(drive)))),
-            Change::Chord(chord) => latest = Some((entry, Played::Chord(Arc::clone(chord)))),
-            Change::Comb(comb) => latest = Some((entry, Played::Comb(Arc::clone(comb)))),
-            Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
-                latest = None;
-            }
-            Change::Hold | Change::Limit(_) => {}
-            // The tones glide to the new table's places and gains.
-            Change::Table(_) => latest = latest.map(|(_, played)| (entry, played)),
-        }
-    }
-    let (entry, played) = latest.filter(|(_, played)| played.count() > 0)?;
-    let tones = played.tones(table).into_iter().map(|tone| SteadyTone {
-        slot: tone.slot,
-        frequency_hz: tone.frequency_hz,
-        peak_m: tone.peak_m,
-    });
-    let (number, reached) = (entry.number, entry.at.saturating_add(played.glide().into()));
-    Some(SoundingDrive { number, tones: tones.collect(), table: Arc::clone(table), played, reached })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::simulation::device_table;
     use slipline_link::simulator::loopback::Loopback;
+    use slipline_model::field::simulation::device_table;
 
     #[test]
     fn a_stop_holds_over_another_connection() {

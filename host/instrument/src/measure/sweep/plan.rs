@@ -91,7 +91,7 @@ impl SweepPlan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::simulation::table_for;
+    use slipline_model::field::simulation::table_for;
     use slipline_plate::preset;
 
     const RATE_HZ: f64 = 400e3;

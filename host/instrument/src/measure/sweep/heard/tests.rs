@@ -4,8 +4,8 @@
 //! the recorder takes their sum at its own times by a cubic.
 
 use super::*;
-use crate::field::simulation::table_for;
 use crate::measure::plan::Wanted;
+use slipline_model::field::simulation::table_for;
 use slipline_plate::truth::Random;
 use slipline_plate::{Complex64, preset};
 use std::sync::LazyLock;

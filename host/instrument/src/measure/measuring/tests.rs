@@ -1,12 +1,12 @@
 //! The procedure against a device that answers ideal numbers.
 
 use super::*;
-use crate::field::simulation;
 use crate::measure::Wanted;
 use crate::measure::Warning;
 use slipline_link::LinkState;
 use slipline_link::protocol::event::{Fault, Faults, Status};
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
+use slipline_model::field::simulation;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::check::Colour;
 use slipline_plate::preset;

@@ -12,7 +12,7 @@ mod recorded;
 pub use recorded::{ToldOfRecording, recorded};
 
 use crate::measure::HeardError;
-use crate::wav::{Wav, WavError};
+use slipline_model::wav::{Wav, WavError};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{
     CalibrateError, File, FileError, Foreign, Measurement, POINTS, SNR_DB, SensorKind, band_hz,
@@ -21,7 +21,7 @@ use slipline_plate::quantity::{OutOfRange, Range, show_frequency};
 use thiserror::Error;
 
 /// Bytes of a file of a measurement, at most: a recording of some minutes, or a universal file of millions of points.
-pub const BYTES_MAX: usize = crate::wav::BYTES_MAX;
+pub const BYTES_MAX: usize = slipline_model::wav::BYTES_MAX;
 
 /// A file of a measurement.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! A recorded drag: where the boundary lines were put, and when; its playback; its CSV file.
 
-use crate::setup::MAX_TONES;
+use slipline_model::setup::MAX_TONES;
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use std::fmt::Write as _;
 use thiserror::Error;

@@ -11,8 +11,8 @@
 
 use super::error::MeasureError;
 use super::loudness::Tone;
-use crate::response::{LIGHT_DB, light};
 use slipline_link::protocol::listen::InputsReport;
+use slipline_model::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
 use slipline_plate::check::Colour;

@@ -1,7 +1,7 @@
 //! The rig of a simulated device, put together in the background: it takes up to a second.
 
-use crate::jobs::Task;
 use crate::rig::{PreparedRig, RigOptions};
+use slipline_model::jobs::Task;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;

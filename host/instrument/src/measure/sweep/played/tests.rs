@@ -1,7 +1,7 @@
 //! What a description tells, and what is refused of one.
 
 use super::*;
-use crate::field::simulation::table_for;
+use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
 
 const RATE_HZ: f64 = 40e3;

@@ -11,7 +11,7 @@
 
 use super::{Untold, band, sensor};
 use crate::measure::{HeardSweep, PlayedSweep};
-use crate::wav::Wav;
+use slipline_model::wav::Wav;
 use slipline_plate::calibrate::{Measurement, SensorKind, predicted};
 use slipline_plate::{Complex64, Plate};
 use std::f64::consts::TAU;

@@ -1,9 +1,9 @@
 //! A recording of the sweep as a measurement, in the background.
 
-use crate::jobs::Task;
 use crate::measure::PlayedSweep;
 use crate::measured_file::{ToldOfRecording, recorded};
-use crate::wav::Wav;
+use slipline_model::jobs::Task;
+use slipline_model::wav::Wav;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::Measurement;
 use std::sync::Arc;

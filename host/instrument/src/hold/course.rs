@@ -3,12 +3,12 @@
 use super::end::HoldEnd;
 use super::standing::Standing;
 use super::{HoldError, HoldPlan};
-use crate::autopilot::{SoundingDrive, sounding};
 use crate::measure::is_late;
 use slipline_link::protocol::event::State;
 use slipline_link::protocol::hold::Held;
 use slipline_link::protocol::refusal::{Busy, Refusal as DeviceRefusal};
 use slipline_link::{HoldProgress, HoldState, Listened, Outcome, Refusal, Request, Snapshot, Ticket};
+use slipline_model::sounding::{SoundingDrive, sounding};
 use slipline_plate::Plate;
 use std::sync::Arc;
 

@@ -27,7 +27,7 @@ const CURRENTS: u32 = 64;
 ///
 /// ```
 /// use slipline_link::simulator::{Options, SimulatedDevice};
-/// use slipline_model::rig::{PreparedRig, RigOptions, secret};
+/// use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
 /// use slipline_plate::preset;
 ///
 /// let truth = secret(&preset("membrane").unwrap(), 4).unwrap();

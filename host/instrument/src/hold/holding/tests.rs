@@ -1,10 +1,10 @@
 //! The hold on a simulated device, in its own time; its sensor shows the drive itself, so that nothing has to settle.
 
 use super::*;
-use crate::field::simulation::table_for;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{DeviceTable, DriveRequest, HoldLimit, HoldState, LinkState};
+use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
 use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU16, Ordering};

@@ -1,7 +1,7 @@
 //! A calibration by two places of a sensor, in the background.
 
 use crate::calibration::remedy::Remedy;
-use crate::jobs::Task;
+use slipline_model::jobs::Task;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{
     CalibrateError, Calibrated, Calipers, Departure, Measurement, Priors, departure, from_ratio,

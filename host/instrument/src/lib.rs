@@ -1,0 +1,26 @@
+//! The instrument: a plate and a device in use, without a window. What is sent without being asked for, how a measurement,
+//! a sweep, a level hold and a calibration run, and what the simulated device's inputs see.
+//!
+//! ```text
+//! setup --> autopilot --------------------+--> requests to the link
+//! plate --> measure (steps, sweep) -------+         |
+//!      \--> hold (levels of held tones) --+   <-- snapshots, outcomes
+//! measured_file --> jobs (recorded, calibrate) --> calibration
+//! jobs (rig) --> rig: the sensor, current and finger of a simulated plate
+//! recording: a drag, to be played again
+//! ```
+//! It owns no thread, clock or path, and builds for a browser. Shells (window, command line) turn their own events into
+//! its calls and show what it reports.
+
+#![forbid(unsafe_code)]
+// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+
+pub mod autopilot;
+pub mod calibration;
+pub mod hold;
+pub mod jobs;
+pub mod measure;
+pub mod measured_file;
+pub mod recording;
+pub mod rig;
