@@ -1,5 +1,6 @@
 //! The instrument: a plate and a device in use, without a window. What is sent without being asked for, how a measurement,
-//! a sweep, a level hold and a calibration run, and what the simulated device's inputs see.
+//! a sweep, a level hold and a calibration run, and what the simulated device's inputs see. [`Instrument`] is all of it in
+//! one; shells show it.
 //!
 //! ```text
 //! setup --> autopilot --------------------+--> requests to the link
@@ -17,10 +18,18 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
 pub mod autopilot;
+pub mod bench;
 pub mod calibration;
 pub mod hold;
+mod instrument;
 pub mod jobs;
 pub mod measure;
 pub mod measured_file;
 pub mod recording;
 pub mod rig;
+
+pub use instrument::{
+    Asked, AskedContent, Attention, Background, CalibrateIntent, CalibrateScene, DesignState, HoldScene,
+    Instrument, Jobs, Link, LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Output, Page,
+    Recorder, SAFE_MODE, Shown, TextureScene, Waiting,
+};

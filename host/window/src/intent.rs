@@ -1,11 +1,7 @@
 //! The requests of the views. Views send nothing and change nothing on the device; the app carries out their
 //! intents.
 
-mod calibrate;
-mod measure;
-
-pub use calibrate::CalibrateIntent;
-pub use measure::{MeasureDraft, MeasureIntent};
+pub use slipline_instrument::{CalibrateIntent, MeasureDraft, MeasureIntent};
 
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;

@@ -1,9 +1,9 @@
 //! Slipline's window.
 //!
 //! ```text
-//! view (what is shown) --Intent--> app --Edit--> model's setup --Request--> link --> device
-//!   ^                               |  <--Snapshot-- link
-//!   +---------- Scene --------------+  <--results-- model's jobs, files
+//! view (what is shown) --Intent--> app --calls--> instrument --Request--> link --> device
+//!   ^                               |  <--Output, Shown--
+//!   +---------- Scene --------------+  <--results-- files, pictures
 //! ```
 
 #![forbid(unsafe_code)]
@@ -11,7 +11,6 @@
 
 pub mod app;
 pub mod axis;
-pub mod bench;
 pub mod caption;
 pub mod files;
 pub mod intent;

@@ -15,7 +15,8 @@ impl App {
     /// Tells the user once which characters of the names on the screen no font has.
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
         let ports = self.ports.iter().map(|port| port.label.as_str());
-        let names = ports.chain([self.setup.plate.name(), &self.background.shown.draft.name]);
+        let names =
+            ports.chain([self.instrument.setup().plate.name(), &self.instrument.background().draft.name]);
         if names.clone().flat_map(str::chars).eq(self.glyphs.looked_at.chars()) {
             return;
         }
@@ -34,7 +35,7 @@ impl App {
         let codes: Vec<String> = missing.iter().take(4).map(|&c| format!("U+{:04X}", u32::from(c))).collect();
         let more = if missing.len() > codes.len() { " and others" } else { "" };
         self.glyphs.told.extend(missing);
-        self.fail(format!(
+        self.instrument.fail(format!(
             "No font of this system has the characters {}{more}: they are shown as boxes. Install a font of their \
              script, such as Noto Sans CJK, and start Slipline again.",
             codes.join(", ")

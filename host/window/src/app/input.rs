@@ -25,7 +25,7 @@ impl App {
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
         let closes_page = self.dialog.is_some() && ctx.input(|input| input.key_pressed(Key::Escape));
-        let told = closes_page.then(|| closed_by_escape(&self.snapshot));
+        let told = closes_page.then(|| closed_by_escape(self.instrument.snapshot()));
         let presses = ctx.input_mut(|input| {
             let is_press = |event: &&egui::Event| {
                 matches!(
@@ -83,29 +83,31 @@ impl App {
             if self.view.is_finger(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0 {
-                    asked.push(Intent::MoveFinger(self.finger.place_m + step_m));
+                    asked.push(Intent::MoveFinger(self.instrument.finger_place_m() + step_m));
                 }
             } else if (focused.is_none() && !self.view.is_measuring()) || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
-                    && let Some(line) = self.line(self.selected)
+                    && let Some(line) = self.instrument.line(self.instrument.selected())
                 {
-                    asked.push(Intent::MoveLine { slot: self.selected, place_m: line.place_m + step_m });
+                    asked.push(Intent::MoveLine {
+                        slot: self.instrument.selected(),
+                        place_m: line.place_m + step_m,
+                    });
                 }
             }
             presses
         });
-        self.gesture += presses;
+        self.instrument.begin_gestures(presses);
         self.perform(ctx, asked);
         if let Some(told) = told {
-            self.notices.tell(told.to_owned());
+            self.instrument.tell(told.to_owned());
         }
     }
 
     /// During a drag, each move of the pointer moves what it holds: a tone is sent before anything is painted.
     pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
         let Some(grab) = self.grab else { return };
-        let now_s = ctx.input(|input| input.time);
         let (moves, is_down) = ctx.input(|input| {
             let moves: Vec<egui::Pos2> = input
                 .events
@@ -115,19 +117,18 @@ impl App {
             (moves, input.pointer.primary_down())
         });
         for to in moves {
-            self.drag_to(grab, to, now_s);
+            self.drag_to(grab, to);
         }
         if !is_down {
             self.grab = None;
         }
     }
 
-    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2, now_s: f64) {
+    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
         let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
-        let Held::Tone(slot) = grab.held else { return self.move_finger(shown_m) };
+        let Held::Tone(slot) = grab.held else { return self.instrument.move_finger(shown_m) };
         self.settings.has_dragged = true;
-        self.move_line(slot, shown_m);
-        self.note_move(now_s, slot);
+        self.instrument.drag_line(slot, shown_m);
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
@@ -143,7 +144,7 @@ impl App {
             } else {
                 FileJob::Open(path)
             };
-            self.parts.files.begin(job);
+            self.desk.files.begin(job);
         }
     }
 }

@@ -19,7 +19,7 @@ impl App {
     /// What is heard.
     pub(super) fn sound_choice(&self) -> SoundChoice {
         self.hearing.chosen.unwrap_or_else(|| {
-            let is_usual = self.snapshot.is_simulated() && self.settings.hear_finger;
+            let is_usual = self.instrument.snapshot().is_simulated() && self.settings.hear_finger;
             if is_usual { SoundChoice::Finger } else { SoundChoice::Off }
         })
     }
@@ -28,11 +28,11 @@ impl App {
     /// is kept between runs.
     pub(super) fn choose_sound(&mut self, choice: SoundChoice) {
         self.hearing.chosen = Some(choice);
-        if self.snapshot.is_simulated() && choice != SoundChoice::Drive {
+        if self.instrument.snapshot().is_simulated() && choice != SoundChoice::Drive {
             self.settings.hear_finger = choice == SoundChoice::Finger;
         }
-        if matches!(self.parts.speaker.state(), SpeakerState::Failed(_)) {
-            self.parts.speaker.retry();
+        if matches!(self.desk.speaker.state(), SpeakerState::Failed(_)) {
+            self.desk.speaker.retry();
         }
     }
 
@@ -48,7 +48,7 @@ impl App {
             SoundChoice::Finger => self.sound_of_finger(),
             SoundChoice::Drive => self.sound_of_drive(),
         };
-        self.parts.speaker.play(sound.unwrap_or_default(), self.settings.volume);
+        self.desk.speaker.play(sound.unwrap_or_default(), self.settings.volume);
     }
 
     /// Why the drive, or a part of it, is not played.
@@ -56,13 +56,13 @@ impl App {
         if self.sound_choice() != SoundChoice::Drive {
             return None;
         }
-        if self.snapshot.is_holding() {
+        if self.instrument.snapshot().is_holding() {
             return Some(
                 "The drive is played at its own levels: what the level hold adds is not heard.".to_owned(),
             );
         }
         let highest = show_frequency(slipline_model::sound::HIGHEST_DRIVE_HZ);
-        let left_out = show_frequency(left_out_hz(&sounding::sounding(&self.snapshot)?)?);
+        let left_out = show_frequency(left_out_hz(&sounding::sounding(self.instrument.snapshot())?)?);
         Some(format!("A sound card plays the drive up to {highest}: the tone of {left_out} is left out."))
     }
 
@@ -70,14 +70,14 @@ impl App {
         if !self.settings.animate {
             return None;
         }
-        let (finger, full_peak_m) = (self.finger()?, self.full_peak_m()?);
-        let field = self.sounding_on_screen()?;
-        let met = self.finger.trace.latest();
-        Some(at_finger(&self.setup.plate, field, &finger, full_peak_m, met))
+        let (finger, full_peak_m) = (self.instrument.finger()?, self.instrument.full_peak_m()?);
+        let field = self.instrument.sounding_on_screen()?;
+        let met = self.instrument.trace().latest();
+        Some(at_finger(&self.instrument.setup().plate, field, &finger, full_peak_m, met))
     }
 
     fn sound_of_drive(&self) -> Option<Sound> {
-        let status = self.snapshot.status?;
-        Some(of_drive(&sounding::sounding(&self.snapshot)?, status.foldback_per_mille))
+        let status = self.instrument.snapshot().status?;
+        Some(of_drive(&sounding::sounding(self.instrument.snapshot())?, status.foldback_per_mille))
     }
 }

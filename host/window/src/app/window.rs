@@ -1,11 +1,11 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Link, Parts, event_loop, first_setup, no_display};
-use crate::bench::Bench;
+use super::{App, Desk, Jobs, Link, Parts, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
 use eframe::egui;
+use slipline_instrument::bench::Bench;
 use slipline_link::native::list_ports;
 use slipline_link::native::{Handle, SystemOpener, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
@@ -38,7 +38,7 @@ impl eframe::App for Window {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         storage.set_string(KEPT_SETTINGS, self.0.settings.write());
-        storage.set_string(KEPT_SETUP, setup_file::write(&self.0.setup));
+        storage.set_string(KEPT_SETUP, setup_file::write(self.0.setup()));
     }
 
     fn persist_egui_memory(&self) -> bool {
@@ -94,15 +94,13 @@ impl Parts {
     /// # Errors
     /// When the system cannot start a thread.
     pub fn threaded(ctx: &egui::Context, link: Box<dyn Link>) -> io::Result<Self> {
-        Ok(Self {
-            link,
+        let jobs = Jobs {
             tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
             checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
             planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
             designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
             textures: JobQueue::threaded("slipline-texture", slipline_model::jobs::texture::work, wake(ctx))?,
             rigs: JobQueue::threaded("slipline-rig", slipline_instrument::jobs::rig::work, wake(ctx))?,
-            bench: Bench::default(),
             calibrations: JobQueue::threaded(
                 "slipline-calibrate",
                 slipline_instrument::jobs::calibrate::work,
@@ -125,6 +123,8 @@ impl Parts {
                 |job, task: &_| time_domain::run(&job, task),
                 wake(ctx),
             )?,
+        };
+        let desk = Desk {
             scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
             figures: JobQueue::threaded(
                 "slipline-figure",
@@ -134,7 +134,8 @@ impl Parts {
             speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
             files: Box::new(SystemFiles::new(wake(ctx))),
             ports: Box::new(list_ports),
-        })
+        };
+        Ok(Self { link, jobs, bench: Bench::default(), desk })
     }
 }
 

@@ -57,7 +57,6 @@ mod top_bar;
 mod validity;
 
 pub(crate) use stage::arrow_step_m;
-pub(crate) use top_bar::SAFE_MODE;
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;

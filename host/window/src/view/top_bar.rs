@@ -4,6 +4,7 @@ use super::aligned::{self, Width};
 use super::{Scene, menu, offers, theme};
 use crate::intent::{Dialog, Intent, Intents};
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
+use slipline_instrument::SAFE_MODE;
 use slipline_link::protocol::event::{Fault, State, Status};
 use slipline_link::{LinkError, LinkState, Request};
 use theme::Palette;
@@ -18,10 +19,6 @@ const STOP: Vec2 = vec2(104.0, 34.0);
 /// What STOP does, with a click or a key.
 const STOP_HELP: &str = "Ramps to silence now; a real device is also disarmed. Twice within a second: emergency stop, \
     silent within 2 ms, with a fault to be cleared. Keys: Esc or Space, in every state";
-
-/// The explanation of safe mode, and what helps.
-pub(crate) const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
-    Take its power away and connect it again; if it comes back like this, flash its firmware.";
 
 /// The error text, closed with a full stop.
 fn sentence(trouble: &LinkError) -> String {

@@ -8,9 +8,9 @@ use crate::test_app::{TestApp, open_window};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
+use slipline_instrument::bench::Bench;
 use slipline_link::protocol::event::State;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_window::bench::Bench;
 use slipline_window::settings::ThemeChoice;
 
 const SWITCH: &str = "Check first that the drive is on";

@@ -7,9 +7,9 @@ use crate::test_app::TestApp;
 use crate::{line_rect, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_instrument::bench::Bench;
 use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_window::bench::Bench;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU16, Ordering};
 

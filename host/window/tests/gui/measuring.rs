@@ -5,11 +5,11 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_instrument::bench::Bench;
 use slipline_instrument::rig::secret;
 use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_plate::calibrate::departure;
-use slipline_window::bench::Bench;
 
 /// A sensor that shows half of the drive, with noise of about a code.
 pub(crate) struct Half(pub(crate) u64);

@@ -6,6 +6,7 @@ use crate::known_tables::tables;
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
+use slipline_instrument::bench::Bench;
 use slipline_link::protocol::Refusal;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{PortInfo, Request, Snapshot};
@@ -13,15 +14,11 @@ use slipline_model::export::figures;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::check;
-use slipline_model::jobs::design;
 use slipline_model::jobs::plane::{self, PlaneChecked};
 use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
-use slipline_model::waveform;
-use slipline_window::app::{App, Link, Parts, TableJob, TableState, first_setup};
-use slipline_window::bench::Bench;
+use slipline_window::app::{App, Desk, Jobs, Link, Parts, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
@@ -127,16 +124,16 @@ impl TestApp {
         let plane_refusal: Rc<RefCell<Option<String>>> = Rc::default();
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
-        parts.speaker = Box::new(speaker.clone());
+        parts.desk.speaker = Box::new(speaker.clone());
         parts.bench = bench;
-        parts.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
+        parts.jobs.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
             Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
             None => plane::work(job, task),
         });
         let time_domain_is_held: Rc<Cell<bool>> = Rc::default();
         let time_domain_jobs: Rc<Cell<usize>> = Rc::default();
         let (is_held, jobs) = (Rc::clone(&time_domain_is_held), Rc::clone(&time_domain_jobs));
-        parts.time_domain = JobQueue::inline(move |job, task: &_| {
+        parts.jobs.time_domain = JobQueue::inline(move |job, task: &_| {
             jobs.set(jobs.get() + 1);
             if is_held.get() { None } else { time_domain::run(&job, task) }
         });
@@ -279,30 +276,22 @@ fn parts(
     sheet_jobs: &Rc<Cell<usize>>,
 ) -> Parts {
     let (count, mut run_sheet) = (Rc::clone(sheet_jobs), sheet::work());
-    Parts {
-        link,
+    let jobs = Jobs {
         tables,
-        checks: JobQueue::inline(check::work()),
-        planes: JobQueue::inline(plane::work),
-        designs: JobQueue::inline(design::work),
-        textures: JobQueue::inline(slipline_model::jobs::texture::work),
-        rigs: JobQueue::inline(slipline_instrument::jobs::rig::work),
-        bench: Bench::default(),
-        calibrations: JobQueue::inline(slipline_instrument::jobs::calibrate::work),
-        comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
-        recordings: JobQueue::inline(slipline_instrument::jobs::recorded::work),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)
         }),
-        waveforms: JobQueue::inline(waveform::work()),
-        time_domain: JobQueue::inline(|job, task: &_| time_domain::run(&job, task)),
+        ..Jobs::inline()
+    };
+    let desk = Desk {
         scenes: JobQueue::inline(|(), task: &_| scenes::thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
         speaker: Box::new(FakeSpeaker::default()),
         files: Box::new(files.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
-    }
+    };
+    Parts { link, jobs, bench: Bench::default(), desk }
 }
 
 /// One tone in the middle of the membrane, whose line holds the turning point: what most tests use, because its table is

@@ -1,37 +1,36 @@
 //! What the sensor shows while its place is looked for: one short look at its input after the other, while a page wants it.
 
-use super::App;
-use crate::intent::Dialog;
-use slipline_instrument::hold::HoldEnd;
-use slipline_instrument::measure::Signal;
+use super::Instrument;
+use crate::hold::HoldEnd;
+use crate::measure::Signal;
 use slipline_link::{Outcome, Ticket};
 
 /// The input of the sensor.
-pub(super) const SENSOR_INPUT: u8 = 0;
+pub(crate) const SENSOR_INPUT: u8 = 0;
 
 /// The looks at the sensor's input.
 #[derive(Default)]
-pub(super) struct Looks {
+pub(crate) struct Looks {
     awaited: Option<Ticket>,
     latest: Option<Signal>,
 }
 
 impl Looks {
     /// What the latest look has shown.
-    pub(super) const fn latest(&self) -> Option<Signal> {
+    pub(crate) const fn latest(&self) -> Option<Signal> {
         self.latest
     }
 
     /// Whether this request is a look.
-    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.awaited == Some(ticket)
     }
 }
 
-impl App {
+impl Instrument {
     /// Takes what the last look has shown, and looks again; whether looks go on.
-    pub(super) fn update_signal(&mut self) -> bool {
-        let is_wanted = self.dialog == Some(Dialog::Calibrate)
+    pub(crate) fn update_signal(&mut self) -> bool {
+        let is_wanted = self.attention.is_calibration_open
             && self.calibrating.has_sensor_in_hand()
             && self.snapshot.is_connected()
             && !self.live.is_under_way();
@@ -53,7 +52,7 @@ impl App {
             self.live.looks.awaited = None;
         }
         if self.live.looks.awaited.is_none() {
-            self.live.looks.awaited = Some(self.parts.link.send(look));
+            self.live.looks.awaited = Some(self.link.send(look));
         }
         true
     }

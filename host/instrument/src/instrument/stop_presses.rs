@@ -1,7 +1,7 @@
 //! Presses of STOP, Esc and Space. One press stops, and disarms a real device; two within a second are an emergency stop.
 
-use super::App;
-use slipline_instrument::hold::HoldEnd;
+use super::Instrument;
+use crate::hold::HoldEnd;
 use slipline_link::Request;
 
 /// The second press counts within this time after the first, in seconds.
@@ -9,7 +9,7 @@ const TWICE_S: f64 = 1.0;
 
 /// When STOP was pressed last.
 #[derive(Default)]
-pub(super) struct StopPresses {
+pub(crate) struct StopPresses {
     /// In seconds of the window's clock.
     last_s: Option<f64>,
 }
@@ -22,10 +22,10 @@ impl StopPresses {
     }
 }
 
-impl App {
-    /// Carries out a press of STOP at `now_s`, in seconds of the window's clock.
-    pub(super) fn press_stop(&mut self, now_s: f64) {
-        if self.stop_presses.is_second(now_s) {
+impl Instrument {
+    /// Carries out a press of STOP.
+    pub fn press_stop(&mut self) {
+        if self.stop_presses.is_second(self.attention.now_s) {
             self.end_drive(Request::EmergencyStop);
             return;
         }
@@ -34,14 +34,14 @@ impl App {
         // another version takes no command but the stop.
         let may_drive = self.snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
         if self.snapshot.is_connected() && !self.snapshot.is_simulated() && may_drive {
-            self.parts.link.send(Request::Disarm);
+            self.link.send(Request::Disarm);
         }
     }
 
     /// Disarms at the user's request.
-    pub(super) fn disarm(&mut self) {
+    pub fn disarm(&mut self) {
         self.end_drive(Request::Stop);
-        self.parts.link.send(Request::Disarm);
+        self.link.send(Request::Disarm);
     }
 
     /// Sends a stop; the drive is not wanted any more.
@@ -51,7 +51,7 @@ impl App {
         self.cancel_measuring();
         self.end_hold(HoldEnd::Stopped);
         self.notices.settle();
-        self.parts.link.send(stop);
+        self.link.send(stop);
     }
 }
 

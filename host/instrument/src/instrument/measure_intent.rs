@@ -1,8 +1,8 @@
 //! The requests of the page of measurements.
 
-use slipline_instrument::measure::KnownDrive;
-use slipline_instrument::measure::circuit::TOLERANCE;
-use slipline_instrument::measured_file::Told;
+use crate::measure::KnownDrive;
+use crate::measure::circuit::TOLERANCE;
+use crate::measured_file::Told;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
 
 /// What is to be measured with the device.

@@ -1,32 +1,32 @@
 //! The finger on the plate: a choice of the view, like the colours. It is not part of the setup, so it is neither saved
 //! nor undone, nothing of it is sent, and the drive does not change.
 
-use super::App;
+use super::Instrument;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
 use slipline_model::field::touch::{Touch, Trace, Under, refusal};
 use slipline_plate::Finger;
 
 /// The state of the finger.
 #[derive(Default)]
-pub(super) struct OnPlate {
+pub(crate) struct OnPlate {
     /// Which finger, if any.
-    pub(super) touch: Touch,
+    pub(crate) touch: Touch,
     /// Where it is or was last, in metres from the driven end.
-    pub(super) place_m: f64,
+    pub(crate) place_m: f64,
     /// What it has met.
-    pub(super) trace: Trace,
+    pub(crate) trace: Trace,
 }
 
-impl App {
+impl Instrument {
     /// The finger on the plate, if there is one: on a plate that cannot be touched there is none.
-    pub(super) fn finger(&self) -> Option<Finger> {
+    pub fn finger(&self) -> Option<Finger> {
         let plate = &self.setup.plate;
         let finger = self.finger.touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
         refusal(plate).is_none().then_some(finger)
     }
 
     /// Puts a finger on the plate or takes it off. It begins where the selected tone has its peak.
-    pub(super) fn touch(&mut self, touch: Touch) {
+    pub fn touch(&mut self, touch: Touch) {
         if self.finger.touch == Touch::None {
             let wave = self.predicted.tone(self.selected);
             let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
@@ -41,20 +41,24 @@ impl App {
     }
 
     /// Moves the finger to a place, in metres from the driven end; it stays on the plate.
-    pub(super) fn move_finger(&mut self, place_m: f64) {
+    pub fn move_finger(&mut self, place_m: f64) {
         if place_m.is_finite() {
             self.finger.place_m = place_m.clamp(0.0, self.setup.plate.length_m());
             self.solve_touched();
         }
     }
 
-    /// Does something on the plate without the finger, and puts the finger back.
-    pub(super) fn without_finger(&mut self, act: impl FnOnce(&mut Self)) {
+    /// Lifts the finger for a while; which one it was.
+    pub fn lift_finger(&mut self) -> Touch {
         let touch = std::mem::take(&mut self.finger.touch);
         // The sheet did not follow the drive while the plate was touched.
         self.drop_sheet();
         self.solve_touched();
-        act(self);
+        touch
+    }
+
+    /// Puts the finger back that was lifted.
+    pub fn touch_again(&mut self, touch: Touch) {
         self.finger.touch = touch;
         self.solve_touched();
     }
@@ -72,7 +76,7 @@ impl App {
     }
 
     /// Adds what the finger meets now to its trace; called only while the wave moves.
-    pub(super) fn trace_finger(&mut self, now_s: f64) {
+    pub(crate) fn trace_finger(&mut self, now_s: f64) {
         let plate = &self.setup.plate;
         let (Some(finger), Some(sounding)) = (self.finger(), self.playback.on(plate)) else { return };
         let (field, felt, feeling) = (&sounding.steady, &sounding.felt, &self.setup.feeling);
@@ -80,7 +84,7 @@ impl App {
     }
 
     /// Forgets what the finger has met: it was lifted, or the wave under it is another one.
-    pub(super) fn end_trace(&mut self) {
+    pub(crate) fn end_trace(&mut self) {
         self.finger.trace.clear();
     }
 }

@@ -1,6 +1,6 @@
 //! The requests of the calibration's pages.
 
-use slipline_instrument::calibration::Step;
+use crate::calibration::Step;
 use slipline_plate::calibrate::Calipers;
 
 /// A request of the calibration's pages. The sensor's first place is 0, its second 1.

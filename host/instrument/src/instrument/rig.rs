@@ -1,18 +1,18 @@
 //! The rig of the simulated device: the plate that its sensor stands on, put together in the background.
 
-use super::App;
-use crate::intent::MeasureDraft;
-use slipline_instrument::hold::Standing;
-use slipline_instrument::jobs::rig::{RigJob, RigPrepared};
-use slipline_instrument::measure::KnownDrive;
-use slipline_instrument::rig::{RigHand, secret};
+use super::Instrument;
+use super::MeasureDraft;
+use crate::hold::Standing;
+use crate::jobs::rig::{RigJob, RigPrepared};
+use crate::measure::KnownDrive;
+use crate::rig::{RigHand, secret};
 use slipline_link::Port;
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 
 /// The rig of the simulated device.
 #[derive(Default)]
-pub(super) struct Rig {
+pub(crate) struct Rig {
     /// The plate that is really there; `None` for the one on the screen.
     truth: Option<Arc<Plate>>,
     /// Plates drawn so far.
@@ -40,27 +40,27 @@ struct Stands {
 
 impl Rig {
     /// Whether it is put together for a measurement.
-    pub(super) const fn is_awaited(&self) -> bool {
+    pub(crate) const fn is_awaited(&self) -> bool {
         self.awaited_for.is_some()
     }
 
     /// The measurement does not wait for it any more.
-    pub(super) const fn give_up(&mut self) {
+    pub(crate) const fn give_up(&mut self) {
         self.awaited_for = None;
     }
 
     /// What could not be put together may be tried again.
-    pub(super) fn forget_refusal(&mut self) {
+    pub(crate) fn forget_refusal(&mut self) {
         self.refused = None;
     }
 
     /// Whether it stands on a plate that nobody knows.
-    pub(super) const fn is_secret(&self) -> bool {
+    pub(crate) const fn is_secret(&self) -> bool {
         self.truth.is_some()
     }
 
     /// What a data sheet tells of its drive.
-    pub(super) fn known_drive(&self) -> Option<KnownDrive> {
+    pub(crate) fn known_drive(&self) -> Option<KnownDrive> {
         self.standing.as_ref().map(|standing| standing.drive)
     }
 
@@ -70,9 +70,9 @@ impl Rig {
     }
 }
 
-impl App {
+impl Instrument {
     /// Has the simulated device stand on a plate that nobody knows, or on the one on the screen.
-    pub(super) fn choose_truth(&mut self, is_secret: bool) {
+    pub(crate) fn choose_truth(&mut self, is_secret: bool) {
         let rig = &mut self.live.rig;
         rig.truth = None;
         if !is_secret {
@@ -99,7 +99,7 @@ impl App {
     }
 
     /// Whether the rig that is wanted stands at the bench; its sensor is put where it is wanted.
-    pub(super) fn is_rig_standing(&self) -> bool {
+    pub(crate) fn is_rig_standing(&self) -> bool {
         let job = self.rig_job();
         let standing = self.live.rig.standing.as_ref().filter(|standing| standing.job.serves(&job));
         standing.is_some_and(|standing| {
@@ -107,19 +107,19 @@ impl App {
         })
     }
 
-    pub(super) fn put_rig_together(&mut self, answers: Option<usize>) {
+    pub(crate) fn put_rig_together(&mut self, answers: Option<usize>) {
         self.live.rig.awaited_for = Some(answers);
         self.live.rig.forget_refusal();
-        self.parts.rigs.ask(self.rig_job());
+        self.jobs.rigs.ask(self.rig_job());
     }
 
     /// Whether the device is the simulated one of this program, whose inputs are wired to the rig.
-    pub(super) fn is_at_bench(&self) -> bool {
+    pub(crate) fn is_at_bench(&self) -> bool {
         self.snapshot.is_simulated() && self.snapshot.port == Some(Port::Simulated)
     }
 
     /// Has the rig of a simulated device stand where its sensor is looked at.
-    pub(super) fn put_rig_up(&mut self) {
+    pub(crate) fn put_rig_up(&mut self) {
         if self.is_at_bench() && !self.is_rig_standing() {
             self.look_for_rig(self.rig_job());
         }
@@ -131,14 +131,14 @@ impl App {
         let is_known = [&*looked_for, &*refused].into_iter().flatten().any(|known| known.serves(&job));
         if !is_known {
             *looked_for = Some(job.clone());
-            self.parts.rigs.ask(job);
+            self.jobs.rigs.ask(job);
         }
     }
 
     /// While the level is held, has the finger on the screen touch the plate of the rig, too; and takes it off again, since what
     /// is listened to is an untouched plate. Returns whether the plate is as it is wanted.
-    pub(super) fn touch_rig(&mut self) -> bool {
-        if self.parts.bench.is_passing_over() {
+    pub(crate) fn touch_rig(&mut self) -> bool {
+        if self.bench.is_passing_over() {
             return false;
         }
         let is_held = matches!(self.level.standing(&self.snapshot), Standing::Holding(_));
@@ -153,8 +153,8 @@ impl App {
     }
 
     /// Takes a rig that was put together, and begins what waits for it.
-    pub(super) fn take_rig(&mut self) {
-        let Some(RigPrepared { job, result }) = self.parts.rigs.take() else { return };
+    pub(crate) fn take_rig(&mut self) {
+        let Some(RigPrepared { job, result }) = self.jobs.rigs.take() else { return };
         let looked_for = self.live.rig.looked_for.take();
         let awaited_for = self.live.rig.awaited_for.take();
         if awaited_for.is_none() && looked_for.is_none_or(|looked_for| !looked_for.serves(&job)) {
@@ -163,9 +163,9 @@ impl App {
         match result {
             Ok(rig) => {
                 if self.level.is_on() {
-                    self.parts.bench.pass_over_to(&rig, job.sample_rate_hz);
+                    self.bench.pass_over_to(&rig, job.sample_rate_hz);
                 } else {
-                    self.parts.bench.put(&rig);
+                    self.bench.put(&rig);
                 }
                 let (hand, full_scale, drive) = (rig.hand(), rig.sensor_full_scale(), rig.known_drive());
                 self.live.rig.standing = Some(Stands { job, hand, full_scale, drive });

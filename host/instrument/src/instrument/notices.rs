@@ -1,7 +1,7 @@
 //! The messages on the screen. A message about a state stays as long as the state; a message about an event
 //! disappears after a time. Each can be dismissed.
 
-use crate::scene::Notice;
+use super::shown::Notice;
 
 /// How long a message about a success is shown, in seconds.
 const PLAIN_S: f64 = 5.0;
@@ -27,7 +27,7 @@ enum About {
 
 /// The messages on the screen.
 #[derive(Default)]
-pub(super) struct Notices {
+pub(crate) struct Notices {
     /// In the order in which they are shown.
     standing: Vec<(About, Notice)>,
     count: u64,
@@ -46,84 +46,84 @@ impl Notices {
     }
 
     /// Reports a success.
-    pub(super) fn tell(&mut self, text: String) {
+    pub(crate) fn tell(&mut self, text: String) {
         self.put(About::Latest, text, false, Some(PLAIN_S));
     }
 
     /// Reports a failure.
-    pub(super) fn fail(&mut self, text: String) {
+    pub(crate) fn fail(&mut self, text: String) {
         self.put(About::Latest, text, true, Some(ERROR_S));
     }
 
     /// Reports that the device refused the drive on the screen: plate and screen differ until the device accepts
     /// another one.
-    pub(super) fn refuse_drive(&mut self, text: String) {
+    pub(crate) fn refuse_drive(&mut self, text: String) {
         self.put(About::Refusal, text, true, None);
     }
 
     /// Reports that the device refused a single request.
-    pub(super) fn refuse(&mut self, text: String) {
+    pub(crate) fn refuse(&mut self, text: String) {
         self.put(About::Refusal, text, true, Some(ERROR_S));
     }
 
     /// Reports why the device has stopped by itself.
-    pub(super) fn stopped(&mut self, text: String) {
+    pub(crate) fn stopped(&mut self, text: String) {
         self.put(About::Stop, text, true, None);
     }
 
     /// Reports that the window did not respond, and the drive was ended.
-    pub(super) fn hung(&mut self, text: String) {
+    pub(crate) fn hung(&mut self, text: String) {
         self.put(About::Hang, text, true, None);
     }
 
     /// Reports why there is no connection.
-    pub(super) fn miss(&mut self, text: String) {
+    pub(crate) fn miss(&mut self, text: String) {
         self.put(About::Trouble, text, true, None);
     }
 
     /// Reports why Drive cannot act now, and what helps.
-    pub(super) fn hinder(&mut self, text: String) {
+    pub(crate) fn hinder(&mut self, text: String) {
         self.put(About::Obstacle, text, true, Some(ERROR_S));
     }
 
     /// Removes the message about the connection: there is one, or a new one is being made.
-    pub(super) fn connected(&mut self) {
+    pub(crate) fn connected(&mut self) {
         self.end(About::Trouble);
     }
 
     /// Removes the message about a refusal: the device has accepted something newer, or nothing sounds any more.
-    pub(super) fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         self.end(About::Refusal);
     }
 
     /// Removes the messages about what has ended or prevented the last drive: the device sounds a newer one.
-    pub(super) fn driven(&mut self) {
+    pub(crate) fn driven(&mut self) {
         self.settle();
         self.end(About::Hang);
     }
 
     /// Removes the message about a stop: its fault is cleared.
-    pub(super) fn cleared(&mut self) {
+    pub(crate) fn cleared(&mut self) {
         self.end(About::Stop);
     }
 
     /// Removes the message about Drive: the device's state has changed, so the obstacle may be gone.
-    pub(super) fn state_changed(&mut self) {
+    pub(crate) fn state_changed(&mut self) {
         self.end(About::Obstacle);
     }
 
     /// Removes the messages of successes: the user has gone on.
-    pub(super) fn seen(&mut self) {
+    pub(crate) fn seen(&mut self) {
         self.standing.retain(|(_, notice)| notice.is_error);
     }
 
     /// Removes the message with this number.
-    pub(super) fn dismiss(&mut self, number: u64) {
+    pub(crate) fn dismiss(&mut self, number: u64) {
         self.standing.retain(|(_, notice)| notice.number != number);
     }
 
     /// The messages, the latest last.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Notice> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Notice> {
         self.standing.iter().map(|(_, notice)| notice)
     }
 }

@@ -1,9 +1,8 @@
 //! Work that takes longer than a frame: the validity lights, the plate in two dimensions, the designer, the
 //! 2-D sheet; their progress and their cancellation.
 
-use super::{App, Parts};
-use crate::scene::{Background, DesignState, Waiting};
-use eframe::egui;
+use super::shown::{Background, DesignState, Waiting};
+use super::{Instrument, Jobs};
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::{self, Frame, SheetJob, Source, SourceChoice};
 use slipline_model::field::time_domain::TimeDomainJob;
@@ -26,9 +25,9 @@ const USUAL_RATE_HZ: f64 = 400e3;
 
 /// The state of the app's background work.
 #[derive(Default)]
-pub(super) struct Work {
+pub(crate) struct Work {
     /// The part that the views show.
-    pub(super) shown: Background,
+    pub(crate) shown: Background,
     /// The plate, rate and choice for which the source was decided.
     decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
@@ -44,44 +43,44 @@ pub(super) struct Work {
 
 impl Work {
     /// Keeps the table that was finished last: it is restored when the computation of another one is cancelled.
-    pub(super) fn keep(&mut self, table: &TableState) {
+    pub(crate) fn keep(&mut self, table: &TableState) {
         if let Some(made) = table.made() {
             self.kept = Some(Arc::clone(made));
         }
     }
 
     /// The work that the user waits for, once it has taken longer than [`PATIENCE_S`].
-    pub(super) fn waiting(&self, parts: &Parts) -> Option<Waiting> {
-        under_way(parts).filter(|_| self.is_long)
+    pub(crate) fn waiting(&self, jobs: &Jobs) -> Option<Waiting> {
+        under_way(jobs).filter(|_| self.is_long)
     }
 }
 
 /// The work in progress, the most important first.
-fn under_way(parts: &Parts) -> Option<Waiting> {
+fn under_way(jobs: &Jobs) -> Option<Waiting> {
     [
-        ("table", parts.tables.progress()),
-        ("design", parts.designs.progress()),
-        ("texture", parts.textures.progress()),
-        ("two dimensions", parts.planes.progress()),
-        ("sheet", parts.sheets.progress()),
-        ("check", parts.checks.progress()),
+        ("table", jobs.tables.progress()),
+        ("design", jobs.designs.progress()),
+        ("texture", jobs.textures.progress()),
+        ("two dimensions", jobs.planes.progress()),
+        ("sheet", jobs.sheets.progress()),
+        ("check", jobs.checks.progress()),
     ]
     .into_iter()
     .find_map(|(what, share)| Some(Waiting { what, share: share? }))
 }
 
-impl App {
+impl Instrument {
     /// Starts the work that the screen needs, and tracks how long it takes.
-    pub(super) fn update_background(&mut self, ctx: &egui::Context) {
+    pub(crate) fn update_background(&mut self) {
         self.decide_source();
         // While the pointer is down, boundary and levels still change.
-        if self.grab.is_none() && !ctx.input(|input| input.pointer.any_down()) {
+        if !self.attention.is_dragging && !self.attention.is_pressed {
             self.check();
         }
-        self.update_texture(ctx);
+        self.update_texture();
         self.update_measures();
-        let now = ctx.input(|input| input.time);
-        let Some(Waiting { what, .. }) = under_way(&self.parts) else {
+        let now = self.attention.now_s;
+        let Some(Waiting { what, .. }) = under_way(&self.jobs) else {
             self.background.since = None;
             self.background.is_long = false;
             return;
@@ -92,15 +91,15 @@ impl App {
         };
         self.background.since = Some((what, since));
         self.background.is_long = now - since > PATIENCE_S;
-        ctx.request_repaint_after(BAR);
+        self.wake_after(BAR);
     }
 
-    pub(super) fn sample_rate_hz(&self) -> f64 {
+    pub(crate) fn sample_rate_hz(&self) -> f64 {
         self.snapshot.identity.as_ref().map_or(USUAL_RATE_HZ, |identity| f64::from(identity.sample_rate_hz))
     }
 
     fn decide_source(&mut self) {
-        let (plate, rate_hz, wish) = (&self.setup.plate, self.sample_rate_hz(), self.settings.wave);
+        let (plate, rate_hz, wish) = (&self.setup.plate, self.sample_rate_hz(), self.attention.wave);
         let is_decided =
             self.background.decided.as_ref().is_some_and(|(of, rate, wished)| {
                 Arc::ptr_eq(of, plate) && *rate == rate_hz && *wished == wish
@@ -131,27 +130,27 @@ impl App {
         };
         if self.background.shown.asked.as_ref() != Some(&job) {
             self.background.shown.asked = Some(job.clone());
-            self.parts.checks.ask(job);
+            self.jobs.checks.ask(job);
         }
     }
 
     /// The plate and boundary on the screen, to be computed in two dimensions.
-    pub(super) fn plane_job(&self) -> Option<PlaneJob> {
+    pub(crate) fn plane_job(&self) -> Option<PlaneJob> {
         let tone = self.setup.tone(self.selected)?;
         let plate = Arc::clone(&self.setup.plate);
         Some(PlaneJob { plate, boundary_m: tone.position_m, finger: self.finger() })
     }
 
     /// Requests the plate on the screen in two dimensions.
-    pub(super) fn check_plane(&mut self) {
+    pub fn check_plane(&mut self) {
         if let Some(job) = self.plane_job() {
             self.background.shown.plane_asked = Some(job.clone());
-            self.parts.planes.ask(job);
+            self.jobs.planes.ask(job);
         }
     }
 
     /// Passes this drive to the sheet, if the wave is drawn from it.
-    pub(super) fn run_sheet(&mut self, drive: TimeDomainJob) {
+    pub(crate) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
         // A finger that moves would make another sheet, which begins at rest.
@@ -159,39 +158,39 @@ impl App {
             && Arc::ptr_eq(&drive.plate, &self.setup.plate)
             && self.finger().is_none()
         {
-            self.parts.sheets.ask(SheetJob { drive, time_s: self.background.plate_time_s });
+            self.jobs.sheets.ask(SheetJob { drive, time_s: self.background.plate_time_s });
         }
     }
 
     /// Advances the sheet by `step_s` seconds of the user's time.
-    pub(super) fn advance_sheet(&mut self, step_s: f64) {
+    pub(crate) fn advance_sheet(&mut self, step_s: f64) {
         let Some(sounding) = &self.playback.sounding else { return };
         self.background.plate_time_s += step_s / slow_factor(&sounding.steady);
-        let is_behind = self.parts.sheets.progress().is_some();
+        let is_behind = self.jobs.sheets.progress().is_some();
         let is_shown = self.shown_sheet().is_some();
         if let Some(drive) = self.background.driven.as_ref().filter(|drive| drive.number == sounding.number)
             && is_shown
             && !is_behind
         {
             let job = SheetJob { drive: drive.clone(), time_s: self.background.plate_time_s };
-            self.parts.sheets.ask(job);
+            self.jobs.sheets.ask(job);
         }
     }
 
     /// Forgets the sheet's state, because it is no longer that of the drive.
-    pub(super) fn drop_sheet(&mut self) {
+    pub(crate) fn drop_sheet(&mut self) {
         self.background.frame = None;
     }
 
     /// Runs the sheet on, after the finger was taken off.
-    pub(super) fn resume_sheet(&mut self) {
+    pub(crate) fn resume_sheet(&mut self) {
         if let Some(job) = self.background.driven.clone() {
             self.run_sheet(job);
         }
     }
 
     /// The sheet, if the wave of the plate on the screen is drawn from it.
-    pub(super) fn shown_sheet(&self) -> Option<&Frame> {
+    pub fn shown_sheet(&self) -> Option<&Frame> {
         // The sheet runs forward only: at a time of the user's choice the modal lines are shown.
         if self.finger().is_some() || self.playback.is_scrubbed {
             return None;
@@ -201,74 +200,74 @@ impl App {
         frame.plate.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate)).then_some(frame)
     }
 
-    pub(super) fn take_background(&mut self) {
-        if let Some(checked) = self.parts.checks.take() {
+    pub(crate) fn take_background(&mut self) {
+        if let Some(checked) = self.jobs.checks.take() {
             self.background.shown.checked = Some(checked);
         }
-        if let Some(checked) = self.parts.planes.take() {
+        if let Some(checked) = self.jobs.planes.take() {
             self.background.shown.plane = Some(checked);
         }
-        if let Some(done) = self.parts.calibrations.take() {
+        if let Some(done) = self.jobs.calibrations.take() {
             self.calibrating.take(done);
         }
-        if let Some(compared) = self.parts.comparisons.take() {
+        if let Some(compared) = self.jobs.comparisons.take() {
             self.measures.take(compared);
         }
-        if let Some(recorded) = self.parts.recordings.take() {
+        if let Some(recorded) = self.jobs.recordings.take() {
             self.take_recorded(recorded);
         }
-        if let Some(textured) = self.parts.textures.take() {
+        if let Some(textured) = self.jobs.textures.take() {
             self.textures.take(textured);
         }
-        if let Some(designed) = self.parts.designs.take()
+        if let Some(designed) = self.jobs.designs.take()
             && designed.draft == self.background.shown.draft
         {
             self.background.shown.design = DesignState::Ready(Arc::new(designed));
         }
-        if let Some(frame) = self.parts.sheets.take() {
+        if let Some(frame) = self.jobs.sheets.take() {
             self.background.frame = Some(frame);
         }
     }
 
     /// Requests the design of a draft.
-    pub(super) fn design(&mut self, draft: Draft) {
+    pub fn design(&mut self, draft: Draft) {
         self.background.shown.draft = draft.clone();
         self.background.shown.design = DesignState::Making;
-        self.parts.designs.ask(draft);
+        self.jobs.designs.ask(draft);
     }
 
     /// Cancels the work in progress. If that is a table, the plate and the table from before are restored.
-    pub(super) fn cancel_work(&mut self) {
-        match under_way(&self.parts).map(|waiting| waiting.what) {
+    pub fn cancel_work(&mut self) {
+        match under_way(&self.jobs).map(|waiting| waiting.what) {
             Some("table") => {
-                self.parts.tables.cancel();
+                self.jobs.tables.cancel();
                 self.table = TableState::Cancelled;
                 let kept = self.background.kept.clone();
                 if let Some(kept) = kept.filter(|kept| !Arc::ptr_eq(&kept.plate, &self.setup.plate)) {
                     self.edit(&Edit::Plate(Arc::clone(&kept.plate)));
-                    self.parts.tables.cancel();
+                    self.jobs.tables.cancel();
                     self.table = TableState::Ready(kept);
                     self.predict();
                     self.remember_lines();
                 }
             }
             Some("design") => {
-                self.parts.designs.cancel();
+                self.jobs.designs.cancel();
                 self.background.shown.design = DesignState::Cancelled;
             }
             Some("texture") => {
-                self.parts.textures.cancel();
+                self.jobs.textures.cancel();
                 self.textures.give_up();
             }
             Some("two dimensions") => {
-                self.parts.planes.cancel();
+                self.jobs.planes.cancel();
                 self.background.shown.plane_asked = None;
             }
             Some("sheet") => {
-                self.parts.sheets.cancel();
+                self.jobs.sheets.cancel();
                 self.background.shown.source = Some(Source::Lines(Some("the sheet was given up".to_owned())));
             }
-            Some(_) => self.parts.checks.cancel(),
+            Some(_) => self.jobs.checks.cancel(),
             None => {}
         }
     }

@@ -1,9 +1,8 @@
 //! A drag that is recorded, and its replay. A replay goes the way of a drag: each move is an edit, held by the same limits
 //! and sent only if the plate is driven already. It arms nothing, and whatever ends the drive ends it.
 
-use super::App;
-use eframe::egui;
-use slipline_instrument::recording::Recording;
+use super::Instrument;
+use crate::recording::Recording;
 use std::time::Duration;
 
 /// Time between two moves of a replay.
@@ -53,9 +52,9 @@ impl Recorder {
     }
 }
 
-impl App {
+impl Instrument {
     /// Begins a new recording, or ends it.
-    pub(super) fn record(&mut self, records: bool) {
+    pub fn record(&mut self, records: bool) {
         self.end_replay();
         if records {
             self.recorder.recording = Recording::default();
@@ -65,7 +64,7 @@ impl App {
     }
 
     /// Begins the replay, or ends it.
-    pub(super) fn play(&mut self, plays: bool) {
+    pub fn play(&mut self, plays: bool) {
         self.recorder.begun = None;
         let has_moves = !self.recorder.recording.moves().is_empty();
         self.recorder.playing =
@@ -73,18 +72,18 @@ impl App {
     }
 
     /// Ends the replay, because the drive was stopped or the user takes a line.
-    pub(super) fn end_replay(&mut self) {
+    pub fn end_replay(&mut self) {
         self.recorder.playing = None;
     }
 
     /// Takes a recording from a file.
-    pub(super) fn take_recording(&mut self, recording: Recording) {
+    pub(crate) fn take_recording(&mut self, recording: Recording) {
         self.record(false);
         self.recorder.recording = recording;
     }
 
     /// Records that the user has moved a line.
-    pub(super) fn note_move(&mut self, now_s: f64, slot: u8) {
+    pub(crate) fn note_move(&mut self, now_s: f64, slot: u8) {
         let Some(place_m) = self.line(slot).map(|line| line.place_m) else { return };
         let Some(begun_s) = &mut self.recorder.begun else { return };
         if !self.recorder.recording.push(now_s, begun_s, slot, place_m) {
@@ -94,8 +93,8 @@ impl App {
     }
 
     /// Makes the moves that are due now.
-    pub(super) fn replay(&mut self, ctx: &egui::Context) {
-        let now_s = ctx.input(|input| input.time);
+    pub(crate) fn replay(&mut self) {
+        let now_s = self.attention.now_s;
         let is_driven = self.autopilot.wants_drive();
         let Recorder { recording, playing, is_looped, .. } = &mut self.recorder;
         let Some(play) = playing else { return };
@@ -120,6 +119,6 @@ impl App {
         for step in due {
             self.move_line(step.slot, step.place_m);
         }
-        ctx.request_repaint_after(STEP);
+        self.wake_after(STEP);
     }
 }

@@ -1,7 +1,7 @@
 //! The setup in the app: a change is applied, recorded for undo, predicted, and sent at once if the plate is
 //! driven.
 
-use super::App;
+use super::Instrument;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::{self, Holds, Line};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
@@ -11,9 +11,9 @@ use slipline_plate::DriveTable;
 use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
-impl App {
+impl Instrument {
     /// Applies a change, records it for undo, and sends it at once if the plate is driven.
-    pub(super) fn edit(&mut self, edit: &Edit) {
+    pub fn edit(&mut self, edit: &Edit) {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
@@ -47,8 +47,14 @@ impl App {
         }
     }
 
+    /// Moves the line of the tone in a slot as the user's hand does: a recording takes the move.
+    pub fn drag_line(&mut self, slot: u8, place_m: f64) {
+        self.move_line(slot, place_m);
+        self.note_move(self.attention.now_s, slot);
+    }
+
     /// Moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
-    pub(super) fn move_line(&mut self, slot: u8, place_m: f64) {
+    pub(crate) fn move_line(&mut self, slot: u8, place_m: f64) {
         if let Some(tone) = self.setup.tone(slot).filter(|_| place_m.is_finite()) {
             let position_m = line::turning_point_m(&self.setup, tone, self.drive_table(), place_m);
             self.edit(&Edit::Move { slot, position_m });
@@ -56,7 +62,7 @@ impl App {
     }
 
     /// Takes the setup of an undo or redo of the change with this name.
-    pub(super) fn step_back_or_forth(&mut self, name: Option<&'static str>, setup: Option<Setup>) {
+    pub(crate) fn step_back_or_forth(&mut self, name: Option<&'static str>, setup: Option<Setup>) {
         let Some(setup) = setup else { return };
         if name == Some(edit::SWITCH) {
             self.compare.undone(self.setup.clone());
@@ -65,7 +71,7 @@ impl App {
     }
 
     /// Replaces the setup, after an edit, undo or redo.
-    pub(super) fn take(&mut self, next: Setup) {
+    pub(crate) fn take(&mut self, next: Setup) {
         let is_new_plate = !Arc::ptr_eq(&self.setup.plate, &next.plate);
         let is_felt_anew = self.setup.feeling != next.feeling;
         let added = next.tones.iter().find(|tone| self.setup.tone(tone.slot).is_none()).map(|tone| tone.slot);
@@ -92,7 +98,7 @@ impl App {
     }
 
     /// The felt edges that the lines show now are where the user wants them.
-    pub(super) fn remember_lines(&mut self) {
+    pub(crate) fn remember_lines(&mut self) {
         self.wanted_m = [None; MAX_TONES];
         for line in self.lines.iter().filter(|line| line.holds == Holds::FeltEdge) {
             if let Some(wanted_m) = self.wanted_m.get_mut(usize::from(line.slot)) {
@@ -102,12 +108,12 @@ impl App {
     }
 
     /// The line of the tone in a slot.
-    pub(super) fn line(&self, slot: u8) -> Option<&Line> {
+    pub fn line(&self, slot: u8) -> Option<&Line> {
         self.lines.iter().find(|line| line.slot == slot)
     }
 
     /// The places that the line of the selected tone can have, in metres.
-    pub(super) fn limits_m(&mut self) -> (f64, f64) {
+    pub(crate) fn limits_m(&mut self) -> (f64, f64) {
         if let Some((slot, limits_m)) = self.limits_m
             && slot == self.selected
         {
@@ -120,17 +126,17 @@ impl App {
     }
 
     /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
-    pub(super) fn full_peak_m(&self) -> Option<f64> {
+    pub fn full_peak_m(&self) -> Option<f64> {
         self.drive_table().map(|table| table.peak_at_full_scale_m)
     }
 
     /// The table of the setup's plate, once it is finished.
-    pub(super) fn drive_table(&self) -> Option<&DriveTable> {
+    pub(crate) fn drive_table(&self) -> Option<&DriveTable> {
         self.screen_table().map(|made| &made.drive_table)
     }
 
     /// Predicts the field of the setup, what is felt of it, and where its lines are.
-    pub(super) fn predict(&mut self) {
+    pub(crate) fn predict(&mut self) {
         let plate = &self.setup.plate;
         let table = self.drive_table();
         let tones = match self.chord() {

@@ -1,18 +1,22 @@
 //! The Drive button: it sends the tones, or tells the user the obstacle and what helps.
 
-use super::App;
-use crate::intent::{Confirm, Dialog};
-use slipline_instrument::autopilot;
+use super::Instrument;
+use super::{Output, Page};
+use crate::autopilot;
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::jobs::table::TableState;
 use std::sync::Arc;
 
+/// The explanation of safe mode, and what helps.
+pub const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
+    Take its power away and connect it again; if it comes back like this, flash its firmware.";
+
 /// Why Drive cannot act.
 struct Obstacle {
     text: String,
     /// The page that helps, if there is one.
-    page: Option<Dialog>,
+    page: Option<Page>,
 }
 
 impl From<&str> for Obstacle {
@@ -21,17 +25,17 @@ impl From<&str> for Obstacle {
     }
 }
 
-impl App {
+impl Instrument {
     /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them.
-    pub(super) fn start(&mut self) {
+    pub fn start(&mut self) {
         if self.live.is_under_way() {
             let text = "The plate is being measured: cancel that or press STOP first.";
             return self.notices.hinder(text.to_owned());
         }
         if let Some(Obstacle { text, page }) = self.obstacle() {
             self.notices.hinder(text);
-            if self.dialog.is_none() {
-                self.dialog = page;
+            if let Some(page) = page.filter(|_| !self.attention.has_page) {
+                self.outputs.push(Output::Open(page));
             }
             return;
         }
@@ -50,22 +54,22 @@ impl App {
     }
 
     /// Clears a harmless fault and arms a simulated device.
-    pub(super) fn make_ready(&mut self) {
+    pub(crate) fn make_ready(&mut self) {
         if autopilot::drive_clears_fault(&self.snapshot) {
-            self.parts.link.send(Request::ClearFaults);
+            self.link.send(Request::ClearFaults);
         }
         if autopilot::drive_arms(&self.snapshot) {
-            self.parts.link.send(Request::Arm);
+            self.link.send(Request::Arm);
         }
     }
 
     /// Why the plate cannot be driven now, if there is something that does not disappear by itself.
-    pub(super) fn obstacle_to_drive(&self) -> Option<String> {
+    pub(crate) fn obstacle_to_drive(&self) -> Option<String> {
         self.obstacle().map(|obstacle| obstacle.text)
     }
 
     /// Whether the device holds the table of the plate on the screen.
-    pub(super) fn is_table_there(&self) -> bool {
+    pub(crate) fn is_table_there(&self) -> bool {
         let on_device = self.snapshot.table.active.map(|header| header.crc);
         self.screen_table().is_some_and(|made| on_device == Some(made.device_table.crc()))
     }
@@ -103,13 +107,13 @@ impl App {
         match status.state {
             State::Idle if !autopilot::drive_arms(snapshot) => {
                 let text = "The device is muted: arm it first, then press Drive.".to_owned();
-                return Some(Obstacle { text, page: Some(Dialog::Confirm(Confirm::Arm)) });
+                return Some(Obstacle { text, page: Some(Page::Arm) });
             }
             State::Fault if !autopilot::drive_clears_fault(snapshot) => {
                 let text = format!("The device has stopped: {}. Press Clear fault first.", status.faults);
                 return Some(Obstacle { text, page: None });
             }
-            State::SafeMode => return Some(crate::view::SAFE_MODE.into()),
+            State::SafeMode => return Some(SAFE_MODE.into()),
             State::Idle | State::Armed | State::Waiting | State::Driving | State::Stopping | State::Fault => {
             }
         }

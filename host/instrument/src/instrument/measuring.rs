@@ -1,14 +1,13 @@
 //! A measurement with the connected device: one request after the other, and nothing waits for an answer. STOP, a fault, a
 //! lost device and another plate end it; its last request is a stop.
 
-use super::App;
+use super::Instrument;
+use super::MeasureDraft;
 use super::rig::Rig;
+use super::shown::LiveScene;
 use super::signal::{Looks, SENSOR_INPUT};
-use crate::intent::MeasureDraft;
-use crate::scene::LiveScene;
-use eframe::egui;
-use slipline_instrument::hold::HoldEnd;
-use slipline_instrument::measure::{
+use crate::hold::HoldEnd;
+use crate::measure::{
     AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Sensor,
     Step, Wanted,
 };
@@ -35,21 +34,21 @@ struct Run {
 
 /// The state of the measurements with the device.
 #[derive(Default)]
-pub(super) struct Live {
-    pub(super) draft: MeasureDraft,
+pub(crate) struct Live {
+    pub(crate) draft: MeasureDraft,
     run: Option<Run>,
     /// Why the last one was none.
     failed: Option<String>,
     /// The rig of the simulated device.
-    pub(super) rig: Rig,
+    pub(crate) rig: Rig,
     /// The looks at the sensor while it is put in its place.
-    pub(super) looks: Looks,
+    pub(crate) looks: Looks,
     /// Runs so far: each has a name of its own.
     count: u32,
 }
 
 impl Live {
-    pub(super) fn scene(&self, now: u64, is_drive_known: bool) -> LiveScene<'_> {
+    pub(crate) fn scene(&self, now: u64, is_drive_known: bool) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
         let progress = run.or(self.rig.is_awaited().then_some(0.0));
         LiveScene {
@@ -63,32 +62,32 @@ impl Live {
         }
     }
 
-    pub(super) fn draft(&mut self, draft: MeasureDraft) {
+    pub(crate) fn draft(&mut self, draft: MeasureDraft) {
         self.draft = draft;
     }
 
     /// Where the sensor stands, metres.
-    pub(super) const fn place_m(&self) -> f64 {
+    pub(crate) const fn place_m(&self) -> f64 {
         self.draft.place_m
     }
 
-    pub(super) fn put_at(&mut self, place_m: f64) {
+    pub(crate) fn put_at(&mut self, place_m: f64) {
         self.draft.place_m = place_m;
     }
 
     /// Whether the measurement under way deals with this request's outcome.
-    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.run.as_ref().is_some_and(|run| run.awaited == Some(ticket)) || self.looks.awaits(ticket)
     }
 
-    pub(super) fn is_under_way(&self) -> bool {
+    pub(crate) fn is_under_way(&self) -> bool {
         self.run.is_some() || self.rig.is_awaited()
     }
 }
 
-impl App {
+impl Instrument {
     /// Begins a measurement, or tells what hinders it.
-    pub(super) fn begin_measuring(&mut self, answers: Option<usize>) {
+    pub(crate) fn begin_measuring(&mut self, answers: Option<usize>) {
         if self.live.is_under_way() {
             return;
         }
@@ -153,7 +152,7 @@ impl App {
     }
 
     /// Gives the measurement under way up.
-    pub(super) fn cancel_measuring(&mut self) {
+    pub(crate) fn cancel_measuring(&mut self) {
         self.live.rig.give_up();
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
@@ -161,10 +160,10 @@ impl App {
     }
 
     /// Hands over what the device has answered, and sends what comes next.
-    pub(super) fn update_measuring(&mut self, ctx: &egui::Context) {
+    pub(crate) fn update_measuring(&mut self) {
         self.take_rig();
         if self.update_signal() {
-            ctx.request_repaint_after(LOOK);
+            self.wake_after(LOOK);
         }
         let Some(run) = &mut self.live.run else { return };
         if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
@@ -179,7 +178,7 @@ impl App {
                 run.awaited = None;
             }
             match run.measuring.step() {
-                Step::Ask(request) => run.awaited = Some(self.parts.link.send(request)),
+                Step::Ask(request) => run.awaited = Some(self.link.send(request)),
                 Step::Wait => break,
                 Step::Ended => return self.measured(),
             }
@@ -187,7 +186,7 @@ impl App {
         if was_checking && !run.measuring.is_checking() {
             self.note(Severity::Info, DriveCheck::On.to_string());
         }
-        ctx.request_repaint_after(LOOK);
+        self.wake_after(LOOK);
     }
 
     /// Takes what was measured, or tells why nothing was.

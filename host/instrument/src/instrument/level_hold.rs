@@ -1,11 +1,9 @@
 //! The level hold: the user's switch, and what else the user does that ends it. What is asked of the device, and when, is in
 //! [`Holding`].
 
-use super::App;
-use crate::intent::Dialog;
-use crate::scene::HoldScene;
-use eframe::egui;
-use slipline_instrument::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
+use super::Instrument;
+use super::shown::HoldScene;
+use crate::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
 use slipline_link::{Severity, Snapshot, Ticket};
 use std::time::Duration;
 
@@ -13,7 +11,7 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The state of the level hold.
-pub(super) struct LevelHold {
+pub(crate) struct LevelHold {
     holding: Holding,
     max_rise_db: f64,
     /// It begins once the simulated device has its sensor.
@@ -28,28 +26,28 @@ impl Default for LevelHold {
 
 impl LevelHold {
     /// Whether it is switched on.
-    pub(super) const fn is_on(&self) -> bool {
+    pub(crate) const fn is_on(&self) -> bool {
         self.holding.is_on()
     }
 
     /// How it stands.
-    pub(super) fn standing<'a>(&'a self, snapshot: &'a Snapshot) -> Standing<'a> {
+    pub(crate) fn standing<'a>(&'a self, snapshot: &'a Snapshot) -> Standing<'a> {
         self.holding.standing(snapshot)
     }
 
     /// Whether the hold deals with this request's outcome.
-    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
+    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.holding.awaits(ticket)
     }
 
     /// The simulated device gets no sensor.
-    pub(super) const fn give_up_rig(&mut self) {
+    pub(crate) const fn give_up_rig(&mut self) {
         self.awaits_rig = false;
     }
 }
 
-impl App {
-    pub(super) fn hold_scene(&self) -> HoldScene<'_> {
+impl Instrument {
+    pub(crate) fn hold_scene(&self) -> HoldScene<'_> {
         let LevelHold { holding, max_rise_db, awaits_rig } = &self.level;
         HoldScene {
             holding,
@@ -62,7 +60,7 @@ impl App {
     }
 
     /// Switches the hold on, or tells what hinders it; or switches it off.
-    pub(super) fn switch_hold(&mut self, is_on: bool) {
+    pub fn switch_hold(&mut self, is_on: bool) {
         self.level.awaits_rig = false;
         if !is_on {
             return self.level.holding.switch_off();
@@ -92,12 +90,12 @@ impl App {
         if self.live.is_under_way() {
             return Some("The plate is being measured: wait, cancel that or press STOP first.");
         }
-        let is_looked_at = self.dialog == Some(Dialog::Calibrate) && self.calibrating.has_sensor_in_hand();
+        let is_looked_at = self.attention.is_calibration_open && self.calibrating.has_sensor_in_hand();
         is_looked_at.then_some("The calibration looks at the sensor: close its pages first.")
     }
 
     /// Lets held tones rise so far. A hold that is on begins anew.
-    pub(super) fn choose_max_rise(&mut self, decibels: f64) {
+    pub fn choose_max_rise(&mut self, decibels: f64) {
         self.level.max_rise_db = decibels;
         if self.level.holding.is_on() {
             self.level.holding.switch_off();
@@ -106,7 +104,7 @@ impl App {
     }
 
     /// Ends the hold, if it is on, because of something else that the user does.
-    pub(super) fn end_hold(&mut self, end: HoldEnd) {
+    pub(crate) fn end_hold(&mut self, end: HoldEnd) {
         self.level.awaits_rig = false;
         if self.level.holding.is_on() {
             self.level.holding.end(end);
@@ -115,25 +113,25 @@ impl App {
     }
 
     /// Sends what the hold asks for, and tells it when it ends by itself.
-    pub(super) fn update_hold(&mut self, ctx: &egui::Context) {
+    pub(crate) fn update_hold(&mut self) {
         if self.level.awaits_rig && self.is_rig_standing() {
             self.begin_hold();
         }
-        let is_pressed = ctx.input(|input| input.pointer.any_down());
-        let mut rests = !is_pressed && self.grab.is_none() && self.recorder.played_s().is_none();
+        let is_pressed = self.attention.is_pressed;
+        let mut rests = !is_pressed && !self.attention.is_dragging && self.recorder.played_s().is_none();
         let was_on = self.level.holding.is_on();
         // A finger that is being moved touches the simulated plate once it rests.
         if was_on && rests && self.is_at_bench() {
             rests = self.touch_rig();
         }
         while let Some(request) = self.level.holding.turn(&self.snapshot, &self.setup.plate, rests) {
-            self.level.holding.sent(self.parts.link.send(request));
+            self.level.holding.sent(self.link.send(request));
         }
         if was_on && !self.level.holding.is_on() {
             self.tell_end_of_hold();
         }
         if was_on || self.level.awaits_rig {
-            ctx.request_repaint_after(LOOK);
+            self.wake_after(LOOK);
         }
     }
 

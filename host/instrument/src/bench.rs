@@ -1,6 +1,6 @@
 //! What the inputs of the simulated device are wired to: the rig that was put together last. Without one they show nothing.
 
-use slipline_instrument::rig::PreparedRig;
+use crate::rig::PreparedRig;
 use slipline_link::simulator::SimulatedInputs;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

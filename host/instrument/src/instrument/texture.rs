@@ -1,8 +1,7 @@
 //! The texture page: its draft is made while the page is open, what takes longer once the pointer is up.
 
-use super::App;
-use crate::scene::TextureScene;
-use eframe::egui;
+use super::shown::TextureScene;
+use super::{Instrument, Output, Page};
 use slipline_link::Severity;
 use slipline_model::jobs::texture::{TextureJob, TextureWish, Textured};
 use slipline_model::setup::edit;
@@ -15,7 +14,7 @@ use std::sync::Arc;
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// The state of the texture page.
-pub(super) struct Textures {
+pub(crate) struct Textures {
     draft: WishDraft,
     /// The plate that the draft's places are of.
     plate: Arc<Plate>,
@@ -26,22 +25,22 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    pub(super) fn of(plate: &Arc<Plate>) -> Self {
+    pub(crate) fn of(plate: &Arc<Plate>) -> Self {
         let draft = WishDraft::of(plate);
         Self { draft, plate: Arc::clone(plate), asked: None, latest: None, is_given_up: false }
     }
 
-    pub(super) fn draft(&mut self, draft: WishDraft) {
+    pub(crate) fn draft(&mut self, draft: WishDraft) {
         self.draft = draft;
         self.is_given_up = false;
     }
 
-    pub(super) fn take(&mut self, textured: Textured) {
+    pub(crate) fn take(&mut self, textured: Textured) {
         self.latest = Some(textured);
     }
 
     /// The user does not wait for the draft any more.
-    pub(super) fn give_up(&mut self) {
+    pub(crate) fn give_up(&mut self) {
         self.is_given_up = true;
         self.asked = None;
     }
@@ -52,7 +51,7 @@ impl Textures {
         self.latest.as_ref().filter(|latest| latest.wish == *asked)
     }
 
-    pub(super) fn scene(&self) -> TextureScene<'_> {
+    pub(crate) fn scene(&self) -> TextureScene<'_> {
         TextureScene {
             draft: &self.draft,
             latest: self.latest.as_ref(),
@@ -62,10 +61,10 @@ impl Textures {
     }
 }
 
-impl App {
+impl Instrument {
     /// Asks for the texture of the draft while its page is open, and for the rest once the pointer is up.
-    pub(super) fn update_texture(&mut self, ctx: &egui::Context) {
-        if !self.view.is_texture_open() {
+    pub(crate) fn update_texture(&mut self) {
+        if !self.attention.is_texture_open {
             return;
         }
         if !Arc::ptr_eq(&self.textures.plate, &self.setup.plate) {
@@ -80,16 +79,16 @@ impl App {
         let is_asked = self.textures.asked.as_ref().is_some_and(|(asked, _)| *asked == wish);
         if !is_asked && !self.textures.is_given_up {
             self.textures.asked = Some((wish.clone(), false));
-            return self.parts.textures.ask(TextureJob { wish, begun: None });
+            return self.jobs.textures.ask(TextureJob { wish, begun: None });
         }
         let begun = self.textures.current().filter(|latest| !latest.is_finished);
         let begun = begun.and_then(|latest| latest.result.as_ref().ok()).cloned();
-        let is_drawing = ctx.input(|input| input.pointer.any_down());
+        let is_drawing = self.attention.is_pressed;
         if let (Some(made), Some((_, has_rest @ false))) = (begun, &mut self.textures.asked)
             && !is_drawing
         {
             *has_rest = true;
-            self.parts.textures.ask(TextureJob { wish, begun: Some(made) });
+            self.jobs.textures.ask(TextureJob { wish, begun: Some(made) });
         }
     }
 
@@ -97,7 +96,8 @@ impl App {
         self.textures.current()?.result.as_ref().ok().cloned()
     }
 
-    pub(super) fn play_texture(&mut self) {
+    /// Puts the texture that was made in the setup.
+    pub fn play_texture(&mut self) {
         let Some(made) = self.made_texture() else { return };
         self.edit(&made.edit());
         let gain_db = made.chord_gain_db().unwrap_or(0.0);
@@ -107,7 +107,8 @@ impl App {
         }
     }
 
-    pub(super) fn save_texture(&mut self) {
+    /// Has the texture that was made saved as a setup.
+    pub fn save_texture(&mut self) {
         let Some(made) = self.made_texture() else { return };
         match edit::apply(&self.setup, &made.edit()) {
             Ok(setup) => {
@@ -119,7 +120,7 @@ impl App {
     }
 
     /// Draws the texture by a profile from a file, and opens its page.
-    pub(super) fn take_profile(&mut self, name: &str, bytes: Result<Vec<u8>, String>) {
+    pub fn take_profile(&mut self, name: &str, bytes: Result<Vec<u8>, String>) {
         let length_m = self.setup.plate.length_m();
         let read = bytes.and_then(|bytes| {
             let profile = if bytes.starts_with(PNG_SIGNATURE) {
@@ -139,7 +140,7 @@ impl App {
                 self.textures.plate = Arc::clone(&self.setup.plate);
                 draft.take_profile(&breakpoints);
                 self.textures.draft(draft);
-                self.view.open_texture();
+                self.outputs.push(Output::Open(Page::Texture));
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}"));
             }

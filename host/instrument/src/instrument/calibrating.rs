@@ -1,17 +1,16 @@
 //! The calibration's pages: what is known, the answers, the fit in the background, the plate that comes of it.
 
-use super::App;
-use crate::files::FileJob;
-use crate::intent::{CalibrateIntent, Dialog};
-use crate::scene::CalibrateScene;
-use slipline_instrument::calibration::{Answer, Calibration, Step};
-use slipline_instrument::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
+use super::Instrument;
+use super::shown::CalibrateScene;
+use super::{CalibrateIntent, Output, Page};
+use crate::calibration::{Answer, Calibration, Step};
+use crate::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
 use slipline_model::setup::edit::Edit;
 use std::sync::Arc;
 
 /// The state of the pages.
 #[derive(Default)]
-pub(super) struct Calibrating {
+pub(crate) struct Calibrating {
     /// The calibration under way; it stays while its pages are closed, and until it is given up or used.
     calibration: Option<Calibration>,
     asked: Option<CalibrateJob>,
@@ -19,7 +18,7 @@ pub(super) struct Calibrating {
 }
 
 impl Calibrating {
-    pub(super) fn take(&mut self, done: CalibrateDone) {
+    pub(crate) fn take(&mut self, done: CalibrateDone) {
         self.latest = Some(done);
     }
 
@@ -29,13 +28,13 @@ impl Calibrating {
     }
 
     /// Where the open page has the sensor stand, metres; `None` without a calibration, and on pages without a sensor.
-    pub(super) fn place_m(&self) -> Option<f64> {
+    pub(crate) fn place_m(&self) -> Option<f64> {
         let calibration = self.calibration.as_ref()?;
         Some(calibration.places_m()[calibration.step.sensor()?])
     }
 
     /// Whether the open page has the sensor put in its place or measured.
-    pub(super) fn has_sensor_in_hand(&self) -> bool {
+    pub(crate) fn has_sensor_in_hand(&self) -> bool {
         let step = self.calibration.as_ref().map(|calibration| calibration.step);
         matches!(step, Some(Step::FirstPlace | Step::FirstAnswer | Step::SecondPlace))
     }
@@ -44,14 +43,15 @@ impl Calibrating {
         self.current()?.result.as_ref().ok()
     }
 
-    pub(super) fn scene(&self, progress: Option<f32>) -> Option<CalibrateScene<'_>> {
+    pub(crate) fn scene(&self, progress: Option<f32>) -> Option<CalibrateScene<'_>> {
         let result = self.current().map(|done| done.result.as_deref());
         Some(CalibrateScene { calibration: self.calibration.as_ref()?, result, progress })
     }
 }
 
-impl App {
-    pub(super) fn perform_calibrate(&mut self, intent: CalibrateIntent) {
+impl Instrument {
+    /// Carries out what the user asks for on the calibration's pages.
+    pub fn perform_calibrate(&mut self, intent: CalibrateIntent) {
         if intent == CalibrateIntent::Open {
             return self.open_calibration();
         }
@@ -71,7 +71,7 @@ impl App {
                     self.fail(reason);
                 }
             }
-            CalibrateIntent::OpenAnswer => self.parts.files.begin(FileJob::ChooseMeasurement),
+            CalibrateIntent::OpenAnswer => self.outputs.push(Output::ChooseMeasurement),
             CalibrateIntent::TakeAnswer(sensor, number) => self.take_answer(sensor, number),
             CalibrateIntent::Exchange => calibration.exchange(),
             CalibrateIntent::Use => {
@@ -100,17 +100,17 @@ impl App {
             None => Calibration::of(plate),
         };
         self.calibrating.calibration = Some(next);
-        self.dialog = Some(Dialog::Calibrate);
+        self.outputs.push(Output::Open(Page::Calibration));
     }
 
     fn end_calibration(&mut self) {
-        self.parts.calibrations.cancel();
+        self.jobs.calibrations.cancel();
         self.cancel_measuring();
         self.calibrating = Calibrating::default();
-        self.dialog = None;
+        self.outputs.push(Output::CloseCalibration);
     }
 
-    pub(super) fn take_answer(&mut self, sensor: usize, number: u64) {
+    pub(crate) fn take_answer(&mut self, sensor: usize, number: u64) {
         let Some(entry) = self.measures.entry(number) else { return };
         let answer = Answer { name: entry.name.clone(), measurement: Arc::clone(&entry.measurement) };
         if let Some(calibration) = &mut self.calibrating.calibration {
@@ -119,9 +119,9 @@ impl App {
     }
 
     /// Takes a measurement that was opened for the answer that the open page asks for; whether it asks for one.
-    pub(super) fn answered(&mut self, number: u64) -> bool {
+    pub(crate) fn answered(&mut self, number: u64) -> bool {
         let step = self.calibrating.calibration.as_ref().map(|calibration| calibration.step);
-        let sensor = step.filter(|_| self.dialog == Some(Dialog::Calibrate)).and_then(Step::sensor);
+        let sensor = step.filter(|_| self.attention.is_calibration_open).and_then(Step::sensor);
         if let Some(sensor) = sensor {
             self.take_answer(sensor, number);
         }
@@ -136,7 +136,7 @@ impl App {
         let Some(job) = job.and_then(|calibration| calibration.job(rate_hz)) else { return };
         if calibrating.asked.as_ref() != Some(&job) {
             calibrating.asked = Some(job.clone());
-            self.parts.calibrations.ask(job);
+            self.jobs.calibrations.ask(job);
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The device as the app controls it: its port, the effects of a new snapshot, and the table and drive that it is
 //! sent. The [`autopilot`] decides when the app sends something without a user action.
 
-use super::{App, TableJob, TableMade, TableState};
-use slipline_instrument::autopilot;
-use slipline_instrument::hold::HoldEnd;
+use super::{Instrument, TableJob, TableMade, TableState};
+use crate::autopilot;
+use crate::hold::HoldEnd;
 use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
@@ -19,20 +19,18 @@ fn sentence(reason: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-impl App {
-    pub(super) fn connect(&mut self, port: Port) {
-        // The chosen port is remembered even if it does not exist at the moment.
-        self.settings.port = Some(port.to_string());
+impl Instrument {
+    /// Connects to a port.
+    pub fn connect(&mut self, port: Port) {
         self.autopilot.connecting(&port);
         self.end_hold(HoldEnd::LinkLost);
-        self.forget_sound();
         // The connection is tried again, so the message about the earlier failure is obsolete.
         self.notices.connected();
-        self.connect_sent = Some(self.parts.link.send(Request::Connect(port)));
+        self.connect_sent = Some(self.link.send(Request::Connect(port)));
     }
 
-    pub(super) fn update_snapshot(&mut self) {
-        let snapshot = self.parts.link.snapshot();
+    pub(crate) fn update_snapshot(&mut self) {
+        let snapshot = self.link.snapshot();
         let before = std::mem::replace(&mut self.snapshot, snapshot);
         if before.revision == self.snapshot.revision {
             let now = |snapshot: &Snapshot| snapshot.status.map(|status| status.now);
@@ -41,7 +39,6 @@ impl App {
             }
             return;
         }
-        self.settings.auto_reconnect = self.snapshot.auto_reconnect;
         if self.snapshot.is_connected() {
             self.notices.connected();
         } else {
@@ -77,7 +74,7 @@ impl App {
     }
 
     /// The table for the plate on the screen, once it is finished.
-    pub(super) fn screen_table(&self) -> Option<&Arc<TableMade>> {
+    pub(crate) fn screen_table(&self) -> Option<&Arc<TableMade>> {
         self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
     }
 
@@ -132,14 +129,12 @@ impl App {
         }
     }
 
-    pub(super) fn run_autopilot(&mut self, before: &Snapshot) {
+    pub(crate) fn run_autopilot(&mut self, before: &Snapshot) {
         let made = self.screen_table().cloned();
-        for action in
-            self.autopilot.update(before, &self.snapshot, made.as_deref(), self.settings.auto_upload)
-        {
+        for action in self.autopilot.update(before, &self.snapshot, made.as_deref(), self.attention.uploads) {
             match action {
                 autopilot::Action::Upload(table) => {
-                    self.parts.link.send(Request::Upload(table));
+                    self.link.send(Request::Upload(table));
                 }
                 autopilot::Action::Drive => self.send_drive(),
             }
@@ -147,7 +142,7 @@ impl App {
     }
 
     /// Requests the table for the plate on the screen and the device's rate, unless that was done already.
-    pub(super) fn ask_for_table(&mut self) {
+    pub(crate) fn ask_for_table(&mut self) {
         let Some(identity) = &self.snapshot.identity else { return };
         let rate = identity.sample_rate_hz;
         let is_asked = self
@@ -159,7 +154,7 @@ impl App {
         }
         self.table_asked = Some((Arc::clone(&self.setup.plate), rate));
         self.table = TableState::Making;
-        self.parts.tables.ask(TableJob {
+        self.jobs.tables.ask(TableJob {
             plate: Arc::clone(&self.setup.plate),
             sample_rate_hz: f64::from(rate),
             max_knots: usize::from(identity.max_knots),
@@ -167,8 +162,8 @@ impl App {
     }
 
     /// Takes a finished table, unless the screen shows another plate by now.
-    pub(super) fn take_table(&mut self) {
-        let Some(table) = self.parts.tables.take() else { return };
+    pub(crate) fn take_table(&mut self) {
+        let Some(table) = self.jobs.tables.take() else { return };
         let is_current = table.made().is_none_or(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
         if is_current {
             self.background.keep(&table);
@@ -182,7 +177,7 @@ impl App {
     }
 
     /// The setup's tones as a chord, if they are one that the device can play with its plate's table.
-    pub(super) fn chord(&self) -> Option<ChordRequest> {
+    pub(crate) fn chord(&self) -> Option<ChordRequest> {
         let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
         chord_of(&self.setup, &made.device_table)
     }
@@ -209,7 +204,7 @@ impl App {
         (0..MAX_TONES as u8).filter(|&slot| place(slot) != before(slot)).count()
     }
 
-    pub(super) fn send_drive(&mut self) {
+    pub(crate) fn send_drive(&mut self) {
         let request = self.playing();
         let sounding = sounding::sounding(&self.snapshot).map(|sounding| sounding.played);
         let by_rest = match (&request, &sounding) {
@@ -221,9 +216,9 @@ impl App {
             (_, None) => false,
         };
         if by_rest {
-            self.parts.link.send(Request::Stop);
+            self.link.send(Request::Stop);
         }
-        let ticket = self.parts.link.send(request);
+        let ticket = self.link.send(request);
         self.drive_sent = Some(ticket);
         self.latest_drive = Some(ticket);
     }
@@ -237,7 +232,7 @@ impl App {
         if self.drive_sent != Some(refused) || !helps || !fits || !self.autopilot.may_drive(&self.snapshot) {
             return false;
         }
-        self.parts.link.send(Request::Stop);
+        self.link.send(Request::Stop);
         self.send_drive();
         // If the device also refuses this one, the reason is another.
         self.drive_sent = None;

@@ -1,12 +1,11 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
-use super::App;
-use crate::files::FileJob;
-use crate::intent::MeasureIntent;
-use crate::scene::{Asked, AskedContent, LiveScene, MeasureScene};
-use slipline_instrument::jobs::recorded::{Recorded, RecordedJob};
-use slipline_instrument::measure::PlayedSweep;
-use slipline_instrument::measured_file::{self, Opened, Told, ToldOfRecording};
+use super::Instrument;
+use super::shown::{Asked, AskedContent, LiveScene, MeasureScene};
+use super::{MeasureIntent, Output, Page};
+use crate::jobs::recorded::{Recorded, RecordedJob};
+use crate::measure::PlayedSweep;
+use crate::measured_file::{self, Opened, Told, ToldOfRecording};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::response::{Entry, Shelf};
@@ -16,7 +15,7 @@ use std::sync::Arc;
 
 /// The state of the page.
 #[derive(Default)]
-pub(super) struct Measures {
+pub(crate) struct Measures {
     shelf: Shelf,
     asked: Option<CompareJob>,
     latest: Option<Compared>,
@@ -28,38 +27,42 @@ pub(super) struct Measures {
 
 impl Measures {
     /// The measurement of this number.
-    pub(super) fn entry(&self, number: u64) -> Option<&Entry> {
+    pub(crate) fn entry(&self, number: u64) -> Option<&Entry> {
         self.shelf.entry(number)
     }
 
-    pub(super) fn take(&mut self, compared: Compared) {
+    pub(crate) fn take(&mut self, compared: Compared) {
         self.latest = Some(compared);
     }
 
     /// Adds a measurement to the list; its number.
-    pub(super) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, String> {
+    pub(crate) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, String> {
         self.shelf.add(name, measurement)
     }
 
-    pub(super) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
+    pub(crate) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
         let compared = self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref());
         MeasureScene { shelf: &self.shelf, compared, asked: self.foreign.as_ref(), live }
     }
 }
 
-impl App {
+impl Instrument {
     /// Compares the chosen measurement with the plate on the screen while the page is open.
-    pub(super) fn update_measures(&mut self) {
-        let Some(chosen) = self.measures.shelf.chosen().filter(|_| self.view.is_measuring()) else { return };
+    pub(crate) fn update_measures(&mut self) {
+        let Some(chosen) = self.measures.shelf.chosen().filter(|_| self.attention.is_measurements_open)
+        else {
+            return;
+        };
         let job =
             CompareJob { plate: Arc::clone(&self.setup.plate), measurement: Arc::clone(&chosen.measurement) };
         if self.measures.asked.as_ref() != Some(&job) {
             self.measures.asked = Some(job.clone());
-            self.parts.comparisons.ask(job);
+            self.jobs.comparisons.ask(job);
         }
     }
 
-    pub(super) fn perform_measure(&mut self, intent: MeasureIntent) {
+    /// Carries out what the user asks for on the page of measurements.
+    pub fn perform_measure(&mut self, intent: MeasureIntent) {
         let shelf = &mut self.measures.shelf;
         match intent {
             MeasureIntent::Choose(number) => shelf.choose(number),
@@ -69,7 +72,7 @@ impl App {
             MeasureIntent::Begin(answers) => self.begin_measuring(answers),
             MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
             MeasureIntent::Cancel => self.cancel_measuring(),
-            MeasureIntent::OpenFile => self.parts.files.begin(FileJob::ChooseMeasurement),
+            MeasureIntent::OpenFile => self.outputs.push(Output::ChooseMeasurement),
             MeasureIntent::Tell(told) => {
                 if let Some(asked) = &mut self.measures.foreign {
                     (asked.told, asked.refused) = (told, None);
@@ -83,7 +86,7 @@ impl App {
             MeasureIntent::TakeAsked => self.take_asked(),
             MeasureIntent::LeaveAsked => {
                 self.measures.foreign = None;
-                self.parts.recordings.cancel();
+                self.jobs.recordings.cancel();
             }
             MeasureIntent::Save(number) => {
                 let Some(entry) = shelf.entry(number) else { return };
@@ -95,7 +98,7 @@ impl App {
     }
 
     /// Takes a measurement's file, and opens its page. By another program, it is asked what the file does not tell.
-    pub(super) fn open_measurement(&mut self, name: &str, bytes: Vec<u8>) {
+    pub fn open_measurement(&mut self, name: &str, bytes: Vec<u8>) {
         if let Ok(text) = str::from_utf8(&bytes)
             && self.opened_sweep(name, text)
         {
@@ -127,15 +130,15 @@ impl App {
 
     fn ask(&mut self, name: &str, content: AskedContent, told: Told) {
         let name = name.to_owned();
-        self.parts.recordings.cancel();
+        self.jobs.recordings.cancel();
         self.measures.foreign = Some(Asked { name, content, told, channel: 1, refused: None });
-        if self.dialog.is_none() {
-            self.view.open_measure();
+        if !self.attention.has_page {
+            self.outputs.push(Output::Open(Page::Measurements));
         }
     }
 
     /// Takes the description of a sweep, for the recording that waits and for those to come; whether it is one.
-    pub(super) fn opened_sweep(&mut self, name: &str, text: &str) -> bool {
+    pub fn opened_sweep(&mut self, name: &str, text: &str) -> bool {
         if !PlayedSweep::is_one(text) {
             return false;
         }
@@ -171,7 +174,7 @@ impl App {
                 let Told { place_m, kind, .. } = asked.told;
                 let told = ToldOfRecording { place_m, kind, channel: asked.channel };
                 let (plate, wav, sweep) = (Arc::clone(plate), Arc::clone(wav), Arc::clone(sweep));
-                self.parts.recordings.ask(RecordedJob { plate, wav, sweep, told });
+                self.jobs.recordings.ask(RecordedJob { plate, wav, sweep, told });
             }
             AskedContent::Recording { sweep: None, .. } => {
                 asked.refused = Some("Open the description of its sweep first.".to_owned());
@@ -180,7 +183,7 @@ impl App {
     }
 
     /// Takes what came of a recording.
-    pub(super) fn take_recorded(&mut self, recorded: Recorded) {
+    pub(crate) fn take_recorded(&mut self, recorded: Recorded) {
         if let Some(Asked { content: AskedContent::Recording { is_read, .. }, .. }) =
             &mut self.measures.foreign
         {
@@ -206,7 +209,7 @@ impl App {
     fn take_opened(&mut self, name: &str, measurement: Measurement) -> Result<(), String> {
         let number = self.measures.shelf.add(name, measurement)?;
         if !self.answered(number) {
-            self.view.open_measure();
+            self.outputs.push(Output::Open(Page::Measurements));
         }
         self.note(Severity::Info, format!("Opened {name}."));
         self.notices.tell(format!("Opened {name}"));

@@ -1,0 +1,38 @@
+//! Files that were opened: what a text is by its content, and what is said of it.
+
+use super::Instrument;
+use crate::recording::Recording;
+use slipline_link::Severity;
+use slipline_model::response::is_measurement;
+
+impl Instrument {
+    /// Takes a recorded drag or a measurement; whether the text is one of them.
+    pub fn opened_table(&mut self, name: &str, text: &str) -> bool {
+        if Recording::is_one(text) {
+            self.open_recording(name, Recording::from_csv(text).map_err(|error| error.to_string()));
+        } else if is_measurement(text) {
+            self.open_measurement(name, text.as_bytes().to_vec());
+        } else {
+            return false;
+        }
+        true
+    }
+
+    fn open_recording(&mut self, name: &str, recording: Result<Recording, String>) {
+        match recording {
+            Ok(recording) => {
+                self.take_recording(recording);
+                self.note(Severity::Info, format!("Opened {name}."));
+                self.notices.tell(format!("Opened {name}: press Play on the page Play"));
+            }
+            Err(reason) => self.not_opened(name, &reason),
+        }
+    }
+
+    /// Tells why a file was not opened, on the screen and in the log.
+    pub fn not_opened(&mut self, name: &str, reason: &str) {
+        let text = format!("{name} was not opened, nothing has changed. {reason}");
+        self.note(Severity::Error, text.clone());
+        self.fail(text);
+    }
+}
