@@ -43,6 +43,7 @@ mod reconnecting;
 mod recorded;
 mod reliability;
 mod repeats;
+mod shells;
 mod sleeps;
 mod stop_at_once;
 mod stopping;

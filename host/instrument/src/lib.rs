@@ -29,7 +29,7 @@ pub mod recording;
 pub mod rig;
 
 pub use instrument::{
-    Asked, AskedContent, Attention, Background, CalibrateIntent, CalibrateScene, DesignState, HoldScene,
-    Instrument, Jobs, Link, LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Output, Page,
-    Recorder, SAFE_MODE, Shown, TextureScene, Waiting,
+    Asked, AskedContent, Attention, Background, CalibrateIntent, CalibrateScene, DesignState, DeviceIntent,
+    HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Output,
+    Page, Recorder, SAFE_MODE, Shown, TextureScene, Waiting,
 };

@@ -33,8 +33,8 @@ use crate::sound::Speaker;
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use slipline_instrument::bench::Bench;
-use slipline_instrument::{Instrument, Recorder};
-use slipline_link::{Port, PortInfo, Request};
+use slipline_instrument::{DeviceIntent, Instrument, Recorder};
+use slipline_link::{Port, PortInfo};
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
 use slipline_model::jobs::JobQueue;
@@ -114,7 +114,7 @@ impl App {
             view: ViewState::default(),
             screenshots: channel(),
         };
-        app.instrument.send(Request::AutoReconnect(app.settings.auto_reconnect));
+        app.instrument.perform_device(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
         let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);
         app.connect(port);
         app

@@ -1,12 +1,11 @@
 //! The requests of the views. Views send nothing and change nothing on the device; the app carries out their
 //! intents.
 
-pub use slipline_instrument::{CalibrateIntent, MeasureDraft, MeasureIntent};
+pub use slipline_instrument::{CalibrateIntent, DeviceIntent, MeasureDraft, MeasureIntent};
 
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
 use crate::sound::SoundChoice;
-use slipline_link::Request;
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::SourceChoice;
 use slipline_model::field::touch::Touch;
@@ -113,8 +112,8 @@ pub enum Intent {
         /// The place of its line.
         place_m: f64,
     },
-    /// Send a request to the link.
-    Request(Request),
+    /// Something that is asked of the device itself.
+    Device(DeviceIntent),
     /// Connect to a port.
     Connect(slipline_link::Port),
     /// Drive the tones of the setup.

@@ -13,6 +13,7 @@ mod background;
 mod calibrate_intent;
 mod calibrating;
 mod device;
+mod device_intent;
 mod finger;
 mod level_hold;
 mod measure_intent;
@@ -31,6 +32,7 @@ mod stop_presses;
 mod texture;
 
 pub use calibrate_intent::CalibrateIntent;
+pub use device_intent::DeviceIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
 pub use replay::Recorder;
 pub use shown::{
@@ -337,15 +339,6 @@ impl Instrument {
 
     fn wake_after(&mut self, after: Duration) {
         self.wake = Some(self.wake.map_or(after, |wake| wake.min(after)));
-    }
-
-    /// Sends a request that the user has made.
-    pub fn send(&mut self, request: Request) {
-        let is_clearing = matches!(request, Request::ClearFaults);
-        let ticket = self.link.send(request);
-        if is_clearing {
-            self.clear_sent = Some(ticket);
-        }
     }
 
     /// A press of pointer or key has begun another gesture: what follows is another step of undo.

@@ -2,12 +2,11 @@
 
 use super::{App, first_setup, set_theme};
 use crate::files::{FileEvent, FileJob, has_extension};
-use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use crate::intent::{Confirm, DeviceIntent, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
 use crate::settings::{Part, SPEEDS};
 use eframe::egui;
-use slipline_link::protocol::event::State;
-use slipline_link::{Request, Severity};
+use slipline_link::Severity;
 use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
@@ -33,11 +32,11 @@ impl App {
                     self.instrument.end_replay();
                     self.instrument.drag_line(slot, place_m);
                 }
-                Intent::Request(request) => {
-                    if let Request::AutoReconnect(looks) = request {
+                Intent::Device(asked) => {
+                    if let DeviceIntent::AutoReconnect(looks) = asked {
                         self.settings.auto_reconnect = looks;
                     }
-                    self.instrument.send(request);
+                    self.instrument.perform_device(asked);
                 }
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start => self.instrument.start(),
@@ -163,11 +162,11 @@ impl App {
 
     fn confirmed(&mut self, confirm: Confirm) {
         let snapshot = self.instrument.snapshot();
-        let request = match confirm {
-            Confirm::Arm => Request::Arm,
-            Confirm::Store => Request::Store,
-            Confirm::Forget => Request::Forget,
-            Confirm::Bootloader => Request::Bootloader,
+        let asked = match confirm {
+            Confirm::Arm => DeviceIntent::Arm,
+            Confirm::Store => DeviceIntent::Store,
+            Confirm::Forget => DeviceIntent::Forget,
+            Confirm::Bootloader => DeviceIntent::Bootloader,
         };
         if confirm == Confirm::Arm
             && snapshot.maintenance.is_some_and(|told| !told.brown_out_guarded)
@@ -175,12 +174,7 @@ impl App {
         {
             self.settings.arms_unguarded(unit);
         }
-        let is_armed = snapshot.status.is_some_and(|status| status.state == State::Armed);
-        if is_armed && matches!(confirm, Confirm::Store | Confirm::Forget) {
-            // An armed device does not write its flash.
-            self.instrument.send(Request::Disarm);
-        }
-        self.instrument.send(request);
+        self.instrument.perform_device(asked);
     }
 
     /// The plate that was designed from the present draft.

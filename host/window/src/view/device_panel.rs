@@ -2,10 +2,10 @@
 
 use super::field::row;
 use super::{Scene, ViewState, theme, top_bar};
-use crate::intent::{Confirm, Dialog, Intent, Intents};
+use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, Intents};
 use eframe::egui::{self, RichText};
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Port, Request, upkeep};
+use slipline_link::{LinkState, Port, upkeep};
 
 pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
     ports(ui, scene, intents);
@@ -75,7 +75,7 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         }
         if is_open {
             if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
-                intents.push(Intent::Request(Request::Disconnect));
+                intents.push(Intent::Device(DeviceIntent::Disconnect));
             }
         } else if ui.button("Connect").on_hover_text("Open the port that was chosen last").clicked() {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
@@ -86,7 +86,7 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             .on_hover_text("Look for a lost device, which comes back disarmed, and wait for a missing port")
             .changed()
         {
-            intents.push(Intent::Request(Request::AutoReconnect(looks)));
+            intents.push(Intent::Device(DeviceIntent::AutoReconnect(looks)));
         }
     });
 }
@@ -129,7 +129,7 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if snapshot.status.is_some_and(|status| !status.faults.is_empty())
         && ui.button("Clear faults").on_hover_text("Clear the latched faults whose cause is gone").clicked()
     {
-        intents.push(Intent::Request(Request::ClearFaults));
+        intents.push(Intent::Device(DeviceIntent::ClearFaults));
     }
 }
 
@@ -164,7 +164,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
             let cancel = ui.button("Cancel upload");
             if cancel.on_hover_text("Give it up; the device keeps the table it has").clicked() {
-                intents.push(Intent::Request(Request::CancelUpload));
+                intents.push(Intent::Device(DeviceIntent::CancelUpload));
             }
         } else {
             let upload = ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload"));
@@ -174,7 +174,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                 intents.push(Intent::Upload);
             }
             if ui.button("Read back").on_hover_text("Ask the device which table it holds").clicked() {
-                intents.push(Intent::Request(Request::ReadBack));
+                intents.push(Intent::Device(DeviceIntent::ReadBack));
             }
         }
     });

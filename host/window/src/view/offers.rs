@@ -2,10 +2,10 @@
 //! is driven that is STOP, which is always shown.
 
 use super::Scene;
-use crate::intent::{Confirm, Dialog, Intent};
+use crate::intent::{Confirm, DeviceIntent, Dialog, Intent};
 use slipline_instrument::autopilot;
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkError, LinkState, Port, Request};
+use slipline_link::{LinkError, LinkState, Port};
 use slipline_model::jobs::table::TableState;
 
 /// One action: the text of its button, its explanation and its intent.
@@ -23,7 +23,7 @@ fn offer(name: &'static str, help: impl Into<String>, asks: Intent) -> Offer {
 pub(super) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
     let snapshot = scene.snapshot;
     let port = snapshot.port.clone().unwrap_or(Port::Simulated);
-    let disconnect = |name, help| offer(name, help, Intent::Request(Request::Disconnect));
+    let disconnect = |name, help| offer(name, help, Intent::Device(DeviceIntent::Disconnect));
     match &snapshot.link {
         LinkState::Disconnected => {
             vec![offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port))]
@@ -51,7 +51,7 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
         return vec![offer("What to do", mismatch.sentence(), Intent::ShowDevice)];
     }
     let Some(status) = snapshot.status else {
-        let close = Intent::Request(Request::Disconnect);
+        let close = Intent::Device(DeviceIntent::Disconnect);
         return vec![offer("Disconnect", "Close the port", close)];
     };
     let mut offers = of_state(scene, status.state, snapshot.is_simulated());
@@ -70,7 +70,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
     match (state, is_simulated) {
         (State::Fault, true) if autopilot::drive_clears_fault(scene.snapshot) => vec![drive()],
         (State::Idle, true) => {
-            let arm = Intent::Request(Request::Arm);
+            let arm = Intent::Device(DeviceIntent::Arm);
             vec![drive(), offer("Arm", "Accept drives; no real plate hangs on it", arm)]
         }
         (State::Idle, false) => {
@@ -82,7 +82,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
         (State::Driving | State::Stopping, false) => vec![disarm()],
         (State::Driving, true) => Vec::new(),
         (State::Fault, _) => {
-            let clear = Intent::Request(Request::ClearFaults);
+            let clear = Intent::Device(DeviceIntent::ClearFaults);
             vec![offer("Clear fault", "Clear the latched faults whose cause is gone", clear)]
         }
         (State::SafeMode, true) => {

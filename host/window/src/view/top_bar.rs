@@ -2,11 +2,11 @@
 
 use super::aligned::{self, Width};
 use super::{Scene, menu, offers, theme};
-use crate::intent::{Dialog, Intent, Intents};
+use crate::intent::{DeviceIntent, Dialog, Intent, Intents};
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
 use slipline_instrument::SAFE_MODE;
 use slipline_link::protocol::event::{Fault, State, Status};
-use slipline_link::{LinkError, LinkState, Request};
+use slipline_link::{LinkError, LinkState};
 use theme::Palette;
 
 /// What looking for ports again does.
@@ -199,7 +199,7 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &
     if let Some(progress) = scene.snapshot.upload {
         let help = "Give up the upload; the old table stays";
         if cancel(ui, is_narrow, help) {
-            intents.push(Intent::Request(Request::CancelUpload));
+            intents.push(Intent::Device(DeviceIntent::CancelUpload));
         }
         let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
         let text = format!("table {} / {}", progress.sent, progress.total);

@@ -18,6 +18,7 @@ mod foreign;
 mod glyphs;
 mod hang;
 mod holding;
+mod in_use;
 mod known_tables;
 mod light_marks;
 mod measure;
@@ -28,9 +29,17 @@ mod paths;
 mod plane_check;
 mod play;
 mod plots;
+#[path = "../../../instrument/tests/in_use/pluggable_port.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;
 mod port_help;
 mod reasons;
+#[path = "../../../instrument/tests/in_use/script.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod script;
+#[path = "../../../instrument/tests/in_use/session.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod session;
 mod sizes;
 mod sliders;
 mod small_screens;

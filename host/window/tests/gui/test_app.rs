@@ -81,6 +81,14 @@ impl TestApp {
             .once_driving()
     }
 
+    /// As [`Self::sensed`], before any time has passed.
+    pub(crate) fn sensed_from_the_start(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        let inputs = Some((inputs, bench));
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), true, inputs)
+    }
+
     fn once_driving(mut self) -> Self {
         for _ in 0..40 {
             self.wait(50);
@@ -223,6 +231,11 @@ impl TestApp {
     /// The snapshot of link and device.
     pub(crate) fn snapshot(&self) -> Snapshot {
         self.worker.borrow().connection.view().clone()
+    }
+
+    /// A digest of all codes that the device has sent.
+    pub(crate) fn digest(&self) -> u64 {
+        self.worker.borrow().digest()
     }
 
     /// Everything the app has asked of the link since the last call.

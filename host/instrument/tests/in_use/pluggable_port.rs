@@ -1,5 +1,6 @@
 //! A port with a simulated device that can be plugged in and pulled out, and the link on it, in virtual time.
 
+use slipline_instrument::Link;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::event::ResetCause;
 use slipline_link::protocol::version::Minor;
@@ -7,7 +8,6 @@ use slipline_link::protocol::{Command, Decoder, Event, Header, Refusal};
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{LinkError, Port, PortInfo, Request, Snapshot, Ticket};
-use slipline_window::app::Link;
 use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
@@ -22,6 +22,20 @@ struct PluggablePort {
     refusal: Option<Refusal>,
     from_host: Decoder,
     refused: Vec<u8>,
+    /// Of all codes that the device has sent: FNV-1a.
+    digest: u64,
+}
+
+impl PluggablePort {
+    /// Has the device send so many blocks.
+    fn send(&mut self, blocks: u64) {
+        let digest = &mut self.digest;
+        self.device.advance(blocks, |sent| {
+            for byte in sent.codes.iter().flat_map(|code| code.to_le_bytes()) {
+                *digest = (*digest ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+            }
+        });
+    }
 }
 
 pub(crate) struct PluggableTransport(Arc<Mutex<PluggablePort>>);
@@ -111,6 +125,7 @@ impl SteppedWorker {
             refusal: None,
             from_host: Decoder::new(),
             refused: Vec::new(),
+            digest: 0xcbf2_9ce4_8422_2325,
         }));
         let mut nonce = 0u32;
         let nonces = Box::new(move || {
@@ -132,6 +147,11 @@ impl SteppedWorker {
         }
     }
 
+    /// A digest of all codes that the device has sent.
+    pub(crate) fn digest(&self) -> u64 {
+        self.port.lock().unwrap().digest
+    }
+
     /// Has every drive refused from now on, or taken again.
     pub(crate) fn refuse_drives(&self, refusal: Option<Refusal>) {
         self.port.lock().unwrap().refusal = refusal;
@@ -146,7 +166,7 @@ impl SteppedWorker {
             // 400 kS/s in blocks of 128 are 3.125 blocks a millisecond.
             let blocks = |time: Duration| time.as_millis() as u64 * 25 / 8;
             let due = blocks(self.now) - blocks(self.now - STEP);
-            self.port.lock().unwrap().device.advance(due, |_| {});
+            self.port.lock().unwrap().send(due);
             self.connection.step(self.now);
             if self.connection.take_sign_wanted() && !self.is_hung {
                 self.connection.sign_of_life(self.now);

@@ -1,0 +1,130 @@
+//! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from the first
+//! connection to a calibrated plate, a held level, a replay, and a cable that was pulled.
+
+#[path = "in_use/pluggable_port.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod pluggable_port;
+#[path = "in_use/script.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod script;
+#[path = "in_use/session.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod session;
+
+use session::Session;
+use slipline_instrument::calibration::Step;
+use slipline_instrument::hold::Standing;
+use slipline_instrument::rig::secret;
+use slipline_instrument::{CalibrateIntent, MeasureIntent};
+use slipline_link::protocol::event::State;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::departure;
+use std::sync::Arc;
+
+#[test]
+fn a_session_from_the_first_connection_to_a_pulled_cable() {
+    let mut session = Session::new();
+    // Connect, table, drive: the simulated device needs no asking.
+    session.pass(2000);
+    assert_eq!(session.state(), Some(State::Driving));
+    let begun = session.sent();
+    assert_eq!(begun, ["AutoReconnect", "Connect", "Upload", "Drive"], "{begun:?}");
+
+    // A drag of many moves is one gesture; undo takes all of it back.
+    let first_m = session.line_m();
+    session.instrument.begin_gestures(1);
+    session.attention.is_dragging = true;
+    for mm in 150..180 {
+        session.instrument.drag_line(0, f64::from(mm) * 1e-3);
+        session.pass(50);
+    }
+    session.attention.is_dragging = false;
+    assert!((session.line_m() - 0.179).abs() < 1e-6);
+    session.instrument.undo();
+    assert_eq!(session.line_m(), first_m);
+    session.instrument.redo();
+    assert_eq!(session.sent(), ["Drive"]);
+
+    // A texture, made while its page is open, played and taken back.
+    session.attention.is_texture_open = true;
+    session.pass(500);
+    session.instrument.play_texture();
+    session.pass(500);
+    assert!(session.instrument.setup().tones.len() > 1, "{}", session.notice());
+    let sent = session.sent();
+    assert!(sent.iter().any(|kind| kind == "Chord" || kind == "Drive"), "{sent:?}");
+    session.instrument.save_texture();
+    session.turn();
+    assert_eq!(session.saved, ["texture.toml"]);
+    session.instrument.undo();
+    session.attention.is_texture_open = false;
+    session.pass(500);
+
+    // A plate that nobody knows is measured, calibrated and used.
+    session.instrument.perform_measure(MeasureIntent::Secret(true));
+    session.measure(None);
+    assert!(session.notice().starts_with("Measured 30.0 mm, run 1"), "{}", session.notice());
+    session.instrument.perform_calibrate(CalibrateIntent::Open);
+    session.turn();
+    for (page, answers) in [(Step::FirstAnswer, 0), (Step::SecondPlace, 1)] {
+        session.instrument.perform_calibrate(CalibrateIntent::Page(page));
+        session.turn();
+        session.measure(Some(answers));
+    }
+    session.instrument.perform_calibrate(CalibrateIntent::Page(Step::Result));
+    session.pass(100);
+    session.instrument.perform_calibrate(CalibrateIntent::Use);
+    session.pass(1500);
+    let nominal = slipline_plate::preset("membrane").unwrap();
+    let truth = secret(&Arc::new(nominal.clone()), 1).unwrap();
+    let off_mm = |plate: &Plate| 1e3 * departure(plate, &truth, 400e3).unwrap().boundary_m;
+    let used = Arc::clone(&session.instrument.setup().plate);
+    assert!(off_mm(&used) < 0.3 * off_mm(&nominal), "{} {} mm", off_mm(&nominal), off_mm(&used));
+    assert!(session.sent().contains(&"Comb".to_owned()));
+
+    // Held, and stopped: STOP ends the hold, too.
+    session.instrument.start();
+    session.pass(1000);
+    session.instrument.switch_hold(true);
+    session.pass(3000);
+    assert!(matches!(session.instrument.shown().hold.standing, Standing::Holding(_)), "{}", session.notice());
+    session.instrument.press_stop();
+    session.pass(500);
+    assert!(!matches!(session.instrument.shown().hold.standing, Standing::Holding(_)));
+    assert_eq!(session.state(), Some(State::Armed));
+
+    // Recorded and replayed.
+    session.instrument.start();
+    session.instrument.record(true);
+    for mm in [160, 170, 180] {
+        session.instrument.drag_line(0, f64::from(mm) * 1e-3);
+        session.pass(100);
+    }
+    session.instrument.record(false);
+    session.instrument.drag_line(0, 0.2);
+    session.sent();
+    session.instrument.play(true);
+    session.pass(1000);
+    assert!((session.line_m() - 0.18).abs() < 1e-6, "{}", session.line_m());
+    assert_eq!(session.sent(), ["Drive"]);
+
+    // The cable is pulled, and put in again: nothing sounds unasked for, and Drive goes on.
+    session.worker.borrow().plug(false);
+    session.pass(1000);
+    assert!(!session.instrument.snapshot().is_connected());
+    session.worker.borrow().plug(true);
+    session.pass(3000);
+    assert!(session.instrument.snapshot().is_connected(), "{}", session.notice());
+    session.instrument.start();
+    session.pass(1500);
+    assert_eq!(session.state(), Some(State::Driving));
+}
+
+#[test]
+fn the_script_of_a_window_runs_without_one() {
+    let mut session = Session::new();
+    let sent = script::play(&mut session);
+    let combs = sent.iter().filter(|request| request.starts_with("Comb")).count();
+    assert!(combs > 3, "a measurement plays combs: {sent:#?}");
+    assert_eq!(session.state(), Some(State::Driving));
+}
