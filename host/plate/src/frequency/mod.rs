@@ -1,5 +1,6 @@
 //! The plate in the frequency domain: the steady amplitude over x at one frequency, and its peak.
 
+pub(crate) mod axial;
 mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;

@@ -15,11 +15,12 @@ mod two_solutions;
 #[cfg(test)]
 pub(crate) mod work;
 
+use crate::frequency::axial::lossy_axial_squared;
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::equation::Equation;
 use crate::frequency::strip_grid::StripGrid;
 use crate::frequency::sweep::{LANES, Medium, Separable, Strip, Sweep};
-use crate::spec::plate::{Plate, WidthMode};
+use crate::spec::plate::Plate;
 use crate::spec::strip_table::StripTable;
 use num_complex::Complex64;
 use pulp::Arch;
@@ -148,7 +149,7 @@ impl Grid {
     fn at(&self, plate: &Plate, frequency_hz: f64) -> At<'_> {
         match &self.strip {
             Some(strip) => At::Strip(strip, plate.spec().model.wavenumber_squared(TAU * frequency_hz).ln()),
-            None => At::Separable(lossy_axial_squared(plate, &plate.width_mode(self.mode), frequency_hz)),
+            None => At::Separable(lossy_axial_squared(&plate.width_mode(self.mode), frequency_hz)),
         }
     }
 
@@ -207,11 +208,6 @@ pub(crate) fn refinement_for(plate: &Plate, frequency_hz: f64, step_m: f64, erro
     let wanted = (480.0 * error / phase).sqrt().sqrt() / steepest.max(1e-9);
     let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
     (step_m / wanted).ceil().clamp(1.0, most) as usize
-}
-
-/// a K^2 (1 + j eta) with eta = [`Plate::wave_loss`], 1/m^2.
-pub(crate) fn lossy_axial_squared(plate: &Plate, width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
-    width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, plate.wave_loss())
 }
 
 /// f at the grid points on the plate, relative to the drive.
@@ -344,8 +340,7 @@ pub(crate) fn solve_each_apart(
         let rows = (&mut g_re[..], &mut g_im[..]);
         let ends = match &strip {
             None => {
-                let axial =
-                    frequency.map(|frequency_hz| lossy_axial_squared(plate, &width_mode, frequency_hz));
+                let axial = frequency.map(|frequency_hz| lossy_axial_squared(&width_mode, frequency_hz));
                 let medium = Separable {
                     barrier: &barrier,
                     axial_re: axial.map(|axial| 1.0 + h2 * axial.re),

@@ -1,7 +1,7 @@
 //! Ends of the amplitude equation alone: one condition, no near field.
 
 use super::DrivenEnd;
-use crate::frequency::numerov::lossy_axial_squared;
+use crate::frequency::axial::lossy_axial_squared;
 use crate::spec::drive::DriveEnd;
 use crate::spec::plate::Plate;
 use crate::spec::source::Source;
@@ -34,7 +34,7 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> Driv
     let width_mode = plate.width_mode(1);
     // A validated plate with a source has its tension or thickness.
     let surface_density = plate.spec().model.surface_density("a source").unwrap_or(f64::NAN);
-    let stiffness = omega * omega * surface_density / lossy_axial_squared(plate, &width_mode, frequency_hz);
+    let stiffness = omega * omega * surface_density / lossy_axial_squared(&width_mode, frequency_hz);
     let line = stiffness * plate.half_width_m(0.0);
     DrivenEnd::simple(
         -source.impedance.dynamic_stiffness(omega) / line,

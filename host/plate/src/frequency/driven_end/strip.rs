@@ -1,6 +1,6 @@
 //! The supported strip at the driven end: what its two waves and the agents behind them are computed from.
 
-use crate::frequency::numerov::lossy_axial_squared;
+use crate::frequency::axial::lossy_axial_squared;
 use crate::spec::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -32,7 +32,7 @@ impl Strip {
         let rigidity = surface_density * omega / (lossless_axial * plate.axial_rise(frequency_hz));
         Self {
             omega,
-            axial: lossy_axial_squared(plate, &width_mode, frequency_hz),
+            axial: lossy_axial_squared(&width_mode, frequency_hz),
             lossless_axial,
             across: width_mode.width_term(0.0),
             stiffness: rigidity * plate.half_width_m(0.0),

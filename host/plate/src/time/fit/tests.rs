@@ -145,7 +145,7 @@ fn touched(
     let k0 = mode.wavenumber_squared(0.0, 140.0).sqrt();
     move |frequencies| {
         let field = |frequency: &f64| {
-            let axial = crate::frequency::numerov::lossy_axial_squared(plate, &mode, *frequency);
+            let axial = crate::frequency::axial::lossy_axial_squared(&mode, *frequency);
             // From the end, where f = 0, to the drive: f[i + 1] = ratio[i] f[i].
             let mut ratio = vec![Complex64::ZERO; points];
             let mut robin = Complex64::ZERO;

@@ -1,0 +1,9 @@
+//! The axial part of the local wavenumber, a K^2: what the amplitude equation and its conditions at the driven end share.
+
+use crate::spec::plate::WidthMode;
+use num_complex::Complex64;
+
+/// a K^2 (1 + j eta) with eta = [`crate::Plate::wave_loss`], 1/m^2.
+pub(crate) fn lossy_axial_squared(width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
+    width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, width_mode.plate.wave_loss())
+}
